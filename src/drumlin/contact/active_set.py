@@ -38,52 +38,68 @@ from drumlin.contact.equations import (
 )
 
 MOST_PIVOT_STEPS = 120
-"""Limit of the steps in which all wrong nodes change at once. A brake needs some ten steps."""
+"""Largest number of steps of the active-set method for a contact problem.
+
+In each step all nodes with a negative pressure or a negative gap change between contact and
+separation. A brake needs some ten steps.
+"""
 
 MOST_SET_CHANGES = 10
-"""Limit of the changes of the contact set per node while an answer is followed from wider gaps."""
+"""Largest number of changes of the contact set, per contact node, on a path of solutions.
+
+The path leads from contact under widened gaps to contact under the true gaps. If more changes are
+needed, the contact problem is refused.
+"""
 
 GOLDEN_RATIO = (math.sqrt(5) - 1) / 2
-"""Golden ratio 0.618. Its multiples modulo 1 give each node an added gap of its own size."""
+"""Golden ratio 0.618.
+
+The fractional parts of its multiples are all different. They give each contact node an added gap
+of a different size.
+"""
 
 SMALLEST_EXTRA_GAP = math.sqrt(np.finfo(float).eps)
-"""Smallest gap added to a node where a path of solutions begins, relative to the largest gap.
+"""Smallest gap that is added to a contact node, relative to the largest gap of all nodes.
 
-The added gaps differ from node to node, so that no two nodes change between contact and separation
-at the same time. The square root of the machine precision (1.5e-8) lies as far above round-off as
+Gaps are added where a path of solutions begins. The path then leads back to the true gaps. The
+added gaps differ from node to node, so that no two nodes change between contact and separation at
+the same time. The square root of the machine precision (1.5e-8) lies as far above round-off as
 below the gaps. With added gaps as large as the gaps themselves a path may miss a solution that
 smaller added gaps find.
 """
 
 MOST_STEPS_WITHOUT_PROGRESS = 5
-"""Number of pivoting steps in a row after which the number of wrong nodes must have fallen.
+"""Number of steps of the active-set method within which the number of wrong nodes must fall.
 
-If the number has not fallen, the solution is followed along a path on which one node changes at a
-time, see `follow_solution_from_wider_gaps`. The path needs a step for each node that changes.
-Judice and Pires (1994) wait for up to ten steps. On 50 random holding brakes one step
-takes 1.2 times the factorisations; five to twelve steps lie within 2 % of each other. The solutions
-are the same with any number of steps.
+A contact node is wrong if its pressure or its gap is negative. If the number of wrong nodes has not
+fallen, the solution is followed along a path on which one node changes at a time, see
+`follow_solution_from_wider_gaps`. The path needs a step for each node that changes. Judice and
+Pires (1994) wait for up to ten steps. On 50 random holding brakes a limit of one step takes 1.2
+times as many factorisations as five. Limits from five to twelve steps lie within 2 % of each other.
+The solutions are the same with any limit.
 """
 
 COARSE_GUESS_FROM_NODES = 48
-"""Number of nodes from which the first contact set is guessed from the problem on every other node.
+"""Number of contact nodes from which on the first contact set is guessed on fewer nodes.
 
-Smaller problems are solved as fast from a contact set of all nodes. Measured by trials: 24 and 96
-change the steps by a tenth and the time not at all.
+The guess is the contact set of the same problem on every other node. Problems with fewer nodes
+start with all nodes in contact, which is as fast. In trials, limits of 24 and 96 nodes changed the
+number of steps by a tenth and the time not at all.
 """
 
 SET_ROUND_OFF = 1e-12
-"""Relative size up to which a negative pressure or a negative gap counts as round-off.
+"""Relative size up to which a negative pressure or a negative gap of a node counts as round-off.
 
-Pressures are relative to the largest pressure, gaps to the largest gap. A node with a larger
-negative value changes between contact and separation.
+Pressures are relative to the largest pressure, gaps to the largest gap. A contact node with a
+larger negative value changes between contact and separation.
 """
 
 MOST_CANDIDATE_SETS = 2016
-"""Number of sets of k nodes among which the first touching set of k modes is sought.
+"""Largest number of sets of nodes among which a shoe's first points of contact are sought.
 
-The number limits the memory. All pairs of 64 nodes or all triples of 23 nodes stay below it. Of
-more nodes only every few are candidates.
+A shoe with k rigid-body modes first touches at a set of k nodes. The number of sets limits the
+memory. All pairs of 64 nodes, or all triples of 23 nodes, stay below the limit. If a shoe has more
+nodes, only some of the nodes, evenly spaced, are candidates.
 """
 
 
@@ -96,11 +112,11 @@ class Contact:
     p : nodal pressures (n,)
     w : weighted gaps (n,)
     y : rigid-body motions (k,)
-    active : whether a node (n,) is in the contact set
+    active : whether a node (n,) touches, which means that it is in the contact set
     steps : number of contact sets that were solved
-    stable : whether the contact resists every rigid-body mode, as it does without friction. Under
-        growing friction an answer is no longer regular where the brake locks itself.
-    system : the equilibrated contact problem
+    stable : whether the contact resists every rigid-body mode, as it does without friction. Where
+        growing friction makes the brake lock itself, the solution is unstable.
+    system : the scaled contact problem
     pressure_change : function that returns the change of p (n,) under a given change of the
         weighted gaps (n,) while the contact set stays
     """
@@ -116,7 +132,7 @@ class Contact:
 
 
 class ContactSetNotConverged(NoAnswer):
-    """The refusal of a contact set that still changes after a number of `steps`."""
+    """The error that the contact set still changes after a number of `steps`."""
 
     def __init__(self, steps: int) -> None:
         super().__init__(f"not converged: the contact set still changes after {steps} steps")
@@ -124,7 +140,10 @@ class ContactSetNotConverged(NoAnswer):
 
 
 def solve_contact_problem(problem: ContactProblem, start: Bools | None = None) -> Contact:
-    """Solve a contact problem from a contact set, and from wider gaps if that does not converge.
+    """Solve a contact problem, and return its solution.
+
+    The active-set method starts from a contact set. If the method does not converge, the solution
+    is followed from widened gaps.
 
     Parameters
     ----------
@@ -135,7 +154,7 @@ def solve_contact_problem(problem: ContactProblem, start: Bools | None = None) -
     Raises
     ------
     NoAnswer
-        if no pressures balance the actuation, or without convergence
+        if no pressures balance the actuation, or if neither method converges
     """
     try:
         return solve_by_block_pivoting(problem, start)
@@ -146,7 +165,9 @@ def solve_contact_problem(problem: ContactProblem, start: Bools | None = None) -
 
 
 class _TrialSolution(NamedTuple):
-    """The scaled solution on a trial contact set.
+    """The scaled solution of the equations of a trial contact set.
+
+    The contact set gives each node either a pressure or a gap, and both may come out negative.
 
     Attributes
     ----------
@@ -170,7 +191,9 @@ def solve_by_block_pivoting(
     most_steps: int = MOST_PIVOT_STEPS,
     scales_of: EquilibratedSystem | None = None,
 ) -> Contact:
-    """Solve a contact problem by changing all wrong nodes at once.
+    """Solve a contact problem by changing all wrong nodes at once, and return its solution.
+
+    A node is wrong if its pressure or its gap is negative.
 
     Parameters
     ----------
@@ -192,7 +215,8 @@ def solve_by_block_pivoting(
     fewest, patience = system.n + 1, MOST_STEPS_WITHOUT_PROGRESS
     base: ContactSetEquations | None = None
     for step in range(1, most_steps + 1):
-        # The equations are singular if no touching node resists one of the rigid-body modes.
+        # If the touching nodes leave a rigid-body mode free, the equations are singular. The nodes
+        # that the actuation closes first are then added.
         if not _contact_set_resists_modes(problem, active):
             active = active | _find_first_contact_set(system.problem)
         equations = _factorise_contact_set(system, active, base)
@@ -202,9 +226,11 @@ def solve_by_block_pivoting(
         count = int(np.count_nonzero(trial.wrong))
         if not count:
             return _refine_solution_once(system, equations, active, trial, step)
-        fewest, patience = (
-            (count, MOST_STEPS_WITHOUT_PROGRESS) if count < fewest else (fewest, patience - 1)
-        )
+        # The search ends if the number of wrong nodes has not fallen for some steps.
+        if count < fewest:
+            fewest, patience = count, MOST_STEPS_WITHOUT_PROGRESS
+        else:
+            patience -= 1
         if patience < 0:
             break
         active = _next_contact_set(problem, system, equations, active, trial)
@@ -214,7 +240,10 @@ def solve_by_block_pivoting(
 def _factorise_contact_set(
     system: EquilibratedSystem, active: Bools, base: ContactSetEquations | None
 ) -> ContactSetEquations | BorderedEquations:
-    """Factorise the equations of a contact set (n,), or reuse `base` if few nodes differ."""
+    """Factorise the equations of a contact set (n,), and return them.
+
+    The factors of the earlier equations `base` are reused if few nodes differ.
+    """
     on = system.free_unknowns(active)
     if base is not None and is_bordering_cheaper(base, on):
         return BorderedEquations(base, system.K, on)
@@ -224,7 +253,7 @@ def _factorise_contact_set(
 def _solve_on_trial_set(
     system: EquilibratedSystem, equations: ContactSetEquations, active: Bools
 ) -> _TrialSolution:
-    """Solve the equations of a trial contact set (n,), and mark nodes with a wrong sign."""
+    """Solve the equations of a trial contact set (n,), and mark nodes with negative values."""
     K, r, n = system.K, system.r, system.n
     x = equations.solve(r)
     p = x[:n]
@@ -248,10 +277,10 @@ def _refine_solution_once(
     trial: _TrialSolution,
     steps: int,
 ) -> Contact:
-    """Refine the solution on a consistent contact set by one step of iterative refinement.
+    """Refine the solution on the final contact set by one step of iterative refinement.
 
-    After the refinement pressures and motions balance to round-off, even if wide gaps close on tiny
-    compressions.
+    The refined pressures and rigid-body motions fulfil the equations to round-off. This holds even
+    if the gaps that close are far wider than the compressions of the lining.
     """
     x = (trial.x + equations.solve(trial.residual)) * system.column_scales
     trial.w[active] = 0.0
@@ -275,7 +304,10 @@ def _next_contact_set(
     active: Bools,
     trial: _TrialSolution,
 ) -> Bools:
-    """Return the next contact set (n,): the wrong nodes change if the set still resists all modes.
+    """Return the contact set (n,) of the next step of the active-set method.
+
+    All wrong nodes change between contact and separation, if the new set still resists all
+    rigid-body modes. Otherwise only some of the pulling nodes leave the set.
 
     A stiff shoe with two rigid-body modes stands on two nodes. If one node opens, the shoe turns
     about the other node until a third node touches, see `_find_node_that_closes_first`. In this way
@@ -284,7 +316,8 @@ def _next_contact_set(
     wanted = active ^ trial.wrong
     if _contact_set_resists_modes(problem, wanted):
         return wanted
-    # Touching nodes are added. Pulling nodes leave in the order of their pull, if the rest resists.
+    # All nodes that penetrate join the set. The nodes that pull leave it one after the other, the
+    # strongest pull first, as long as the remaining nodes resist all modes.
     found = active | trial.wrong
     leaving = np.flatnonzero(active & trial.wrong)
     leaving = leaving[np.argsort(trial.p[leaving], kind="stable")]
@@ -309,20 +342,20 @@ def _find_node_that_closes_first(
     opening_node: int,
     active: Bools,
 ) -> int | None:
-    """Return the node that touches first as a node of the contact set opens, or None.
+    """Return the number of the node that touches first while a node of the contact set opens.
 
     The result is None if no node touches.
 
-    Without the leaving node the contact set leaves one rigid-body mode free. As the node opens, the
+    Without the opening node the contact set leaves one rigid-body mode free. As the node opens, the
     gaps therefore change by this mode alone, and no pressure changes.
 
     Parameters
     ----------
-    K : matrix (n + k, n + k) of the equilibrated system
+    K : matrix (n + k, n + k) of the scaled contact problem
     equations : the factorised equations of the contact set
     w : scaled weighted gaps (n,) before the node opens
     opening_node : number of the node that opens
-    active : the contact set (n,) with the leaving node
+    active : the contact set (n,) with the opening node
     """
     unit = np.zeros(len(K))
     unit[opening_node] = -1.0
@@ -336,31 +369,33 @@ def _find_node_that_closes_first(
 
 
 class _PathSegment(NamedTuple):
-    """A segment of a solution path: the contact set stays, and all unknowns are linear in s.
+    """A segment of a solution path, on which the contact set stays the same.
 
-    `value` (n,) holds the pressures of the contact set and the gaps of all other nodes at s = 0.
-    `slope` (n,) is the change of these values per s.
+    The parameter s of the path scales the gaps that are added to the true gaps. On the segment all
+    pressures and gaps are linear in s. `value` (n,) holds the pressures of the contact set and the
+    gaps of all other nodes at s = 0. `slope` (n,) is the change of these values per s.
     """
 
     value: Floats
     slope: Floats
 
     def values_at(self, s: float) -> Floats:
-        """The pressures and gaps (n,) at s."""
+        """Return the pressures of the contact set and the gaps of all other nodes (n,) at s."""
         return self.value + s * self.slope
 
 
 def follow_solution_from_wider_gaps(problem: ContactProblem) -> tuple[Bools, int]:
-    """Follow the answer from wider gaps q + s e, s = 1, to the true gaps, s = 0.
+    """Follow the solution of a contact problem from widened gaps to the true gaps.
 
-    At s = 1 only those nodes touch that the actuation closes first; e (n,) lifts all other nodes.
-    Between two changes of the contact set p and w are linear in s. One node changes at a time. The
-    path may turn, so that s grows again. A path ends at an answer or goes on for ever (Lemke 1965;
-    Cottle, Pang & Stone, The Linear Complementarity Problem, section 4.5).
+    The gaps are q + s e, with s = 1 where the path begins and s = 0 where it ends. At s = 1 only
+    those nodes touch that the actuation closes first; e (n,) lifts all other nodes. Between two
+    changes of the contact set the pressures and gaps are linear in s. One node changes at a time.
+    The path may turn, so that s grows again. A path ends at a solution or goes on for ever (Lemke
+    1965; Cottle, Pang & Stone, The Linear Complementarity Problem, section 4.5).
 
     Returns
     -------
-    the contact set (n,) of the answer, and the number of steps to it
+    the contact set (n,) of the solution, and the number of steps to it
 
     Raises
     ------
@@ -377,7 +412,8 @@ def follow_solution_from_wider_gaps(problem: ContactProblem) -> tuple[Bools, int
         if step == 0:
             lift[:n] = _extra_gaps_at_path_start(system, equations, active)
         line = _path_segment_of_contact_set(system, equations, active, lift)
-        # The node that has changed last must leave zero.
+        # The pressure or gap of the node that has changed last is zero, and must grow from zero.
+        # Its slope therefore gives the sense in which s changes.
         if step > 0:
             direction = 1 if line.slope[last] > 0 else -1
         reach = _path_steps_until_zero(line, s, direction)
@@ -390,7 +426,8 @@ def follow_solution_from_wider_gaps(problem: ContactProblem) -> tuple[Bools, int
         leaves = active[last]
         active[last] = not active[last]
         if leaves and not _contact_set_resists_modes(problem, active):
-            # A leaving node that frees a mode is exchanged for the node that stops the mode.
+            # Without the leaving node the shoe is free to move in a rigid-body mode. The node that
+            # stops this motion takes its place.
             active[last] = True
             gaps = np.where(active, 0.0, line.values_at(s))
             touched = _find_node_that_closes_first(K, equations, gaps, last, active)
@@ -404,9 +441,9 @@ def follow_solution_from_wider_gaps(problem: ContactProblem) -> tuple[Bools, int
 def _extra_gaps_at_path_start(
     system: EquilibratedSystem, equations: ContactSetEquations, active: Bools
 ) -> Floats:
-    """Return gaps (n,) that open all nodes outside a contact set (n,) when they are added.
+    """Return gaps (n,) which, added to the true gaps, open all nodes outside a contact set (n,).
 
-    The added gaps differ from node to node, so that no two nodes change together.
+    The added gaps differ from node to node, so that no two nodes change at the same time.
     """
     r, n = system.r, system.n
     w = (r + system.K @ equations.solve(r))[:n]
@@ -418,7 +455,10 @@ def _extra_gaps_at_path_start(
 def _path_segment_of_contact_set(
     system: EquilibratedSystem, equations: ContactSetEquations, active: Bools, lift: Floats
 ) -> _PathSegment:
-    """Return pressures and gaps of a contact set (n,) as functions of s, under gaps q + s lift."""
+    """Return pressures and gaps on a contact set (n,) as linear functions of s.
+
+    The gaps of the unloaded contact are q + s lift, with `lift` (n + k,) per s.
+    """
     K, r, n = system.K, system.r, system.n
     x, dx = equations.solve(r), equations.solve(lift)
     w, dw = (r + K @ x)[:n], (lift + K @ dx)[:n]
@@ -426,9 +466,10 @@ def _path_segment_of_contact_set(
 
 
 def _path_steps_until_zero(line: _PathSegment, s: float, direction: int) -> Floats:
-    """Return the changes of s (n,) at which each pressure or gap is zero; inf for growing values.
+    """Return the change of s (n,) after which the pressure or gap of each node falls to zero.
 
-    `direction` is the sense, +1 or -1, in which s changes.
+    The change is inf where the pressure or gap grows. `direction` is the sense, +1 or -1, in which
+    s changes.
     """
     falls = direction * line.slope < 0
     reach = np.full(len(falls), np.inf)
@@ -437,11 +478,12 @@ def _path_steps_until_zero(line: _PathSegment, s: float, direction: int) -> Floa
 
 
 def guess_contact_set_from_coarse_problem(problem: ContactProblem) -> Bools:
-    """Guess the contact set (n,) by solving the problem on every other node.
+    """Guess the contact set (n,) of a problem from the solution of the problem on every other node.
 
-    From a start with all nodes, a small contact at an unexpected place moves by its own width in a
-    step. On a coarser problem these steps are few and cheap. A coarser problem starts from a still
-    coarser problem, and the smallest problem from all nodes.
+    If the active-set method starts with all nodes in contact, a short contact moves along the
+    lining by its own length in a step. On fewer nodes these steps are few and cheap. The problem on
+    every other node gets its own guess in the same way, and the smallest problem starts with all
+    nodes in contact.
     """
     count = len(problem.q)
     active = np.ones(count, dtype=bool)
@@ -455,9 +497,9 @@ def guess_contact_set_from_coarse_problem(problem: ContactProblem) -> Bools:
 
 
 def expand_coarse_contact_set(coarse: Bools, count: int) -> Bools:
-    """Expand a contact set on every other node to a contact set (count,) on all nodes.
+    """Return the contact set (count,) on all nodes that belongs to one on every other node.
 
-    The nodes next to a node of the coarse set belong to the fine set.
+    The neighbours of a node of the coarse set belong to the fine set as well.
     """
     active = np.empty(count, dtype=bool)
     between = count // 2
@@ -468,9 +510,10 @@ def expand_coarse_contact_set(coarse: Bools, count: int) -> Bools:
 
 
 def coarsen_problem(problem: ContactProblem) -> ContactProblem:
-    """Return the contact problem on every other node, with pressures that are linear in between.
+    """Return the contact problem on every other node.
 
-    With the interpolation P the coarse problem is P^T A P, P^T q, P^T B and C P.
+    The pressure is linear between the nodes that are kept. With the matrix P of this interpolation
+    the coarse problem consists of P^T A P, P^T q, P^T B and C P.
     """
     A, q, B, C, h = problem
     return ContactProblem(
@@ -483,7 +526,7 @@ def coarsen_problem(problem: ContactProblem) -> ContactProblem:
 
 
 def interpolate_coarse_pressures(coarse: Floats, count: int) -> Floats:
-    """Interpolate pressures at every other node to pressures at all nodes (count,)."""
+    """Return pressures at all nodes (count,), interpolated from pressures at every other node."""
     p = np.empty(count)
     p[::2] = coarse
     p[1::2] = 0.5 * coarse[: count // 2]
@@ -492,10 +535,11 @@ def interpolate_coarse_pressures(coarse: Floats, count: int) -> Floats:
 
 
 def restrict_to_every_other_node(rows: Floats, axis: int = 0) -> Floats:
-    """Add half of each row to its neighbours and keep every other row.
+    """Return every other row of an array, with half of each dropped row added to its neighbours.
 
-    Rows (n, ...) become ((n + 1) // 2, ...), the transposed interpolation P^T times the rows. With
-    axis 1 columns are summed in place of rows.
+    Rows (n, ...) become ((n + 1) // 2, ...). The result is P^T times the rows, with the matrix P
+    that interpolates linearly from every other node to all nodes. With axis 1 the function treats
+    columns in place of rows.
     """
     at = (slice(None),) * axis
     half = rows[*at, ::2].copy()
@@ -508,28 +552,33 @@ def restrict_to_every_other_node(rows: Floats, axis: int = 0) -> Floats:
 def _pressure_change_by_gap_change(
     equations: ContactSetEquations, system: EquilibratedSystem, dq: Floats
 ) -> Floats:
-    """Return the change of the pressures (n,) under a change dq (n,) of the weighted gaps."""
+    """Return the change of the pressures (n,) under a change dq (n,) of the weighted gaps.
+
+    The contact set, whose factorised equations are given, stays the same.
+    """
     dr = np.zeros(len(system.r))
     dr[: system.n] = dq
     return (system.column_scales * equations.solve(system.row_scales * dr))[: system.n]
 
 
 def _contact_set_resists_modes(problem: ContactProblem, active: Bools) -> bool:
-    """Whether a contact set (n,) resists each rigid-body mode.
+    """Whether the nodes of a contact set (n,) can hold the shoes in place in each rigid-body mode.
 
-    Modes of the same nodes need as many touching nodes as modes.
+    A shoe with several modes needs at least as many touching nodes as modes.
     """
     B, k = problem.B, len(problem.h)
     touched = B[active]
     if k < 2:
         return bool(touched.any()) or not B.size
-    # Pressures in a mode without load, as the slide of a shoe under a cam, balance each other. A
-    # single node cannot resist a mode without load.
+    # In a mode without load, such as the slide of a shoe under a cam, the pressures balance each
+    # other. A single node cannot do so.
     unloaded = problem.h == 0
     if unloaded.any():
         bearing = np.count_nonzero(problem.C[unloaded][:, active], axis=1)
         if (bearing == 1).any():
             return False
+    # Each mode must move at least one touching node, and the modes of one shoe together as many
+    # touching nodes as there are modes.
     moved = touched != 0
     if not moved.any(axis=0).all():
         return False
@@ -541,9 +590,11 @@ def _contact_set_resists_modes(problem: ContactProblem, active: Bools) -> bool:
 
 
 def _find_first_contact_set(problem: ContactProblem, *, one_node_per_mode: bool = False) -> Bools:
-    """Return the nodes (n,) that the actuation closes first in each mode, if no node touches yet.
+    """Mark the nodes (n,) that touch first as the actuation moves the open shoes.
 
-    With `one_node_per_mode` a shoe with a single mode touches with one node only.
+    A shoe with a single rigid-body mode touches at the node whose gap the mode closes first, or at
+    several nodes at once. With `one_node_per_mode` only one of these is marked. A shoe with k
+    modes touches at k nodes.
     """
     _, q, B, C, h = problem
     n = len(q)
@@ -566,10 +617,10 @@ def _find_first_contact_set(problem: ContactProblem, *, one_node_per_mode: bool 
 
 
 def _mode_motions_until_contact(problem: ContactProblem, mode: int, load: Floats) -> Floats:
-    """Return the size (n,) of a single mode's motion at which each node touches.
+    """Return the size (n,) of the motion in a rigid-body mode at which each node touches.
 
-    The motion is inf for a node whose pressure does not resist the load on the mode. Raises
-    NoAnswer if no pressure resists the load.
+    The size is inf for a node whose pressure does not resist the load on the mode. Raises NoAnswer
+    if no pressure resists the load.
     """
     _, q, B, C, _ = problem
     moved = B[:, mode] != 0
@@ -584,11 +635,14 @@ def _mode_motions_until_contact(problem: ContactProblem, mode: int, load: Floats
 def _order_mode_groups_by_load_path(
     mode_groups: list[list[int]], moves: Bools, bears: Bools
 ) -> list[list[int]]:
-    """Order sets of modes so that the equilibria of a set need only pressures of earlier sets.
+    """Return the sets of modes, one for each shoe, in the order in which the load is passed on.
+
+    A shoe that pushes another shoe comes before it. The equilibria of a set then need only the
+    pressures of the same shoe and of earlier shoes.
 
     Parameters
     ----------
-    mode_groups : sets of modes that move the same nodes
+    mode_groups : sets of modes that move the same nodes, the nodes of one shoe
     moves : whether a mode moves a node (n, k)
     bears : whether a pressure occurs in the equilibrium of a mode (k, n)
     """
@@ -596,7 +650,8 @@ def _order_mode_groups_by_load_path(
     known = np.zeros(len(moves), dtype=bool)
     found, left = [], list(range(len(mode_groups)))
     while left:
-        # Shoes that push each other in a circle have no order: then the first set is taken.
+        # The next set is the first whose equilibria need no pressure that is still unknown. Shoes
+        # that push each other in a circle have no such set; then the first set is taken.
         following = left[0]
         for i in left:
             borne = bears[mode_groups[i]].any(axis=0)
@@ -610,7 +665,10 @@ def _order_mode_groups_by_load_path(
 
 
 def _group_modes_of_same_nodes(moved: Bools) -> list[list[int]]:
-    """Group the modes that move the same nodes; `moved` (n, k) says whether a mode moves a node."""
+    """Return the lists of modes that move the same nodes, which are the modes of one shoe.
+
+    `moved` (n, k) says whether a mode moves a node.
+    """
     found: list[list[int]] = []
     for mode in range(moved.shape[1]):
         for modes in found:
@@ -623,7 +681,10 @@ def _group_modes_of_same_nodes(moved: Bools) -> list[list[int]]:
 
 
 def _find_balancing_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Bools) -> Ints:
-    """Return k nodes whose pressures balance k modes while all other nodes are as open as possible.
+    """Return the numbers of k nodes at which a shoe with k rigid-body modes touches first.
+
+    The pressures of these nodes balance the load on the modes. Of all sets of k such nodes the set
+    is taken that leaves the smallest gap of the other nodes widest.
 
     Parameters
     ----------
@@ -640,7 +701,7 @@ def _find_balancing_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Boo
     """
     k = len(h)
     candidates = np.flatnonzero(moved)
-    # Candidates are thinned evenly until their sets fit into the memory.
+    # Some candidates are dropped, evenly along the lining, until MOST_CANDIDATE_SETS sets remain.
     count = len(candidates)
     while math.comb(count, k) > MOST_CANDIDATE_SETS:
         count -= 1
@@ -648,18 +709,20 @@ def _find_balancing_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Boo
     candidates = candidates[evenly]
     indices = np.array(list(combinations(range(len(candidates)), k)), dtype=int).reshape(-1, k)
     sets = candidates[indices]
-    # Only sets whose nodes hold all modes in place are kept.
+    # Only sets whose nodes hold the shoe in all modes are kept.
     equilibria, closings = C.T[sets].transpose(0, 2, 1), B[sets]  # (sets, k, k)
     holds = _are_matrices_nonsingular(equilibria) & _are_matrices_nonsingular(
         closings.transpose(0, 2, 1)
     )
     sets, equilibria, closings = sets[holds], equilibria[holds], closings[holds]
+    # Of these only the sets are kept whose pressures under the load are positive.
     loads = np.broadcast_to(h[:, None], (len(sets), k, 1))
     p = np.linalg.solve(equilibria, loads)[..., 0]
     pressed = (p >= 0).all(axis=1)
     if not pressed.any():
         raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
-    # The set is chosen whose motion leaves the smallest remaining gap widest.
+    # Each set closes its own gaps by a motion y. The set is taken whose motion leaves the smallest
+    # gap of all candidates widest.
     gaps = q[sets[pressed]][..., None]
     y = -np.linalg.solve(closings[pressed], gaps)[..., 0]
     smallest_gap = (q[candidates] + y @ B[candidates].T).min(axis=1)
@@ -667,8 +730,11 @@ def _find_balancing_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Boo
 
 
 def _are_matrices_nonsingular(matrices: Floats) -> Bools:
-    """Whether matrices (m, k, k) of modes by nodes are regular beyond round-off."""
-    # Scaled rows and columns make the units of the modes irrelevant.
+    """Whether each of the matrices (m, k, k) has a determinant above round-off, as bools (m,).
+
+    The rows stand for rigid-body modes and the columns for nodes.
+    """
+    # The rows and columns are scaled, because the modes have different units (turns and slides).
     largest = np.maximum(np.abs(matrices).max(axis=(0, 2)), TINY)
     scaled = matrices / largest[:, None]
     length = np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), TINY)

@@ -1,12 +1,13 @@
 """Scale and factorise the linear equations of a contact set.
 
-The contact problem has n nodes and k rigid-body modes. At a node of the contact set the weighted
-gap vanishes, w = q + A p + B y = 0. At all other nodes the pressure vanishes, p = 0. The pressures
-balance the actuation, C p = h. The gaps and the balance together are one linear system with the
-matrix [[A, B], [C, 0]], restricted to the rows and columns of the contact set.
+The contact set is the set of nodes that touch. The contact problem has n nodes and k rigid-body
+modes. At a node of the contact set the weighted gap vanishes, w = q + A p + B y = 0. At all other
+nodes the pressure vanishes, p = 0. The pressures balance the actuation, C p = h. The gaps and the
+balance together are one linear system with the matrix [[A, B], [C, 0]], restricted to the rows and
+columns of the contact set.
 
-The system is equilibrated and factorised once. A contact set that differs by a few nodes reuses the
-factors through a bordered system.
+The system is scaled to entries of similar size and factorised once. A contact set that differs by a
+few nodes reuses the factors through a bordered system.
 """
 
 from typing import NamedTuple
@@ -18,21 +19,26 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dgecon, dgetrf, dgetrs
 
 TINY = np.finfo(float).tiny
-"""Smallest normal double. Divisors are at least TINY, so that an empty row does not divide by 0."""
+"""Smallest normal double, 2.2e-308, and least divisor of scale factors.
+
+A row of zeros in a matrix then does not cause a division by 0.
+"""
 
 BORDERED_ABOVE_UNKNOWNS = 100
-"""Number of unknowns above which the equations of a changed contact set are bordered.
+"""Number of unknowns above which a changed contact set is solved by a bordered system.
 
-Bordering reuses the factors of the contact set before. Smaller systems are factorised anew.
- With
-fewer unknowns a factorisation is as fast as bordering. Measured by trials: with 50 to 400 the
-time of a solve stays within 4 %. Without bordering, solves of 300 and 700 elements take 1.15 and
-1.24 times as long.
+A bordered system reuses the LU factors of an earlier contact set that differs by a few nodes.
+Smaller systems are factorised anew, which is as fast. In trials, limits from 50 to 400 unknowns
+changed the time of a solve by less than 4 %. Without bordering, solves of 300 and 700 elements take
+1.15 and 1.24 times as long.
 """
 
 
 class ContactProblem(NamedTuple):
-    """A contact problem: w = q + A p + B y and C p = h.
+    """A contact problem of n nodes and k rigid-body modes: w = q + A p + B y and C p = h.
+
+    The unknowns are the nodal pressures p (n,) and the rigid-body motions y (k,). The weighted gaps
+    are w (n,).
 
     Attributes
     ----------
@@ -51,7 +57,10 @@ class ContactProblem(NamedTuple):
 
 
 class EquilibratedSystem(NamedTuple):
-    """A scaled contact problem r + K x with x = (p, y), K = [[A, B], [C, 0]] and r = (q, -h).
+    """A contact problem whose rows and columns are scaled to entries of similar size.
+
+    The weighted gaps and the imbalances of the modes are r + K x. Here x = (p, y) are pressures and
+    rigid-body motions, K = [[A, B], [C, 0]] and r = (q, -h).
 
     Attributes
     ----------
@@ -75,7 +84,10 @@ class EquilibratedSystem(NamedTuple):
         return ContactProblem(K[:n, :n], r[:n], K[:n, n:], K[n:, :n], -r[n:])
 
     def free_unknowns(self, active: Bools) -> Bools:
-        """Mark the free unknowns (n + k,) of a contact set (n,): its pressures and all modes."""
+        """Mark the unknowns (n + k,) that a contact set (n,) does not set to zero.
+
+        These are the pressures of the contact set and all rigid-body motions.
+        """
         unknowns = np.empty(len(self.r), dtype=bool)
         unknowns[: self.n] = active
         unknowns[self.n :] = True
@@ -85,10 +97,10 @@ class EquilibratedSystem(NamedTuple):
 def equilibrate_problem(
     problem: ContactProblem, scales_of: EquilibratedSystem | None = None
 ) -> EquilibratedSystem:
-    """Scale a problem so that A has a unit diagonal, B unit columns and C unit rows.
+    """Return a scaled contact problem, in which A has a unit diagonal, B unit columns, C unit rows.
 
-    The factors are positive, so that neither signs nor the contact set change. If a system
-    `scales_of` is given, the factors of this system are used.
+    The scale factors are positive, so that neither the signs of pressures and gaps nor the contact
+    set change. If an earlier system `scales_of` is given, its scale factors are used.
     """
     A, q, B, C, h = problem
     n, k = B.shape
@@ -101,7 +113,7 @@ def equilibrate_problem(
     np.multiply(A, rows[:n, None], out=K[:n, :n])
     K[:n, n:] = B * rows[:n, None]
     K[n:, :n] = C * columns[:n] * rows[n:, None]
-    # The columns are scaled in place: with many nodes half of the time would go into new memory.
+    # The columns are scaled in place. A scaled copy would double the time if there are many nodes.
     gap_rows = K[:n]
     gap_rows *= columns
     r = rows * np.concatenate([q, -h])
@@ -109,10 +121,10 @@ def equilibrate_problem(
 
 
 def _row_and_column_scales(problem: ContactProblem) -> tuple[Floats, Floats]:
-    """The factors (n + k,) of the rows and of the columns that equilibrate a problem."""
+    """Return the scale factors (n + k,) of the rows, and those of the columns, of a problem."""
     A, _, B, C, _ = problem
     k = B.shape[1]
-    # A has a unit diagonal, and the largest entry of each mode is 1.
+    # With these factors A gets a unit diagonal, and the largest entry of each mode becomes 1.
     of_nodes = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), TINY))
     modes = np.concatenate([B, C.T], axis=1)
     largest = np.abs(modes * of_nodes[:, None]).max(axis=0)
@@ -122,9 +134,9 @@ def _row_and_column_scales(problem: ContactProblem) -> tuple[Floats, Floats]:
 
 
 def condition_number(problem: ContactProblem, active: Bools) -> float:
-    """The condition number, in the 1-norm, of the equilibrated equations on a contact set (n,).
+    """Return the condition number, in the 1-norm, of the scaled equations of a contact set (n,).
 
-    LAPACK's gecon estimates the condition number from the factors.
+    LAPACK's routine gecon estimates the condition number from the LU factors.
     """
     system = equilibrate_problem(problem)
     unknowns = np.flatnonzero(system.free_unknowns(active))
@@ -153,7 +165,10 @@ class ContactSetEquations:
         self._factors = _factorise_transposed(matrix)
 
     def solve(self, r: Floats) -> Floats:
-        """Solve r + K x = 0 for the free unknowns; r and x are (n + k,) or (n + k, m)."""
+        """Return x with r + K x = 0 in the rows of the free unknowns; all other x are 0.
+
+        r and x are (n + k,), or (n + k, m) for m right-hand sides.
+        """
         x = np.zeros(r.shape)
         x[self._free_numbers] = self._solve_free_unknowns(-r[self._free_numbers])
         return x
@@ -164,14 +179,18 @@ class ContactSetEquations:
         return _determinant_sign(self._factors)
 
     def _solve_free_unknowns(self, right: Floats) -> Floats:
-        """Solve for the free unknowns alone, under a right-hand side with a row for each."""
+        """Return the f free unknowns (f,) for a right-hand side (f,).
+
+        For m right-hand sides both are (f, m).
+        """
         return _solve_with_factors(self._factors, right)
 
 
 class BorderedEquations(ContactSetEquations):
     """The equations of a contact set that differs by a few nodes from a factorised `base`.
 
-    A bordered system adds two kinds of unknowns to the base. The weighted gaps of the released
+    A released node has left the contact set of the base, and an added node has joined it. The
+    bordered system has two more kinds of unknowns than the base. The weighted gaps of the released
     nodes make the pressures of these nodes vanish. The pressures of the added nodes make the
     weighted gaps of these nodes vanish. Only the small Schur complement of the border is
     factorised.
@@ -184,35 +203,44 @@ class BorderedEquations(ContactSetEquations):
         added = np.flatnonzero(free & ~base.free)
         self._free_numbers = np.concatenate([base._free_numbers, added])
         released = len(self._released)
-        # The border's columns: a unit gap at each released node, then the added pressures.
+        # The border has a column with a unit gap for each released node, and then a column with the
+        # compliance of each added node.
         border = np.zeros((len(base._free_numbers), released + len(added)))
         border[self._released, np.arange(released)] = -1.0
         border[:, released:] = K[base._free_numbers[:, None], added]
         self._base_solution_per_border_unknown = -base._solve_free_unknowns(border)
         self._rows_of_added_nodes = K[added[:, None], base._free_numbers]
+        # The Schur complement gives pressures at released and gaps at added nodes, per unknown of
+        # the border.
         schur = self._pressures_and_gaps_at_border(self._base_solution_per_border_unknown)
         schur[released:, released:] += K[added[:, None], added]
         self._schur_factors = _factorise_transposed(schur)
 
     @property
     def determinant_sign(self) -> int:
-        """The sign of the determinant: the product of the signs of base and Schur complement.
+        """The sign of the determinant, +1 or -1.
 
-        The product holds for released nodes too, by Jacobi's complementary minor.
+        It is the product of the signs of the base and of the Schur complement. By Jacobi's theorem
+        on complementary minors the product holds for released nodes too.
         """
         return self._base_equations.determinant_sign * _determinant_sign(self._schur_factors)
 
     def _pressures_and_gaps_at_border(self, solution: Floats) -> Floats:
-        """The pressures of released nodes and then the weighted gaps of added nodes.
+        """Return the pressures of released nodes, and then the weighted gaps of added nodes.
 
-        `solution` is a solution of the base.
+        `solution` holds the free unknowns of the base.
         """
         return np.concatenate([solution[self._released], self._rows_of_added_nodes @ solution])
 
     def _solve_free_unknowns(self, right: Floats) -> Floats:
+        """Return the free unknowns: those of the base, with released ones 0, then the added ones.
+
+        `right` is the right-hand side in the same order.
+        """
         size, released = len(self._base_equations._free_numbers), len(self._released)
         solution = self._base_equations._solve_free_unknowns(right[:size])
-        # The border's unknowns bring pressures to zero and gaps to the wanted right-hand side.
+        # The border's unknowns bring the pressures of released nodes to zero, and the gaps of added
+        # nodes to their right-hand side.
         no_pressure = np.zeros((released, *right.shape[1:]))
         wanted = np.concatenate([no_pressure, right[size:]])
         border = _solve_with_factors(
@@ -226,7 +254,7 @@ class BorderedEquations(ContactSetEquations):
 def resists_all_rigid_body_modes(
     equations: ContactSetEquations, system: EquilibratedSystem
 ) -> bool:
-    """Whether the contact resists every rigid-body mode.
+    """Whether the contact on a contact set resists every rigid-body mode of the shoes.
 
     The contact resists if det A > 0 and C A^-1 B has no negative real eigenvalue. Contact without
     friction always resists.
@@ -237,12 +265,12 @@ def resists_all_rigid_body_modes(
         return False
     if k < 2:
         return True
-    # The modes' motions under unit generalised forces are (C A^-1 B)^-1.
+    # The motions in the modes under unit generalised forces are the matrix (C A^-1 B)^-1.
     unit_forces = np.vstack([np.zeros((n, k)), np.diag(system.row_scales[n:])])
     motions = equations.solve(unit_forces)[n:]
     yielding = system.column_scales[n:, None] * motions
-    # Each mode has a unit of its own. Scaling makes the eigenvalues independent of the units and
-    # leaves their signs; a mode with a vanishing diagonal needs no scale.
+    # Each mode has a unit of its own. The scaling makes the eigenvalues independent of the units
+    # and keeps their signs. A mode with a vanishing diagonal is not scaled.
     size = np.sqrt(np.abs(np.diagonal(yielding)))
     size[size == 0] = 1.0
     values = np.linalg.eigvals(yielding / np.outer(size, size))
@@ -250,10 +278,10 @@ def resists_all_rigid_body_modes(
 
 
 def _factorise_transposed(matrix: Floats) -> tuple[Floats, Ints]:
-    """Factorise the transposed matrix into LU factors and pivots, and overwrite the matrix.
+    """Return LU factors and pivots of the transposed matrix; the matrix itself is overwritten.
 
-    The transposed matrix lies column by column in memory, as LAPACK wants a matrix. Raises NoAnswer
-    for a singular matrix.
+    The transposed matrix lies column by column in memory, as LAPACK requires. Raises NoAnswer for a
+    singular matrix.
     """
     if not matrix.size:
         return matrix, np.zeros(0, dtype=np.int32)
@@ -264,13 +292,16 @@ def _factorise_transposed(matrix: Floats) -> tuple[Floats, Ints]:
 
 
 def _solve_with_factors(factors: tuple[Floats, Ints], right: Floats) -> Floats:
-    """Solve the equations with LU factors and pivots for a right-hand side."""
-    # LAPACK is called directly, since scipy's checks cost more than these small systems.
+    """Return the solution for a right-hand side, by LU factors and pivots of the transpose."""
+    # LAPACK is called directly, since scipy's checks take longer than these small systems.
     return dgetrs(*factors, right, trans=1)[0] if len(right) else right
 
 
 def _determinant_sign(factors: tuple[Floats, Ints]) -> int:
-    """The sign of the determinant, which each negative pivot and each swap of rows changes."""
+    """Return the sign of the determinant, +1 or -1, from LU factors and pivots.
+
+    Each negative diagonal entry and each swap of rows changes the sign.
+    """
     lu, pivots = factors
     swaps = np.count_nonzero(pivots != np.arange(len(pivots)))
     negative = np.count_nonzero(lu.diagonal() < 0)
@@ -278,8 +309,12 @@ def _determinant_sign(factors: tuple[Floats, Ints]) -> int:
 
 
 def is_bordering_cheaper(base: ContactSetEquations, free: Bools) -> bool:
-    """Whether bordering `base` costs less than factorising the free unknowns `free` (n + k,)."""
+    """Whether a bordered system costs less than new LU factors of a contact set.
+
+    `free` (n + k,) marks the free unknowns of the contact set. The bordered system would reuse the
+    factors of `base`.
+    """
     size = len(base._free_numbers)
     changed = np.count_nonzero(base.free ^ free)
-    # Bordering pays up to a change of one unknown in eight.
+    # A bordered system costs less if at most one unknown in eight changes.
     return size > BORDERED_ABOVE_UNKNOWNS and bool(8 * changed < size)

@@ -5,16 +5,17 @@ In full slip the matrices of the contact problem grow linearly with the friction
     A(mu) = A0 + mu A1,   C(mu) = C0 + mu C1.
 
 On a contact set pressures and rigid-body motions solve K(mu) x = r with the bordered matrix
-K = [[A, B], [C, 0]]. They grow without bound where K0 + mu K1 is singular. The friction is then an
-eigenvalue of the pencil, the smallest above the current mu. The contact set changes on the way
-there, and so does the eigenvalue. The answer is therefore followed from mu = 0. The limit mu_lock
-is the eigenvalue of a contact set that holds right up to the eigenvalue. Such a limit does not
-depend on force or clearance, which are negligible beside pressures that grow without bound.
+K = [[A, B], [C, 0]]. They grow without bound as mu approaches a value at which K0 + mu K1 is
+singular, an eigenvalue of the matrix pencil. The smallest eigenvalue above the current mu counts.
+The contact set changes as mu grows, and so does this eigenvalue. The solution is therefore followed
+from mu = 0. The limit mu_lock is the eigenvalue of a contact set that holds right up to the
+eigenvalue. Such a limit does not depend on force or clearance, which are negligible beside
+pressures that grow without bound.
 
-An answer may also end where the path turns back: at a change of the contact set beyond which the
-determinant has the other sign. Other answers may exist beyond, to which the contact would jump. A
-step over which the contact set changes must therefore be short: the contact force may grow by at
-most LARGEST_FORCE_GROWTH.
+The path of solutions over mu may also end where it turns back: at a change of the contact set
+beyond which the determinant has the other sign. Beyond such an end there may be other solutions, to
+which the contact would jump. A step of mu over which the contact set changes must therefore be
+short: the contact force may grow by at most LARGEST_FORCE_GROWTH.
 """
 
 from collections.abc import Callable
@@ -37,48 +38,58 @@ from drumlin.contact.active_set import (
 from drumlin.contact.equations import ContactProblem, equilibrate_problem
 
 LARGEST_SOUGHT_FRICTION = 1e3
-"""Friction coefficient up to which a limit is sought. A brake with a higher limit has none."""
+"""Friction coefficient up to which the limit of self-locking is sought.
+
+A brake whose limit is higher counts as a brake that never locks.
+"""
 
 LARGEST_FRICTION_STEP = 0.05
-"""Largest step of mu along the path of answers; above mu = 1 the step is relative to mu.
+"""Largest step of the friction coefficient mu while mu grows from 0 up to self-locking.
 
-The step changes the time alone. Steps over which the contact set changes are halved until the
-growth of force is below LARGEST_FORCE_GROWTH; while the set stays, the determinant shows the limit.
-On 30 brakes 0.025 takes 1.07 times the factorisations, 0.1 as many, 0.4 takes 1.1 times. The
-answers are the same.
+The contact is solved after each step. Above mu = 1 the step is relative to mu. The step changes the
+time alone. A step over which the contact set changes is halved until the contact force grows by
+less than LARGEST_FORCE_GROWTH. While the contact set stays, the determinant shows the limit. On 30
+brakes a step of 0.025 takes 1.07 times as many factorisations, a step of 0.1 as many, and a step of
+0.4 takes 1.1 times as many. The solutions are the same.
 """
 
 POLE_DISTANCE = 1e-8
-"""Relative distance below an eigenvalue at which the contact set must still hold.
+"""Relative distance below a singular friction coefficient at which the contact set is tested.
 
-If the contact set holds at this distance, the eigenvalue is a limit. The distance is far above
+At the singular friction the pressures of the contact set would be infinite. If the contact set
+still holds at this distance below it, the brake locks itself there. The distance is far above
 round-off.
 """
 
 LARGEST_FORCE_GROWTH = 0.5
-"""Largest relative growth of the contact force over a step of friction that is not halved.
+"""Largest relative growth of the contact force over one step of the friction coefficient mu.
 
 The contact force is the sum of pressures times areas and grows as 1/(mu_lock - mu). From mu/2 to mu
-the force grows by at most (1 - 1/4)/(1 - 1/2) - 1 = 0.5 for any mu up to mu_lock/2. A step over
-which the contact set changes and the force grows by more is halved.
+the force grows by at most (1 - 1/4)/(1 - 1/2) - 1 = 0.5 for any mu up to mu_lock/2. If the contact
+set changes over a step and the force grows by more, the step is halved.
 """
 
 COARSE_PATH_ABOVE_NODES = 600
-"""Number of nodes above which the answer is followed on every other node.
+"""Number of contact nodes above which only every other node is used while friction grows from 0.
 
-The number changes the time alone, as the work grows with the cube of the nodes. The answer is the
-same, see LARGEST_DIFFERENCE_BETWEEN_MESHES.
+The solution on all nodes is then found at once and compared with the solution on every other node.
+The work grows with the cube of the number of nodes, so that this number changes the time alone. The
+solution is the same, see LARGEST_DIFFERENCE_BETWEEN_MESHES.
 """
 
 LARGEST_DIFFERENCE_BETWEEN_MESHES = 0.1
-"""Relative difference of pressures on all nodes and on every other node that one answer may have.
+"""Relative difference up to which pressures on all nodes and on every other node are one solution.
 
-The difference and the pressures are measured by their work. One answer on two meshes differs by
-0.004, two answers differ by 0.7. Any number between tells them apart; a smaller number costs time.
+The difference and the pressures are measured by their elastic work. In trials, one solution on
+all nodes and on every other node differed by 0.004, and two different solutions by 0.7. Any number
+between tells them apart; a smaller number costs time.
 """
 
 FRICTION_RESOLUTION = 1e-12
-"""Relative step of mu below which a limit is found, if the path of answers turns back there."""
+"""Relative step of the friction coefficient mu below which the search for its limit ends.
+
+The limit is then a point at which the path of solutions turns back.
+"""
 
 
 class FrictionDependentProblem(NamedTuple):
@@ -96,7 +107,7 @@ class FrictionDependentProblem(NamedTuple):
     def from_two_problems(
         cls, frictionless: ContactProblem, other: ContactProblem, friction: float = 1.0
     ) -> "FrictionDependentProblem":
-        """Make the linear function from the problems at mu = 0 and at another friction."""
+        """Make the linear function of mu from the problems at mu = 0 and at another friction."""
         return cls(
             frictionless,
             (other.A - frictionless.A) / friction,
@@ -104,7 +115,7 @@ class FrictionDependentProblem(NamedTuple):
         )
 
     def problem_at(self, friction: float) -> ContactProblem:
-        """The problem at a friction coefficient."""
+        """The contact problem at a friction coefficient."""
         A, q, B, C, h = self.frictionless
         return ContactProblem(
             A + friction * self.A_per_friction, q, B, C + friction * self.C_per_friction, h
@@ -112,14 +123,14 @@ class FrictionDependentProblem(NamedTuple):
 
 
 class FrictionLimit(NamedTuple):
-    """The friction coefficient up to which the answer can be followed from mu = 0.
+    """The friction coefficient mu up to which a contact has an equilibrium, as mu grows from 0.
 
     Attributes
     ----------
     friction : mu_lock; inf if there is no limit up to LARGEST_SOUGHT_FRICTION
-    pressure_stays_finite : whether the path of answers turns back at finite pressure, at a change
+    pressure_stays_finite : whether the path of solutions turns back at finite pressure, at a change
         of the contact set; otherwise the pressure grows without bound as 1/(mu_lock - mu)
-    last_contact : the answer at the friction coefficient `last_friction`, with the contact set of
+    last_contact : the solution at the friction coefficient `last_friction`, with the contact set of
         the limit
     last_friction : last friction coefficient that was solved
     steps : number of steps of friction that were tried
@@ -133,7 +144,10 @@ class FrictionLimit(NamedTuple):
 
 
 class FrictionBeyondLimit(NoAnswer):
-    """The refusal of a friction coefficient beyond the `limit` of the answer that is followed."""
+    """The error that a friction coefficient is beyond the limit of self-locking.
+
+    `limit` tells at which friction coefficient the solution ends as friction grows from 0.
+    """
 
     def __init__(self, line: str, limit: FrictionLimit) -> None:
         super().__init__(line)
@@ -146,19 +160,23 @@ def find_friction_limit(
     known_answer: tuple[float, Contact] | None = None,
     areas: Floats | None = None,
 ) -> FrictionLimit:
-    """Follow the answer from mu = 0 to its end, or to a largest friction coefficient.
+    """Find the friction coefficient mu up to which a contact has an equilibrium.
+
+    The contact is solved again and again while mu grows in steps from 0. The search ends where a
+    step has no stable solution that continues the one before.
 
     Parameters
     ----------
-    problem : the problem at every friction coefficient
-    largest_friction : friction coefficient at which following ends
-    known_answer : a friction coefficient and its answer, from which following starts
+    problem : the contact problem at every friction coefficient
+    largest_friction : friction coefficient at which the search ends without a limit
+    known_answer : a friction coefficient and its solution, from which the search starts in place of
+        mu = 0
     areas : areas (n,) of the nodes [m^2]; by default 1, see `solve_on_path_from_zero_friction`
 
     Raises
     ------
     NoAnswer
-        if there is no answer at mu = 0
+        if there is no solution at mu = 0
     """
     areas = _areas_or_ones(problem.frictionless, areas)
     mu, found = (
@@ -176,7 +194,8 @@ def find_friction_limit(
             step = min(2 * step, LARGEST_FRICTION_STEP * max(1.0, mu))
             found, mu = after, target
             continue
-        # The step fails: the contact set may hold up to an eigenvalue, which is then the limit.
+        # The step fails. If the contact set holds up to its next singular friction, this friction
+        # is the limit. Otherwise the step is halved.
         if not np.array_equal(critical_set, found.active):
             try:
                 critical = next_singular_friction(problem, mu, found.active)
@@ -193,7 +212,10 @@ def find_friction_limit(
 
 
 def _continues_solution(after: Contact, before: Contact, areas: Floats) -> bool:
-    """Whether an answer continues the answer before: by the contact set or by little growth."""
+    """Whether a solution continues the solution at the last, smaller friction coefficient.
+
+    It does if the same nodes touch, or if the contact force has grown by little.
+    """
     return np.array_equal(after.active, before.active) or _contact_force_grows_little(
         after, before, areas
     )
@@ -202,10 +224,13 @@ def _continues_solution(after: Contact, before: Contact, areas: Floats) -> bool:
 def _contact_set_holds_up_to(
     problem: FrictionDependentProblem, mu: float, singular_friction: float, active: Bools
 ) -> bool:
-    """Whether a contact set (n,) at mu still holds just below its next `singular_friction`."""
+    """Whether a contact set (n,) that holds at mu also holds just below its singular friction.
+
+    At the friction coefficient `singular_friction` the pressures of the contact set are infinite.
+    """
     if not np.isfinite(singular_friction):
         return False
-    # The last step may have met the eigenvalue itself.
+    # The last step may have met the singular friction itself.
     if singular_friction - mu < FRICTION_RESOLUTION * max(mu, 1e-3):
         return True
     near = mu + (singular_friction - mu) * (1 - POLE_DISTANCE)
@@ -213,7 +238,7 @@ def _contact_set_holds_up_to(
 
 
 def _solve_without_friction(frictionless: ContactProblem, start: Bools | None = None) -> Contact:
-    """Solve for the answer at mu = 0. Raises NoAnswer if the answer is unstable."""
+    """Solve the contact problem at mu = 0. Raises NoAnswer if its solution is unstable."""
     found = solve_contact_problem(frictionless, start)
     if not found.stable:
         raise NoAnswer("no stable equilibrium without friction")
@@ -221,14 +246,15 @@ def _solve_without_friction(frictionless: ContactProblem, start: Bools | None = 
 
 
 class _DirectSolution(NamedTuple):
-    """The result of settling at a friction coefficient at once, without following from mu = 0.
+    """The solution at a friction coefficient that was found without following friction from mu = 0.
 
     Attributes
     ----------
-    contact : the answer; None if no contact set settles
-    contact_at_half_friction : the answer at half of the friction; None if unknown
+    contact : the solution; None if no contact set converges
+    contact_at_half_friction : the solution at half of the friction; None if unknown
     stable : whether `contact` is stable and mu is below the limit of the rigid shoe
-    is_on_path : whether `contact` is certainly the answer that is followed from mu = 0
+    is_on_path : whether `contact` is certainly the solution that growing friction would reach from
+        mu = 0
     refusal : the reason to refuse `contact` if `contact` is not stable
     """
 
@@ -248,21 +274,21 @@ def solve_on_path_from_zero_friction(
     rigid_law_limit: float,
     brake_words: str,
 ) -> Contact:
-    """Find the answer at a friction coefficient that a path from mu = 0 reaches.
+    """Find the contact at a friction coefficient that friction growing from mu = 0 leads to.
 
-    A stable answer that settles at once is taken if the friction is below the limit of the rigid
-    shoe, and if the contact force grows by at most LARGEST_FORCE_GROWTH from half of the friction
-    on. Both hold up to half of mu_lock. Otherwise the answer is followed in small steps, from half
-    of the friction if the answer there is sure. Other stable answers do not count: near the limit
-    and beyond the limit some stand apart, and no friction that grows from 0 reaches them. Above
-    COARSE_PATH_ABOVE_NODES nodes the answer on every other node is followed, at a fraction of the
-    cost.
+    The contact problem is first solved directly at this friction. The solution is taken if it is
+    stable, if the friction is below the limit of the rigid shoe, and if the contact force grows by
+    at most LARGEST_FORCE_GROWTH from half of the friction on. Up to half of mu_lock all of this
+    holds. Otherwise the solution is followed in small steps of friction, from half of the friction
+    if the solution there is certain. Other stable solutions do not count: near the limit and beyond
+    it some exist that no friction growing from 0 reaches. Above COARSE_PATH_ABOVE_NODES nodes the
+    solution on every other node is followed, at a fraction of the cost.
 
     Parameters
     ----------
     problem_at : function that returns the problem at mu; the problem is linear in mu
     friction : friction coefficient mu
-    start : contact set (n,) from which the answer may settle at once
+    start : contact set (n,) from which the direct solution starts
     areas : areas (n,) [m^2] of the nodes, which turn pressures into forces; by default 1, for
         pressures that are forces already
     rigid_law_limit : mu_lock of the rigid shoe
@@ -271,14 +297,16 @@ def solve_on_path_from_zero_friction(
     Raises
     ------
     FrictionBeyondLimit
-        with both limits, if the answer ends before this friction
+        if the brake locks itself below this friction; the message states the limit and that of the
+        rigid shoe
     NoAnswer
-        if there is no answer for another reason
+        if there is no solution for another reason
     """
     if friction == 0:
         return _solve_without_friction(problem_at(0.0), start)
     problem = problem_at(friction)
     areas = _areas_or_ones(problem, areas)
+    # First, the direct solution is tried, with many nodes from the contact on every other node.
     if len(problem.q) > COARSE_PATH_ABOVE_NODES:
         like = _solve_near_coarse_solution(
             problem, problem_at(0.0), friction, start, areas, rigid_law_limit
@@ -288,6 +316,7 @@ def solve_on_path_from_zero_friction(
     at_once = _solve_directly(problem_at, problem, friction, start, areas, rigid_law_limit)
     if at_once.is_on_path and at_once.contact is not None:
         return at_once.contact
+    # Second, the solution is followed in steps of friction, if possible from half of the friction.
     known = None
     half = at_once.contact_at_half_friction
     if half is not None and _is_on_path_from_zero_friction(problem_at, 0.5 * friction, half, areas):
@@ -300,7 +329,7 @@ def solve_on_path_from_zero_friction(
             areas,
         )
     except NoAnswer:
-        # There is no answer without friction either, so that friction is not to blame.
+        # There is no solution without friction either, so that the brake is not self-locking.
         if at_once.stable and at_once.contact is not None:
             return at_once.contact
         raise NoAnswer(at_once.refusal) from None
@@ -322,9 +351,10 @@ def _solve_directly(
     areas: Floats,
     rigid_law_limit: float,
 ) -> _DirectSolution:
-    """Settle at a friction coefficient and at half of the coefficient, without following a path.
+    """Solve the contact at a friction coefficient directly, without steps of growing friction.
 
-    `problem` is the problem at `friction`. The other parameters are parameters of
+    The contact at half of the friction is solved too. It shows whether the solution is certain.
+    `problem` is the problem at `friction`. The other parameters are those of
     `solve_on_path_from_zero_friction`.
     """
     found = half = None
@@ -367,18 +397,21 @@ def _solve_near_coarse_solution(
     areas: Floats,
     rigid_law_limit: float,
 ) -> Contact | None:
-    """Settle at once, and compare with the answer that is followed on every other node.
+    """Solve the contact on all nodes directly, and check it by the solution on every other node.
+
+    The solution on every other node, the coarse solution, is computed in steps of friction that
+    grow from 0.
 
     Parameters
     ----------
     problem, frictionless : the problems at the friction coefficient and at mu = 0
     friction, areas, rigid_law_limit : parameters of `solve_on_path_from_zero_friction`
-    start : contact set (n,) to settle from; by default the contact set of the coarse answer
+    start : contact set (n,) of the first step; by default the contact set of the coarse solution
 
     Returns
     -------
-    the answer on all nodes; None if this answer differs from the coarse one, is unstable or does
-    not settle
+    the solution on all nodes; None if it differs from the coarse solution, is unstable or does not
+    converge
     """
     coarse = FrictionDependentProblem.from_two_problems(
         coarsen_problem(frictionless), coarsen_problem(problem), friction
@@ -396,7 +429,7 @@ def _solve_near_coarse_solution(
         found = solve_by_block_pivoting(problem, first)
     except NoAnswer:
         return None
-    # The work of the difference tells two meshes of one answer from two answers.
+    # The two solutions are one if the elastic work of their difference is small.
     off = interpolate_coarse_pressures(like.p, len(found.p)) - found.p
     work_off = float(off @ (problem.A @ off))
     work = float(found.p @ (problem.A @ found.p))
@@ -407,7 +440,11 @@ def _solve_near_coarse_solution(
 def _is_on_path_from_zero_friction(
     problem_at: Callable[[float], ContactProblem], friction: float, found: Contact, areas: Floats
 ) -> bool:
-    """Whether an answer below the limit of the rigid shoe is surely followed from mu = 0."""
+    """Whether friction that grows from mu = 0 certainly leads to a solution `found`.
+
+    The solution must be stable, and the contact force must grow by little from half of the
+    friction on. The friction must be below the limit of the rigid shoe.
+    """
     try:
         half = solve_by_block_pivoting(
             problem_at(0.5 * friction), found.active, scales_of=found.system
@@ -418,9 +455,13 @@ def _is_on_path_from_zero_friction(
 
 
 def _contact_force_grows_little(found: Contact, before: Contact, areas: Floats) -> bool:
-    """Whether the contact force grows from a stable answer by at most LARGEST_FORCE_GROWTH."""
-    # The sum of pressures would mislead: as friction grows, the contact moves along the lining. In
-    # narrower elements more nodes press, and press harder, under the same force.
+    """Whether the contact force grows by at most LARGEST_FORCE_GROWTH from an earlier solution.
+
+    `before` is the earlier solution, which must be stable. The contact force is the sum of
+    pressures times areas (n,).
+    """
+    # A sum of pressures alone would mislead. As friction grows, the contact moves along the lining.
+    # Where the elements are narrower, more nodes press under the same force.
     force, force_before = float(areas @ found.p), float(areas @ before.p)
     return before.stable and force <= (1 + LARGEST_FORCE_GROWTH) * force_before
 
@@ -433,12 +474,12 @@ def _areas_or_ones(problem: ContactProblem, areas: Floats | None) -> Floats:
 def next_singular_friction(
     problem: FrictionDependentProblem, friction: float, active: Bools
 ) -> float:
-    """Return the smallest mu above `friction` at which a contact set is singular, or inf.
+    """Return the smallest friction above `friction` at which a contact set (n,) has no solution.
 
-    The contact set is singular if its matrix K0 + mu K1 is singular.
-
-    With K(mu) G = K1, each eigenvalue gamma of G gives the singular friction mu - 1/gamma. Raises
-    numpy's LinAlgError where K is singular at `friction` itself.
+    At this friction coefficient mu the matrix K0 + mu K1 of the contact set `active` is singular.
+    The result is inf if there is no such mu. With K(mu) G = K1, each eigenvalue gamma of G gives
+    the singular friction mu - 1/gamma. Raises numpy's LinAlgError where K is singular at `friction`
+    itself.
     """
     system = equilibrate_problem(problem.problem_at(friction))
     nodes = np.flatnonzero(active)
@@ -449,21 +490,22 @@ def next_singular_friction(
     G = np.linalg.solve(system.K[unknowns[:, None], unknowns], K1)[: len(nodes)]
     gamma = np.linalg.eigvals(G)
     gamma = gamma[gamma.imag == 0].real
-    # Only negative gamma give a friction above the present one; a gamma next to 0 gives mu = inf.
+    # Only negative gamma give a singular friction above the present friction. A gamma next to 0
+    # stands for an infinite friction.
     falling = gamma[gamma < -1e-300]
     return float(friction - 1 / falling.min()) if len(falling) else np.inf
 
 
 class StartSetComparison(NamedTuple):
-    """Counts of the answers to which several first contact sets lead.
+    """Counts of the solutions that the active-set method finds from several first contact sets.
 
     Attributes
     ----------
     starts : number of first contact sets
-    same : number of first sets that end at the answer which is followed from mu = 0
-    others : number of first sets that end at another stable answer
-    unstable : number of first sets that end at an unstable answer
-    lost : number of first sets that do not converge
+    same : number of first sets that lead to the solution which friction growing from 0 reaches
+    others : number of first sets that lead to another stable solution
+    unstable : number of first sets that lead to an unstable solution
+    lost : number of first sets from which the method does not converge
     difference : largest difference of pressure among `same`, relative to the largest pressure
     """
 
@@ -478,15 +520,17 @@ class StartSetComparison(NamedTuple):
 def compare_answers_from_start_sets(
     problem: ContactProblem, answer: Contact, starts: list[Bools], tolerance: float = 1e-6
 ) -> StartSetComparison:
-    """Solve a problem from each of several contact sets, and compare with its answer.
+    """Solve a contact problem from several first contact sets, and compare the solutions.
+
+    Returns how many of the first sets lead to the known solution, and how many to others.
 
     Parameters
     ----------
     problem : contact problem of n nodes
-    answer : the answer of the problem that is followed from mu = 0
+    answer : the known solution of the problem, which friction growing from 0 reaches
     starts : first contact sets (n,)
-    tolerance : difference of pressure, relative to the largest pressure, up to which answers are
-        the same
+    tolerance : difference of pressure, relative to the largest pressure, up to which two solutions
+        count as the same
     """
     counts = dict.fromkeys(("same", "others", "unstable", "lost"), 0)
     largest, scale = 0.0, np.abs(answer.p).max()
@@ -506,18 +550,19 @@ def compare_answers_from_start_sets(
 
 
 def smallest_singular_friction_of_all_sets(problem: FrictionDependentProblem) -> float:
-    """The smallest mu > 0 at which K0 + mu K1 is singular on any contact set, or inf.
+    """Return the smallest mu > 0 at which K0 + mu K1 is singular on any contact set, or inf.
 
-    Below this friction the determinants of all contact sets have one sign, and every load and
-    clearance has exactly one answer (without rigid-body modes a P-matrix: Samelson, Thrall & Wesler
-    1958). A brake need not meet the contact set that is singular. All 2^n sets are tried, so that n
-    must be small.
+    Below this friction the determinants of all contact sets have the same sign, and every load and
+    clearance has exactly one solution (without rigid-body modes the matrix A is a P-matrix:
+    Samelson, Thrall & Wesler 1958). A brake need not come to the contact set that is singular. All
+    2^n contact sets are tried, so that the number n of nodes must be small.
     """
     n, k = problem.frictionless.B.shape
     sets = ((np.arange(2**n)[:, None] >> np.arange(n)) & 1).astype(bool)
     smallest = np.inf
     for active in sets[sets.sum(axis=1) >= max(k, 1)]:
-        # A contact set that leaves a mode free is singular at any friction; no answer has this set.
+        # A contact set that leaves a mode free is singular at any friction. No solution has such a
+        # set, and its error is ignored.
         with suppress(np.linalg.LinAlgError):
             smallest = min(smallest, next_singular_friction(problem, 0.0, active))
     return smallest
@@ -526,7 +571,11 @@ def smallest_singular_friction_of_all_sets(problem: FrictionDependentProblem) ->
 def _find_stable_solution(
     problem: FrictionDependentProblem, friction: float, start: Bools, most_steps: int = 30
 ) -> Contact | None:
-    """Return the stable answer found from a contact set (n,) in `most_steps` steps, or None."""
+    """Return the stable solution at a friction coefficient, or None if there is none.
+
+    The active-set method starts from the contact set `start` (n,) and takes at most `most_steps`
+    steps.
+    """
     try:
         found = solve_by_block_pivoting(problem.problem_at(friction), start, most_steps)
     except NoAnswer:

@@ -12,20 +12,23 @@ ds = s - s_0 and the traction by dt = t - t_0 since the last converged increment
 Here w (n,) are the weighted gaps and s (n,) the slips of the drum against the lining. Q (n, n) is
 the compliance of a tangential penalty, or zero.
 
-The law of one node is a surface of four flat pieces: open, stick, slip forward and slip backward.
-Each piece borders on two others:
+A node has one of four states: open, stick, slip forward and slip backward. The contact law of the
+node is linear in each state. Two conditions limit each state, and a node that violates one of them
+changes to another state:
 
-    open:      p = t = 0,   w > 0;   w = 0 is the edge to slip, forward or backward as the slip went
-    forward:   t = +mu p,   p > 0 (edge to open),  slip > 0 (edge to stick);     backward alike
-    stick:     slip = 0,    |t| < mu p (edges to forward and backward)
+    open:      p = t = 0,   w > 0, otherwise it slips, forward or backward by the sign of its slip
+    forward:   t = +mu p,   p > 0, otherwise it opens;  slip > 0, otherwise it sticks
+    backward:  t = -mu p,   p > 0, otherwise it opens;  slip < 0, otherwise it sticks
+    stick:     slip = 0,    |t| < mu p, otherwise it slips, forward or backward by the sign of t
 
 An increment is therefore one piecewise linear equation (Klarbring 1986; Alart & Curnier 1991).
 Newton's method solves this equation, and all nodes change at once. If Newton's method cycles, a
-path of answers is followed. The load of the path goes from a load that the present states balance
-to the true load, and one node changes at a time (Lemke 1965; Eaves 1976).
+path of solutions is followed (a continuation method). The load of the path goes from a load that
+the present states balance to the true load, and one node changes at a time (Lemke 1965; Eaves
+1976).
 
-The history (t_0, s_0) is an input. Only the caller changes the history, by committing a converged
-increment.
+The history (t_0, s_0) is an input. The functions of this module do not change the history. The
+caller passes the converged increment on as the history of the next one.
 """
 
 from dataclasses import dataclass
@@ -39,33 +42,46 @@ from drumlin.base.lapack import dgetrf, dgetrs
 from drumlin.contact.active_set import GOLDEN_RATIO, MOST_STEPS_WITHOUT_PROGRESS, SMALLEST_EXTRA_GAP
 
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
-"""The states of a contact node: open, sticking, slipping forward and slipping backward."""
+"""Numbers of the states of a contact node: open, sticking, slipping forward and backward."""
 
 MOST_STATE_NEWTON_STEPS = 60
-"""Limit of the steps of Newton's method. An increment of a brake needs some five steps."""
+"""Largest number of steps of Newton's method for stick and slip in one load increment.
+
+An increment of a brake needs some five steps.
+"""
 
 MOST_STATE_CHANGES = 6
-"""Limit of the changes of state per node while a path of answers is followed."""
+"""Largest number of changes between open, stick and slip, per contact node, on a path of solutions.
+
+The path leads from a load that the first states balance to the true load of the increment. If more
+changes are needed, the increment is refused.
+"""
 
 STATE_ROUND_OFF = 1e-10
-"""Relative amount by which a node may violate the conditions of its state without changing it.
+"""Relative amount by which a node may violate the conditions of its state and keep the state.
 
-Each condition says that a difference of two numbers is positive, for example mu p - t of a sticking
-node. The amount is relative to the larger number and covers round-off.
+The state is open, stick or slip. Each condition says that a difference of two numbers is positive,
+for example mu p - t of a sticking node. The amount is relative to the larger number and covers
+round-off.
 """
 
 
 class FrictionalProblem(NamedTuple):
-    """The equations of an increment, with matrices and vectors as in the module's docstring.
+    """The equations of a load increment of contact that sticks and slips.
+
+    The n nodes have pressures p and tangential tractions t. The shoes have k rigid-body modes. The
+    equations themselves stand in the docstring of the module.
 
     Attributes
     ----------
-    A_wp, A_wt, B_w : weighted gaps per pressure, per traction and per rigid-body motion
-    A_sp, A_st, B_s : weighted slips per pressure, per traction and per rigid-body motion
-    C_p, C_t : equilibria per pressure and per traction
-    q_w, q_s : weighted gaps and slips without pressures, tractions and motions
-    h : generalised forces of the actuation
-    Q : compliance of the tangential penalty, or zero
+    A_wp, A_wt, B_w : weighted gaps per pressure (n, n), traction (n, n) and rigid-body motion
+        (n, k)
+    A_sp, A_st, B_s : weighted slips per pressure (n, n), traction (n, n) and rigid-body motion
+        (n, k)
+    C_p, C_t : generalised forces (k, n) in the equilibria, per pressure and per traction
+    q_w, q_s : weighted gaps and slips (n,) without pressures, tractions and motions
+    h : generalised forces (k,) of the actuation
+    Q : compliance (n, n) of the tangential penalty, or zero
     """
 
     A_wp: Floats
@@ -91,7 +107,7 @@ class SlipHistory(NamedTuple):
 
 @dataclass(frozen=True)
 class Increment:
-    """A converged increment.
+    """The solution of a load increment of contact that sticks and slips.
 
     Attributes
     ----------
@@ -118,7 +134,7 @@ class Increment:
 def solve_load_increment(
     problem: FrictionalProblem, mu: float | Floats, history: SlipHistory, start: Ints
 ) -> Increment:
-    """Solve one load increment.
+    """Solve one load increment of contact that sticks and slips, and return its solution.
 
     Parameters
     ----------
@@ -130,9 +146,11 @@ def solve_load_increment(
     Raises
     ------
     NoAnswer
-        if neither Newton's method nor a path from the states or from wide gaps leads to an answer
+        if neither Newton's method nor a path of solutions converges; the paths begin at the given
+        states and at wide gaps
     """
     system, scales = _scale_equations(problem, mu, history)
+    # The methods are tried in this order, the fastest first, until one converges.
     for method in (
         _find_states_by_newton,
         _find_states_by_path_from_states,
@@ -176,7 +194,7 @@ class _IncrementSolution(NamedTuple):
 
 
 class _SettledStates(NamedTuple):
-    """The states (n,) at which an increment settles, the solution, and the number of steps."""
+    """The final states (n,) of the nodes in a load increment, the solution and the step count."""
 
     state: Ints
     solution: _IncrementSolution
@@ -186,9 +204,13 @@ class _SettledStates(NamedTuple):
 def _scale_equations(
     problem: FrictionalProblem, mu: float | Floats, history: SlipHistory
 ) -> tuple[_FrictionalSystem, Floats]:
-    """Scale the equations of an increment, and return the scales (2n,): z = scales z_scaled."""
+    """Return the scaled equations of a load increment, and the scale factors (2n,).
+
+    Pressures and tractions are z = scales z_scaled.
+    """
     A = np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st - problem.Q]])
-    # The history moves to the right-hand side, so that v holds changes of slip.
+    # The slip and traction of the last increment become constant terms: v then holds the change of
+    # the slip in this increment.
     q_slip = problem.q_s - history.s + problem.Q @ history.t
     q = np.concatenate([problem.q_w, q_slip])
     B = np.vstack([problem.B_w, problem.B_s])
@@ -207,9 +229,9 @@ def _scale_equations(
 
 
 class _StateEquations:
-    """The linear equations of an increment under given states (n,) of all nodes, factorised once.
+    """The linear equations of a load increment under given states (n,) of all nodes.
 
-    Raises NoAnswer if the equations are singular.
+    The equations are factorised once. Raises NoAnswer if they are singular.
     """
 
     def __init__(self, system: _FrictionalSystem, state: Ints) -> None:
@@ -217,12 +239,14 @@ class _StateEquations:
         n, k = len(state), len(system.h)
         self.pressed_nodes = np.flatnonzero(state != OPEN)
         stuck = n + np.flatnonzero(state == STICK)
-        # At a slipping node t = sliding p; at a sticking node sliding is 0.
+        # A slipping node has the traction t = traction_per_pressure p. At a sticking node the
+        # factor is 0, because its traction is an unknown of its own.
         sense = (state == FORWARD).astype(float) - (state == BACKWARD)
         self.traction_per_pressure = (system.mu * sense)[self.pressed_nodes]
         # The unknowns are the pressures of pressed nodes and the tractions of sticking nodes.
         self.unknown_numbers = np.concatenate([self.pressed_nodes, stuck])
         pressed, dragged = self.pressed_nodes, n + self.pressed_nodes
+        # The columns of pressures contain the effect of the traction that slip adds to them.
         by_pressure = system.A[:, pressed] + system.A[:, dragged] * self.traction_per_pressure
         self.columns_of_unknowns = np.hstack([by_pressure, system.A[:, stuck]])
         balance_by_pressure = (
@@ -238,7 +262,7 @@ class _StateEquations:
         self._factors = _equilibrate_and_factorise(matrix)
 
     def solve_under_loads(self, q: Floats, h: Floats) -> _IncrementSolution:
-        """Solve the equations for z, v (2n,) and y (k,) under the loads q (2n,) and h (k,)."""
+        """Return the solution of the equations under the loads q (2n,) and h (k,)."""
         right = np.concatenate([-q[self.unknown_numbers], h])
         solution = _solve_with_scaled_factors(self._factors, right)
         basic, y = solution[: len(self.unknown_numbers)], solution[len(self.unknown_numbers) :]
@@ -269,27 +293,34 @@ class _StateEquations:
 
 
 NEXT_STATE = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
-"""The next state of a node (4, 2), by its present state and the number of the change of state.
+"""The next state of a contact node (4, 2), by its present state and the violated condition.
 
-An open node becomes FORWARD or BACKWARD by the sign of its slip. The table gives it FORWARD alone.
+Each state has two conditions. Their order is that of `_StateEquations.distances_to_state_changes`.
+An open node that closes becomes FORWARD or BACKWARD by the sign of its slip. The table has FORWARD
+alone, and the code that uses the table corrects it.
 """
 
 
 def _find_states_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledStates:
-    """Solve by Newton's method, in which all nodes change at once. Raises NoAnswer on a cycle."""
+    """Find open, sticking and slipping nodes by Newton's method, in which all nodes change at once.
+
+    `start` (n,) are the states of the first step. Raises NoAnswer if the number of nodes in a wrong
+    state stops falling.
+    """
     state, fewest, patience = start, 3 * len(start), MOST_STEPS_WITHOUT_PROGRESS
     for step in range(1, MOST_STATE_NEWTON_STEPS + 1):
-        piece = _StateEquations(system, state)
-        point = piece.solve_under_loads(system.q, system.h)
-        outside = piece.distances_to_state_changes(point) < -STATE_ROUND_OFF * _scales_of_distances(
-            system, piece, point
-        )
+        equations = _StateEquations(system, state)
+        point = equations.solve_under_loads(system.q, system.h)
+        round_off = STATE_ROUND_OFF * _scales_of_distances(system, equations, point)
+        outside = equations.distances_to_state_changes(point) < -round_off
         wrong = int(np.count_nonzero(outside))
         if not wrong:
             return _SettledStates(state, point, step)
-        fewest, patience = (
-            (wrong, MOST_STEPS_WITHOUT_PROGRESS) if wrong < fewest else (fewest, patience - 1)
-        )
+        # The search ends if the number of nodes in a wrong state has not fallen for some steps.
+        if wrong < fewest:
+            fewest, patience = wrong, MOST_STEPS_WITHOUT_PROGRESS
+        else:
+            patience -= 1
         if patience < 0:
             break
         state = _next_states(system, state, point, outside)
@@ -299,18 +330,21 @@ def _find_states_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledSt
 def _next_states(
     system: _FrictionalSystem, state: Ints, solution: _IncrementSolution, outside: Bools
 ) -> Ints:
-    """The next states (n,) of the nodes, where `outside` (2, n) marks nodes beyond an edge."""
+    """Return the states (n,) of the nodes for the next step of Newton's method.
+
+    `outside` (2, n) says which of the two conditions of its state a node violates.
+    """
     p, _ = np.split(solution.z, 2)
     w, slip = np.split(solution.v, 2)
     wanted = state.copy()
     for edge in (0, 1):
         beyond = outside[edge]
         wanted[beyond] = NEXT_STATE[state[beyond], edge]
-    # A closing node sticks unless its slip exceeds mu times its overlap, -w.
+    # A closing node sticks, unless its slip is larger than mu times its overlap -w.
     closing = (state == OPEN) & outside[0]
     ways = np.select([slip > -system.mu * w, slip < system.mu * w], [FORWARD, BACKWARD], STICK)
     wanted[closing] = ways[closing]
-    # A sticking node that pulls opens at once.
+    # A sticking node whose pressure is negative opens at once.
     wanted[(state == STICK) & outside.any(axis=0) & (p < 0)] = OPEN
     return wanted
 
@@ -318,7 +352,11 @@ def _next_states(
 def _scales_of_distances(
     system: _FrictionalSystem, equations: _StateEquations, solution: _IncrementSolution
 ) -> Floats:
-    """Return the scales (2, n) of the distances: the largest numbers in their differences."""
+    """Return the numbers (2, n) against which the distances to a change of state are judged.
+
+    For each distance this is the largest of all pressures and tractions, or of all gaps and slips.
+    Round-off of the distance is relative to this number.
+    """
     of_z = np.abs(solution.z).max(initial=0.0)
     of_v = max(
         np.abs(system.q).max(), np.abs(system.B @ solution.y).max(), np.abs(solution.v).max()
@@ -328,14 +366,18 @@ def _scales_of_distances(
 
 
 def _find_states_by_path_from_states(system: _FrictionalSystem, start: Ints) -> _SettledStates:
-    """Follow the path of answers from a load that the states `start` (n,) balance."""
+    """Find open, sticking and slipping nodes on a path of solutions.
+
+    The path begins at a load that the states `start` (n,) balance, and ends at the true load.
+    """
     return _follow_path_of_loads(system, start, from_wide_gaps=False)
 
 
 def _find_states_by_path_from_wide_gaps(system: _FrictionalSystem, start: Ints) -> _SettledStates:
-    """Follow the path of answers from wide gaps, where only the nodes that close first slip.
+    """Find open, sticking and slipping nodes on a path of solutions from widened gaps.
 
-    Only the number of nodes of `start` (n,) counts.
+    Where the path begins, only the nodes that the actuation closes first touch, and they slip. Of
+    `start` (n,) only the number of nodes is used.
     """
     n = len(start)
     state = np.full(n, OPEN)
@@ -356,13 +398,14 @@ def _find_states_by_path_from_wide_gaps(system: _FrictionalSystem, start: Ints) 
 
 
 class _StateChange(NamedTuple):
-    """The change of state that comes next on a path of answers.
+    """The change of a node between open, stick and slip that comes next on a path of solutions.
 
     Attributes
     ----------
     node : number of the node that changes its state
-    edge : number of the change, 0 or 1, as in NEXT_STATE
-    load_change : change of r up to the change of state; inf if no node changes its state
+    edge : number of the condition, 0 or 1, that the node reaches, as in NEXT_STATE
+    load_change : change of the load parameter r of the path up to the change of state; inf if no
+        node changes its state
     """
 
     node: int
@@ -373,23 +416,25 @@ class _StateChange(NamedTuple):
 def _follow_path_of_loads(
     system: _FrictionalSystem, state: Ints, *, from_wide_gaps: bool
 ) -> _SettledStates:
-    """Follow the path of answers under the loads q + r e and h + r f from r = 1 to r = 0.
+    """Follow the path of solutions under the loads q + r e and h + r f from r = 1 to r = 0.
 
-    The added loads e and f let the first states hold at r = 1 with a margin. With `from_wide_gaps`
-    each open node gets a margin. Between two changes of a state the answer is linear in r. One node
-    changes at a time. The path may turn, so that r grows again. Raises NoAnswer if the path goes on
-    for ever.
+    The added loads e and f are chosen so that the first states of the nodes hold at r = 1, each by
+    a margin. With `from_wide_gaps` each open node gets a margin. Between two changes of state the
+    solution is linear in r. One node changes at a time. The path may turn, so that r grows again.
+    Returns the states at r = 0 with their solution. Raises NoAnswer if the path goes on for ever.
     """
     state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
-    piece = _StateEquations(system, state)
-    e, f = _loads_that_admit_states(system, piece, from_wide_gaps)
+    equations = _StateEquations(system, state)
+    e, f = _loads_that_admit_states(system, equations, from_wide_gaps)
     for passed in range(1, MOST_STATE_CHANGES * len(state) + 1):
-        point, slope = piece.solve_under_loads(system.q, system.h), piece.solve_under_loads(e, f)
-        value, change = (
-            piece.distances_to_state_changes(point),
-            piece.distances_to_state_changes(slope),
-        )
-        # The node that has changed last must leave its edge.
+        # In the present states the solution is point + r slope, and so are the distances of the
+        # nodes from a change of state.
+        point = equations.solve_under_loads(system.q, system.h)
+        slope = equations.solve_under_loads(e, f)
+        value = equations.distances_to_state_changes(point)
+        change = equations.distances_to_state_changes(slope)
+        # The node that has changed last is exactly at a limit of its new state and must move away
+        # from it. This gives the sense in which r changes.
         if node >= 0:
             direction = float(np.sign(change[edge, node]))
         met = _next_state_change(value, change, r, direction)
@@ -406,21 +451,22 @@ def _follow_path_of_loads(
             state[node], edge = FORWARD if slip > 0 else BACKWARD, 0
         else:
             state[node] = NEXT_STATE[before, edge]
-            # The edge of the new piece that leads back to the state before.
+            # This is the number of the condition whose violation would lead back to the old state.
             edge = int(NEXT_STATE[state[node], 1] == before)
-        piece = _StateEquations(system, state)
+        equations = _StateEquations(system, state)
     raise NoAnswer(
         "not converged: stick and slip do not settle, nor does a path lead to where they do"
     )
 
 
 def _next_state_change(value: Floats, change: Floats, r: float, direction: float) -> _StateChange:
-    """Return the change of state that comes next on a path of answers.
+    """Return the change of state that comes next on a path of solutions.
 
     Parameters
     ----------
-    value, change : margins (2, n) at r = 0, and their change per r
-    r : present value of r
+    value, change : distances (2, n) of the nodes from a change of state at r = 0, and their change
+        per r
+    r : present value of the load parameter of the path
     direction : sense, +1 or -1, in which r changes
     """
     falls = direction * change < 0
@@ -433,24 +479,30 @@ def _next_state_change(value: Floats, change: Floats, r: float, direction: float
 def _loads_that_admit_states(
     system: _FrictionalSystem, equations: _StateEquations, from_wide_gaps: bool
 ) -> tuple[Floats, Floats]:
-    """Return loads to add to q (2n,) and h (k,) so that the present states solve the problem."""
+    """Return loads to add to q (2n,) and h (k,) under which the present states are a solution.
+
+    With `from_wide_gaps` the added loads also widen the gaps of all open nodes.
+    """
     point, state = equations.solve_under_loads(system.q, system.h), equations.state
     margin = _enlarged_distances(system, equations, point, from_wide_gaps)
     (p, t), (w, slip) = np.split(point.z, 2), np.split(point.v, 2)
     opened, sticks = state == OPEN, state == STICK
     slips = (state == FORWARD) | (state == BACKWARD)
     sense = np.where(state == BACKWARD, -1.0, 1.0)
-    # The margin of an open node is its gap; a slipping node has its pressure and its slip.
+    # From the distances follow the gap of an open node, and the pressure and slip of a slipping
+    # node.
     w = np.where(opened, margin.distances[0], w)
     slip = np.where(slips, sense * margin.distances[1], slip)
-    # The margins of a sticking node are mu p - t and mu p + t, which give its p and t.
+    # The distances of a sticking node are mu p - t and mu p + t. Their sum and their difference
+    # give its pressure and its traction.
     mu = np.maximum(system.mu, np.finfo(float).tiny)
     stick_p = (margin.distances[0] + margin.distances[1]) / (2 * mu)
     stick_t = 0.5 * (margin.distances[1] - margin.distances[0])
     too_small = sticks & margin.enlarged.any(axis=0)
     p = np.where(slips, margin.distances[0], np.where(too_small, stick_p, p))
     t = np.where(slips, sense * system.mu * p, np.where(sticks, stick_t, t))
-    # The added loads make these z and v solve the equations.
+    # The added loads are the residuals of the equations for these pressures, tractions, gaps and
+    # slips.
     z, v = np.concatenate([p, t]), np.concatenate([w, slip])
     of_q = v - (system.q + system.A @ z + system.B @ point.y)
     of_h = system.C @ z - system.h
@@ -458,7 +510,10 @@ def _loads_that_admit_states(
 
 
 class _StateDistances(NamedTuple):
-    """Positive `distances` (2, n) from changes of state; `enlarged` (2, n) marks enlarged ones."""
+    """The distances (2, n) of all nodes from a change of state, made positive.
+
+    `enlarged` (2, n) marks the distances that were made larger.
+    """
 
     distances: Floats
     enlarged: Bools
@@ -470,9 +525,10 @@ def _enlarged_distances(
     solution: _IncrementSolution,
     from_wide_gaps: bool,
 ) -> _StateDistances:
-    """Return the distances from changes of state, enlarged so far that all of them are positive.
+    """Return the distances of all nodes from a change of state, the negative ones made positive.
 
-    The enlargements differ from node to node, so that no two nodes change together.
+    With `from_wide_gaps` the gaps of all open nodes are widened too. The additions differ from node
+    to node, so that no two nodes change at the same load.
     """
     state = equations.state
     n = len(state)
@@ -497,8 +553,11 @@ class _ScaledFactors(NamedTuple):
 
 
 def _equilibrate_and_factorise(matrix: Floats) -> _ScaledFactors:
-    """Equilibrate and factorise a matrix. Raises NoAnswer if the matrix is singular."""
-    # Rows and columns of pressures and of motions have different units.
+    """Return the LU factors of a matrix whose rows and columns are scaled to a largest entry of 1.
+
+    The scales make up for the different units of pressures and motions. Raises NoAnswer if the
+    matrix is singular.
+    """
     if not matrix.size:
         return _ScaledFactors(matrix, np.zeros(0, dtype=np.int32), np.zeros(0), np.zeros(0))
     tiny = np.finfo(float).tiny
@@ -511,7 +570,7 @@ def _equilibrate_and_factorise(matrix: Floats) -> _ScaledFactors:
 
 
 def _solve_with_scaled_factors(factors: _ScaledFactors, right: Floats) -> Floats:
-    """Solve the equations with scaled LU factors for a right-hand side."""
+    """Return the solution for a right-hand side, by the LU factors of a scaled matrix."""
     if not right.size:
         return right
     solution, _ = dgetrs(factors.lu, factors.pivots, factors.row_scales * right)
@@ -519,10 +578,11 @@ def _solve_with_scaled_factors(factors: _ScaledFactors, right: Floats) -> Floats
 
 
 def stick_and_slip_arcs(nodes: Floats, state: Ints) -> dict[str, tuple[tuple[float, float], ...]]:
-    """Return the arcs [rad] in which a lining sticks, by "stick", and in which it slips, by "slip".
+    """Return the arcs of a lining that stick and those that slip, under the keys stick and slip.
 
-    An arc is a run of nodes in one state and ends half-way to the next node. `nodes` (n,) are the
-    angles [rad] of the nodes, and `state` (n,) their states.
+    Each arc is its start and its end [rad]. An arc covers neighbouring nodes in one state and ends
+    half-way to the next node. `nodes` (n,) are the angles [rad] of the nodes, and `state` (n,) are
+    their states.
     """
     edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
     return {
@@ -532,7 +592,10 @@ def stick_and_slip_arcs(nodes: Floats, state: Ints) -> dict[str, tuple[tuple[flo
 
 
 def _intervals_where_true(edges: Floats, where: Bools) -> tuple[tuple[float, float], ...]:
-    """Return the interval of each run of true values; value i lies between edges i and i + 1."""
+    """Return the start and the end of each run of true values.
+
+    The value i lies between edges[i] and edges[i + 1].
+    """
     padded = np.concatenate([[0], where.astype(int), [0]])
     change = np.flatnonzero(np.diff(padded))
     return tuple((float(edges[a]), float(edges[b])) for a, b in change.reshape(-1, 2))

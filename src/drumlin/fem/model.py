@@ -45,60 +45,69 @@ if TYPE_CHECKING:
     from drumlin.fem.error_control.refinement import RefinedSolution
 
 DOUBLE_SPACING = float(np.finfo(float).eps)
-"""Relative spacing of double-precision numbers; no refined answer is stated to be more certain."""
-LARGEST_SILENT_OVERLAP = 0.01
-"""Overlap of a mesh with the drum, relative to the lining's thickness, that gives a warning.
+"""Relative spacing of double-precision numbers.
 
-A lining that overlaps further is squeezed noticeably into its place. The value changes no answer.
+A note on a refined solution never states a smaller relative error.
+"""
+LARGEST_SILENT_OVERLAP = 0.01
+"""Overlap of a shoe's own mesh with the drum, relative to the lining's thickness, without warning.
+
+If the overlap is larger, the pressure of the squeezed lining is noticeable, and a warning is
+printed. The value changes no result.
 """
 PENALTY = 1e8
-"""Default penalty factor alpha: the contact stiffness per area is alpha E/t of the lining.
+"""Default penalty factor alpha: the contact stiffness per area is alpha E/t.
 
-The penetration is then 1e-8 of the lining's own compression p t/E. The pressure is off by about the
-same fraction, or by more in a contact that is short beside the lining's thickness. Each response
-states by how much.
+E is the modulus of the lining and t its thickness. The lining then penetrates the drum by 1e-8 of
+its own compression p t/E. The error of the pressure is about the same fraction, or more if the
+contact is short compared with the lining's thickness. Each response states this error.
 """
 LARGEST_ANSWER_IMBALANCE = 1e-8
-"""Imbalance of forces and moments, relative to the largest of them, up to which an answer stands.
+"""Largest imbalance of forces and moments on a shoe, relative to the largest of them.
 
-Above it the substructures have lost too many digits, and the answer is refined. A refined answer
-above it is refused.
+A solution with a larger imbalance has lost too many digits in the substructures, and is refined. If
+the imbalance is still larger after the refinement, the solution is refused.
 """
 LARGEST_UNREFINED_ROUND_OFF = 1e-5
 """Relative round-off error of the pressure up to which a solution needs no refinement.
 
-On a mesh, which states no error, a refined answer above it is refused. The discretisation error of
-a mesh is some hundred times larger, and hp elements state the loss with their error.
-The value is a judgement, and the refusal prints the loss.
+On a mesh this is also the largest round-off error after a refinement; a larger one is refused,
+because a mesh states no error. Its discretisation error is some hundred times larger. Hp elements
+include the round-off error in their stated error. The value is a judgement, and the refusal prints
+the round-off error.
 """
 LARGEST_REFINED_ROUND_OFF = 1e-3
 """Relative round-off error of the pressure up to which a solution on hp elements is accepted.
 
 The value holds for solutions that have been refined and for solutions that cannot be refined. Their
 stated error contains the round-off error. A solution with a larger round-off error is refused. The
-value is a judgement, and the refusal prints the loss.
+value is a judgement, and the refusal prints the round-off error.
 """
 LARGEST_REFINED_SYSTEM = 240_000
-"""Size of a group, its unknowns times the squared degree, up to which its full system is refined.
+"""Largest size of a group of shoes whose full system is refined.
 
-The iterative refinement of a group of this size takes seconds. The sparse factors of larger groups
-of high degree fill in.
+The size is the number of unknowns times the squared polynomial degree of the elements. The
+iterative refinement of a group of this size takes seconds. The sparse factors of larger systems of
+high degree have so many entries that they take too long.
 """
 LARGEST_CONVERGED_CORRECTION = 1e-10
-"""Relative correction of the pressures below which a refinement is taken as converged.
+"""Last relative correction of the pressures up to which an iterative refinement has converged.
 
-Above it the other form of the full system is tried as well, and the better answer is taken.
+If the last correction is larger, the other form of the full system is refined as well, and the
+solution with the smaller correction is taken.
 """
 TOO_FAR_REASON = "stiffnesses or sizes are too far apart for the arithmetic"
-"""Reason that is printed where an answer has lost too many digits by round-off."""
+"""Reason that is printed if a solution has lost too many digits by round-off."""
 REFINED_REMARK = "refined in the whole system, condensed it loses digits"
-"""Remark that is printed with an answer that iterative refinement has corrected."""
+"""Remark that is printed with a solution that iterative refinement has corrected."""
 
 
 def solve_prepared_model(
     scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None
 ) -> Response:
-    """The response of a brake, on a prepared model of the same geometry and stiffness.
+    """Solve a brake on a prepared model of the same geometry and stiffness.
+
+    Returns the response of the brake.
 
     Parameters
     ----------
@@ -106,14 +115,14 @@ def solve_prepared_model(
     brake : the brake; its friction, rotation, load and clearance may differ from the model's
     penalty : factor alpha of the contact stiffness alpha E/t per area; math.inf for exact contact
     start : response of a similar brake or on another mesh, whose contact is the first guess; it
-        saves steps and does not change the answer
+        saves steps and does not change the result
 
     Raises
     ------
     BadInput
-        for a brake that is not that of the prepared model
+        for a brake whose geometry or stiffness is not that of the prepared model
     NoAnswer
-        where the brake locks itself, has no equilibrium, or the contact does not converge
+        if the brake locks itself, has no equilibrium, or the contact does not converge
     """
     check_penalty(penalty)
     if brake is not scene.brake:
@@ -123,6 +132,7 @@ def solve_prepared_model(
         answers: dict[int, _ShoeResult] = {}
         for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
             answers |= _solve_shoe_group(group, start)
+        # The shoes that belong to no group are not pressed on the drum.
         for i in set(range(len(brake.shoes))) - set(answers):
             answers[i] = _result_of_unpressed_shoe(brake.shoes[i])
     in_order = [answers[i] for i in sorted(answers)]
@@ -144,7 +154,7 @@ def solve_prepared_model(
 
 
 def _check_brake_matches_model(scene: PreparedModel, brake: Brake) -> None:
-    """Raise BadInput for a brake whose substructures are not those of the prepared model."""
+    """Raise BadInput if the bodies of a brake differ from those of a prepared model."""
     if [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes] != scene.shapes:
         raise BadInput(
             "the brake differs from the prepared scene in more than "
@@ -160,16 +170,16 @@ def _check_brake_matches_model(scene: PreparedModel, brake: Brake) -> None:
 
 
 def check_penalty(penalty: float) -> None:
-    """Raise BadInput for a penalty factor that is not positive."""
+    """Raise BadInput for a penalty factor of the contact that is not positive."""
     if not penalty > 0:
         raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
 
 
-# The following functions make lines about the brake as a whole.
+# The following functions make lines of text about the brake as a whole.
 
 
 def _warnings_on_mesh_overlap(scene: PreparedModel, brake: Brake) -> Iterator[str]:
-    """A warning for each shoe's own mesh that lies in the drum or the plane."""
+    """Yield a warning for each shoe whose own mesh overlaps the drum or the plane."""
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if shoe.mesh is None:
             continue
@@ -185,7 +195,7 @@ def _warnings_on_mesh_overlap(scene: PreparedModel, brake: Brake) -> Iterator[st
 def _notes_on_mesh_files(
     scene: PreparedModel, brake: Brake, responses: Sequence[ShoeResponse]
 ) -> Iterator[str]:
-    """Lines about mesh files: which parts are left out, which nodes are moved, which gaps count.
+    """Yield lines of text on the shoes' mesh files: omitted parts, moved nodes and gaps.
 
     Raises BadInput for a contact line that does not have the shape of a lining.
     """
@@ -195,9 +205,10 @@ def _notes_on_mesh_files(
 
 
 def _notes_on_body_supports(brake: Brake) -> Iterator[str]:
-    """One line on how the shoes' bodies of hp elements are supported, if a shoe has such a body.
+    """Yield one line of text on how the bodies of the shoes are held.
 
-    A pin that stands off its body is joined to it rigidly, which changes the pressure.
+    There is no line if no shoe has a body of its own without a mesh file. A pin that stands off the
+    body is joined to it rigidly, which changes the pressure; the line says so.
     """
     shoes_of: dict[str, list[str]] = {}
     for shoe in brake.shoes:
@@ -211,10 +222,10 @@ def _notes_on_body_supports(brake: Brake) -> Iterator[str]:
 
 
 def _text_on_body_support(shoe: Shoe, bar: Bar, size: float) -> str:
-    """How the body of a shoe is supported, on a drum of radius `size` [m]."""
+    """The text that says how the body of a shoe is held; `size` is the drum's radius [m]."""
     grip = shoe.grip(size)
     if grip is not None:
-        # A back that is shorter than the grip asked for is held over all of its length.
+        # If the back of the body is shorter than the grip in the brake file, all of it is held.
         length = (grip[1] - grip[0]) * shoe.back(size)
         return f"its {shoe.held_by} grips {mm(round(length, 4))} of the back of its body"
     away = math.dist(shoe.end_face(size), shoe.own_pin)
@@ -226,19 +237,19 @@ def _text_on_body_support(shoe: Shoe, bar: Bar, size: float) -> str:
     )
 
 
-# The following functions answer a group of shoes, from its substructures or by refinement.
+# The following functions solve a group of shoes, by its substructures or by refinement.
 
 
 @dataclass(frozen=True)
 class _ShoeResult:
-    """The answer of one shoe: its response, and what is printed about it.
+    """The result of solving one shoe: its response, its imbalance, and a note.
 
     Attributes
     ----------
     response : response of the shoe
-    balance : imbalance of its forces and moments
-    steps : steps of the contact algorithm
-    note : the line on its contact
+    balance : relative imbalance of the forces and moments on the shoe
+    steps : number of steps of the contact algorithm
+    note : line of text on the contact of the shoe
     """
 
     response: ShoeResponse
@@ -248,16 +259,16 @@ class _ShoeResult:
 
 
 class _GroupSolution(NamedTuple):
-    """The solution of a group of shoes, in newtons.
+    """The solution of a group of shoes under the true forces, not per newton.
 
     Attributes
     ----------
-    group : the settled group
+    group : the group, with known senses of friction at its abutments
     pressures : pressures (n_i,) [Pa] of each shoe
     coordinates : generalised coordinates (k_i,) of each shoe
     forces : actuation forces (shoes,) [N]
     pressure_errors : change of all pressures (2, n) [Pa] by the penalty, and by round-off
-    steps : steps of the contact algorithm
+    steps : number of steps of the contact algorithm
     refined : whether the full system was refined; the round-off is then the last correction
     """
 
@@ -271,7 +282,10 @@ class _GroupSolution(NamedTuple):
 
 
 class _ShoeSolution(NamedTuple):
-    """The part of shoe `shoe_number` in the solution of its group; see `_GroupSolution`."""
+    """The part of one shoe in the solution of its group; see `_GroupSolution`.
+
+    `shoe_number` is the position of the shoe in the group.
+    """
 
     group: ShoeGroup
     shoe_number: int
@@ -283,17 +297,18 @@ class _ShoeSolution(NamedTuple):
 
 
 def _result_of_unpressed_shoe(shoe: Shoe) -> _ShoeResult:
-    """The answer of a shoe whose force does not press it on the drum."""
+    """The result for a shoe whose force does not press it on the drum."""
     word = shoe.surface.word
     note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {word}"
     return _ShoeResult(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
 
 
 def _solve_shoe_group(group: ShoeGroup, start: Response | None) -> dict[int, _ShoeResult]:
-    """The answers of a group of shoes, by the position of the shoe in the brake.
+    """Solve a group of shoes; returns the result of each shoe, by its position in the brake.
 
-    Raises LostDigits where round-off leaves too few digits, even after a refinement.
+    Raises LostDigits if round-off leaves too few digits, even after a refinement.
     """
+    # The nodes that touch in the earlier response are the first contact set.
     first = None
     if start is not None:
         parts = [_nodes_in_earlier_contact(group, k, start) for k in range(len(group.members))]
@@ -301,6 +316,7 @@ def _solve_shoe_group(group: ShoeGroup, start: Response | None) -> dict[int, _Sh
     settled = group.solve_contact(first)
     solution = _solution_by_substructures(*settled)
     answers = _results_of_shoes(solution)
+    # A group with shared forces is never refined.
     if settled.group.force_sharing is not None:
         if not _largest_imbalance(answers) < LARGEST_ANSWER_IMBALANCE:
             balance = f"it balances only to {_largest_imbalance(answers):.1e}"
@@ -308,8 +324,9 @@ def _solve_shoe_group(group: ShoeGroup, start: Response | None) -> dict[int, _Sh
                 f"{settled.group.shoe_names}: lost digits, {balance}; {TOO_FAR_REASON}"
             )
         return answers
+    # Any other group is refined if its round-off error or its imbalance is too large.
     refinable = _is_refinement_affordable(settled.group)
-    # On a solid the full system is never assembled.
+    # A solid is never refined, but is judged as strictly as a group that could be refined.
     strict = refinable or settled.group.scene.model == "solid"
     most = LARGEST_UNREFINED_ROUND_OFF if strict else LARGEST_REFINED_ROUND_OFF
     lost = _largest_round_off_of_pressure(answers)
@@ -323,7 +340,7 @@ def _solve_shoe_group(group: ShoeGroup, start: Response | None) -> dict[int, _Sh
 
 
 def _solution_by_substructures(group: ShoeGroup, contact: Contact) -> _GroupSolution:
-    """The solution of a group by its substructures."""
+    """The solution of a group under its true forces, from its contact under a unit force."""
     size = group.unit_force
     coordinates = group.generalised_coordinates(contact)
     return _GroupSolution(
@@ -339,18 +356,22 @@ def _solution_by_substructures(group: ShoeGroup, contact: Contact) -> _GroupSolu
 
 
 def _is_refinement_affordable(group: ShoeGroup) -> bool:
-    """Whether the full system of a group can be refined in seconds; never that of a solid."""
+    """Whether the full system of a group of shoes can be refined in seconds.
+
+    The full system of a solid cannot.
+    """
     orders = [body.line.order for body in group.bodies]
     size = sum(body.unknowns * body.line.order**2 for body in group.bodies)
-    # The sparse factors of large systems of high degree fill in and take too long.
+    # The sparse factors of large systems of high degree have many entries and take too long.
     small = size <= LARGEST_REFINED_SYSTEM or max(orders) <= 2
     return group.scene.model != "solid" and small
 
 
 def _results_after_refinement(solution: _GroupSolution, contact: Contact) -> dict[int, _ShoeResult]:
-    """The answers of a group from its refined full system.
+    """Solve the full system of a group by iterative refinement, and return each shoe's result.
 
-    Raises LostDigits where the refinement fails, or leaves too few digits.
+    `contact` is the contact by the substructures, whose contact set is the first one. Raises
+    LostDigits if the refinement fails or leaves too few digits.
     """
     group, size = solution.group, solution.group.unit_force
     try:
@@ -385,12 +406,12 @@ def _results_after_refinement(solution: _GroupSolution, contact: Contact) -> dic
 
 
 def _largest_round_off_of_pressure(answers: dict[int, _ShoeResult]) -> float:
-    """The largest round-off error of the pressure among shoes, relative."""
+    """The largest relative round-off error of the pressure among several shoes."""
     return max(answer.response.lost.pressure for answer in answers.values())
 
 
 def _largest_imbalance(answers: dict[int, _ShoeResult]) -> float:
-    """The largest imbalance of forces or moments among shoes, relative."""
+    """The largest relative imbalance of forces or moments among several shoes; inf for nan."""
     balance = worst([answer.balance for answer in answers.values()])
     largest = max(balance.force, balance.moment)
     return math.inf if math.isnan(largest) else largest
@@ -399,34 +420,36 @@ def _largest_imbalance(answers: dict[int, _ShoeResult]) -> float:
 def refine_group_solution(
     group: ShoeGroup, active: Bools, order: str = "COLAMD"
 ) -> "RefinedSolution":
-    """The answer of a group to all digits, by iterative refinement of the full system.
+    """Solve a group of shoes to all digits, by iterative refinement of the full system.
 
     Parameters
     ----------
-    group : the group, settled
+    group : the group, with known senses of friction at its abutments
     active : (n,) whether each contact node touches at the start of the refinement
-    order : of the elimination, by SuperLU's names
+    order : order of the elimination, by SuperLU's names
 
     Raises
     ------
     NoAnswer
-        where the system is singular, or the contact set does not settle
+        if the system is singular, or the contact set keeps changing
     """
-    # The module loads scipy.sparse, and only few brakes need a refinement.
+    # The module loads scipy.sparse, which takes time, and few brakes need a refinement.
     from drumlin.fem.error_control.refinement import full_system, refined_solution  # noqa: PLC0415
 
     refined = refined_solution(full_system(group), active, order)
     if refined.correction < LARGEST_CONVERGED_CORRECTION:
         return refined
+    # The other form of the full system may converge better, if a soft shoe turns behind a lining
+    # that the drum holds.
     other = refined_solution(full_system(group, relative_to_rigid_motion=False), active, order)
     return min(refined, other, key=lambda each: each.correction)
 
 
-# The following functions answer one shoe of a solved group.
+# The following functions compute the results of one shoe of a solved group.
 
 
 def _results_of_shoes(solution: _GroupSolution) -> dict[int, _ShoeResult]:
-    """The answer of each shoe of a group, by its position in the brake."""
+    """The result of each shoe of a solved group, by its position in the brake."""
     group = solution.group
     answers = {}
     for k, (i, part) in enumerate(zip(group.members, group.node_ranges, strict=True)):
@@ -444,9 +467,9 @@ def _results_of_shoes(solution: _GroupSolution) -> dict[int, _ShoeResult]:
 
 
 def _result_of_shoe(solution: _ShoeSolution, steps: int) -> _ShoeResult:
-    """The answer of one shoe of a group.
+    """The result of one shoe of a solved group.
 
-    Raises NoAnswer where the shoe's cam or strut would have to pull it.
+    Raises NoAnswer if the cam or the strut of the shoe would have to pull it.
     """
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     if (
@@ -466,6 +489,8 @@ def _result_of_shoe(solution: _ShoeSolution, steps: int) -> _ShoeResult:
 
 class _ForcesOnShoe(NamedTuple):
     """The forces on a shoe, in the frame of the shoe.
+
+    The centre is that of the drum.
 
     Attributes
     ----------
@@ -487,7 +512,7 @@ class _ForcesOnShoe(NamedTuple):
 
 
 def _forces_on_shoe(solution: _ShoeSolution) -> _ForcesOnShoe:
-    """The forces on a shoe under its pressure."""
+    """Compute the forces on a shoe from its pressures and its actuation force."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, body = group.shoes[k], group.bodies[k]
     load = acting_loads(body, shoe, solution.force)
@@ -497,8 +522,8 @@ def _forces_on_shoe(solution: _ShoeSolution) -> _ForcesOnShoe:
     normal, dragged = body.forces @ p
     contact = drag * dragged - normal
     if solution.refined:
-        # A refined pressure has more digits than the strains where the frame is held. Forces are
-        # then in equilibrium by definition, and moments or work are left to check.
+        # A refined pressure has more digits than a reaction from the elastic body. The reaction is
+        # therefore the force that balances the others. Only moments or work are left to check.
         about_pin = contact[2] + moment - cross(shoe.own_pin, contact[:2])
         reaction = -np.append(contact[:2] + push, about_pin)
     else:
@@ -508,11 +533,12 @@ def _forces_on_shoe(solution: _ShoeSolution) -> _ForcesOnShoe:
 
 
 def _imbalance_of_shoe(solution: _ShoeSolution, acting: _ForcesOnShoe) -> Balance:
-    """The imbalance of a shoe's forces and moments, relative to the largest of them."""
+    """The imbalance of the forces and of the moments on a shoe, relative to the largest of them."""
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     pin = shoe.own_pin
-    # The actuation's moment about the centre has two parts: where mu = 0 and the actuation aims at
-    # the centre, all other moments vanish.
+    # The actuation's moment about the centre is the sum of its moment about the pin and the moment
+    # of its force at the pin. The two stand apart, because all other moments vanish if mu = 0 and
+    # the actuation aims at the centre.
     moments = [
         float(acting.force_of_drum[2]),
         float(cross(pin, acting.support_force)),
@@ -531,7 +557,10 @@ def _imbalance_of_shoe(solution: _ShoeSolution, acting: _ForcesOnShoe) -> Balanc
 
 
 def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
-    """The largest relative residual of virtual work on a shoe's test modes."""
+    """The largest imbalance of virtual work among a shoe's test modes, relative to its terms.
+
+    A test mode is a rigid-body motion on which the support of the shoe does no work.
+    """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     coupling, modes = group.bodies[k].coupling, group.rigid_body_modes[k]
     drag = group.brake.drag_on(group.shoes[k])
@@ -544,7 +573,7 @@ def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
 
 
 class _ArithmeticErrors(NamedTuple):
-    """The relative errors of a shoe's answer by the penalty and by round-off."""
+    """The relative errors of a shoe's results by the penalty, and by round-off."""
 
     penalty: ShoeChange
     round_off: ShoeChange
@@ -553,21 +582,21 @@ class _ArithmeticErrors(NamedTuple):
 def _penalty_and_round_off_errors(
     solution: _ShoeSolution, acting: _ForcesOnShoe
 ) -> _ArithmeticErrors:
-    """The relative errors of a shoe's answer by the penalty and by round-off."""
+    """The relative errors of a shoe's results by the penalty, and by round-off."""
     normal_force = math.hypot(*acting.resultant_of_pressure[:2])
     size = reaction_size(acting.support_force, normal_force)
     by_penalty, by_round_off = _relative_errors_of_results(solution, size)
-    # The elimination of a substructure adds a round-off error of its own.
-    least = (
-        0.0
-        if solution.refined
-        else solution.group.bodies[solution.shoe_number].condensed.force_imbalance
-    )
-    return _ArithmeticErrors(by_penalty, ShoeChange(*(max(part, least) for part in by_round_off)))
+    # The elimination of the unknowns inside a body causes a round-off error, which is the least
+    # error that is stated.
+    least = 0.0
+    if not solution.refined:
+        least = solution.group.bodies[solution.shoe_number].condensed.force_imbalance
+    round_off = ShoeChange(*(max(part, least) for part in by_round_off))
+    return _ArithmeticErrors(by_penalty, round_off)
 
 
 def _note_on_contact(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
-    """The line on a shoe's contact: its penetration, the penalty's effect, and any refinement."""
+    """The note on a shoe's contact: its penetration, the penalty's effect, and any refinement."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, lever = group.shoes[k], group.bodies[k].coupling.lever
     contact = "exact contact, no penetration"
@@ -605,7 +634,8 @@ def _shoe_response(
         group.rigid_body_modes[k],
     )
     frame, line, drag = shoe.frame, body.line, brake.drag_on(shoe)
-    # The work of the pressures and of the friction on the first test mode, per unit of the mode.
+    # A shoe is self-energising if the work of the friction on its first test mode helps the
+    # actuation. The works are per unit of the mode.
     closures = group.gap_closures_of_test_modes[k]
     closed, rubbed = float(closures.normal[:, 0] @ p), float(closures.tangential[:, 0] @ p)
     helped = math.copysign(1.0, modes.actuation_work[0]) * drag * rubbed
@@ -639,16 +669,16 @@ def _shoe_response(
 def _pressure_errors_by_penalty_and_round_off(
     group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]
 ) -> Floats:
-    """The first-order change of all pressures (2, n) by the penalty and by round-off.
+    """The first-order change of all pressures (2, n), by the penalty and by round-off.
 
-    The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), and its tangent as
-    x/(1 + x)^2. Digits that the elimination of the substructures has lost move the contact as if it
-    had strained under the rigid-body modes.
+    The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), and its slope falls as
+    1/(1 + x)^2; the change is corrected for this. The round-off of the elimination acts as if the
+    bodies were strained a little by their rigid-body modes. This strain changes the gaps.
 
     Parameters
     ----------
-    group : the settled group of shoes
-    contact : its contact under a unit force
+    group : the group of shoes, with known senses of friction at its abutments
+    contact : contact of the group under a unit force
     coordinates : (k_i,) generalised coordinates of each shoe
     """
     opened, strayed = [], []
@@ -665,10 +695,11 @@ def _pressure_errors_by_penalty_and_round_off(
 
 
 def _relative_errors_of_results(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:
-    """Relative changes of a shoe's pressure, torque, reaction and peak, for each row of changes.
+    """The relative changes of a shoe's pressure, torque, reaction and peak pressure.
 
-    The pressure counts outside EDGE_ZONE at the lining's ends, unless half of the force is there.
-    `reaction` is the size of the support reaction [N].
+    There is one result for the penalty and one for round-off, in the order of the rows of
+    `pressure_errors`. The pressure counts outside EDGE_ZONE at the lining's ends, unless half of
+    the force acts in these zones. `reaction` is the size of the support reaction [N].
     """
     group, k, p, changes = (
         solution.group,
@@ -681,6 +712,7 @@ def _relative_errors_of_results(solution: _ShoeSolution, reaction: float) -> lis
     weight = _node_areas_outside_edge_zones(shoe, body.line.phi, area)
     if weight @ p < 0.5 * (area @ p):
         weight = area
+    # The reaction changes by the changed pressures alone, while the actuation stays.
     no_load = np.zeros((body.columns.count, 1))
     reactions = support_reaction(body, changes.T, group.brake.drag_on(shoe), no_load)
     top = float(p[weight > 0].max(initial=0.0))
@@ -697,7 +729,7 @@ def _relative_errors_of_results(solution: _ShoeSolution, reaction: float) -> lis
 
 
 def _node_areas_outside_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
-    """The areas (n,) of the contact nodes at the angles phi (n,), 0 in the zones at the ends.
+    """The areas (n,) [m^2] of a shoe's contact nodes, 0 for nodes near the ends of the lining.
 
     Parameters
     ----------
@@ -712,13 +744,13 @@ def _node_areas_outside_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -> Flo
 
 
 def _nodes_in_earlier_contact(group: ShoeGroup, k: int, start: Response) -> Bools:
-    """The contact nodes of shoe `k` of a group within the contact arcs of an earlier response.
+    """Mark the contact nodes (n_k,) of a shoe that touched in an earlier response.
 
     Parameters
     ----------
     group : the group of shoes
     k : position of the shoe in the group
-    start : the earlier response
+    start : the earlier response, whose contact arcs count
     """
     theta = group.shoes[k].frame.theta(group.bodies[k].line.phi)
     touching = np.zeros(len(theta), dtype=bool)

@@ -1,7 +1,7 @@
-"""A brake by finite elements, from its file to its response.
+"""The solve of a brake by finite elements, from the brake to its response.
 
-A solve divides the brake, condenses its bodies, and answers its contact, on finer and finer
-divisions until the a posteriori error estimate is small enough.
+A solve divides the brake into elements, condenses its bodies and solves its contact. It does so on
+finer and finer divisions until the a posteriori error estimate is small enough.
 """
 
 from dataclasses import replace
@@ -30,14 +30,15 @@ from drumlin.response.merit import with_merits
 from drumlin.response.response import ModelError, Response
 
 REPORTED_IMBALANCE = 1e-8
-"""Imbalance of p(theta), relative and beyond that of the nodal forces, above which a note is given.
+"""Relative imbalance of the pressure curve p(theta) above which a response has a note on it.
 
-Elements with straight or parabolic sides lie a little off the round drum, so that p(theta) on the
-drum balances worse than the forces at the nodes. The value changes no answer.
+The imbalance counts beyond that of the nodal forces. Elements with straight or parabolic sides lie
+a little off the round drum, so that p(theta) on the drum balances worse than the forces at the
+nodes. The value changes no result.
 """
 
 CORRECTED_WIDTH = "the linings' moduli are corrected for the widths of the shoes"
-"""Why a corrected answer does not state the error of plane stress."""
+"""Reason why a response that is corrected for finite widths states no error of plane stress."""
 
 
 def solve(
@@ -51,7 +52,9 @@ def solve(
     model_error: bool = False,
     cache: Cache | None = None,
 ) -> Response:
-    """The response of a brake, on divisions that grow finer until its errors meet a tolerance.
+    """Solve a brake by finite elements, on finer and finer divisions up to a tolerance.
+
+    Returns the response of the brake.
 
     Parameters
     ----------
@@ -59,14 +62,14 @@ def solve(
     elements : number of finite elements along each lining; the brake is then solved on one mesh,
         without error estimate
     kind : kind of the finite elements; the brake is then solved on one mesh, as with a mesh file
-    tolerance : tolerance of the estimated relative errors of p (L2, outside the edge zones) and of
-        the torque; by default DEFAULT, or the error that is reached
+    tolerance : largest estimated relative error of p (L2, outside the zones at the lining's ends)
+        and of the torque; by default DEFAULT_TOLERANCE, or the errors that are reached
     penalty : factor alpha of the contact stiffness alpha E/t
     finite_width : whether the linings' moduli are corrected for the widths of the shoes, see
         fem/preparation/finite_width.py
-    model_error : whether the response states the error of plane stress itself, see
+    model_error : whether the response states the error that plane stress itself causes, see
         fem/width/error.py
-    cache : substructures of earlier solves
+    cache : keeps the condensed bodies of earlier solves
 
     Raises
     ------
@@ -74,7 +77,7 @@ def solve(
         for `elements` or a `kind` together with a tolerance, and for options that
         `check_division_options` refuses
     NoAnswer
-        where the tolerance is not reached, and where `solve_prepared_model` has no answer
+        if a given tolerance is not reached, and if `solve_prepared_model` has no solution
     """
     if finite_width:
         other = corrected(brake)
@@ -91,7 +94,8 @@ def solve(
                 f"--tolerance = {tolerance:g}: chooses the elements; leave out --{option} = {value}"
             )
     brake.check_meshable()
-    # A tolerance must be met; without options the default tolerance is met as well as possible.
+    # A given tolerance must be met. Without options the default tolerance is met as well as
+    # possible. Given elements, and shoes with mesh files, are solved once without error estimate.
     answer = partial(solve_prepared_model, penalty=penalty)
     if tolerance is not None:
         check_tolerance(brake, tolerance)
@@ -125,13 +129,13 @@ def prepare_finest_division(
 ) -> PreparedModel:
     """The prepared model of the finest division that `solve` uses, for further analyses.
 
-    A brake that has no answer in sliding is divided as the second level is.
+    A brake that has no solution in sliding is divided as on the second level.
 
     Parameters
     ----------
     brake : the brake
-    elements, kind : as of `solve`
-    cache : substructures of earlier solves
+    elements, kind : number and kind of the elements, as in `solve`
+    cache : keeps the condensed bodies of earlier solves
 
     Raises
     ------
@@ -142,7 +146,7 @@ def prepare_finest_division(
     if not _is_solved_on_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
-    # The model is that of the last division on which the answer was found.
+    # The model is that of the last level on which a solution was found.
     try:
         return solve_to_tolerance(
             brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False, cache=cache
@@ -154,9 +158,10 @@ def prepare_finest_division(
 def check_division_options(
     brake: Brake, *, elements: int | None = None, kind: str | None = None
 ) -> None:
-    """Raise BadInput for `elements` or a `kind` that would divide no part of the brake.
+    """Raise BadInput for options `elements` or `kind` that would change no part of the brake.
 
-    Shoes with mesh files are not divided. A ring is divided into elements, of one kind only.
+    Shoes with mesh files are not divided. An elastic ring is divided into a number of elements, but
+    always of one kind.
 
     Parameters
     ----------
@@ -173,12 +178,15 @@ def check_division_options(
 
 
 def _is_solved_on_levels(brake: Brake, elements: int | None, kind: str | None) -> bool:
-    """Whether a brake is solved on levels of hp elements, not on one mesh."""
+    """Whether a brake is solved on finer and finer levels of hp elements, and not on one mesh."""
     return elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes)
 
 
 def _add_note_on_curve_balance(brake: Brake, response: Response) -> Response:
-    """The response, with a note where p(theta) balances worse than the nodal forces do."""
+    """A copy of the response with a note, if the curve p(theta) balances worse than nodal forces.
+
+    Otherwise the response itself is returned.
+    """
     # Positive differences mean that p(theta) balances worse than the nodal forces do.
     under_forces = loaded(brake, response)
     curve = worst([shoe_balance(under_forces, i, shoe) for i, shoe in enumerate(response.shoes)])

@@ -1,7 +1,7 @@
-"""Equilibrium: the contact problem of shoes that share a force, a strut, a cam or an elastic drum.
+"""Equilibrium: the contact problems of groups of shoes that must be solved together.
 
-The room finds which shoes have to be solved together, states their rigid-body modes and their
-constraints, and assembles the equations of contact. A prepared model and the friction come in.
-Groups of shoes go out, each as one contact problem whose solution gives the nodal pressure, the
-forces at supports and the motion of every shoe.
+Shoes must be solved together if they share a strut, a cam or an elastic drum. The package takes a
+prepared model and the friction coefficient, and divides the shoes into groups. For each group it
+states the rigid-body modes and assembles one contact problem. The solution of the problem gives the
+nodal pressures, the forces at supports and the motion of every shoe.
 """

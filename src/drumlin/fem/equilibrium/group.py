@@ -1,4 +1,4 @@
-"""Groups of shoes that must be solved together, and the answers of their contact problems.
+"""Groups of shoes that must be solved together, and the solutions of their contact problems.
 
 A shoe on a rigid drum is a group by itself. Shoes on an elastic ring influence each other and form
 one group, and so do shoes that share a force. All analyses of the contact (sliding, holding, wear,
@@ -25,35 +25,42 @@ from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
 
 FOOT_LEAVES_TEXT = "no equilibrium, a foot leaves its abutment"
+"""Text of the refusal of a brake in which the foot of a shoe would lift off its abutment."""
 ELASTIC_BRAKE_WORDS = "elastic as it is"
-"""How the refusal of a self-locking brake names the elastic model, beside the rigid-shoe law."""
-FRICTION_STEP = self_locking.LARGEST_FRICTION_STEP / 4
-"""Largest step of the drum's friction coefficient between two checks of a followed answer.
+"""Words for the elastic model in the message that a brake locks itself.
 
-A check asks how feet slide and whether all shoes are still pushed. Above a friction coefficient of
-1 the step is relative to the coefficient. A foot that leaves its abutment and comes back within a
-step goes unnoticed; a smaller step costs time.
+The message also states the limit by the law of the rigid shoe.
+"""
+FRICTION_STEP = self_locking.LARGEST_FRICTION_STEP / 4
+"""Largest step of the drum's friction coefficient between two checks of feet and shared forces.
+
+The checks are made while friction grows from its least value to the limit of self-locking. A check
+asks in which sense the feet of the shoes slide on their abutments, and whether a cam or a strut
+still pushes all shoes. Above a friction coefficient of 1 the step is relative to the coefficient. A
+foot that leaves its abutment and comes back within a step goes unnoticed; a smaller step costs
+time.
 """
 CHECK_DISTANCE_FROM_POLE = 1e-4
-"""Relative distance from the pole of the pressures up to which feet and forces are checked.
+"""Relative distance below the limit of self-locking at which the checks of feet and forces end.
 
-A change of the footing nearer to the pole moves the limit by less than this fraction, which is the
-last of the four digits that are printed.
+The limit is the friction coefficient at which the pressures would be infinite. If a foot begins to
+slide nearer to it, the limit moves by less than this fraction, which is the last of the four digits
+that are printed.
 """
 
 
 class SharedForceWouldPull(NoAnswer):
-    """The refusal of an answer in which a cam or a strut would have to pull, not push."""
+    """The error that a cam or a strut would have to pull a shoe, while it can only push."""
 
 
 class FollowedFrictionLimit(NamedTuple):
-    """The end of an answer that is followed in the friction coefficient of the drum.
+    """The friction coefficient of the drum up to which a group of shoes has an equilibrium.
 
     Attributes
     ----------
-    limit : the friction coefficient at which the answer ends
+    limit : the limit of the friction coefficient
     pulling_part : text that names the cam, strut or foot that would have to pull at the limit;
-        empty if the answer ends for another reason
+        empty if the equilibrium ends for another reason
     """
 
     limit: self_locking.FrictionLimit
@@ -61,26 +68,30 @@ class FollowedFrictionLimit(NamedTuple):
 
 
 class SolvedGroup(NamedTuple):
-    """A group with known senses of friction at its abutments, and its answer."""
+    """A group of shoes whose senses of friction at the abutments are known, and its contact."""
 
     group: "ShoeGroup"
     contact: active_set.Contact
 
 
 class ShoeGroup(GroupProblems):
-    """A group of shoes with its state, its contact problems and their answers."""
+    """A group of shoes with its state, its contact problems and their solutions."""
 
     def with_drum_friction(self, friction: float) -> "ShoeGroup":
-        """The group at another friction of the drum, with the same senses of friction at feet."""
+        """A copy of the group with another friction coefficient of the drum.
+
+        The senses of friction at the abutments stay.
+        """
         return replace(self, brake=self.brake.model_copy(update={"friction": friction}))
 
-    # The answer under given senses of friction at the abutments
+    # These methods solve the contact under given senses of friction at the abutments.
 
     def solve_with_known_senses(self, first_contact_set: Bools | None = None) -> active_set.Contact:
-        """Solve for the contact per newton of `unit_force` under the present senses at abutments.
+        """Solve the contact under the present senses of friction at the abutments.
 
-        `first_contact_set` (n,) is a contact set to start from. Raises NoAnswer: self-locking, no
-        equilibrium, not converged, a turn too large for small displacements.
+        Returns pressures and motions per newton of `unit_force`. `first_contact_set` (n,) is a
+        contact set to start from. Raises NoAnswer if the brake locks itself, has no equilibrium or
+        does not converge, and if a shoe turns too far for small displacements.
         """
         for k, shoe in enumerate(self.shoes):
             xy = self.bodies[k].line.xy
@@ -98,7 +109,8 @@ class ShoeGroup(GroupProblems):
                 brake_words=ELASTIC_BRAKE_WORDS,
             )
         except NoAnswer as error:
-            # Nothing locks where a shared force falls to zero: the shoe leaves the drum there.
+            # If the solution ends where a shared force falls to zero, the brake does not lock: a
+            # shoe leaves the drum.
             if isinstance(error, self_locking.FrictionBeyondLimit) and (
                 refusal := self._pull_refusal_at_limit(error.limit)
             ):
@@ -114,7 +126,8 @@ class ShoeGroup(GroupProblems):
     def rigid_law_locking_friction(self, i: int) -> float:
         """The friction coefficient at which shoe `i` of the brake locks by the rigid-shoe law.
 
-        The prepared model knows this friction for a hinged shoe that the drum drags the same way.
+        If the shoe is hinged and the drum drags it the same way as in the prepared model, the value
+        is taken from the model.
         """
         shoe, known = self.brake.shoes[i], self.scene.brake.shoes[i]
         hinged = shoe.held_by == known.held_by == "hinge"
@@ -124,9 +137,10 @@ class ShoeGroup(GroupProblems):
         return rigid.locking_friction(self.brake, shoe)
 
     def _pull_refusal_at_limit(self, limit: self_locking.FrictionLimit) -> str:
-        """The text that refuses an answer whose end `limit` comes as a shared force falls to zero.
+        """The error text if a shared force falls to zero at a limit of friction; otherwise empty.
 
-        The text is empty if no shared force falls to zero.
+        A shared force is that of a cam or a strut. At the limit the solution ends as the friction
+        of the drum grows.
         """
         sharing = self._force_sharing_at(limit.last_friction)
         return (
@@ -136,22 +150,24 @@ class ShoeGroup(GroupProblems):
         )
 
     def _pull_refusal(self, forces: Floats) -> str:
-        """The text that refuses actuation forces (shoes,) of which one pulls; empty if all push."""
+        """The error text if one of the actuation forces (shoes,) does not push; otherwise empty."""
         i = int(forces.argmin())
         if forces[i] <= LARGEST_FORCE_THAT_DOES_NOT_PUSH * forces.max():
             return f"shoe {self.shoes[i].name!r}: {WOULD_PULL_TEXT}"
         return ""
 
-    # The answer, and the senses of friction at the abutments that agree with the answer
+    # These methods find the senses of friction at the abutments that agree with the solution.
 
     def solve_contact(self, first_contact_set: Bools | None = None) -> SolvedGroup:
-        """Find the senses of friction at the abutments that agree with their answer.
+        """Solve the contact of the group, and find the senses of friction at its abutments.
 
-        The drum turns already as the force comes on. Friction opposes the whole slide of a foot
-        from its place without force, or holds the foot there. The senses of the rigid shoe are
-        tried first. The order of trials does not matter: no brake is known in which two choices of
-        senses agree with their answers. `first_contact_set` (n,) is a contact set to start from.
-        Raises NoAnswer as `solve_with_known_senses` does, and if a foot would leave its abutment.
+        The senses must agree with the solution that they lead to. The drum turns already as the
+        force comes on. The foot of a shoe slides on its abutment, and friction opposes the whole
+        slide from the place without force; or friction holds the foot there. The senses of the
+        rigid shoe are tried first. The order of trials does not matter: no brake is known in which
+        two choices of senses agree with their solutions. `first_contact_set` (n,) is a contact set
+        to start from. Raises NoAnswer as `solve_with_known_senses` does, and if a foot would leave
+        its abutment.
         """
         try:
             return self._solve_with_consistent_senses(first_contact_set)
@@ -162,7 +178,10 @@ class ShoeGroup(GroupProblems):
             raise NoAnswer(refusal) from error
 
     def _solve_with_consistent_senses(self, first_contact_set: Bools | None = None) -> SolvedGroup:
-        """Find the senses that agree with their answer, or raise the refusal of the first trial."""
+        """Find senses of friction at the abutments that agree with the solution they lead to.
+
+        If no choice of senses agrees, the error of the first trial is raised.
+        """
         failure = NoAnswer(f"{self.shoe_names}: {FOOT_LEAVES_TEXT}")
         for number, group in enumerate(self.groups_with_each_choice_of_senses()):
             try:
@@ -176,7 +195,7 @@ class ShoeGroup(GroupProblems):
         raise failure
 
     def groups_with_each_choice_of_senses(self) -> Iterator["ShoeGroup"]:
-        """The group with each choice of senses of friction at its abutments.
+        """Yield the group with each possible choice of senses of friction at its abutments.
 
         The present senses come first, or the senses of the rigid shoes if the senses are unknown.
         """
@@ -191,7 +210,10 @@ class ShoeGroup(GroupProblems):
             yield self if senses == self.friction_senses else replace(self, friction_senses=senses)
 
     def is_foot_as_assumed(self, contact: active_set.Contact, k: int) -> bool:
-        """Whether the foot of shoe `k` stands or slides as an answer assumes; see `Held.stands`."""
+        """Whether the foot of shoe `k` stands or slides as its sense of friction assumes.
+
+        The sense was chosen before the contact was solved. See `Held.stands`.
+        """
         shoe = self.shoes[k]
         if shoe.abutment is None:
             return True
@@ -208,9 +230,11 @@ class ShoeGroup(GroupProblems):
         return np.asarray(-shoe.frame.to_brake((drag * dragged - normal)[:2]) - push)
 
     def _refusal_of_rough_feet(self) -> str:
-        """The text that refuses a group with rough feet at the end of its followed answer.
+        """The error text if a group with friction at abutments locks below the drum's friction.
 
-        The text is empty without rough feet, and if the answer does not end below this friction.
+        The text is empty without friction at an abutment, and if the group does not lock below this
+        friction. It names a cam, strut or foot that would have to pull, or the limit of
+        self-locking.
         """
         if not self.has_rough_abutment:
             return ""
@@ -227,15 +251,17 @@ class ShoeGroup(GroupProblems):
         )
         return end.pulling_part or f"{self.shoe_names}: {locked}"
 
-    # The answer followed in the friction coefficient of the drum
+    # These methods follow the solution as the friction coefficient of the drum grows.
 
     def follow_to_friction_limit(self, largest_friction: float) -> FollowedFrictionLimit:
-        """Follow the answer under growing drum friction to its limit or to `largest_friction`.
+        """Find the friction coefficient of the drum up to which the group has an equilibrium.
 
-        The path begins at the least friction of the drum that has an answer. On the path a rough
-        foot may begin to slide, stop, or slide the other way. The answer is then followed with the
-        new sense. Raises NoAnswer if there is no answer at any friction.
+        The friction grows in steps from the least one that has a solution, until the solution ends
+        or `largest_friction` is reached. On the way a foot may begin to slide on its abutment,
+        stop, or slide the other way. The next steps then have the new sense of friction at the
+        abutment. Raises NoAnswer if there is no solution at any friction.
         """
+        # Without struts, cam and abutments there is nothing to check on the way.
         if (
             not self.struts
             and not self.cam_shoes
@@ -252,7 +278,8 @@ class ShoeGroup(GroupProblems):
         while low < (last := min(end.friction * (1 - CHECK_DISTANCE_FROM_POLE), largest_friction)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
             after = at._solve_with_all_forces_pushing(high)
-            # Under more friction the group may settle again, but the followed answer ends here.
+            # Under more friction the group may have a solution again, but the followed one ends
+            # between `low` and `high`.
             if after is None:
                 return at._bisect_friction_limit(end, low, high)
             low = high
@@ -266,10 +293,10 @@ class ShoeGroup(GroupProblems):
     def _find_least_friction_with_answer(
         self, largest_friction: float
     ) -> tuple[float, SolvedGroup]:
-        """Find the least friction of the drum that has an answer, and the answer.
+        """Find the least friction coefficient of the drum that has a solution, and the solution.
 
-        The friction grows from 0 in steps of FRICTION_STEP. A foot may need friction of the drum to
-        be pressed on its abutment.
+        The friction grows from 0 in steps of FRICTION_STEP. A shoe may need friction of the drum to
+        press its foot on the abutment.
         """
         friction = 0.0
         while friction < largest_friction:
@@ -277,11 +304,14 @@ class ShoeGroup(GroupProblems):
             if found is not None:
                 return friction, found
             friction += FRICTION_STEP * max(1.0, friction)
-        # Without any answer, the line below raises the reason.
+        # No friction has a solution. The next line raises an error with the reason at friction 0.
         return 0.0, self.with_drum_friction(0.0)._solve_with_consistent_senses()
 
     def _solve_with_all_forces_pushing(self, friction: float) -> SolvedGroup | None:
-        """Settle the group at a friction of the drum; None unless every shared force pushes."""
+        """Solve the group at a friction coefficient of the drum.
+
+        Returns None if there is no solution, or if a cam or a strut would have to pull.
+        """
         try:
             found = self.with_drum_friction(friction)._solve_with_consistent_senses()
         except NoAnswer:
@@ -292,13 +322,13 @@ class ShoeGroup(GroupProblems):
     def _bisect_friction_limit(
         self, limit_before: self_locking.FrictionLimit, low: float, high: float
     ) -> FollowedFrictionLimit:
-        """Find the end of an answer by bisection between two frictions of the drum.
+        """Find by bisection the friction coefficient of the drum at which the solution ends.
 
         Parameters
         ----------
-        limit_before : the limit under the present senses
-        low : friction coefficient with an answer
-        high : friction coefficient without an answer
+        limit_before : limit of the friction under the present senses of friction at the abutments
+        low : friction coefficient with a solution
+        high : friction coefficient without a solution
         """
         at = self
         while high - low > self_locking.POLE_DISTANCE * high:
@@ -312,7 +342,10 @@ class ShoeGroup(GroupProblems):
         return FollowedFrictionLimit(limit, at.with_drum_friction(high)._name_pulling_part())
 
     def _name_pulling_part(self) -> str:
-        """The text that names a cam, strut or foot which would have to pull; empty if all push."""
+        """The error text that names a cam, strut or foot that would have to pull.
+
+        The text is empty if all of them push, or if the contact has no solution for another reason.
+        """
         try:
             contact = self.solve_with_known_senses()
         except SharedForceWouldPull as error:
@@ -344,12 +377,12 @@ def divide_pressed_shoes_into_groups(
 
 
 def find_pressed_shoes(scene: PreparedModel, brake: Brake) -> list[int]:
-    """The positions of the shoes that an actuation force or a strut presses on the drum."""
+    """The positions in the brake of the shoes that a force or a strut presses on the drum."""
     touching = {
         i for i, shoe in enumerate(brake.shoes) if is_pressed_on_drum(scene.bodies[i], brake, shoe)
     }
     names = [shoe.name for shoe in brake.shoes]
-    # The struts of a chain are listed in order from the actuation on.
+    # A strut presses the next shoe. The struts of a chain are listed in order from the actuation.
     for link in brake.links:
         if names.index(link.source) in touching:
             touching.add(names.index(link.to))
@@ -359,9 +392,9 @@ def find_pressed_shoes(scene: PreparedModel, brake: Brake) -> list[int]:
 def divide_shoes_into_groups(
     scene: PreparedModel, brake: Brake, pressed_shoes: list[int], penalty: float = math.inf
 ) -> list[ShoeGroup]:
-    """Make a group of each shoe, or one group of all shoes.
+    """Return a group for each pressed shoe, or one group of all pressed shoes.
 
-    Shoes that act on each other through an elastic ring or share a force are one group.
+    Shoes that act on each other through an elastic ring, or share a force, are one group.
 
     Parameters
     ----------
@@ -371,23 +404,23 @@ def divide_shoes_into_groups(
     penalty : factor alpha of the contact stiffness alpha E/t
     """
     alone = (scene.ring is None or scene.apart) and brake.shares is None
-    members: list[tuple[int, ...]] = (
-        [(i,) for i in pressed_shoes] if alone else [tuple(pressed_shoes)]
-    )
+    members: list[tuple[int, ...]]
+    members = [(i,) for i in pressed_shoes] if alone else [tuple(pressed_shoes)]
     groups = []
     for each in filter(None, members):
         group = ShoeGroup(scene, brake, each, penalty)
-        # Without rough abutments the senses are known at once.
-        groups.append(
-            group
-            if group.has_rough_abutment
-            else replace(group, friction_senses=group.known_friction_senses)
-        )
+        # Without friction at abutments the senses of this friction need not be found.
+        if not group.has_rough_abutment:
+            group = replace(group, friction_senses=group.known_friction_senses)
+        groups.append(group)
     return groups
 
 
 def _friction_sense_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
-    """The sense of friction at the abutment of a shoe if the shoe were rigid, +1 if unknown."""
+    """The sense of friction at the abutment of a shoe by the law of the rigid shoe.
+
+    The sense is +1, -1, or 0 for a foot that stands; it is +1 if the law has no solution.
+    """
     if len(shoe.senses) == 1:
         return 1
     try:
@@ -398,13 +431,14 @@ def _friction_sense_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
 
 
 def is_pressed_on_drum(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> bool:
-    """Whether the actuation force presses the shoe on the drum, at one lining point at least."""
+    """Whether the actuation force presses at least one point of the shoe's lining on the drum."""
     if shoe.actuation.force == 0:
         return False
     if shoe.held_by != "hinge":
         return rigid.bears(brake, shoe) >= 0
     _, moment = actuation_load_factors(body, shoe)
     approach, _ = body.gap_closure_by_rotation
-    # A lever arm below 1e-14 of the lining's distance from the centre is round-off.
+    # The moment per newton is a lever arm. Below 1e-14 of the lining's distance from the drum's
+    # centre it is round-off.
     turns = abs(moment) > 1e-14 * np.abs(body.line.xy).max()
     return bool(turns and (moment * approach > 0).any())

@@ -14,17 +14,17 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure
 class RigidBodyModes(NamedTuple):
     """The k rigid-body modes of a shoe, each of unit size, in the frame of the shoe.
 
-    With friction at an abutment the test modes differ from the contact modes. An equilibrium in
-    which the force of the abutment does not occur is tested on a motion on which this force does no
-    work. The foot itself cannot make this motion.
+    The contact modes are the motions that the support allows. The test modes are motions on which
+    the force of the support does no work; virtual work on them gives equilibria without this force.
+    With friction at an abutment the two differ: the foot of the shoe cannot move along a test mode.
 
     Attributes
     ----------
-    contact_modes : displacements (2n, k) of the contact nodes
-    test_modes : displacements (2n, k) of the contact nodes in motions that test the equilibria
+    contact_modes : displacements (2n, k) of the n contact nodes in the contact modes
+    test_modes : displacements (2n, k) of the contact nodes in the test modes
     actuation_work : work (k,) of the actuation on the test modes, per newton of its force
     tip_travel : travel (k,) of the actuation's point along the force
-    pin_motion : motions (3, k) dx and dy of the pin, and the turn
+    pin_motion : displacements x and y of the pin, and turn of the shoe (3, k)
     """
 
     contact_modes: Floats
@@ -35,9 +35,10 @@ class RigidBodyModes(NamedTuple):
 
 
 def motions_at_pin(shoe: Shoe, motions: Floats) -> Floats:
-    """Convert rigid motions (k, 3) in the brake's frame to motions (3, k) at the shoe's pin.
+    """Convert k rigid-body motions (k, 3) in the brake's frame to motions (3, k) of a shoe's pin.
 
-    The rows of the result are dx and dy of the pin in the shoe's frame, and the turn.
+    The rows of the result are the displacements x and y of the pin in the shoe's frame, and the
+    turn of the shoe in the sense of that frame.
     """
     at_point = moved(motions, shoe.pin.xy[:, None])
     in_shoe = shoe.frame.to_shoe(np.moveaxis(at_point, 0, -1))
@@ -55,7 +56,7 @@ def make_rigid_body_modes(
     body : the substructure of the shoe
     shoe : the shoe
     moment : moment of the actuation about the pin [m], per newton of its force
-    sense : sense of the friction at an abutment, see `Held.freedoms`
+    sense : sense of the friction at an abutment, +1, -1 or 0, see `Held.freedoms`
     """
     if shoe.held_by == "hinge":
         return _mode_of_turn_about_pin(body, moment)
@@ -71,7 +72,8 @@ def make_rigid_body_modes(
         pin_motion=motions_at_pin(shoe, free.motions),
     )
     if free.names[0] == "turn":
-        # The exact turn about the pin overwrites the first mode.
+        # The first mode is a turn about the pin. It is overwritten by the same turn without the
+        # round-off of a turn about the drum's centre.
         for whole, exact in zip(modes, _mode_of_turn_about_pin(body, moment), strict=True):
             whole[..., :1] = exact
     return modes
@@ -80,14 +82,20 @@ def make_rigid_body_modes(
 def _contact_displacements_by_motions(
     body: ShoeSubstructure, shoe: Shoe, motions: Floats
 ) -> Floats:
-    """The displacements (2n, k) of contact nodes by rigid motions (k, 3) in the brake's frame."""
+    """The displacements (2n, k) of a shoe's n contact nodes in its own frame.
+
+    They are due to k rigid-body motions (k, 3) in the brake's frame.
+    """
     xy = shoe.points(body.line.xy)
     u = shoe.frame.to_shoe(np.moveaxis(moved(motions, xy), 0, -1))  # (n, k, 2)
     return np.asarray(u.transpose(0, 2, 1).reshape(-1, len(motions)))
 
 
 def _mode_of_turn_about_pin(body: ShoeSubstructure, moment: float) -> RigidBodyModes:
-    """The turn about the pin as a rigid-body mode, exact without a turn about the drum's centre."""
+    """The turn of a shoe about its pin as a single rigid-body mode.
+
+    `moment` [m] is the moment of the actuation about the pin, per newton of its force.
+    """
     turned = body.rotation_mode[:, None]
     work = np.array([moment])
     return RigidBodyModes(turned, turned, work, work, np.array([[0.0], [0.0], [1.0]]))

@@ -19,21 +19,22 @@ from drumlin.fem.equilibrium.state import GroupState
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 
 ROWS_AT_A_TIME = 64
-"""Rows of a compliance matrix that are assembled at a time.
+"""Number of rows of a shoe's compliance matrix that are assembled at a time.
 
-More rows of a large matrix do not stay in the processor's cache, and fewer rows cost more calls.
-The number of rows changes no result.
+More rows of a large matrix do not fit into the processor's cache, and fewer rows take more calls of
+numpy. The number changes no result.
 """
 
 
 class GroupProblems(GroupState):
     """A group of shoes with its contact problem at every friction coefficient of the drum.
 
-    The drum drags the linings by mu p. The weighted gap is
+    The drum drags the linings by the traction mu p. The weighted gap is
     w = M (g + p/eps) - N u + N_ring u_ring.
-    The gap closes as the lining moves by u and opens as the ring moves by u_ring. The displacement
-    u has an elastic part and a part by the rigid-body modes y. C p = h are the equilibria in the
-    test modes.
+    Here g is the gap of the unloaded lining, and eps the stiffness of the contact. The gap closes
+    as the lining moves by u, and opens as the drum's ring moves by u_ring. The displacement u has
+    an elastic part and a part due to the rigid-body modes with the coordinates y. C p = h are the
+    equilibria in the test modes.
     """
 
     @cached_property
@@ -52,14 +53,18 @@ class GroupProblems(GroupState):
         )
 
     def problem_at_friction(self, friction: float) -> ContactProblem:
-        """The contact problem at a friction coefficient, on which its matrices depend linearly."""
+        """The contact problem of the group at a friction coefficient.
+
+        Its matrices are linear functions of the friction coefficient.
+        """
         sharing = self._force_sharing_at(friction)
         return self.problem_with_own_forces(friction) if sharing is None else sharing.problem
 
     def problem_with_own_forces(self, friction: float) -> ContactProblem:
-        """The contact problem at a friction coefficient if no shoe shares its force.
+        """The contact problem of the group at a friction coefficient, without struts and cam.
 
-        The matrices of single shoes are the blocks, and the flexibility of the ring is added.
+        Each shoe has its own actuation force. The matrices of single shoes are the blocks of the
+        group's matrices, and the flexibility of the ring is added.
         """
         parts = [self._problem_of_single_shoe(k, friction) for k in range(len(self.members))]
         if self.ring_flexibility_roots is None and len(parts) == 1:
@@ -82,10 +87,10 @@ class GroupProblems(GroupState):
         return ContactProblem(A, terms.q, terms.B, C, terms.h)
 
     def _signed_friction_on(self, shoe: Shoe, friction: float) -> float:
-        """The friction coefficient with the sign of the drag in the frame of a shoe."""
+        """The friction coefficient, positive or negative by the sense of drag in a shoe's frame."""
         return friction * self.brake.spin * shoe.frame.sense
 
-    # Forces that the shoes share
+    # The following methods treat forces that the shoes share.
 
     @cached_property
     def force_sharing(self) -> ForceSharing | None:
@@ -93,7 +98,7 @@ class GroupProblems(GroupState):
         return self._force_sharing_at(self.brake.friction)
 
     def _force_sharing_at(self, friction: float) -> ForceSharing | None:
-        """How the shoes share forces at a friction coefficient."""
+        """How the shoes share forces by struts and a cam at a friction coefficient, or None."""
         if not self.struts and not self.cam_shoes:
             return None
         blocks, effects = self.problem_with_own_forces(friction), self.effects_of_forces(friction)
@@ -102,7 +107,10 @@ class GroupProblems(GroupState):
         )
 
     def effects_of_forces(self, friction: float) -> list[ForceEffects]:
-        """The effects of each shoe's actuation force, which are linear in the friction."""
+        """The effects of each shoe's actuation force on gaps, equilibria, tip and foot.
+
+        The effects are linear in the friction coefficient.
+        """
         return [self._effects_of_force_on(k, friction) for k in range(len(self.shoes))]
 
     def _effects_of_force_on(self, k: int, friction: float) -> ForceEffects:
@@ -111,10 +119,10 @@ class GroupProblems(GroupState):
         load = self.unit_loads[k].load_factors
         drag = self._signed_friction_on(shoe, friction)
         tip = -(load @ body.closure_by_load.T)
-        # A model that is prepared without friction has no motion of the load by friction.
+        # A model that is prepared without friction does not know how friction moves the tip.
         if body.load_motion_by_friction is not None:
             tip = tip + drag * (load @ body.load_motion_by_friction)
-        # The force on the lining along x and y, per pressure of each node.
+        # This is the force on the lining along x and y, per pressure of each node.
         contact = (drag * body.forces[1] - body.forces[0])[:2].T  # (n, 2)
         bearing, direct = np.zeros(len(tip)), 0.0
         if shoe.abutment is not None:
@@ -133,7 +141,10 @@ class GroupProblems(GroupState):
         )
 
     def actuation_forces(self, p: Floats) -> Floats:
-        """The actuation forces (shoes,) under pressures p (n,), both per newton of `unit_force`."""
+        """The actuation force (shoes,) of each shoe under pressures p (n,).
+
+        Forces and pressures are per newton of `unit_force`.
+        """
         return (
             self.own_forces
             if self.force_sharing is None
@@ -141,7 +152,10 @@ class GroupProblems(GroupState):
         )
 
     def generalised_coordinates(self, contact: Contact) -> list[Floats]:
-        """The generalised coordinates of each shoe in an answer, per newton of `unit_force`."""
+        """The coordinates (k_i,) of each shoe's rigid-body modes in a solution.
+
+        They are per newton of `unit_force`.
+        """
         y = contact.y
         if self.force_sharing is not None:
             y = self.force_sharing.generalised_coordinates(contact.p, contact.y)
@@ -149,7 +163,9 @@ class GroupProblems(GroupState):
 
 
 def _compliance_with_penalty(body: ShoeSubstructure, drag: float, stiffness: float) -> Floats:
-    """The weighted gaps (n, n) of a shoe per pressure, with the compliance of the penalty.
+    """The compliance matrix (n, n) of a shoe: weighted gaps per nodal pressure.
+
+    It includes the compliance of the contact by the penalty.
 
     Parameters
     ----------

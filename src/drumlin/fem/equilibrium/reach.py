@@ -1,4 +1,4 @@
-"""Refuse shoes that would have to turn too far before they touch the drum."""
+"""Checks that refuse shoes which would have to turn too far before they touch the drum."""
 
 import math
 
@@ -33,7 +33,8 @@ def check_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, moment: float
     if shoe.held_by != "hinge" or shoe.flat or (gap <= 0).any():
         return
     a, r = shoe.pin.radius, np.hypot(*xy)
-    # The unloaded lining stands back from the contact nodes by its gap.
+    # The contact nodes lie on the drum's radius. The unloaded lining stands back from them by its
+    # gap.
     lining = xy * ((r - shoe.sign * gap) / r)
     from_pin = lining - np.array([[a], [0.0]])
     d = np.hypot(*from_pin)
@@ -45,7 +46,8 @@ def check_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, moment: float
             f"shoe {shoe.name!r}: no equilibrium, "
             "the force turns it without its ever touching the drum"
         )
-    # Each point meets the circle at two angles. The first that the turn comes to counts.
+    # Each point of the lining meets the drum at two angles. The angle that the turn reaches first
+    # counts.
     angle = np.arccos(cosine[meets])
     both = np.concatenate([angle, -angle])
     turns = math.copysign(1.0, moment) * (both - np.tile(psi[meets], 2)) % (2 * math.pi)
@@ -53,22 +55,24 @@ def check_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, moment: float
 
 
 def check_turns_in_answer(shoe: Shoe, sense: int, gap: Floats, coordinates: Floats) -> None:
-    """Raise NoAnswer if a shoe whose whole lining has a gap turns too far in an answer.
+    """Raise NoAnswer if a shoe turns too far in the solution of its contact.
 
-    A hinged or a guided shoe in a drum passes: `check_turn_of_hinged_shoe` judges the hinged shoe
-    by the geometry.
+    Only a shoe whose whole lining has a gap while it is unloaded is checked. A hinged shoe in a
+    drum passes, because `check_turn_of_hinged_shoe` judges it by its geometry. A guided shoe in a
+    drum passes too.
 
     Parameters
     ----------
     shoe : the shoe
-    sense : sense of the friction at its abutment, see `Held.freedoms`
+    sense : sense of the friction at its abutment, +1, -1 or 0, see `Held.freedoms`
     gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
-    coordinates : generalised coordinates (k,) [rad, m] of the shoe in the answer
+    coordinates : generalised coordinates (k,) [rad, m] of the shoe in the solution
     """
     if (shoe.held_by in {"hinge", "guide"} and not shoe.flat) or (gap <= 0).any():
         return
     turns = coordinates[np.isin(shoe.freedoms(sense).names, ["turn", "tilt"])]
-    # A shoe on a pivot turns with its lever and tilts on the lever: the sum of both counts as well.
+    # A shoe on a pivot turns with its lever and tilts on the lever. Each of the two turns counts,
+    # and so does their sum.
     _refuse_large_turn(shoe, max(map(abs, (*turns, sum(turns)))))
 
 

@@ -21,18 +21,22 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.contact.equations import ContactProblem
 
 LARGEST_FORCE_THAT_DOES_NOT_PUSH = 1e-9
-"""Fraction of the largest force of a group up to which a shared force does not push.
+"""Force of a strut or a cam, relative to the largest force of the group, that counts as zero.
 
-A smaller force is the round-off of a force that has fallen to zero, and a negative force pulls: the
-answer is refused. The fraction is far above round-off and far below any force in a brake file.
+A smaller force is the round-off of a force that has fallen to zero, and a negative force would
+pull. In both cases the solution is refused. The value is far above round-off and far below any
+force in a brake file.
 """
 WOULD_PULL_TEXT = "no equilibrium, what pushes it would have to pull"
+"""Text of the refusal of a shoe whose cam or strut would have to pull it."""
 
 
 class ForceEffects(NamedTuple):
-    """The effects of a shoe's actuation force, and the effects on the shoe's tip and foot.
+    """The effects of a shoe's actuation force on its gaps, and what moves its tip and its foot.
 
-    All values hold per newton of the force or per pascal of the pressures.
+    The tip is the point of the shoe where the force acts. The foot is the end of the shoe that
+    stands on an abutment or pushes a strut. All values hold per newton of the force or per pascal
+    of the pressures.
 
     Attributes
     ----------
@@ -60,11 +64,12 @@ class ForceEffects(NamedTuple):
 
 @dataclass(frozen=True)
 class ForceSharing:
-    """The contact problem of m shoes that share forces, and the forces that its answer gives.
+    """The contact problem of m shoes that share forces, and the forces that its solution gives.
 
     Attributes
     ----------
-    problem : the contact problem, whose last unknowns y' may hold the travel of a cam's tips
+    problem : the contact problem; under a cam the first of its motions y' (k',) is the travel of
+        the tips, in place of the coordinates of two modes
     forces_without_pressure : part (m,) of the actuation forces that no pressure changes
     forces_by_pressure : actuation forces (m, n) per pressure
     coordinates_by_unknown : generalised coordinates (k, k') of all shoes per unknown y'
@@ -82,15 +87,18 @@ class ForceSharing:
         return self.forces_without_pressure + self.forces_by_pressure @ p
 
     def generalised_coordinates(self, p: Floats, y: Floats) -> Floats:
-        """The generalised coordinates (k,) of all shoes, from pressures p (n,) and unknowns y'."""
+        """The generalised coordinates (k,) of all shoes, from pressures p (n,) and motions y (k',).
+
+        y are the motions of the contact problem with shared forces.
+        """
         return self.coordinates_by_unknown @ y + self.coordinates_by_pressure @ p
 
 
 class _LinearForces(NamedTuple):
-    """The actuation forces (m,) of a group, without_pressure + by_pressure p.
+    """The actuation forces (m,) of a group as a linear function of the pressures p (n,).
 
-    `without_pressure` (m,) are the forces without pressure. `by_pressure` (m, n) is the change of
-    the forces per pressure.
+    The forces are without_pressure + by_pressure p, with `without_pressure` (m,) and `by_pressure`
+    (m, n).
     """
 
     without_pressure: Floats
@@ -107,7 +115,7 @@ def make_problem_with_shared_forces(
 ) -> ForceSharing:
     """Make the contact problem of shoes that share forces by struts or under a cam.
 
-    The problem is linear in the friction coefficient.
+    The problem stays a linear function of the friction coefficient.
 
     Parameters
     ----------
@@ -135,10 +143,13 @@ def _forces_of_cam_and_struts(
     struts: list[tuple[int, int]],
     cam_shoes: list[int],
 ) -> _LinearForces:
-    """The actuation forces under a cam and struts; other shoes keep their own forces."""
+    """The actuation force of each shoe as a linear function of the pressures.
+
+    A cam or a strut gives the force of its shoes; other shoes keep their own forces.
+    """
     fixed = np.array(own_forces, dtype=float)
     by_pressure = np.zeros((len(effects), problem.B.shape[0]))
-    # The equilibrium in the main mode of a shoe gives the force of the cam.
+    # The force of the cam follows from the equilibrium in the main mode of each shoe.
     for i in cam_shoes:
         shoe = effects[i]
         main = _number_of_main_mode(problem, shoe)
@@ -156,7 +167,11 @@ def _forces_of_cam_and_struts(
 def _replace_own_by_shared_forces(
     problem: ContactProblem, effects: list[ForceEffects], own_forces: Floats, forces: _LinearForces
 ) -> ContactProblem:
-    """Replace the shoes' own forces (m,) in a contact problem by shared forces."""
+    """Return a contact problem with shared forces in place of the shoes' own forces (m,).
+
+    `forces` are the shared forces as linear functions of the pressures. Their part that depends on
+    pressures changes the matrices A and C, the other part changes the vectors q and h.
+    """
     A, q, B, C, h = (np.array(part) for part in problem)
     for i, shoe in enumerate(effects):
         extra = forces.without_pressure[i] - own_forces[i]
@@ -175,7 +190,10 @@ def _replace_main_modes_by_cam_travel(
     cam_shoes: list[int],
     cam_force_sum: float,
 ) -> ForceSharing:
-    """Replace the coordinates of the two main modes under a cam by the travel of the cam's tips.
+    """Return the contact problem under a cam, with the travel of the shoes' tips as an unknown.
+
+    The cam moves the tips of its two shoes by the same travel. The travel replaces the coordinates
+    of the main modes of both shoes, and the sum of the cam's forces replaces their equilibria.
 
     Parameters
     ----------
@@ -190,7 +208,7 @@ def _replace_main_modes_by_cam_travel(
     n, k = B.shape
     of_coordinates = np.eye(k)
     by_pressure = np.zeros((k, n))
-    # The generalised coordinates per travel of the tips.
+    # These are the changes of the generalised coordinates per travel of the tips.
     per_travel = np.zeros(k)
     mains = []
     for i in cam_shoes:
@@ -199,13 +217,15 @@ def _replace_main_modes_by_cam_travel(
         main = shoe.modes.start + mode
         mains.append(main)
         size = shoe.tip_travel_by_modes[mode]
-        # The main mode moves the tip by the travel less the elastic travel and all other modes.
+        # The main mode moves the tip by the travel, less the elastic travel and the travel by all
+        # other modes.
         elastic = shoe.tip_travel_by_force * forces.by_pressure[i]
         elastic[shoe.nodes] += shoe.tip_travel_by_pressure
         by_pressure[main] = -elastic / size
         # The entry of the main mode itself becomes zero.
         of_coordinates[main, shoe.modes] -= shoe.tip_travel_by_modes / size
         per_travel[main] = 1 / size
+    # The coordinates of the main modes give way to the travel, which comes first.
     kept = np.delete(np.arange(k), mains)
     of_coordinates = np.column_stack([per_travel, of_coordinates[:, kept]])
     sum_of_forces = -forces.by_pressure[cam_shoes].sum(axis=0)
@@ -225,12 +245,13 @@ def matrix_with_force_unknowns(
     struts: list[tuple[int, int]],
     cam_shoes: list[int],
 ) -> Floats:
-    """The matrix of all equations, in which the m forces F and the travel d of a cam are unknowns.
+    """The matrix of the contact with shared forces, in which the forces themselves are unknowns.
 
-    The columns stand for the unknowns p (n,), y (k,), F (m,), and d under a cam. The rows stand for
-    the weighted gaps, the equilibria C p + work F = 0, the equation that gives the force of each
-    shoe, and under a cam the sum of the cam's forces. The force of a shoe is given in the brake
-    file, by a strut, or under a cam by the travel of the shoe's tip.
+    The sensitivities of a solution are computed from this matrix. Its columns stand for the
+    pressures p (n,), the coordinates y (k,) of the modes, the m forces F, and the travel d under a
+    cam. The rows stand for the weighted gaps, the equilibria C p + work F = 0, the equation that
+    gives the force of each shoe, and under a cam the sum of the cam's forces. The force of a shoe
+    is given in the brake file, by a strut, or under a cam by the travel of the shoe's tip.
 
     Parameters
     ----------
@@ -241,6 +262,7 @@ def matrix_with_force_unknowns(
     """
     n, k = problem.B.shape
     count = len(effects)
+    # `force` is the first row and the first column of the forces.
     force = n + k
     size = force + count + (1 if cam_shoes else 0)
     matrix = np.zeros((size, size))
@@ -251,9 +273,11 @@ def matrix_with_force_unknowns(
     for i, shoe in enumerate(effects):
         matrix[shoe.nodes, force + i] = shoe.gap_by_force
         matrix[n + shoe.modes.start : n + shoe.modes.stop, force + i] = shoe.work
+    # A strut passes on the force that the foot of the pushing shoe bears.
     for source, to in struts:
         matrix[force + to, effects[source].nodes] = -effects[source].foot_force_by_pressure
         matrix[force + to, force + source] = -effects[source].foot_force_by_force
+    # Under a cam the tip of each shoe travels by d. The last row is the sum of the cam's forces.
     for i in cam_shoes:
         shoe, row = effects[i], matrix[force + i]
         row[shoe.nodes] = shoe.tip_travel_by_pressure
@@ -265,10 +289,12 @@ def matrix_with_force_unknowns(
 
 
 def _number_of_main_mode(blocks: ContactProblem, shoe: ForceEffects) -> int:
-    """The number, within a shoe, of the mode on which the force works most and that moves the tip.
+    """The number, within a shoe, of the rigid-body mode that gives way to the travel of a cam.
 
-    The choice is the same at every friction coefficient.
+    On this main mode the force does most work, and the mode moves the tip. The choice is the same
+    at every friction coefficient.
     """
-    # Turns and slides have different units: the squared effect of a mode on the gaps is its scale.
+    # Turns and slides have different units. The squared effect of a mode on the gaps scales its
+    # work.
     size = np.linalg.norm(blocks.B[:, shoe.modes], axis=0)
     return int((shoe.work * shoe.tip_travel_by_modes / size**2).argmax())

@@ -26,7 +26,7 @@ from drumlin.fem.preparation.scene import PreparedModel
 
 
 class UnitLoad(NamedTuple):
-    """The actuation of a shoe per newton of its force.
+    """The actuation of a shoe by a force of one newton.
 
     `load_factors` (l,) multiply the load columns of the substructure. `moment_about_pin` is the
     moment of the actuation about the pin [m].
@@ -37,14 +37,22 @@ class UnitLoad(NamedTuple):
 
 
 class ModeClosures(NamedTuple):
-    """The weighted gap closures N u and the weighted slips T u (n, k) of a shoe's k test modes."""
+    """The effects of a shoe's k test modes on its n contact nodes, per unit of each mode.
+
+    `normal` (n, k) are the weighted closures N u of the gap, and `tangential` (n, k) the weighted
+    slips T u. A test mode is a rigid-body motion on which virtual work gives an equilibrium.
+    """
 
     normal: Floats
     tangential: Floats
 
 
 class FrictionlessTerms(NamedTuple):
-    """The parts q (n,), B (n, k) and h (k,) of a shoe's problem that friction does not change."""
+    """The parts of a shoe's contact problem that friction does not change.
+
+    These are the weighted gaps q (n,) of the unloaded contact, the gaps B (n, k) per rigid-body
+    motion and the generalised forces h (k,) of the actuation.
+    """
 
     q: Floats
     B: Floats
@@ -52,9 +60,10 @@ class FrictionlessTerms(NamedTuple):
 
 
 class RingFlexibilityRoots(NamedTuple):
-    """Square roots (m, n) of the ring's flexibility, under pressure and under friction.
+    """Factors (m, n) of the flexibility matrices of the drum's ring at n contact nodes.
 
-    The flexibility by pressures is pressed^T pressed, and by friction pressed^T dragged.
+    The weighted gaps that the ring opens are pressed^T pressed per pressure of the shoes, and
+    pressed^T dragged per friction traction of the shoes.
     """
 
     pressed: Floats
@@ -65,8 +74,8 @@ class RingFlexibilityRoots(NamedTuple):
 class GroupState:
     """Shoes of a brake that are solved together, on a prepared model.
 
-    All contact problems of the group are stated per newton of `unit_force`. The size of a force
-    that acts alone then changes the gap alone.
+    All contact problems of the group are stated per newton of `unit_force`. If a single force acts,
+    its size then occurs in the gaps alone.
 
     Attributes
     ----------
@@ -85,7 +94,7 @@ class GroupState:
     penalty: float = math.inf
     friction_senses: tuple[int, ...] = ()
 
-    # The members
+    # These are the members of the group.
 
     @cached_property
     def shoes(self) -> tuple[Shoe, ...]:
@@ -99,7 +108,7 @@ class GroupState:
 
     @property
     def shoe_names(self) -> str:
-        """The names of the shoes as the text of a refusal."""
+        """The names of the shoes as a text, with which error messages begin."""
         return self.brake.names(self.members)
 
     @property
@@ -119,19 +128,19 @@ class GroupState:
             )
         return self.friction_senses or (1,) * len(self.members)
 
-    # The places of each shoe's unknowns
+    # These properties tell where the unknowns of each shoe stand among those of the group.
 
     @cached_property
     def node_ranges(self) -> tuple[slice, ...]:
-        """The places of each shoe's pressures among the pressures of the group."""
+        """The slice of each shoe's contact nodes among the nodes of the group."""
         return in_turn(len(body.line.nodes) for body in self.bodies)
 
     @cached_property
     def mode_ranges(self) -> tuple[slice, ...]:
-        """The places of each shoe's generalised coordinates among the coordinates of the group."""
+        """The slice of each shoe's rigid-body modes among the modes of the group."""
         return in_turn(modes.actuation_work.size for modes in self.rigid_body_modes)
 
-    # The loads and the rigid-body modes of each shoe
+    # These properties give the loads and the rigid-body modes of each shoe.
 
     @cached_property
     def unit_force(self) -> float:
@@ -145,7 +154,7 @@ class GroupState:
 
     @cached_property
     def unit_loads(self) -> tuple[UnitLoad, ...]:
-        """The actuation of each shoe per newton of its force."""
+        """The actuation of each shoe by a force of one newton."""
         return tuple(
             UnitLoad(*each) for each in map(actuation_load_factors, self.bodies, self.shoes)
         )
@@ -198,18 +207,18 @@ class GroupState:
         gap = body.coupling.M @ (self.initial_gaps[k] / self.unit_force)
         acting = acting_loads(body, self.shoes[k], own_force) / self.unit_force
         q = gap - body.closure_by_load @ acting
-        # Without friction at an abutment the closures of the test modes serve for both.
+        # Without friction at an abutment the contact modes are the test modes.
         if modes.contact_modes is modes.test_modes:
             closure = self.gap_closures_of_test_modes[k].normal
         else:
             closure = body.coupling.N @ modes.contact_modes
         return FrictionlessTerms(q, -closure, -force * modes.actuation_work)
 
-    # Integrals over the linings
+    # These properties are integrals over the linings.
 
     @cached_property
     def torque_per_pressure(self) -> Floats:
-        """The torque (n, shoes) [m^3] of each shoe per pressure of each node and per mu."""
+        """The torque (n, shoes) [m^3] of each shoe per nodal pressure, at a friction of 1."""
         return np.asarray(block_diag(*map(attrgetter("coupling.lever"), self.bodies)).T)
 
     @cached_property
@@ -219,14 +228,14 @@ class GroupState:
 
     @cached_property
     def gap_mass_matrix(self) -> Floats:
-        """The mass matrix (n, n) [m^2] of the contact nodes, which weights the gaps."""
+        """The mass matrix (n, n) [m^2] of the contact nodes: weighted gaps per nodal gap."""
         return np.asarray(block_diag(*map(attrgetter("coupling.M"), self.bodies)))
 
-    # The ring, the struts and the cam
+    # These properties describe the ring, the struts and the cam.
 
     @cached_property
     def ring_flexibility_roots(self) -> RingFlexibilityRoots | None:
-        """The flexibility of the ring under the group's linings; None for a rigid drum."""
+        """The factors of the ring's flexibility under the group's linings; None without a ring."""
         ring = self.scene.ring
         if ring is None:
             return None
@@ -237,7 +246,10 @@ class GroupState:
 
     @cached_property
     def struts(self) -> list[tuple[int, int]]:
-        """The numbers of the shoes from which and to which each strut of the group pushes."""
+        """For each strut of the group, the number of the pushing shoe and that of the pushed shoe.
+
+        The numbers are positions in the group.
+        """
         names = [shoe.name for shoe in self.shoes]
         links = []
         for link in self.brake.links:
@@ -247,7 +259,10 @@ class GroupState:
 
     @cached_property
     def cam_shoes(self) -> list[int]:
-        """The numbers of the shoes whose tips a cam moves by one travel; empty without a cam."""
+        """The numbers, in the group, of the shoes that a cam pushes; empty without a cam.
+
+        The cam moves the tips of these shoes by the same travel.
+        """
         drive = self.brake.actuation
         if not drive or not drive.is_cam:
             return []
@@ -276,6 +291,6 @@ def unloaded_gaps_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Float
     """
     theta, radius = shoe.frame.theta(phi), brake.size
     off = shoe.off(xy, radius)
-    # Round-off moves nodes off the drum's radius, which would look like a gap or an overlap.
+    # Round-off moves nodes off the drum's radius. This must not count as a gap or an overlap.
     off = np.where(np.abs(off) < 1e-12 * radius, 0.0, off)
     return off + clearance.gap(brake, shoe, theta)

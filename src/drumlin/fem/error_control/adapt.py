@@ -1,4 +1,8 @@
-"""A brake solved to a tolerance: finer levels until the a posteriori error estimate meets it."""
+"""A brake solved to a tolerance, on finer and finer levels.
+
+A level is a division of the brake into hp elements. The last level is the first on which the a
+posteriori error estimate meets the tolerance.
+"""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -26,22 +30,25 @@ from drumlin.response.response import Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
 
 SHORTEST_KNOWN_CONTACT = 1000 * SMALLEST_COLUMN
-"""Length of a contact, relative to the lining's thickness, below which the response says that its
-pressure is not known. No hp element is smaller than SMALLEST_COLUMN. On a level that states an
-error of 1e-4 the elements at the ends of a contact are a thousandth of the contact's length.
+"""Length of a contact, relative to the lining's thickness, below which its pressure is unknown.
+
+The response of a shorter contact says that the pressure is not known. No hp element is smaller than
+SMALLEST_COLUMN. To state an error of 1e-4, a level needs elements at the ends of the contact of a
+thousandth of the contact's length.
 """
 PEAK_NEAR_END = 0.5
-"""Fraction of the peak pressure up to which p may rise in the hp element at an end of the lining.
+"""Largest pressure p in the hp element at an end of the lining, relative to the peak pressure.
 
-If p is higher there, the peak counts as unknown: p grows without bound at the lining's end, and on
-a finer level it would be the peak. The value is a judgement.
+If p is higher in this element, the peak pressure counts as unknown: p grows without bound at the
+lining's end, and on a finer level it would be the peak. The value is a judgement.
 """
 
 
 class Tolerance(NamedTuple):
-    """The relative errors that are allowed: of p in L2, outside the edge zones, and of the torque.
+    """The relative errors that a solve may leave.
 
-    The pressure counts on the shoe where its error is largest.
+    `pressure` is the error of the pressure p in L2, outside the zones at the lining's ends, of the
+    shoe where it is largest. `torque` is the error of the torque of the brake.
     """
 
     pressure: float
@@ -49,13 +56,14 @@ class Tolerance(NamedTuple):
 
 
 DEFAULT_TOLERANCE = Tolerance(5e-3, 1e-4)
-"""The tolerance of a solve without `--tolerance`: 0.5 % of p and 0.01 % of the torque. No brake is
-manufactured as precisely.
+"""Tolerance of a solve without the option `--tolerance`: 0.5 % of p and 0.01 % of the torque.
+
+No brake is manufactured as precisely.
 """
 
 
 class _Progress(NamedTuple):
-    """The levels that a solve has answered.
+    """The levels on which a brake has been solved so far.
 
     Attributes
     ----------
@@ -63,7 +71,7 @@ class _Progress(NamedTuple):
     responses : responses of all levels
     error : estimated errors of the last response; empty on the first level
     unknowns : largest number of unknowns of a shoe
-    missed : reason why the tolerance is not reached; empty if it is reached
+    missed : text that says why the tolerance is not reached; empty if it is reached
     """
 
     scene: PreparedModel
@@ -82,21 +90,24 @@ def solve_to_tolerance(
     cache: Cache | None = None,
     levels: Iterable[SolvedLevel] | None = None,
 ) -> SolvedLevel:
-    """The response whose estimated errors meet the tolerance, with its prepared model.
+    """Solve a brake on finer and finer levels until its estimated errors meet a tolerance.
+
+    Returns the last level: the response with its errors, and the prepared model.
 
     Parameters
     ----------
     brake : the brake
     tolerance : relative errors that are allowed
-    respond : computes the response on a prepared model
-    must : whether a tolerance that is not reached is refused; otherwise the last level is returned
+    respond : function that computes the response on a prepared model
+    must : whether an error is raised if the tolerance is not reached; otherwise the last level is
+        returned with a warning
     cache : keeps condensed bodies of earlier solves, see `prepare`
-    levels : levels that are solved already; solved here if it is None
+    levels : levels that are solved already; if None, the function solves the levels itself
 
     Raises
     ------
     NoAnswer
-        where no level has an answer, or where the tolerance must be reached and is not; the message
+        if no level has a solution, or if the tolerance must be reached and is not; the message
         states the errors that were reached
     BadInput
         for a brake with a mesh file
@@ -119,9 +130,10 @@ def solve_to_tolerance(
 def _solve_until_tolerance(
     brake: Brake, tolerance: Tolerance, levels: Iterable[SolvedLevel]
 ) -> _Progress:
-    """The levels up to the first that meets the tolerance, or up to the last that has an answer.
+    """Solve a brake up to the first level that meets the tolerance, or to the last level.
 
-    Raises NoAnswer where not even two levels have answers.
+    The levels also end where a finer level has no solution. Raises NoAnswer if not even two levels
+    have solutions, because the errors are then unknown.
     """
     responses: list[Response] = []
     error = Errors({}, ())
@@ -131,6 +143,7 @@ def _solve_until_tolerance(
         for scene, response in levels:
             responses.append(response_with_power_laws(brake, response))
             unknowns = max(body.unknowns for body in scene.bodies)
+            # The errors follow from the difference of two levels. The first level has none.
             if len(responses) == 1:
                 continue
             before, last = responses[-2:]
@@ -142,7 +155,8 @@ def _solve_until_tolerance(
                 missed += f": {unknown}"
                 break
     except NoAnswer as refusal:
-        # A finer level may have no answer although the levels before have.
+        # A finer level may have no solution although the earlier levels have one. Two solved levels
+        # suffice to state errors.
         if not error.brake:
             raise
         missed += f", the next level: {refusal}"
@@ -156,7 +170,10 @@ def _meets_tolerance(error: Errors, tolerance: Tolerance) -> bool:
 
 
 def _unbounded_text(brake: Brake, response: Response) -> str:
-    """The text that names the shoes whose pressure is unbounded; empty without such a shoe."""
+    """The text that names the shoes whose pressure grows without bound at a point of the lining.
+
+    The text is empty if there is no such shoe.
+    """
     unbounded = []
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
         if _missing_part_of_peak(shoe, brake.scale_factor, answer) == 1.0:
@@ -167,7 +184,10 @@ def _unbounded_text(brake: Brake, response: Response) -> str:
 
 
 def _reached_text(progress: _Progress, tolerance: Tolerance) -> str:
-    """The text on the errors that were reached, and on the penalty if it causes half of them."""
+    """The text that states the errors which were reached.
+
+    If the penalty causes more than half of the allowed error of p, the text says so.
+    """
     error = progress.error.brake
     text = f"estimated error of p {error['pressure']:.1e}, of the torque {error['torque']:.1e}"
     shoes = progress.responses[-1].shoes
@@ -178,10 +198,10 @@ def _reached_text(progress: _Progress, tolerance: Tolerance) -> str:
 
 
 def _response_with_errors(progress: _Progress) -> Response:
-    """The last response with its errors, the time of all levels, and a note on the levels.
+    """The response of the last level with its errors, the time of all levels, and a note on them.
 
-    Its number of iterations is the largest of any level. A warning follows if the errors miss the
-    tolerance.
+    The number of iterations is the largest of any level. If the errors miss the tolerance, the
+    notes end with a warning.
     """
     responses, error = progress.responses, progress.error
     last = responses[-1]
@@ -205,19 +225,19 @@ def _response_with_errors(progress: _Progress) -> Response:
     )
 
 
-# Errors that the difference of two levels does not show: those of singular pressures, and of
-# contacts that are too short for any division.
+# The following functions state errors that the difference of two levels does not show: those of
+# singular pressures, and those of contacts that are too short for any division.
 
 
 def errors_with_singularities(
     error: Errors, brake: Brake, response: Response
 ) -> tuple[Errors, str]:
-    """The errors with those at singular points added, and a text on any unknown pressure.
+    """The estimated errors with the errors at singular points added, and a text on short contacts.
 
-    Near corners of the lining and under tips of the gap, p and its peak lack a part that the
-    difference of two levels does not show. An error of 1 means unknown. It is stated for a peak at
-    an end of the lining or under a tip, and for the pressure of a contact that is too short. The
-    text names such a contact, and is empty otherwise.
+    Near corners of the lining and under tips of the gap, the pressure p and its peak lack a part
+    that the difference of two levels does not show. An error of 1 means unknown. It is stated for a
+    peak at an end of the lining or under a tip, and for the pressure of a contact that is too
+    short. The text names such a contact, and is empty otherwise.
 
     Parameters
     ----------
@@ -254,17 +274,17 @@ def _shortest_contact_length(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> 
 
 
 def _errors_with_unknown_pressure(errors: Mapping[str, float]) -> dict[str, float]:
-    """The errors of a shoe with an error of 1 for its pressure and its peak."""
+    """The errors of a shoe, with 1 (unknown) as the error of its pressure and of its peak."""
     unknown = {"pressure", "peak"}
     return {name: max(error, float(name in unknown)) for name, error in errors.items()}
 
 
 def _missing_part_of_peak(shoe: Shoe, scale_factor: float, answer: ShoeResponse) -> float:
-    """The fraction of the peak of p by which the peak may be too small because p is singular.
+    """The fraction by which the computed peak pressure of a shoe may be too small.
 
-    The fraction is 1, for unknown, where the peak is at or near a pressure that grows without
-    bound: at a lining's end, or under a tip of its gap. `scale_factor` is the length [m] of the
-    surface's coordinate 1.
+    The peak is too small if it lies where the pressure p is singular. The fraction is 1, for
+    unknown, where the peak is at or near a pressure that grows without bound: at a lining's end, or
+    under a tip of its gap. `scale_factor` is the length [m] of the surface's coordinate 1.
     """
     zone = edge_zone(shoe, scale_factor)
     if _is_peak_at_lining_end(answer, zone):
@@ -273,13 +293,14 @@ def _missing_part_of_peak(shoe: Shoe, scale_factor: float, answer: ShoeResponse)
 
 
 def _is_peak_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
-    """Whether p peaks in an hp element at a pressed end of the lining, where p is unbounded.
+    """Whether the pressure p peaks in the hp element at an end of the lining, where p is unbounded.
 
-    `zone` is the length of the zone at the lining's ends, see `edge_zone`. If the peak is looked
-    for in this zone too, a pressure of PEAK_NEAR_END of the peak suffices, because on a finer level
-    it would be the peak.
+    `zone` is the length of the zone at the lining's ends, see `edge_zone`. Usually the peak is not
+    looked for in this zone. If it is, a pressure of PEAK_NEAR_END of the peak in the element
+    suffices, because on a finer level it would be the peak.
     """
     theta, p, order = answer.theta, answer.pressure, answer.order
+    # The heights are the largest pressures in the elements at pressed ends, relative to the peak.
     heights = []
     for end, element in ((0, slice(order + 1)), (-1, slice(-order - 1, None))):
         if p[end] > 0:
@@ -294,15 +315,16 @@ def _is_peak_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
 def _missing_part_of_peak_under_tips(
     shoe: Shoe, scale_factor: float, answer: ShoeResponse, zone: float
 ) -> float:
-    """The fraction by which the peak of p may be too small because p is unbounded under tips.
+    """The fraction by which the computed peak may be too small because of the tips of the gap.
 
-    A wedge whose slope changes by s has the pressure E s/(2 pi) ln(1/x) on a half-plane of modulus
-    E (Johnson, Contact Mechanics, ch. 5). As the elements beside a tip of the gap become smaller,
-    down to SMALLEST_COLUMN, p at the tip grows by this law. The growth matters where p at the tip
-    would then exceed the peak. If hp elements end at the tip, the peak is unknown, and the fraction
-    is 1. At a tip that p hardly feels no elements end, see `singular_points_of`. The peak then
-    lacks at most the part by which p at the tip could exceed it. Tips in the zone at the lining's
-    ends are left to `_is_peak_at_lining_end`.
+    At a tip the slope of the gap jumps, and the tip points to the drum. The pressure p is unbounded
+    there: a wedge whose slope changes by s has the pressure E s/(2 pi) ln(1/x) on a half-plane of
+    modulus E (Johnson, Contact Mechanics, ch. 5). As the elements beside a tip become smaller, down
+    to SMALLEST_COLUMN, p at the tip grows by this law. The growth matters if p at the tip would
+    then exceed the peak. If hp elements end at the tip, the peak is unknown, and the fraction is 1.
+    At a tip that hardly changes p no elements end, see `singular_points_of`. The peak then lacks at
+    most the part by which p at the tip could exceed it. Tips in the zone at the lining's ends are
+    left to `_is_peak_at_lining_end`.
 
     Parameters
     ----------
@@ -315,9 +337,11 @@ def _missing_part_of_peak_under_tips(
     zone = edge_left_out(theta, p, order, zone)
     modulus = shoe.lining.material.E_half_plane
     missing = 0.0
+    # Each tip outside the zones at the ends may show a peak higher than the computed one.
     for tip, slope in clearance.tips(shoe.lining):
         if not start + zone < tip < end - zone:
             continue
+        # `around` are the nodes of the two elements that meet nearest to the tip.
         nearest = int(np.abs(theta[::order] - tip).argmin()) * order
         around = slice(max(nearest - order, 0), nearest + order + 1)
         width = scale_factor * float(theta[around][-1] - theta[around][0])
@@ -332,9 +356,9 @@ def _missing_part_of_peak_under_tips(
 
 
 def check_tolerance(brake: Brake, tolerance: float) -> None:
-    """Raise BadInput for a tolerance out of range, or for a brake with a mesh file.
+    """Raise BadInput for a tolerance that is not between 0 and 1, or for a brake with a mesh file.
 
-    A mesh file is not refined.
+    A tolerance needs finer and finer elements, and those of a mesh file are not refined.
     """
     if not 0 < tolerance < 1:
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")

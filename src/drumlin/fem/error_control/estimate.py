@@ -1,22 +1,24 @@
-"""How far the answer of a level is from the exact one, from how far the level moved it.
+"""The a posteriori error estimate: errors of a level, from its difference to the level before.
 
-The a posteriori error estimate. Let e_k be the error of level k, relative, and d_k the distance of
-its answer from that of the level before. If a level has at most 1/r of the error of the level
-before, then d_k >= e_(k-1) - e_k >= (r - 1) e_k, so that
+Let e_k be the relative error of a result on level k. Let d_k be its distance, the relative
+difference between the results on levels k and k-1. If a level has at most 1/r of the error of the
+level before, then d_k >= e_(k-1) - e_k >= (r - 1) e_k, so that
 
     e_k <= c d_k,   c = 1/(r - 1).
 
-The factor c of each quantity comes from random brakes of every kind, see `FACTORS`. Two quantities
-need more than their own distance, since the difference of two numbers may be small by accident:
+The factor c of each quantity is fitted on random brakes of every kind, see `FACTORS`. The
+difference of two numbers may be small by accident. Two kinds of quantities therefore need more than
+their own distance:
 
-- A force (torque, reaction) is an integral of p, in which what two levels differ by may cancel. So
-  a fraction, `cancelled`, of what the force would move by is added, were the signs of the columns'
-  contributions chance: of the root of the sum of their squares.
-- The distance of two peaks is at least the geometric mean of the distance of p in the column of the
-  peak and of its distance in L2.
+- A force (torque, reaction) is an integral of the pressure p, and the differences of p in several
+  columns of hp elements may cancel in it. Therefore a fraction, `cancelled`, of another change is
+  added: the change of the force if the columns contributed with random signs. It is the root of the
+  sum of the squares of their contributions.
+- The distance of two peaks is at least the geometric mean of two distances: that of p in the column
+  of the peak, and that of p in L2.
 
-To all are added the penalty error and the round-off error of the elimination, by
-`ShoeResponse.softness` and `lost`.
+The penalty error and the round-off error of the elimination are added to the errors of all
+quantities, see `ShoeResponse.softness` and `ShoeResponse.lost`.
 """
 
 import json
@@ -41,15 +43,23 @@ from drumlin.response.response import (
 from drumlin.response.resultants import edge_left_out
 
 QUANTITIES = ("pressure", "torque", "peak", "reaction")
-"""What has a stated error: p in L2 outside the zones at the lining's ends, torque, peak pressure,
-reaction."""
+"""Names of the quantities of a shoe that have a stated error.
+
+They are the pressure in L2 outside the zones at the lining's ends, the torque, the peak pressure
+and the support reaction.
+"""
 
 
 class Factors(NamedTuple):
-    """The numbers of the estimate.
+    """The factors of the error estimate.
 
-    `pressure`, `force`, `peak`: error over the distance of the last two levels; `cancelled`:
-    fraction of what chance signs of the columns would move a force by.
+    Attributes
+    ----------
+    pressure, force : error of the quantity, divided by the difference of the last two levels;
+        a force is a torque or a reaction
+    cancelled : fraction of the change of a force by random signs that is added to the error of the
+        force, since the contributions of the columns may cancel by accident
+    peak : error of the peak pressure, divided by the difference of the last two levels
     """
 
     pressure: float
@@ -58,32 +68,36 @@ class Factors(NamedTuple):
     peak: float
 
     def of_distances(self, shoes: int) -> Floats:
-        """The factor (1 + 4 shoes,) of each distance, in the order of `Distances`."""
+        """The factor (1 + 4 shoes,) of each distance of two levels, in the order of `Distances`."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 
 
 def read_factors(path: Path) -> Factors:
-    """The factors of a file that the calibration wrote."""
+    """Read the factors of the error estimate from a file that `make calibrate` has written."""
     data = json.loads(path.read_text(encoding="utf-8"))
     return Factors(**{name: data[name]["value"] for name in Factors._fields})
 
 
 FACTORS = read_factors(Path(__file__).with_name("factors.json"))
-"""The numbers of the estimate, fitted by `make calibrate`; the file says on what, and what each
-does.
+"""The factors of the error estimate, which `make calibrate` fits.
+
+The file factors.json says on which brakes they are fitted, and what each factor does.
 """
 
 SOFTER = 2.0
-"""Factor on the penalty error. `softness` is of first order in 1/alpha, and what the penalty
-changes is at most twice that while the lining penetrates less than it is compressed.
+"""Safety factor on the error by the penalty.
+
+`ShoeResponse.softness` is the first-order change of the results by the penalty. The actual change
+is at most twice as large, as long as the lining penetrates the drum by less than it is compressed.
 """
 
 
 class Errors(NamedTuple):
-    """Relative errors of a brake and of each of its shoes, by the names of QUANTITIES.
+    """Estimated relative errors of a brake and of each of its shoes, by the names of QUANTITIES.
 
-    `brake` has the error of the brake's torque, and of each other quantity that of the worst shoe.
+    `brake` holds the error of the brake's torque, and for each other quantity the largest error of
+    a shoe.
     """
 
     brake: Mapping[str, float]
@@ -91,15 +105,25 @@ class Errors(NamedTuple):
 
     @classmethod
     def worst(cls, torque: float, shoes: Sequence[Mapping[str, float]]) -> "Errors":
-        """The errors of the shoes, the worst of them, and that of the brake's torque."""
+        """Make the errors of a brake from the error of its torque and the errors of its shoes.
+
+        For each other quantity the brake has the largest error of a shoe.
+        """
         most = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
         return cls(most | {"torque": torque}, tuple(shoes))
 
 
 class Distances(NamedTuple):
-    """Relative distances of two levels' answers, and what chance signs of the columns would move.
+    """Relative differences of the responses on two levels.
 
-    Each (1 + 4 shoes,): of the brake's torque, shoes not cancelling, then of each shoe QUANTITIES.
+    Both arrays (1 + 4 shoes,) begin with the torque of the brake, in which the differences of the
+    shoes add up without cancelling. The QUANTITIES of each shoe follow.
+
+    Attributes
+    ----------
+    steps : difference of each quantity on the two levels
+    chance : change of each force if the columns of hp elements contributed with random signs; 0 for
+        quantities that are no forces
     """
 
     steps: Floats
@@ -107,62 +131,99 @@ class Distances(NamedTuple):
 
 
 def estimate(brake: Brake, before: Response, last: Response, factors: Factors = FACTORS) -> Errors:
-    """Upper values of the errors of a level's response `last`, from that of the level before."""
+    """Estimate the relative errors of the response of a level, `last`.
+
+    The errors follow from the difference to the response of the level before. They are meant as
+    upper bounds.
+    """
     moved = distances(brake, before, last)
     found = factors.of_distances(len(last.shoes)) * moved.steps + factors.cancelled * moved.chance
+    # Quantities that are exactly equal on both levels, such as those of a shoe without contact,
+    # keep the error 0.
     found = np.where(found > 0, found + beside(last.shoes), found)
-    shoes = np.reshape(found[1:], (-1, len(QUANTITIES))).tolist()
-    return Errors.worst(float(found[0]), [dict(zip(QUANTITIES, own, strict=True)) for own in shoes])
+    rows = np.reshape(found[1:], (-1, len(QUANTITIES))).tolist()
+    errors_of_shoes = [dict(zip(QUANTITIES, row, strict=True)) for row in rows]
+    return Errors.worst(float(found[0]), errors_of_shoes)
 
 
 def beside(shoes: Sequence[ShoeResponse]) -> Floats:
-    """Penalty and round-off errors (1 + 4 shoes,), in the order of `Distances`."""
+    """The relative errors (1 + 4 shoes,) by the penalty and by round-off, added up.
+
+    They stand in the order of `Distances`.
+    """
     return SOFTER * _of_quantities(shoes, "softness") + _of_quantities(shoes, "lost")
 
 
 def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:
-    """A Change of each shoe, by its name, in the order of `Distances`."""
-    every = [getattr(shoe, name) for shoe in shoes]
-    changes = [(of.pressure, of.torque, max(of.pressure, of.peak), of.reaction) for of in every]
-    return np.array([max(of[1] for of in changes), *chain(*changes)])
+    """The relative changes (1 + 4 shoes,) of all shoes by one cause, in the order of `Distances`.
+
+    `name` is the attribute of `ShoeResponse` that holds the changes by this cause, "softness" for
+    the penalty or "lost" for round-off.
+    """
+    rows = []
+    for shoe in shoes:
+        change = getattr(shoe, name)
+        peak = max(change.pressure, change.peak)
+        rows.append((change.pressure, change.torque, peak, change.reaction))
+    torque_of_brake = max(row[1] for row in rows)
+    return np.array([torque_of_brake, *chain(*rows)])
 
 
 def distances(brake: Brake, a: Response, b: Response) -> Distances:
-    """Relative distances of response a from b, and what chance would move the forces by.
+    """The relative differences of two responses of one brake, `a` on a level and `b` on the next.
 
-    Chance means that the contributions of the columns had signs by chance.
+    The result also holds the changes that forces would have if the columns of hp elements
+    contributed with random signs.
     """
-    total = b.torque or a.torque or 1.0
     pairs = list(zip(a.shoes, b.shoes, strict=True))
-    zones = [edge_zone(shoe, brake.scale_factor) for shoe in brake.shoes]
-    own = np.array([_of(zone, brake.unit, x, y) for zone, (x, y) in zip(zones, pairs, strict=True)])
-    shares = np.array([y.torque or x.torque for x, y in pairs]) / total
-    each = [
-        np.array([float(part[:, 1] @ shares), *part.ravel()]) for part in (own[:, 0], own[:, 1])
-    ]
-    return Distances(*each)
+    rows = []
+    for shoe, (of_a, of_b) in zip(brake.shoes, pairs, strict=True):
+        zone = edge_zone(shoe, brake.scale_factor)
+        rows.append(_of(zone, brake.unit, of_a, of_b))
+    of_shoes = np.array(rows)  # (shoes, 2, 4)
+    # The torque of the brake differs by the sum over its shoes, each with its share of the torque.
+    total = b.torque or a.torque or 1.0
+    shares = np.array([of_b.torque or of_a.torque for of_a, of_b in pairs]) / total
+    both = []
+    for values in (of_shoes[:, 0], of_shoes[:, 1]):
+        torque_of_brake = float(values[:, 1] @ shares)
+        both.append(np.array([torque_of_brake, *values.ravel()]))
+    steps, chance = both
+    return Distances(steps, chance)
 
 
 def _of(
     zone: float, unit: float, a: ShoeResponse, b: ShoeResponse
 ) -> tuple[tuple[float, ...], ...]:
-    """The distances of one shoe and what chance would move its forces by, (2, 4) by QUANTITIES.
+    """The relative differences of two responses of a shoe, and the changes by random signs.
 
-    zone : at the lining's ends, in which no peak is looked for
-    unit : see `Frame`
+    Each of the two is a tuple (4,) in the order of QUANTITIES. The changes by random signs are
+    those of forces if the columns of hp elements contributed with random signs.
+
+    Parameters
+    ----------
+    zone : length of the zone at each end of the lining in which no peak is looked for
+    unit : change of the coordinate theta per radian of the shoe's angle phi, see `Frame`
+    a, b : responses of the shoe on a level and on the next
     """
     held = reaction_size(b.hinge_reaction, b.normal_force)
     torque = abs(a.torque - b.torque) / (b.torque or a.torque or 1.0)
     peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or a.peak_pressure or 1.0)
     reaction = math.dist(a.hinge_reaction, b.hinge_reaction) / held
     if not b.pressure.any():
-        return (float(a.pressure.any()), torque, peak, reaction), (0.0,) * len(QUANTITIES)
+        pressure = float(a.pressure.any())
+        return (pressure, torque, peak, reaction), (0.0,) * len(QUANTITIES)
     singular = singular_zone(float(b.theta[-1] - b.theta[0]), unit)
-    edge, zone = (edge_left_out(b.theta, b.pressure, b.order, x) for x in (singular, zone))
-    step = Difference.of(a, b, edge, zone)
-    # Forces change only by what balances within the arc of the contact, a fraction of them like its
-    # angle.
+    edge = edge_left_out(b.theta, b.pressure, b.order, singular)
+    peak_zone = edge_left_out(b.theta, b.pressure, b.order, zone)
+    step = Difference.of(a, b, edge, peak_zone)
+    pressure = step.distance(edge)
+    peak = max(peak, math.sqrt(pressure * step.at_peak(peak_zone)))
+    # The pressures on both levels balance the same actuation. A change of p within a short contact
+    # therefore changes the forces at most by a fraction of about the angle of the contact.
     reach = (b.contact_arcs[-1][1] - b.contact_arcs[0][0]) / unit
-    p, chance = step.distance(edge), min(step.by_chance(), reach)
-    by_chance = 0.0, chance if b.torque else 0.0, 0.0, chance * b.normal_force / held
-    return (p, torque, max(peak, math.sqrt(p * step.at_peak(zone))), reaction), by_chance
+    chance = min(step.by_chance(), reach)
+    torque_by_chance = chance if b.torque else 0.0
+    reaction_by_chance = chance * b.normal_force / held
+    by_chance = (0.0, torque_by_chance, 0.0, reaction_by_chance)
+    return (pressure, torque, peak, reaction), by_chance

@@ -1,6 +1,6 @@
 """The levels of a solve: a brake solved on finer and finer divisions into hp elements.
 
-Each division has its grading points at the ends of the contact that the division before has found.
+Each division has small elements at the ends of the contact that the earlier division has found.
 """
 
 import math
@@ -21,20 +21,20 @@ from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 
 DEG = math.pi / 180
-"""A degree [rad]."""
+"""One degree [rad]."""
 
 
 class LevelRule(NamedTuple):
-    """The rule that makes the levels of a solve: each level from the error of p that it may leave.
+    """The rule that gives the degree and the grading of the hp elements on each level of a solve.
 
-    Level k = 1, 2, ... has the degree p, and its grading leaves the error e of p(theta) in L2,
-    relative:
+    Level k = 1, 2, ... has elements of the degree p. Its grading leaves the relative error e of the
+    pressure p(theta) in L2:
 
         p = first_degree + k - 1
         e = first_error / fall^(k - 1)
 
-    From both follow the ratio q of the sizes of neighbouring elements, and the sizes at singular
-    points as parts of the lengths that `Level` names:
+    From p and e follow the ratio q of the sizes of neighbouring elements, and the sizes of the
+    elements at singular points as parts of the lengths that `Level` names:
 
         sqrt q(e) = (1 - e^(1/p)) / (1 + e^(1/p))
 
@@ -45,21 +45,21 @@ class LevelRule(NamedTuple):
         zone = edge = back = hinge = corner e^sizes
 
     Elements that grow by 1/q from a singular point leave the error ((1 - sqrt q)/(1 + sqrt q))^p of
-    the best polynomials of degree p (Gui & Babuska, Numer. Math. 49, 1986), which is e. Where the
-    division is coarser than e asks, p(theta) feels it less. The layers are felt by their compliance
-    alone, an energy, whose error is the square of the error of the stresses. A short contact is
-    felt in few columns.
+    the best polynomials of degree p (Gui & Babuska, Numer. Math. 49, 1986), and this error is e.
+    Two gradings may be coarser than e asks, because they change p(theta) less. The layers change
+    it by their compliance alone; a compliance is an energy, whose error is the square of the error
+    of the stresses. A short contact changes it in few columns of elements only.
 
     Attributes
     ----------
     first_degree : degree of the first level
     first_error : error of p that the first level may leave
     fall : error of a level over that of the next level
-    sizes : power of e by which sizes at singular points shrink from level to level
-    layers : power of e that the grading through the layers leaves
-    end : size at the ends of the contact over e^sizes
-    corner : sizes at corners over e^sizes
-    largest : largest size of a column [rad]
+    sizes : exponent of e in the sizes of elements at singular points
+    layers : exponent of e in the error that the grading through the layers leaves
+    end : size of the elements at the ends of the contact, divided by e^sizes
+    corner : size of the elements at corners, divided by e^sizes
+    largest : largest width of a column of elements [rad]
     """
 
     first_degree: int
@@ -72,7 +72,7 @@ class LevelRule(NamedTuple):
     largest: float
 
     def level(self, k: int) -> Level:
-        """The level with the number k, which counts from 1."""
+        """The degree and grading of the level with the number k, counted from 1."""
         p = self.first_degree + k - 1
         e = self.first_error / self.fall ** (k - 1)
         corner = self.corner * e**self.sizes
@@ -91,9 +91,10 @@ class LevelRule(NamedTuple):
 
 
 def _size_ratio_for_error(error: float, p: int) -> float:
-    """The ratio q of neighbouring sizes whose growth leaves this error with elements of degree p.
+    """The ratio q of the sizes of neighbouring elements, smaller to larger.
 
-    The formula is that of `LevelRule`.
+    Elements of degree p that grow by 1/q from a singular point leave this relative error. The
+    formula is that of `LevelRule`.
     """
     root = error ** (1 / p)
     return ((1 - root) / (1 + root)) ** 2
@@ -111,44 +112,49 @@ LEVEL_RULE = LevelRule(
 )
 """The eight numbers of the levels, found by experiment on random brakes of all kinds.
 
-`make levels ARGS="fall=6"` finds the figures below again, for any values. It reports, for the
-brakes that `make calibrate` fits on, the factors of the error estimate on four levels, the
-processor time of answers, and the medians of stated over true errors. A force is a torque or a
-reaction.
+`make levels ARGS="fall=6"` finds the figures below again, for any values of the numbers. It runs
+the brakes on which `make calibrate` fits the error estimate. It reports the factors of the estimate
+on four levels, the processor time of solves, and the medians of stated over true errors. The factor
+of forces is the one for torques and reactions; a larger factor makes stated errors larger.
 
 - first_degree: the first level only finds the contact. The degree 3 is a judgement.
 - first_error: with 0.03 the factor of forces rises from 0.57 to 0.75, with 0.04 to 1.3, because a
   coarse first level resembles the second level only by chance. With smaller values every level has
   more unknowns.
-- fall: with 6 default answers take 9 % more time. With 4.5 some brakes need one more level for
-  1e-4, which takes twice the time.
-- sizes: with 0.667 the factor of forces is twice as large, since sizes at supports shrink more
-  slowly than p converges. With 0.8 default answers take 19 % more time.
-- layers: with 0.5 the factor of forces is 1.5 times as large. With 0.667 answers to 1e-4 take a
-  twentieth more time, and nothing is more accurate.
+- fall: with 6 a solve to the default tolerance takes 9 % more time. With 4.5 some brakes need one
+  more level for an error of 1e-4, which takes twice the time.
+- sizes: with 0.667 the factor of forces is twice as large, since elements at supports shrink more
+  slowly than p converges. With 0.8 a solve to the default tolerance takes 19 % more time.
+- layers: with 0.5 the factor of forces is 1.5 times as large. With 0.667 solves to 1e-4 take 5 %
+  more time, and nothing is more accurate.
 - end, corner: with 0.6 and 6 the second level of the double-shoe brake has 1.2 times as many
-  unknowns, and stated errors are no sharper.
+  unknowns, and stated errors are no nearer to the true ones.
 - largest: with 60 deg the torque was three times as far off on the first level.
 """
 LEVELS = tuple(LEVEL_RULE.level(k) for k in range(1, 7))
-"""The levels of a solve, from coarse to fine."""
+"""The six levels of a solve, from coarse to fine: degree and grading of their hp elements."""
 MOST_PASSES = 8
-"""Largest number of divisions on one level. Each pass follows the ends of the contact that the pass
-before has found, and the last pass stands even if the ends still move.
+"""Largest number of divisions, or passes, on one level of a solve.
+
+Each pass has small elements at the ends of the contact that the earlier pass has found. The last
+pass counts even if the ends of the contact still move.
 """
 
 
 class ResponseFunction(Protocol):
-    """A function that computes the response of a brake on its prepared model."""
+    """The type of a function that computes the response of a brake on its prepared model."""
 
     def __call__(
         self, scene: PreparedModel, brake: Brake, *, start: Response | None = None
     ) -> Response:
-        """The response; `start` is an earlier response, whose contact is the first guess."""
+        """Return the response of a brake on its prepared model `scene`.
+
+        The contact of an earlier response `start` is the first guess of the contact.
+        """
 
 
 class SolvedLevel(NamedTuple):
-    """The prepared model of a level, `scene`, and the response on it."""
+    """The prepared model of one level of a solve, `scene`, and the response of the brake on it."""
 
     scene: PreparedModel
     response: Response
@@ -160,25 +166,26 @@ def solved_levels(
     cache: Cache | None = None,
     levels: Sequence[Level] = (),
 ) -> Iterator[SolvedLevel]:
-    """The brake solved on one level after the other, finer and finer.
+    """Solve a brake on one level after the other, finer and finer, and yield each solved level.
 
-    The contact is found by following it as the friction grows. On the way the contact may lie where
-    the division is coarse, and a short contact on nodes far apart may have no solution. A level
-    without an answer is therefore solved once more with an upper limit of the size of columns, as
-    many along the lining as a mesh has elements. All later levels keep this limit. A level whose
-    answer has lost its digits is not solved again: no division of the level restores them.
+    The contact is found in steps of growing friction. On the way the contact may lie where the
+    elements are large, and a short contact on nodes far apart may have no solution. A level
+    without a solution is therefore solved once more with narrower columns of elements, at least as
+    many along the lining as a mesh has elements. All later levels keep this limit of the width. A
+    level whose solution has lost too many digits to round-off is not solved again: no division of
+    the level restores them.
 
     Parameters
     ----------
     brake : the brake
-    respond : computes the response on a prepared model
+    respond : function that computes the response on a prepared model
     cache : keeps condensed bodies, see `prepare`
     levels : the levels; LEVELS if it is empty
 
     Raises
     ------
     NoAnswer
-        where neither division of the first level has an answer, or two later levels have none
+        if neither division of the first level has a solution, or if two later levels have none
     """
     last: Response | None = None
     alike = equal_shapes(brake)
@@ -189,6 +196,7 @@ def solved_levels(
         points = singular_points_of(brake, last, alike, level.error)
         points_of_passes: list[PointsByShape] = []
         for _ in range(MOST_PASSES):
+            # The level is divided and solved, with the singular points of the earlier pass.
             limited = replace(level, largest=min(level.largest, column_limit))
             model = prepare(brake, limited, points, alike=alike, cache=cache)
             try:
@@ -205,8 +213,8 @@ def solved_levels(
             solved = SolvedLevel(model, response)
             points_of_passes.append(points)
             last, points = response, singular_points_of(brake, response, alike, level.error)
-            # The passes end when the new points are those of any earlier pass: ends of the contact
-            # that return to an earlier position would alternate forever.
+            # The passes end when the new points are those of any earlier pass. Ends of the contact
+            # that return to an earlier position would otherwise alternate for ever.
             if any(not _has_new_points(brake, earlier, points) for earlier in points_of_passes):
                 break
         if solved is not None:
@@ -214,10 +222,10 @@ def solved_levels(
 
 
 def _has_new_points(brake: Brake, before: PointsByShape, now: PointsByShape) -> bool:
-    """Whether a singular point of any shape of shoe lies where a division has no grading point.
+    """Whether a solution has singular points of its pressure for which its division was not made.
 
-    Such a point is an end of the contact that moved by more than UNRESOLVED_LENGTH, or a kink of
-    the gap.
+    A new point is an end of the contact that moved by more than UNRESOLVED_LENGTH, or a kink of the
+    gap. The points are given by shape of shoe.
 
     Parameters
     ----------
@@ -234,10 +242,10 @@ def _has_new_points(brake: Brake, before: PointsByShape, now: PointsByShape) -> 
 def _has_new_points_on_lining(
     arc: tuple[float, float], before: Sequence[SingularPoint], now: Sequence[SingularPoint]
 ) -> bool:
-    """Whether a singular point `now` of one lining lies away from all points `before`.
+    """Whether one of the singular points `now` of a lining lies away from all points `before`.
 
-    The ends of the lining, `arc`, always are grading points. An end of the contact may move by
-    UNRESOLVED_LENGTH of the length that it bounds.
+    The elements are always small at the ends of the lining, `arc`. An end of the contact may move
+    by UNRESOLVED_LENGTH of the length that it bounds.
     """
     known = [*arc, *(point.at for point in before)]
     for point in now:

@@ -1,10 +1,10 @@
-"""The full system of a group of shoes, solved by another elimination and refined in long double.
+"""The equations of a group of shoes without static condensation, refined in long double.
 
-The full system keeps the unknowns that static condensation eliminates: all displacements of the
+This full system keeps the unknowns that static condensation eliminates: all displacements of the
 shoes and of the ring, the generalised coordinates y, and the pressures p on the contact set. A shoe
 moves by u = v + r y, where v are the displacements while its frame is held, and r its rigid-body
-modes. Rigid-body modes strain nothing, so the system leaves out K r, which would be round-off of K
-alone. Per newton of the largest force:
+modes. Rigid-body modes strain nothing. The system therefore leaves out K r, which would be the
+round-off of K alone. Per newton of the largest force:
 
     K v + (N - drag T)^T p = f,    r^T (N - drag T)^T p = moment,
     M (g + p/eps) - N v - N r y + N_ring u_ring = 0  on the contact set
@@ -43,26 +43,33 @@ from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.ring import ring_stiffness
 
 LONG_DOUBLE = np.longdouble
+"""Floating-point type of more digits than double, in which the full system is refined."""
 EPSILON = float(np.finfo(float).eps)
 """Relative spacing of double-precision numbers."""
 MOST_CORRECTIONS = 30
-"""Number of corrections after which a refinement ends even if it has not converged."""
+"""Number of corrections after which iterative refinement ends even if it has not converged."""
 CONVERGED_CORRECTION = 1e-14
-"""Largest correction of the pressures, relative to the largest pressure, at which the refinement
-ends: some 45 times the spacing of double-precision numbers. Above it a further correction follows.
+"""Correction of the pressures, relative to the largest pressure, below which refinement ends.
+
+The value is some 45 times the spacing of double-precision numbers. After a larger correction
+another one follows.
 """
 SLOWEST_CONVERGENCE = 0.5
-"""Ratio of a correction to the correction before it, from the third correction on, above which the
-refinement ends. `RefinedSolution.correction` then tells how well it has converged.
+"""Ratio of a correction to the correction before it, above which iterative refinement ends.
+
+The ratio counts from the third correction on. `RefinedSolution.correction` then tells how well the
+refinement has converged.
 """
 MOST_REFINED_SETS = 40
-"""Number of contact sets that are tried, from the given set on, before the answer is refused. In a
-solve the given set is that of the condensed answer.
+"""Largest number of contact sets on which the full system of a group is solved and refined.
+
+If the contact set still changes after that, the brake is refused. The first set is that of the
+solution by static condensation.
 """
 
 
 class RefinedSolution(NamedTuple):
-    """The solution of the full system for a group of shoes, per newton of their largest force.
+    """The refined solution of the full system of a group of shoes, per newton of the largest force.
 
     Attributes
     ----------
@@ -92,14 +99,17 @@ class RefinedSolution(NamedTuple):
 class FullSystem:
     """The full system of a group of shoes: matrix and right side in long double.
 
+    No unknown is eliminated by static condensation.
+
     Attributes
     ----------
     matrix : sparse matrix (unknowns, unknowns); the rows of the pressures come last
     right : right side (unknowns,)
     pressures : slice of each shoe's pressures among the unknowns
     coordinates : slice of each shoe's generalised coordinates among the unknowns
-    lever : (unknowns,) with torque = lever . x
-    scale : (unknowns,) factors that equilibrate rows and columns, see `_equilibrating_factors`
+    lever : (unknowns,) torque per unknown, so that torque = lever . x
+    scale : (unknowns,) factors that give rows and columns similar sizes, see
+        `_equilibrating_factors`
     """
 
     matrix: Any
@@ -119,15 +129,15 @@ class FullSystem:
 
 
 class _ShoeBlock(NamedTuple):
-    """The part of one shoe in the full system, in long double.
+    """The part of one shoe in the full system of its group, in long double.
 
-    Its unknowns are the displacements of the inner nodes, those of the contact nodes, and the
-    generalised coordinates, which have no stiffness.
+    The unknowns of the shoe are the displacements of its inner nodes, those of its n contact nodes,
+    and its generalised coordinates, which have no stiffness.
 
     Attributes
     ----------
     K : stiffness (unknowns, unknowns)
-    pressure_forces : forces (unknowns, n) per pressure
+    pressure_forces : forces (unknowns, n) on the unknowns per nodal pressure
     gap_closures : closures (n, unknowns) of the weighted gaps per unknown
     load : force of the actuation on each unknown (unknowns,)
     """
@@ -146,9 +156,10 @@ class _RingCoupling(NamedTuple):
 
 
 class _RingBlock(NamedTuple):
-    """The part of the ring in the full system: its stiffness, and its coupling with each shoe.
+    """The part of the drum's ring in the full system: stiffness `K`, and coupling with each shoe.
 
-    The unknowns of a free ring are its displacements and the forces on its rim.
+    The unknowns are the displacements of the ring's nodes. A free ring has the forces on its rim as
+    further unknowns.
     """
 
     K: Any
@@ -157,13 +168,16 @@ class _RingBlock(NamedTuple):
 
 @dataclass(frozen=True)
 class _Layout:
-    """The order of the unknowns: those of each shoe, those of the ring, then all pressures.
+    """The order of the unknowns in a full system.
+
+    The unknowns of each shoe come first, then those of the ring, then all pressures.
 
     Attributes
     ----------
-    block_starts : number of the first unknown of each shoe and of the ring; then the number of
-        these unknowns
-    pressure_starts : number of the first pressure of each shoe; then the number of all unknowns
+    block_starts : position of the first unknown of each shoe and of the ring; the last entry is the
+        total number of these unknowns
+    pressure_starts : position of the first pressure of each shoe; the last entry is the number of
+        all unknowns
     """
 
     block_starts: Any
@@ -171,19 +185,20 @@ class _Layout:
 
 
 def full_system(group: ShoeGroup, *, relative_to_rigid_motion: bool = True) -> FullSystem:
-    """The full system of a group of shoes, with all of its nodes in contact.
+    """Assemble the full system of a group of shoes, with all of its nodes in contact.
 
     Parameters
     ----------
     group : the group of shoes
     relative_to_rigid_motion : whether displacements are measured from the shoes moved by their
-        rigid-body modes. Otherwise they are measured from the unloaded shoes, which keeps more
-        digits where the drum holds the lining and a soft shoe turns behind it.
+        rigid-body modes. Otherwise they are measured from the unloaded shoes. This keeps more
+        digits if the drum holds the lining and a soft shoe turns behind it.
     """
     members = range(len(group.members))
     shoe_blocks = [_shoe_block(group, k, relative_to_rigid_motion) for k in members]
     ring = _ring_block(group.scene, group.brake) if group.scene.ring is not None else None
     stiffnesses = [block.K for block in shoe_blocks] + ([ring.K] if ring else [])
+    # The sizes and counts of unknowns give the order of all unknowns.
     sizes = [int(block.shape[0]) for block in stiffnesses]
     counts = [len(gap) for gap in group.initial_gaps]
     starts = np.cumsum([0, *sizes])
@@ -210,9 +225,9 @@ def _matrix_blocks(
     ring: _RingBlock | None,
     stiffnesses: list[Any],
 ) -> list[list[Any]]:
-    """The blocks of the full matrix, None for a zero block, by block rows and block columns.
+    """The blocks of the full system's matrix, by block rows and block columns; None for zeros.
 
-    The block rows are those of the shoes, that of the ring, and those of each shoe's pressures.
+    There is a block row for each shoe, one for the ring, and one for the pressures of each shoe.
 
     Parameters
     ----------
@@ -239,7 +254,10 @@ def _matrix_blocks(
 
 
 def _right_side(group: ShoeGroup, shoe_blocks: list[_ShoeBlock], layout: _Layout) -> Any:
-    """The right side of the full system: actuations, and weighted gaps of the unloaded linings."""
+    """The right side (unknowns,) of the full system.
+
+    It holds the actuations of the shoes and the negative weighted gaps of the unloaded linings.
+    """
     right = np.zeros(int(layout.pressure_starts[-1]), dtype=LONG_DOUBLE)
     for k, shoe_block in enumerate(shoe_blocks):
         right[layout.block_starts[k] : layout.block_starts[k + 1]] = shoe_block.load
@@ -250,7 +268,10 @@ def _right_side(group: ShoeGroup, shoe_blocks: list[_ShoeBlock], layout: _Layout
 
 
 def _torque_lever(group: ShoeGroup, layout: _Layout) -> Floats:
-    """The torque (unknowns,) per unknown of the full system."""
+    """The torque of the group per unknown (unknowns,) of the full system; 0 except for pressures.
+
+    The torque [m^3] is per pressure and contains the friction coefficient.
+    """
     lever = np.zeros(int(layout.pressure_starts[-1]))
     for k, body in enumerate(group.bodies):
         at = slice(layout.pressure_starts[k], layout.pressure_starts[k + 1])
@@ -259,12 +280,17 @@ def _torque_lever(group: ShoeGroup, layout: _Layout) -> Floats:
 
 
 def _shoe_block(group: ShoeGroup, k: int, relative_to_rigid_motion: bool) -> _ShoeBlock:
-    """The part of shoe `k` in the full system; parameters as of `full_system`."""
+    """The part of shoe `k` of a group in the full system, in long double.
+
+    For `relative_to_rigid_motion` see `full_system`.
+    """
     body, shoe, modes = group.bodies[k], group.shoes[k], group.rigid_body_modes[k]
     constraints = body.condensed.constraints.matrix.astype(LONG_DOUBLE)
+    # The stiffness is assembled again in long double; the condensed body has it in double only.
     K = stiffness(body.basis, elastic_layers_of_shoe(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
     inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
+    # The actuation works on the nodes it acts on, and on the rigid-body modes.
     share = LONG_DOUBLE(abs(shoe.actuation.force)) / group.unit_force
     acting = acting_loads(body, shoe, shoe.actuation.force).astype(LONG_DOUBLE)
     load = body.condensed.loads.astype(LONG_DOUBLE) @ (acting / group.unit_force)
@@ -296,12 +322,13 @@ def _shoe_block(group: ShoeGroup, k: int, relative_to_rigid_motion: bool) -> _Sh
 
 
 def _ring_block(scene: PreparedModel, brake: Brake) -> _RingBlock:
-    """The part of the ring in the full system."""
+    """The part of the drum's elastic ring in the full system, in long double."""
     ring, part = scene.ring, brake.ring
     # A model without a ring, or with a ring that has no section, never comes here.
     assert ring is not None and part is not None
     basis = ring.basis
     K = ring_stiffness(basis, part, precise=True).tocsr()
+    # Displacements of nodes that stand still are no unknowns.
     keep = np.ones(2 * basis.N, dtype=bool)
     keep[2 * ring.held] = keep[2 * ring.held + 1] = False
     K = K[keep][:, keep]
@@ -309,6 +336,7 @@ def _ring_block(scene: PreparedModel, brake: Brake) -> _RingBlock:
         forces = ring.rim_balance.forces.transpose(1, 0, 2).reshape(-1, FRAME)
         rim = sp.csr_matrix(forces.astype(LONG_DOUBLE))
         K = _assemble_blocks([[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, FRAME])
+    # `place` gives the number of a displacement among those that are kept.
     place = np.cumsum(keep) - 1
     nodes = ring.line.nodes
     dofs = place[np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()]
@@ -320,22 +348,22 @@ def _ring_block(scene: PreparedModel, brake: Brake) -> _RingBlock:
 
 
 def _sparse_in_columns(values: Floats, dofs: Any, count: int) -> Any:
-    """A sparse matrix of `count` columns that has the columns of `values` at the numbers `dofs`."""
+    """A sparse matrix with `count` columns in which column j of `values` is column dofs[j]."""
     entries = sp.coo_matrix(values.astype(LONG_DOUBLE))
     places = (entries.row, dofs[entries.col])
     return sp.csr_matrix((entries.data, places), shape=(entries.shape[0], count))
 
 
 def _sparse_from_row(values: Any, size: tuple[int, int], row: int) -> Any:
-    """A sparse matrix of this size that holds the dense `values` from the row `row` on."""
+    """A sparse matrix of a given size, with the dense `values` in the rows from `row` on."""
     i, j = np.nonzero(values)
     return sp.csr_matrix((values[i, j], (i + row, j)), shape=size)
 
 
 def _assemble_blocks(blocks: list[list[Any]], sizes: list[int]) -> Any:
-    """The sparse matrix in long double that has the given blocks; None stands for a zero block.
+    """The sparse matrix in long double that consists of the given blocks; None is a zero block.
 
-    `sizes` are the numbers of unknowns of the block rows, which are those of the block columns.
+    `sizes` are the numbers of rows of the block rows, and of columns of the block columns.
     """
     starts = np.cumsum([0, *sizes])
     data, rows, columns = [], [], []
@@ -353,12 +381,11 @@ def _assemble_blocks(blocks: list[list[Any]], sizes: list[int]) -> Any:
 
 
 def _equilibrating_factors(matrix: Any, first: int) -> Floats:
-    """Factors (unknowns,) of rows and columns that equilibrate the full system.
+    """Scale factors (unknowns,) that give the rows and columns of the full system similar sizes.
 
-    The factors give the stiffness a unit diagonal. The unknowns without stiffness get rows of
-    length one, by their coupling with other unknowns: first the pressures, then the generalised
-    coordinates and the forces on the rim of a free ring. `first` is the number of the first
-    pressure.
+    Unknowns with stiffness get a unit diagonal. Unknowns without stiffness get rows of length one:
+    first the pressures, then the generalised coordinates and the forces on the rim of a free ring.
+    `first` is the number of the first pressure.
     """
     diagonal = np.abs(matrix.diagonal()).astype(float)
     stiff = diagonal > 0
@@ -377,7 +404,9 @@ def _equilibrating_factors(matrix: Any, first: int) -> Floats:
 
 
 def refined_solution(system: FullSystem, active: Bools, order: str = "COLAMD") -> RefinedSolution:
-    """The refined solution of a full system; it starts from a contact set and corrects the set.
+    """Solve a full system by iterative refinement, and find its contact set.
+
+    A contact set to start from is given. It is corrected until no node pulls or penetrates.
 
     Parameters
     ----------
@@ -388,8 +417,9 @@ def refined_solution(system: FullSystem, active: Bools, order: str = "COLAMD") -
     Raises
     ------
     NoAnswer
-        for a singular system, and where the contact set does not settle. A refinement that does not
-        converge is returned; its `correction` tells how far it has converged.
+        for a singular system, and if the contact set still changes after MOST_REFINED_SETS sets. A
+        refinement that does not converge raises nothing; the `correction` of the result tells how
+        far it has converged.
     """
     first = system.first_pressure
     active = active.copy()
@@ -401,7 +431,7 @@ def refined_solution(system: FullSystem, active: Bools, order: str = "COLAMD") -
         p = x[first:]
         w = (rows @ x - right).astype(float)
         bound = (abs(rows) @ np.abs(x) + np.abs(right)).astype(float)
-        # Nodes leave the contact set under tension, and join it where they penetrate.
+        # Nodes under tension leave the contact set, and nodes that penetrate the drum join it.
         tension = p < -SET_ROUND_OFF * np.abs(p).max(initial=0)
         penetrates = w < -SET_ROUND_OFF * bound
         change = np.where(active, tension, penetrates)
@@ -415,7 +445,7 @@ def refined_solution(system: FullSystem, active: Bools, order: str = "COLAMD") -
 
 
 class _Solution(NamedTuple):
-    """The refined solution on one contact set.
+    """The refined solution of the full system on one contact set.
 
     Attributes
     ----------
@@ -436,7 +466,7 @@ class _Solution(NamedTuple):
 def _refined_solution_by_shoes(
     system: FullSystem, on: Bools, solution: _Solution, gap: Floats, contact_sets: int
 ) -> RefinedSolution:
-    """The solution on the settled contact set, by shoes.
+    """The refined solution of a group on its final contact set, divided into shoes.
 
     Parameters
     ----------
@@ -464,7 +494,11 @@ def _refined_solution_by_shoes(
 
 
 def _solution_on_contact_set(system: FullSystem, on: Bools, order: str) -> _Solution:
-    """The refined solution for the unknowns `on` (unknowns,); the other unknowns are zero."""
+    """The refined solution of a full system on one contact set.
+
+    `on` (unknowns,) marks the unknowns that are solved for. The other unknowns, the pressures of
+    open nodes, are zero. `order` is the order of the elimination, by SuperLU's names.
+    """
     at = np.flatnonzero(on)
     A, b, scale = system.matrix[at][:, at], system.right[at], system.scale[at]
     D = sp.diags(scale.astype(LONG_DOUBLE))
@@ -477,7 +511,7 @@ def _solution_on_contact_set(system: FullSystem, on: Bools, order: str) -> _Solu
     first = np.count_nonzero(on[: system.first_pressure])
     residual, previous = b, math.inf
     for corrections in range(1, MOST_CORRECTIONS + 1):
-        # A residual of unit size keeps its digits as it is rounded to double precision.
+        # A residual is scaled to unit size, so that it keeps its digits in double precision.
         largest = float(np.abs(residual).max()) or 1.0
         dx = factors.solve((residual / largest).astype(float)) * LONG_DOUBLE(largest)
         x += dx
@@ -495,7 +529,11 @@ def _solution_on_contact_set(system: FullSystem, on: Bools, order: str) -> _Solu
 
 
 def _torque_condition(system: FullSystem, on: Bools, solution: _Solution, torque: float) -> float:
-    """The condition of the torque for relative changes of each entry; nan for a torque of 0."""
+    """The condition number of the torque for relative changes of each entry of the full system.
+
+    The number says by what multiple of a relative change of the entries the torque may change. It
+    is nan for a torque of 0.
+    """
     if torque == 0:
         return math.nan
     at = np.flatnonzero(on)

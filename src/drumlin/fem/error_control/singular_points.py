@@ -1,13 +1,13 @@
 """The singular points of a lining's pressure, found in the response of an earlier level.
 
-At a singular point the pressure p(theta) is not smooth: at an end of the contact, at a kink of the
-gap, or at a step between blocks of the lining. The next division grades its columns to these
-points.
+At a singular point the pressure p(theta) is not smooth. A singular point is an end of the contact,
+a kink of the gap, or a step between blocks of the lining. The next division of the lining has small
+elements at these points.
 
-An open node between two pressed nodes shows an opening that the hp elements there are too wide to
-resolve. The ends of such an opening may lie anywhere between the neighbouring nodes. The error that
-they cause does not fall until a level resolves the opening. Therefore the open node is a singular
-point too. An opening that is far shorter than its contact is ignored: where p is nearly 0,
+An open node between two pressed nodes shows an opening of the contact for which the hp elements are
+too wide. The ends of the opening may lie anywhere between the neighbouring nodes. The error that
+they cause does not fall until a level has smaller elements there. Therefore the open node is a
+singular point too. An opening that is far shorter than its contact is ignored: where p is nearly 0,
 round-off opens single nodes, and singular points at these nodes would only open more of them.
 """
 
@@ -28,26 +28,27 @@ from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_points
 
 NEGLIGIBLE_KINKS = 0.1
-"""Error of p in L2, relative to the error of the level (`Level.error`), below which the kinks of a
-gap are neglected together.
+"""Error of the pressure that all neglected kinks of a gap together may cause.
 
-The weakest kinks are neglected first. The error of p on a level is about a tenth of `Level.error`,
-so the neglected kinks cause less than the level itself, on finer levels too. A table of many rows,
-such as the gap of a worn lining, is thus treated as a curve until a level is fine enough to resolve
-its chords. If every kink were a singular point, such a table would take hundreds of hp elements. If
-no kink were a singular point, a table with a real kink would miss the tolerance on all levels.
+It is the error of p in L2, relative to the error of the level (`Level.error`). The weakest kinks
+are neglected first. The actual error of p on a level is about a tenth of `Level.error`, so the
+neglected kinks cause less error than the level itself, on finer levels too. The gap of a worn
+lining, for example, is a table of many rows. It is treated as a smooth curve until a level is fine
+enough to resolve the straight lines between its rows. If every kink were a singular point, such a
+table would take hundreds of hp elements. If no kink were a singular point, a table with a real kink
+would miss the tolerance on all levels.
 """
 CONTACT_END_BITS = 20
-"""Number of binary digits of an end of the contact, relative to the length of the contact.
+"""Number of binary digits to which the position of an end of the contact is rounded.
 
-Twenty binary digits are a millionth of the length. With 36 digits all answers of the stored
-reference values are the same. With 10 digits p is up to six times less exact at an error of 1e-4,
-because columns then end beside the contact.
+The digits count relative to the length of the contact: twenty binary digits are a millionth of it.
+With 36 digits all results of the stored reference values are the same. With 10 digits p is up to
+six times less exact at an error of 1e-4, because the elements then end beside the contact.
 """
 
 
 class _Opening(NamedTuple):
-    """An open node between two pressed nodes.
+    """An open node between two pressed nodes of a lining.
 
     Attributes
     ----------
@@ -62,10 +63,11 @@ class _Opening(NamedTuple):
 def singular_points_of(
     brake: Brake, response: Response | None, alike: Sequence[int] = (), error: float = 0.0
 ) -> dict[int, list[SingularPoint]]:
-    """The singular points of all linings, by the index of the first shoe of each shape.
+    """The singular points of the pressure on all linings, for each shape of shoe.
 
-    The points of each shape grow with their position. Shoes of one shape share a division, so the
-    points of all shoes of a shape are collected in one list.
+    The key of a shape is the index of its first shoe. Shoes of one shape share a division. The
+    points of all shoes of a shape are therefore collected in one list, in the order of their
+    position.
 
     Parameters
     ----------
@@ -73,7 +75,7 @@ def singular_points_of(
     response : an earlier response, or None. Without a response the kinks of a table of clearances
         are not singular yet, because their strength depends on the pressure.
     alike : for each shoe the index of the first shoe of the same shape, see
-        `cache.first_shoes_of_equal_shape`; found here if it is empty
+        `cache.first_shoes_of_equal_shape`; if it is empty, this function finds the indices
     error : error of p that the next level leaves, see `Level.error`; with 0 every kink of a table
         is singular where the lining presses
     """
@@ -89,7 +91,7 @@ def singular_points_of(
 def _singular_points_of_lining(
     shoe: Shoe, answer: ShoeResponse | None, scale_factor: float, level_error: float
 ) -> list[SingularPoint]:
-    """The singular points of one lining, in no order.
+    """The singular points of the pressure on one lining, not sorted.
 
     Parameters
     ----------
@@ -103,6 +105,8 @@ def _singular_points_of_lining(
     if answer is None:
         return points
     points += _points_at_kinks(shoe, answer, arcs, scale_factor, level_error)
+    # The ends of each contact are singular points. Their positions are rounded, and stay within the
+    # lining.
     start, end = shoe.arc
     for arc_start, arc_end in arcs:
         length = arc_end - arc_start
@@ -117,7 +121,10 @@ def _singular_points_of_lining(
 
 
 def _is_near_contact(phi: float, arcs: list[list[float]]) -> bool:
-    """Whether phi [rad] lies within a contact, or beside it by less than its length."""
+    """Whether the angle phi [rad] lies in a contact, or beside it by less than its length.
+
+    `arcs` are the start and the end [rad] of each contact.
+    """
     return any(2 * start - end < phi < 2 * end - start for start, end in arcs)
 
 
@@ -126,9 +133,9 @@ def _points_at_steps(
 ) -> list[SingularPoint]:
     """The singular points at the ends of the steps between the blocks of a lining.
 
-    Where the lining does not press near a step, the pressure is smooth there. The step still is a
-    point of the kind OPEN_STEP, because the gap's polynomial in an hp element would oscillate over
-    the step.
+    A step that is not near a contact does not disturb the pressure. It still is a point, of the
+    kind OPEN_STEP. Otherwise the polynomial that stands for the gap in an hp element would
+    oscillate over the step.
     """
     start, end = shoe.arc
     length = shoe.lining.step / shoe.frame.unit
@@ -148,13 +155,15 @@ def _points_at_kinks(
     scale_factor: float,
     level_error: float,
 ) -> list[SingularPoint]:
-    """The singular points at the kinks of a table of clearances, and at the tips among them.
+    """The singular points at the kinks of a lining's table of clearances.
 
-    The weakest kinks near the contact are left out, see NEGLIGIBLE_KINKS.
+    A kink is a row of the table, where the slope of the gap changes. The kinks that point to the
+    drum, the tips, are added once more as points of their own kind. The weakest kinks near the
+    contact are left out, see NEGLIGIBLE_KINKS.
 
     Parameters
     ----------
-    shoe, answer, scale_factor, level_error : as of `_singular_points_of_lining`
+    shoe, answer, scale_factor, level_error : parameters of `_singular_points_of_lining`
     arcs : contacts of the lining [rad]
     """
     (start, end), frame = shoe.arc, shoe.frame
@@ -163,6 +172,7 @@ def _points_at_kinks(
     near = [start < phi < end and _is_near_contact(phi, arcs) for phi in frame.phis(angle)]
     inside = np.array(near, dtype=bool)
     _, p, weight = gauss_points(answer.theta, answer.pressure, answer.order)
+    # The neglected kinks together may change p by this norm.
     norm = math.sqrt(float(np.sum(weight * p**2)))
     negligible = NEGLIGIBLE_KINKS * level_error * norm
     kinks = _kinks_that_matter(angle[inside], change[inside], negligible)
@@ -173,7 +183,7 @@ def _points_at_kinks(
 def _points_at_tips(
     shoe: Shoe, scale_factor: float, norm: float, kinks: Floats
 ) -> list[SingularPoint]:
-    """The singular points at the tips of the gap: those kinks that point to the drum.
+    """The singular points at the tips of a lining's gap: the kinks that point to the drum.
 
     Parameters
     ----------
@@ -192,15 +202,15 @@ def _points_at_tips(
 
 
 def pressure_changes_by_kinks(lining: Lining, scale_factor: float) -> Floats:
-    """The change of p in L2 (k,) [Pa rad^0.5] that each row of a table of clearances causes.
+    """The change of p in L2 (k,) [Pa rad^0.5] by the kink at each row of a table of clearances.
 
-    The change is measured against a smooth curve in place of the table's chords. Where the slope
-    changes by s at rows at a distance h, the chords stray from a smooth curve by the parabola
-    s x (1 - x/h)/2, a series of cosines of the amplitudes s h/(2 pi^2 n^2). A half-plane of the
-    modulus E answers a cosine of the wave number k = 2 pi n/h with the pressure E k/2 times its
-    amplitude. A layer of the thickness t << h answers with E/t times it. In the root mean square p
-    is thus off by E s/sqrt(48) and E s h/(sqrt(720) t). A layer on its support is at most as stiff
-    as both together.
+    The change is measured against a smooth curve in place of the straight chords between the rows.
+    Where the slope changes by s at rows at a distance h, the chords deviate from a smooth curve by
+    the parabola s x (1 - x/h)/2. This is a series of cosines of the amplitudes s h/(2 pi^2 n^2). A
+    half-plane of the modulus E under a cosine of the wave number k = 2 pi n/h has the pressure
+    E k/2 times the amplitude. A layer of the thickness t << h has E/t times the amplitude. The root
+    mean square of the change of p is thus E s/sqrt(48) on a half-plane, and E s h/(sqrt(720) t) on
+    a layer. A layer on its support is at most as stiff as both together.
     """
     angle = np.array(clearance.table_kinks(lining))
     if len(angle) == 0:
@@ -217,7 +227,7 @@ def pressure_changes_by_kinks(lining: Lining, scale_factor: float) -> Floats:
 
 
 def _kinks_that_matter(angle: Floats, change: Floats, negligible: float) -> Floats:
-    """The growing angles (m,) of the kinks without the weakest ones.
+    """The sorted angles (m,) [rad] of the kinks of a gap, without the weakest ones.
 
     Parameters
     ----------
@@ -232,10 +242,10 @@ def _kinks_that_matter(angle: Floats, change: Floats, negligible: float) -> Floa
 
 
 def contact_arcs_without_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
-    """The contacts of a lining in growing order, each as its start and its end phi [rad].
+    """The contacts of a lining in the order of their angle, each as its start and end phi [rad].
 
-    Two contacts count as one if the gap between them is far shorter than they are together, see
-    `division.UNRESOLVED_LENGTH`.
+    Two contacts count as one if the gap between them is far shorter than both contacts together,
+    see `division.UNRESOLVED_LENGTH`.
     """
     arcs: list[list[float]] = []
     for start, end in sorted(sorted(shoe.frame.phis(arc)) for arc in response.contact_arcs):
@@ -249,10 +259,11 @@ def contact_arcs_without_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> list
 def _openings_within_contacts(
     shoe: Shoe, answer: ShoeResponse, arcs: list[list[float]]
 ) -> list[_Opening]:
-    """The open nodes between two pressed nodes, without those that are no opening of their own.
+    """The openings inside the contacts of a lining: open nodes between two pressed nodes.
 
-    An open node at an end of a contact belongs to the end. An opening that is far shorter than its
-    contact is left out: where hp elements are so narrow, p oscillates around 0 from node to node.
+    An open node at an end of a contact belongs to the end and is left out. So is an opening that is
+    far shorter than its contact: where hp elements are so narrow, p oscillates around 0 from node
+    to node.
     """
     press = answer.pressure > 0
     open_nodes = 1 + np.flatnonzero(press[:-2] & ~press[1:-1] & press[2:])
@@ -264,7 +275,11 @@ def _openings_within_contacts(
 
 
 def _is_inside_contact(opening: _Opening, arcs: list[list[float]]) -> bool:
-    """Whether an opening lies inside a contact, away from its ends, and is not far shorter."""
+    """Whether an opening lies inside a contact, away from its ends, and is not too short to count.
+
+    `arcs` are the start and the end phi [rad] of each contact. The shortest opening that counts is
+    UNRESOLVED_LENGTH of its contact.
+    """
     for start, end in arcs:
         away_from_ends = start + opening.width < opening.at < end - opening.width
         if away_from_ends and opening.width > UNRESOLVED_LENGTH * (end - start):
@@ -273,9 +288,10 @@ def _is_inside_contact(opening: _Opening, arcs: list[list[float]]) -> bool:
 
 
 def _round_contact_end(phi: float, length: float) -> float:
-    """An end of the contact [rad], rounded to a millionth of the contact's length [rad].
+    """The angle phi [rad] of an end of a contact, rounded to a millionth of the contact's length.
 
-    Round-off, such as that between different numbers of threads, then does not change a division.
+    Two computations that differ by round-off, for example with different numbers of threads, then
+    lead to the same division. `length` [rad] is the length of the contact.
     """
     digits = CONTACT_END_BITS - math.frexp(length)[1]
     return math.ldexp(round(math.ldexp(phi, digits)), -digits)

@@ -1,7 +1,8 @@
-"""Preparation: a brake becomes a prepared model, all its bodies divided, condensed and coupled.
+"""Preparation: from a brake to its prepared model, all bodies divided, condensed and coupled.
 
-The room decides which bodies are equal, divides each of them once (in hp elements or on a mesh) and
-keeps condensed bodies for later solves. A brake, and the level of its division, come in. A prepared
-model, with a body for each shoe and the drum's ring, goes out. The correction for a finite width of
-the lining also belongs here, since it changes a brake before it is divided.
+The package decides which shoes have equal bodies. It divides each different body once, in hp
+elements or on a mesh, and keeps condensed bodies for later solves. From a brake and a level of
+division it makes a prepared model, which has a body for each shoe and one for the drum's ring. The
+correction for the finite width of a lining also belongs here, since it changes a brake before it is
+divided.
 """

@@ -21,11 +21,14 @@ from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 
 
 class ActuatedBody(Protocol):
-    """A body that unit actuations act on, about their centre (2,) [m] in the shoe's frame."""
+    """The type of a body on which a unit actuation acts: force x, force y and couple.
+
+    The couple acts about a centre (2,) [m] in the shoe's frame.
+    """
 
     @property
     def load_centre(self) -> Floats:
-        """The centre of the unit actuations."""
+        """The centre (2,) [m] of the unit actuations in the shoe's frame."""
 
     @property
     def columns(self) -> LoadColumns:
@@ -34,11 +37,12 @@ class ActuatedBody(Protocol):
 
 @dataclass(frozen=True)
 class ShoeSubstructure:
-    """One shoe with its lining as a substructure, in its own frame (angle phi from the hinge).
+    """One shoe with its lining as a condensed body, in its own frame (angle phi from the hinge).
 
-    The flexibility is that of the body whose frame is held. Three kinds of forces act on the body:
-    the nodal forces -N^T of the pressure at the n contact nodes, the nodal forces T^T of its
-    friction, and the l unit loads. An array about friction is None in a brake with mu = 0.
+    The flexibility is that of the body whose frame is held. The frame is the rigid part of the
+    shoe. Three kinds of forces act on the body: the nodal forces -N^T of the pressure at the n
+    contact nodes, the nodal forces T^T of its friction, and the l unit loads. An array about
+    friction is None in a brake with mu = 0.
 
     Attributes
     ----------
@@ -50,13 +54,13 @@ class ShoeSubstructure:
     rotation_mode : (2n,) contact displacement per radian of a rotation about the pin [m]
     closure_by_pressure, closure_by_friction : (n, n) compliance blocks, N times the contact
         displacement, by which the weighted gap closes
-    closure_by_load : (n, l) the same due to the unit loads
+    closure_by_load : (n, l) closure of the weighted gap due to the unit loads
     load_motion_by_friction : (l, n) displacements of the unit loads' points due to friction
-    load_motion_by_load : (l, l) the same due to the unit loads
+    load_motion_by_load : (l, l) displacements of the unit loads' points due to the unit loads
     reaction_to_pressure, reaction_to_friction : (3, n) force x, force y and moment that hold the
         frame
-    reaction_to_load : (3, l) the same due to the unit loads
-    of_file : what was done to the mesh of a file
+    reaction_to_load : (3, l) force x, force y and moment that hold the frame under the unit loads
+    of_file : the mesh that was read from a file, and how it was adapted; None without a file
     """
 
     mesh: Any
@@ -83,36 +87,40 @@ class ShoeSubstructure:
 
     @property
     def unknowns(self) -> int:
-        """Number of degrees of freedom of the mesh."""
+        """Number of displacements of the body's nodes, two for each node."""
         return int(2 * self.basis.N)
 
     @cached_property
     def gap_closure_by_rotation(self) -> tuple[Floats, Floats]:
-        """Weighted closure N u and slip T u (n, 1) due to a rotation of one radian about the pin.
+        """Weighted gap closure N u and slip T u (n, 1) [m^3] by a turn of the shoe about its pin.
 
-        They are given per radian [m^3].
+        The turn is one radian.
         """
         mode = self.rotation_mode[:, None]
         return self.coupling.N @ mode, self.coupling.T @ mode
 
     @cached_property
     def forces(self) -> Floats:
-        """Force x, y and moment about the centre (2, 3, n) of the nodal forces N^T and T^T."""
+        """Resultants (2, 3, n) of the nodal forces N^T and T^T, per nodal pressure.
+
+        Each is force x, force y and the moment about the drum's centre.
+        """
         x, y = self.line.xy
         count = self.line.xy.shape[1]
         zeros = np.zeros(count)
         ones = np.ones(count)
-        # The rigid-body modes of the contact nodes: their work is the resultant of nodal forces.
+        # The work of the nodal forces on a unit translation or a unit turn is their resultant force
+        # or moment.
         modes = np.array([[ones, zeros], [zeros, ones], [-y, x]])
         modes = modes.transpose(0, 2, 1).reshape(3, -1)
         return np.array([modes @ self.coupling.N.T, modes @ self.coupling.T.T])
 
 
 class DividedBody(NamedTuple):
-    """The division of a shoe's body, as a `ShoeSubstructure` keeps it.
+    """The finite elements of a shoe's body, as a `ShoeSubstructure` keeps them.
 
-    `mesh` and `basis` are the division and its nodes, `line` is the contact line, and `of_file`
-    tells what was done to the mesh of a file.
+    `mesh` and `basis` are the division and its nodes, and `line` is the contact line. `of_file` is
+    the mesh that was read from a file, and how it was adapted.
     """
 
     mesh: Any
@@ -124,8 +132,9 @@ class DividedBody(NamedTuple):
 class BodyNodes(NamedTuple):
     """The nodes of a body and the actuation on them, in the shoe's frame.
 
-    `xy` (2, nodes) [m] are their points. `load` (2, nodes) [1] is the force on each node per newton
-    of an actuation that acts on the body itself, and zero where the actuation acts on the frame.
+    `xy` (2, nodes) [m] are the points of the nodes. `load` (2, nodes) [1] is the force on each node
+    per newton of the actuation. It is zero if the actuation acts on the rigid frame of the shoe and
+    not on the body.
     """
 
     xy: Floats
@@ -133,7 +142,7 @@ class BodyNodes(NamedTuple):
 
 
 def couple_contact_line(line: ContactLine, shoe: Shoe) -> Coupling:
-    """The coupling of a shoe's contact line with the drum or the plane."""
+    """The matrices that couple a shoe's contact line with the drum or the plane."""
     directions = plane_directions if shoe.flat else drum_directions(shoe.sign)
     return line.couple_with_counterface(shoe.lining.width, directions)
 
@@ -147,11 +156,11 @@ def make_shoe_substructure(
     *,
     friction: bool,
 ) -> ShoeSubstructure:
-    """The substructure of a shoe: its condensed body, coupled along the contact line.
+    """Make the substructure of a shoe: its condensed body, coupled along the contact line.
 
     Parameters
     ----------
-    kind : class of the substructure
+    kind : class of the substructure that is made
     shoe : the shoe
     division : the division of its body
     condensed : its condensed body
@@ -165,7 +174,8 @@ def make_shoe_substructure(
     if friction:
         forces.append(coupling.T.T)
 
-    # The columns of Y and of the blocks made from it: pressure, unit loads, friction.
+    # The columns of the half flexibility Y stand for the pressures, then the unit loads, then the
+    # friction. The same holds for the matrices that are made from Y.
     Y = condensed.half_flexibility(np.concatenate(forces, axis=1))
     first_friction = n + condensed.columns.count
     pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
@@ -194,31 +204,35 @@ def make_shoe_substructure(
 
 
 def acting_loads(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
-    """Factors (l,) of all load columns of a body while its actuation has this `force` [N].
+    """The factors (l,) of all load columns of a body under an actuation force [N].
 
-    Contact, reactions, fields and refinement take the loads of a shoe from here. A load that does
-    not depend on the force, such as heat, adds its own factor under its own name.
+    A load column is the load vector of a unit load. The load on the body is the sum of all columns
+    times their factors. Contact, reactions, fields and refinement take the loads of a shoe from
+    this function. A load that does not depend on the force, such as heat, would add its own factor
+    under its own name.
     """
     factors, _ = actuation_load_factors(body, shoe)
     return abs(force) * factors
 
 
 def actuation_load_factors(body: ActuatedBody, shoe: Shoe) -> tuple[Floats, float]:
-    """Factors (l,) of the body's load columns under its actuation, and the moment about the pin.
+    """The factors (l,) of a body's load columns under its actuation, and the moment about the pin.
 
-    Both are given per newton of force, the moment in metres, in the shoe's frame. A negative force
-    counts as one newton in the opposite direction. Columns of other loads have the factor zero.
+    Both are per newton of the actuation force and in the shoe's frame; the moment [m] is thus a
+    lever arm. A negative force counts as one newton in the opposite direction. Columns of other
+    loads have the factor zero.
     """
     own, moment = actuation_about_centre(body.load_centre, shoe)
     return body.columns.factors({ACTUATION: own}), moment
 
 
 def actuation_about_centre(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
-    """Factors (3,) of force x, force y and couple of a shoe's actuation, and its moment.
+    """Force x, force y and couple (3,) of a shoe's actuation, and its moment about the pin.
 
-    The couple acts about the `centre` (2,) [m] in the shoe's frame, the moment [m] about the pin.
-    Both are given per newton of the actuation.
+    The couple [m] acts about the `centre` (2,) [m] in the shoe's frame. All values are per newton
+    of the actuation force.
     """
+    # A negative force acts against the direction of the file.
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
     fx, fy = shoe.frame.to_shoe(direction).tolist()
     x, y = shoe.own_points(shoe.actuation.point.xy).tolist()
@@ -230,7 +244,7 @@ def actuation_about_centre(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
 
 
 def support_reaction(body: ShoeSubstructure, p: Floats, drag: float, load: Floats) -> Floats:
-    """The support reaction (3,): force x, force y and moment about the pin that hold the frame.
+    """The support reaction (3,) of a shoe: force x [N], force y [N] and moment about the pin [N m].
 
     Parameters
     ----------

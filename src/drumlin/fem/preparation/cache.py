@@ -1,4 +1,4 @@
-"""The cache of condensed bodies, and the part of a brake that each body depends on."""
+"""A cache of condensed bodies, and the part of a brake on which each body depends."""
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
@@ -14,23 +14,24 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.substructure.ring import RingSubstructure
 
 CACHE_BYTES = 200_000_000
-"""Largest size [bytes] of the condensed bodies that a cache keeps for the next prepared models.
+"""Largest memory [bytes] of the condensed bodies that a cache keeps for later solves.
 
-A fuller cache drops the body that was used longest ago. The limit was chosen by judgement: some
-hundred bodies of the size that a solve uses.
+If the bodies need more, the cache drops the body that was used longest ago. The limit is a
+judgement: some hundred bodies of the size that a solve uses.
 """
 
 
 def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
-    """The data that a shoe's body depends on, equal for shoes of one shape.
+    """A key that is equal for two shoes if they can share one condensed body.
 
-    Shoes of one shape may differ in their position, hand, load and clearance.
+    It contains the geometry and the materials. Shoes with the same key have one shape. They may
+    differ in position, load and clearance, and one may be the mirror image of the other.
     """
     arcs = [shoe.arc]
     lining, body = shoe.lining, shoe.body
     behind: tuple[object, ...] | None = None
     if isinstance(body, Beam):
-        # A beam ends where the force acts.
+        # A beam ends at the point of the force, so that its shape depends on this point.
         loaded = np.round(shoe.frame.to_shoe(shoe.actuation.point.xy) / brake.size, 12)
         behind = (body, *loaded.tolist())
     elif body is not None:
@@ -45,6 +46,7 @@ def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         # A mesh in the brake's frame is another shape for each position of the shoe.
         frame = shoe.mesh_frame == "shoe" or shoe.frame
         mesh = (shoe.mesh, shoe.mesh_unit, frame, shoe.groups)
+    # Lengths and angles are rounded, because round-off would make equal shapes different.
     angles = [angle for arc in arcs for angle in arc]
     return (
         brake.size,
@@ -59,17 +61,20 @@ def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
 
 
 def first_shoes_of_equal_shape(brake: Brake) -> tuple[int, ...]:
-    """For each shoe the index of the first shoe of its shape, with which it shares a body."""
+    """For each shoe of a brake, the index of the first shoe that has the same shape.
+
+    Both share one condensed body. A shoe of a new shape has its own index.
+    """
     shapes = [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes]
     return tuple(map(shapes.index, shapes))
 
 
 class Cache:
-    """Condensed bodies that were made last, kept for the next prepared models by their keys.
+    """A store of the condensed bodies that were used last, for later prepared models.
 
-    A body depends on its key alone. `room` [bytes] limits the bodies together: beyond it the body
-    that was used longest ago goes first, and the body in use always stays. functools.lru_cache
-    would count entries in place of bytes.
+    A body depends on its key alone. `room` [bytes] limits the memory of all bodies together. Beyond
+    it the cache drops the body that was used longest ago; it never drops the body that was asked
+    for last. functools.lru_cache does not serve, since it counts entries and not bytes.
     """
 
     def __init__(self, room: int = CACHE_BYTES) -> None:
@@ -78,16 +83,17 @@ class Cache:
         self._values = OrderedDict[Hashable, tuple[int, Any]]()
 
     def get(self, key: Hashable, make: Callable[[], Any], size: Callable[[Any], int]) -> Any:
-        """The value of `key` from the cache, or else made by `make` and kept.
+        """Return the value of a key from the cache, or make it and keep it.
 
-        `size` counts the bytes of a value.
+        The function `make` makes the value if the cache does not have it. The function `size`
+        returns the bytes of a value.
         """
         kept = self._values.pop(key, None)
         if kept is None:
             value = make()
             kept = size(value), value
             self._taken += kept[0]
-        # The order of the dictionary is the order of use.
+        # The order of the dictionary is the order of use: the value that was used last comes last.
         self._values[key] = kept
         while len(self._values) > 1 and self._taken > self._room:
             _, (dropped, _) = self._values.popitem(last=False)
@@ -96,29 +102,38 @@ class Cache:
 
 
 def memory_of_body(body: ShoeSubstructure | RingSubstructure) -> int:
-    """The memory [bytes] that the matrices of a condensed body take, approximately."""
-    # Six dense (n, n) matrices of doubles, and some 400 bytes for each unknown of the sparse ones.
+    """The approximate memory [bytes] of the matrices of a condensed body."""
+    # A body has six dense (n, n) matrices of doubles. Its sparse matrices take some 400 bytes for
+    # each displacement.
     n = len(body.line.nodes)
     return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N)
 
 
 def digest_of_shoe_mesh(shoe: Shoe) -> str | None:
-    """A digest of a shoe's mesh file, whose content may change under one name."""
+    """A digest of the content of a shoe's mesh file, which changes if the file changes.
+
+    None stands for a shoe without a mesh file.
+    """
     return None if shoe.mesh is None else digest_of_mesh_file(shoe.mesh)
 
 
 def brake_without_loads(brake: Brake) -> Brake:
-    """The brake without the data that its bodies do not depend on.
+    """A copy of a brake without the data on which its condensed bodies do not depend.
 
-    Brakes with equal bodies are then equal. Title, rotation, forces, clearances and misfits are
-    removed, and all friction coefficients but zero are made equal.
+    The copies of two brakes with equal bodies are equal, and serve as a key of the cache. Title,
+    rotation, forces, clearances and misfits are removed. All friction coefficients except zero are
+    made equal.
     """
     shoes = tuple(shoe_without_loads(shoe) for shoe in brake.shoes)
     return brake.bare().model_copy(update={"shoes": shoes})
 
 
 def shoe_without_loads(shoe: Shoe) -> Shoe:
-    """The shoe without the data that its body does not depend on; see `brake_without_loads`."""
+    """A copy of a shoe without the data on which its condensed body does not depend.
+
+    These are the force with its direction and, in most shoes, its point, the clearance and the
+    misfit; see `brake_without_loads`.
+    """
     actuation: dict[str, Any] = {"force": 1.0, "direction": 0.0}
     # A beam ends at the point of its force, and a guide has its pin there.
     point_matters = isinstance(shoe.body, Beam) or shoe.guide is not None

@@ -1,4 +1,4 @@
-"""Bodies in hp elements: each parametric shoe divided into columns, and condensed."""
+"""Bodies in hp elements: each parametric shoe divided into columns of elements, and condensed."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -44,20 +44,31 @@ from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_ti
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 
 MOST_CONTACT_NODES = 3000
-"""Largest number of contact nodes that are coupled: those of one shoe, or of all shoes on a ring.
+"""Largest number of contact nodes in one contact problem; a brake with more is refused.
 
-The dense matrices of the contact have twice as many rows and take gigabytes beyond the limit, so
-that larger brakes are refused.
+On a rigid drum each shoe is a problem of its own, and an elastic ring couples the nodes of all
+shoes. The dense matrices of the contact have twice as many rows, and beyond the limit they take
+gigabytes.
 """
 PointsByShape = Mapping[int, Sequence[SingularPoint]]
-"""The singular points of each shape of shoe, by the index of the first shoe of that shape."""
+"""The singular points of the pressure for each shape of shoe.
+
+The key is the index of the first shoe of the shape.
+"""
 
 
 class _DivisionRule(NamedTuple):
     """The rule by which the shoes of one shape are divided into columns of hp elements.
 
-    `shoe` is the first shoe of the shape. `tip` says whether its loaded end is graded. `powers` are
-    the powers of the pressure at both ends of the lining. `division` follows from all others.
+    Attributes
+    ----------
+    shoe : the first shoe of the shape
+    level : degree and grading of the elements
+    points : singular points of the pressure on the lining
+    tip : whether elements become small towards the loaded end of the shoe
+    powers : exponents of the pressure at both ends of the lining, where it is a power of the
+        distance; 0 if the elements do not depend on them
+    division : the division that follows from all other attributes
     """
 
     shoe: Shoe
@@ -76,28 +87,31 @@ def make_hp_bodies(
     cache: Cache,
     seconds: Seconds,
 ) -> DividedBodies:
-    """The bodies of a brake in hp elements at a level; shoes of one shape share one body.
+    """Make the condensed bodies of a brake in hp elements; shoes of one shape share one body.
 
     Parameters
     ----------
     brake : the brake
     level : degree and grading of the elements
-    places : singular points of the pressure, by shape
-    alike : for each shoe the first one of its shape, see `cache.first_shoes_of_equal_shape`
+    places : singular points of the pressure, for each shape of shoe
+    alike : for each shoe the index of the first shoe of the same shape, see
+        `cache.first_shoes_of_equal_shape`
     cache : keeps condensed bodies; found ones are taken from it, and new ones put there
     seconds : time of each phase [s], which this function adds to
 
     Raises
     ------
     NoAnswer
-        where more than MOST_CONTACT_NODES contact nodes are coupled
+        if more than MOST_CONTACT_NODES contact nodes are coupled
     """
+    # Each shape is divided and condensed once.
     shapes = list(dict.fromkeys(alike))
     rules = {i: _division_rule_of_shape(brake, level, places or {}, alike, i) for i in shapes}
     _check_contact_node_count(brake, rules, alike)
     made = {i: _take_or_condense_body(brake, rule, cache, seconds) for i, rule in rules.items()}
     bodies = tuple(made[i] for i in alike)
 
+    # The ring gets elements as small as the smallest of the linings.
     singular_layer_size = min(rule.division.singular_layer_size for rule in rules.values())
     ring = None
     ring_under = partial(condensed_hp_ring, brake, level, singular_layer_size=singular_layer_size)
@@ -108,6 +122,7 @@ def make_hp_bodies(
             key = (brake_without_loads(brake), level, singular_layer_size, *divisions)
             ring = cache.get(key, partial(ring_under, lines), memory_of_body)
 
+    # Analyses of changed shoes divide a changed shoe by the same rule as the present shoe.
     nodes_by_shape = {
         i: partial(_hp_nodes_of_changed_shoe, rule, brake.size) for i, rule in rules.items()
     }
@@ -118,7 +133,7 @@ def make_hp_bodies(
 def _check_contact_node_count(
     brake: Brake, rules: Mapping[int, _DivisionRule], alike: Sequence[int]
 ) -> None:
-    """Refuse divisions whose coupled contact nodes are more than MOST_CONTACT_NODES."""
+    """Raise NoAnswer if a contact problem has more than MOST_CONTACT_NODES contact nodes."""
     # A ring couples the contact nodes of all shoes; on a rigid drum each shoe stands alone.
     together = sum if brake.ring is not None else max
     nodes = together(rules[i].division.contact_nodes for i in alike)
@@ -134,7 +149,8 @@ def _division_rule_of_shape(
     """The rule that divides the shoes of one shape, whose first shoe has the index `i`."""
     shoe = brake.shoes[i]
     points = places.get(i, ())
-    # A cam holds the loaded end where it touches the end, so that the end's position matters.
+    # A cam touches the loaded end of the shoe and holds it. The displacement of this end then
+    # matters, and the elements become small towards it.
     tip = brake.actuation is not None and brake.actuation.is_cam
     powers = _smallest_pressure_powers_at_ends(brake, alike, i, points)
     division = divide_shoe(shoe, brake.size, level, points, grades_loaded_end=tip, exponents=powers)
@@ -144,7 +160,7 @@ def _division_rule_of_shape(
 def _take_or_condense_body(
     brake: Brake, rule: _DivisionRule, cache: Cache, seconds: Seconds
 ) -> ShoeSubstructure:
-    """The body of a shape, from the cache or condensed now."""
+    """The condensed body of the shoes of one shape, from the cache or made now."""
     shoe, division = rule.shoe, rule.division
     friction = brake.friction > 0
     key = (shoe_without_loads(shoe), brake.size, friction, division.key)
@@ -155,7 +171,7 @@ def _take_or_condense_body(
 def _condense_shoe(
     shoe: Shoe, radius: float, division: ShoeDivision, friction: bool, seconds: Seconds
 ) -> ShoeSubstructure:
-    """The condensed body of a parametric shoe with this division, coupled with its counterface."""
+    """Make the condensed body of a parametric shoe, coupled with the drum or the plane."""
     with add_elapsed_time(seconds, "condensation"):
         found = condense_shoe(shoe, radius, division, elastic_layers_of_shoe(shoe))
         line = shoe_contact_line(shoe, radius, division)
@@ -171,13 +187,16 @@ def _condense_shoe(
 def _smallest_pressure_powers_at_ends(
     brake: Brake, alike: Sequence[int], first: int, points: Sequence[SingularPoint]
 ) -> tuple[float, float]:
-    """The smallest powers of p at both ends of the linings of all shoes of one shape.
+    """The smallest exponents of the pressure at the start and the end of the linings of one shape.
 
-    Both are 0 where no contact is shorter than LONGEST_CORNER_CONTACT: corners of longer contacts
-    do not count. They are 0 on an elastic ring, too.
+    Near a corner of the lining the pressure p is a power of the distance to the corner. Both
+    exponents are 0 if no contact is as short as LONGEST_CORNER_CONTACT, since corners of longer
+    contacts do not count. Both are also 0 on an elastic ring. `first` is the index of the first
+    shoe of the shape, and `points` are its singular points.
     """
-    # The ring has columns as narrow as the lining's. Columns of the width w lose some 1e-16 (R/w)^2
-    # of the forces of a ring of radius R, which bends as a whole: 1e-4 at a corner's width.
+    # An exponent would make columns at the corner very narrow, and those of the ring as well.
+    # Columns of the width w lose some 1e-16 (R/w)^2 of the forces of a ring of radius R, because
+    # the ring bends as a whole: 1e-4 at the width of a corner's columns.
     if brake.ring is not None and brake.ring.section is not None:
         return 0.0, 0.0
     ends = [point.length for point in points if point.kind == Singularity.END]
@@ -190,10 +209,11 @@ def _smallest_pressure_powers_at_ends(
 
 
 def _hp_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> BodyNodes:
-    """The nodes of another shoe's body, divided by the rule of its shape.
+    """The nodes that the body of a changed shoe has if it is divided by the rule of its shape.
 
-    The singular points keep their distance from the lining's start. The division of a straight
-    beam under the lining stays on the drum, while the frame turns with the hinge.
+    The singular points keep their distance from the lining's start. The columns of a straight beam
+    under the lining keep their place on the drum, although the frame of the shoe turns with its
+    hinge.
     """
     shoe = rule.shoe
     turn = other.arc[0] - shoe.arc[0]
@@ -218,5 +238,8 @@ def _nodes_by_rule_of_shape(
     i: int,
     shoe: Shoe,
 ) -> BodyNodes:
-    """The nodes of the body that shoe `i` would have as another `shoe`; see `PreparedModel`."""
+    """The nodes that the body of shoe `i` would have if the shoe were changed to `shoe`.
+
+    The changed shoe is divided by the rule of the shape of shoe `i`; see `PreparedModel`.
+    """
     return nodes_by_shape[alike[i]](shoe)

@@ -21,34 +21,36 @@ from drumlin.brake.orthotropic import isotropic_only
 from drumlin.brake.surface import DRUM
 
 PLANE_STRAIN_SHARE = 0.5
-"""Share of plane strain in a lining much wider than thick: 0 is plane stress, 1 plane strain.
+"""Share of plane strain in a lining that is much wider than thick.
 
-The value is that of solid shoes, where the shoe behind the lining contracts as well.
+A share of 0 is plane stress, and 1 is plane strain. The value agrees with computations of solid
+shoes, in which the shoe behind the lining contracts across its width as well.
 """
 LARGEST_CHECKED_NU = 0.45
-"""Largest Poisson's ratio of a lining that the correction has been compared with solid shoes for.
+"""Largest Poisson's ratio of a lining for which the correction was compared with solid shoes.
 
-Linings with a larger ratio are refused.
+The correction refuses linings with a larger ratio.
 """
 TORQUE_DEVIATION = 0.015
-"""Largest relative error of the corrected torque against solid shoes, stated in the answer's note.
+"""Largest relative difference of the corrected torque from the torque of solid shoes.
 
-The error is the largest over all brakes of the study plane_stress.
+It is the largest over all brakes of the study plane_stress. A note of the response states it.
 """
 PRESSURE_DEVIATION = 0.08
-"""Largest relative error of the corrected pressure in L2, stated in the answer's note.
+"""Largest relative difference in L2 of the corrected pressure from that of solid shoes.
 
-The pressure is averaged over the width. The error is the largest over all brakes of the study
-plane_stress.
+The pressure of the solid shoes is averaged over the width. The difference is the largest over all
+brakes of the study plane_stress. A note of the response states it.
 """
 
 
 def material_between_plane_states(material: Material, share: float) -> Material:
-    """The material with the stiffness of a lining that has this `share` of plane strain.
+    """The material that is as stiff in plane stress as a lining between plane stress and strain.
 
-    Poisson's ratio nu stays. The stiffness through a lining that is held along the arc is lambda +
-    2 mu, with the Lame constant lambda between those of plane stress and plane strain. The modulus
-    that has this stiffness in plane stress is E' = (lambda + 2 mu) (1 - nu^2).
+    The share of plane strain, `share`, is 0 for plane stress and 1 for plane strain. Poisson's
+    ratio nu stays. A lining that is held along the arc has the stiffness lambda + 2 mu through its
+    thickness. The Lame constant lambda is interpolated between those of plane stress and plane
+    strain. The modulus that has this stiffness in plane stress is E' = (lambda + 2 mu) (1 - nu^2).
     """
     E, nu = material.E, material.nu
     matrix = elasticity_matrix(material)
@@ -59,15 +61,16 @@ def material_between_plane_states(material: Material, share: float) -> Material:
 
 
 def plane_strain_share_of_lining(width: float, thickness: float) -> float:
-    """The share of plane strain in a lining; zero where the lining is no wider than thick."""
+    """The share of plane strain in a lining; 0 if the lining is no wider than it is thick."""
     return PLANE_STRAIN_SHARE * max(0.0, 1 - thickness / width)
 
 
 def mean_pressure_under_flange(reach: float, stiffness: float, foundation: float) -> float:
-    """Mean pressure under a flange relative to the pressure at the web.
+    """Mean pressure under a flange of a shoe's table, relative to the pressure under its web.
 
-    The flange is a strip that is clamped to the web and free at its side. Its deflection y, with
-    which the pressure falls, is that of a cantilever on an elastic foundation:
+    The flange is a strip that is clamped to the web and free at its side. The lining is its elastic
+    foundation. The pressure y of the lining, relative to that at the web, falls with the deflection
+    of the strip, which is that of a cantilever on an elastic foundation:
 
         D y'''' + K y = 0,  y(0) = 1, y'(0) = 0, y''(c) = y'''(c) = 0.
 
@@ -84,22 +87,25 @@ def mean_pressure_under_flange(reach: float, stiffness: float, foundation: float
     if beta * reach < 1e-3:
         return 1.0
 
-    # Of the four exponentials, growing ones are scaled to one at the free end: no term overflows.
+    # The deflection is a sum of four exponentials. The growing ones are scaled to 1 at the free
+    # end, so that no term overflows.
     roots = beta * np.array([1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j])
     scale = np.exp(-np.maximum(roots.real, 0) * reach)
     at_end = scale * np.exp(roots * reach)
     moment_at_end = at_end * roots**2 / beta**2
     shear_at_end = at_end * roots**3 / beta**3
+    # The four conditions fix the factors: deflection 1 and slope 0 at the web, no moment and no
+    # shear force at the free end.
     conditions = np.array([scale, scale * roots, moment_at_end, shear_at_end])
     factors = np.linalg.solve(conditions, np.array([1.0, 0, 0, 0], dtype=complex))
     return float((factors @ ((at_end - scale) / roots)).real / reach)
 
 
 def lining_material_for_width(shoe: Shoe) -> Material:
-    """The lining's material that corrects the plane stress of a shoe for its width.
+    """The material of a shoe's lining, with its modulus corrected for the widths of the shoe.
 
-    Flanges are the parts of a table beyond a narrower web. A backing counts as the table of a shoe
-    without one.
+    The flanges of a shoe are the parts of its table on both sides of a narrower web. If the shoe
+    has no table, its backing counts as the table.
     """
     lining = shoe.lining
     assert isinstance(lining.material, Material)  # why_not
@@ -115,7 +121,7 @@ def lining_material_for_width(shoe: Shoe) -> Material:
     reach = (lining.width - web.width) / 2
     assert isinstance(table.material, Material)  # why_not
     plate_stiffness = table.material.E * table.thickness**3 / (12 * (1 - table.material.nu**2))
-    # The lining is stretched through its thickness while it is held along the arc.
+    # The lining is compressed through its thickness while the shoe holds it along the arc.
     modulus = material.E / (1 - material.nu**2)
     mean = mean_pressure_under_flange(reach, plate_stiffness, modulus / lining.thickness)
     bearing_share = (web.width + 2 * reach * mean) / lining.width
@@ -123,7 +129,7 @@ def lining_material_for_width(shoe: Shoe) -> Material:
 
 
 def reason_why_not_corrected(brake: Brake) -> str | None:
-    """Why the correction does not apply to a brake; None where it applies."""
+    """Why the correction for finite widths does not apply to a brake; None if it applies."""
     unlike = brake.surface.unlike(DRUM)
     if unlike is not None:
         return unlike
@@ -141,7 +147,11 @@ def reason_why_not_corrected(brake: Brake) -> str | None:
 
 
 def correction_note(brake: Brake, other: Brake) -> str:
-    """The note of an answer on the correction from `brake` to `other`, with its largest errors."""
+    """The note of a response on the correction for finite widths, with its largest errors.
+
+    The note states by what factors the moduli of the linings of `brake` were changed. `other` is
+    the corrected brake.
+    """
     factors = [
         after.lining.material.E_through / before.lining.material.E_through
         for before, after in zip(brake.shoes, other.shoes, strict=True)
@@ -158,12 +168,12 @@ def correction_note(brake: Brake, other: Brake) -> str:
 
 
 def correct_for_finite_width(brake: Brake) -> Brake:
-    """The brake whose plane stress is corrected for the widths of its shoes, lining by lining.
+    """A copy of a brake in which the modulus of each lining is corrected for the shoe's widths.
 
     Raises
     ------
     BadInput
-        where the correction does not apply
+        if the correction does not apply to the brake
     """
     reason = reason_why_not_corrected(brake)
     if reason is not None:

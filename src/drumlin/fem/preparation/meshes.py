@@ -44,20 +44,24 @@ from drumlin.fem.substructure.ring import condensed_ring_on_mesh
 from drumlin.response.response import own_edge_zone
 
 ELEMENTS = 80
-"""Default number of elements along a lining.
+"""Default number of elements of a mesh along a lining.
 
-On most brakes the error of p in L2 is then about 0.2 % and the error of the torque 0.001 %. Half
-the number made the median errors of 22 random brakes two times (p) and three times (torque) as
-large. Twice the number made them 0.7 and 0.5 times as large, at four times the work.
+On most brakes the error of the pressure p in L2 is then about 0.2 %, and the error of the torque
+0.001 %. On 22 random brakes, half the number made the median error of p twice as large, and that of
+the torque three times. Twice the number made them 0.7 and 0.5 times as large, at four times the
+work.
 """
 MOST_LINING_ELEMENTS = 4000
-"""Largest number of elements along a lining; larger numbers are refused.
+"""Largest number of elements of a mesh along a lining; larger numbers are refused.
 
 The dense matrices of a contact with this number of elements fill 2 GB.
 """
 
 Mesher = Callable[[Shoe, float], Any]
-"""Makes the mesh of a shoe in the shoe's frame, from the shoe and the drum's radius [m]."""
+"""The type of a function that makes the mesh of a shoe.
+
+Its arguments are the shoe and the drum's radius [m]. The mesh is in the frame of the shoe.
+"""
 
 
 def make_mesh_bodies(
@@ -68,15 +72,16 @@ def make_mesh_bodies(
     cache: Cache,
     seconds: Seconds,
 ) -> DividedBodies:
-    """The bodies of a brake on meshes; shoes of one shape share one body.
+    """Make the condensed bodies of a brake on meshes; shoes of one shape share one body.
 
     Parameters
     ----------
     brake : the brake
-    elements : number along each parametric lining, and along the linings' part of an elastic ring
-    kind : "quad2", "quad1", "tri2" or "tri1"
-    mesher : makes the mesh of a shoe without a file, in place of `shoe_mesh`; its bodies are not
-        taken from the cache
+    elements : number of elements along each parametric lining, and of an elastic ring along each
+        lining
+    kind : kind of the elements, "quad2", "quad1", "tri2" or "tri1"
+    mesher : function that makes the mesh of a shoe without a file, in place of `shoe_mesh`; its
+        bodies are not taken from the cache
     cache : keeps condensed bodies; found ones are taken from it, and new ones put there
     seconds : time of each phase [s], which this function adds to
 
@@ -119,9 +124,10 @@ def make_mesh_bodies(
 def _mesh_nodes_of_changed_shoe(
     mesher: Mesher, radius: float, bodies: tuple[ShoeSubstructure, ...], i: int, shoe: Shoe
 ) -> BodyNodes:
-    """The nodes of the body that shoe `i` would have as another `shoe`; see `PreparedModel`.
+    """The nodes that the meshed body of shoe `i` would have if the shoe were changed to `shoe`.
 
-    A mesh from a file is the same in the frame of any shoe.
+    The changed shoe is meshed by the same rule; see `PreparedModel`. The mesh of a file stays the
+    same in the frame of the shoe.
     """
     mesh = mesher(shoe, radius) if shoe.mesh is None else bodies[i].mesh
     basis = scalar_basis(mesh)
@@ -135,7 +141,9 @@ def _mesh_nodes_of_changed_shoe(
 
 @dataclass(frozen=True)
 class AssembledShoe:
-    """One shoe with its lining, meshed and assembled, in its own frame: the input of condensation.
+    """One shoe with its lining, meshed and assembled, before static condensation.
+
+    All arrays are in the frame of the shoe.
 
     Attributes
     ----------
@@ -143,9 +151,9 @@ class AssembledShoe:
     line : the contact line
     K : (2 nodes, 2 nodes) stiffness, without boundary conditions [N/m]
     constraints : the multi-point constraints of hinge and loaded end
-    loads : unit loads (unknowns, k) on the reduced unknowns of the constraints, by name
-    load_centre : (2,) point that the unit actuations act about [m]
-    of_file : what was done to the mesh of a file
+    loads : unit loads (unknowns, k) by their name, on the unknowns that the constraints leave
+    load_centre : (2,) point about which the couple of the unit actuations acts [m]
+    of_file : the mesh that was read from a file, and how it was adapted; None without a file
     """
 
     mesh: Any
@@ -159,19 +167,23 @@ class AssembledShoe:
 
     @cached_property
     def columns(self) -> LoadColumns:
-        """The load columns, by name."""
+        """The load columns of the shoe, by name: one column for each unit load."""
         return LoadColumns.of(self.loads)
 
 
 def contact_line_of_mesh(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
-    """The contact line of a shoe on the `facets` of a scalar basis; `radius` [m] is the drum's."""
+    """The contact line of a shoe on a mesh.
+
+    `facets` are the numbers of the element sides on the friction surface, in the scalar basis of
+    the mesh. `radius` is the radius of the drum [m].
+    """
     middle = sum(shoe.arc) / 2
     unit = radius if shoe.flat else None
     return make_contact_line(basis, facets, middle, unit, own_edge_zone(shoe, radius))
 
 
 def assemble_shoe(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> AssembledShoe:
-    """The mesh of a shoe with its stiffness, constraints and unit loads.
+    """Mesh a shoe, and assemble its stiffness, its constraints and its unit loads.
 
     Raises
     ------
@@ -193,7 +205,8 @@ def assemble_shoe(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) ->
             unit_loads, load_centre = unit_loads_on_end(basis, mesh.boundaries["actuation"])
             actuated = constraints.matrix.T @ unit_loads
         else:
-            # The force acts on the frame: the rigid shoe itself, or the grip behind the body.
+            # The force acts on the rigid frame: the rigid shoe itself, or the grip that holds the
+            # back of the body.
             load_centre = pin
             actuated = np.zeros((constraints.matrix.shape[1], FRAME))
             actuated[-FRAME:] = np.eye(FRAME)
@@ -202,10 +215,13 @@ def assemble_shoe(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) ->
 
 
 def _read_mesh_of_file(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
-    """The mesh of a shoe from its file, in the shoe's own frame; None for a shoe without a file."""
+    """Read the mesh of a shoe from its file; None for a shoe without a file.
+
+    The mesh is in the frame of the shoe.
+    """
     if shoe.mesh is None:
         return None
-    # meshio takes 0.1 s to load, for a mesh in a file only.
+    # The module loads meshio, which takes 0.1 s. It is imported only if a mesh file is read.
     from drumlin.fem.mesh.file import read_shoe_mesh  # noqa: PLC0415
 
     return read_shoe_mesh(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
@@ -214,7 +230,7 @@ def _read_mesh_of_file(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
 def _condense_meshed_shoe(
     brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds
 ) -> ShoeSubstructure:
-    """The condensed body of a meshed shoe, coupled with its counterface."""
+    """Mesh and condense a shoe, and couple it with the drum or the plane."""
     parts = assemble_shoe(brake, shoe, mesher, seconds)
     with add_elapsed_time(seconds, "condensation"):
         contact_unknowns = 2 * len(parts.line.nodes)
@@ -228,7 +244,7 @@ def _condense_meshed_shoe(
 
 
 def materials_of_parts(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:
-    """Material and width [m] of each subdomain of a shoe."""
+    """Material and width [m] of each part of a shoe: lining, backing and the plates of its body."""
     parts: dict[str, tuple[AnyMaterial, float]] = {
         "lining": (shoe.lining.material, shoe.lining.width)
     }

@@ -1,4 +1,4 @@
-"""A brake made ready for contact: its bodies divided, condensed and coupled."""
+"""The function that makes the prepared model of a brake: bodies divided, condensed and coupled."""
 
 from collections.abc import Sequence
 
@@ -30,21 +30,21 @@ def prepare(
     mesher: Mesher | None = None,
     cache: Cache | None = None,
 ) -> PreparedModel:
-    """The prepared model of a brake: in hp elements at a `level`, or else on meshes.
+    """Make the prepared model of a brake, in hp elements or on meshes.
 
-    Shoes of one shape share one body.
+    The model has a condensed body for each shape of shoe. Shoes of one shape share the body.
 
     Parameters
     ----------
     brake : the brake
     level : degree and grading of hp elements; with None every shoe is meshed
-    places : singular points of the pressure by shape, for hp elements
-    alike : for each shoe the first one of its shape, see `cache.first_shoes_of_equal_shape`; found
-        here if empty
+    places : singular points of the pressure for each shape of shoe, for hp elements
+    alike : for each shoe the index of the first shoe of the same shape, see
+        `cache.first_shoes_of_equal_shape`; if it is empty, this function finds the indices
     elements : number of elements along each parametric lining of a mesh
     kind : kind of a mesh, "quad2", "quad1", "tri2" or "tri1"
-    mesher : makes the mesh of a shoe without a file, in place of `shoe_mesh`; `elements` then
-        divides an elastic ring only, and no body is taken from the cache
+    mesher : function that makes the mesh of a shoe without a file, in place of `shoe_mesh`;
+        `elements` then divides an elastic ring only, and no body is taken from the cache
     cache : keeps condensed bodies; found ones are taken from it, and new ones put there
 
     Raises
@@ -78,7 +78,10 @@ def prepare(
 
 
 def _lines_on_neglected_quantities(brake: Brake, shapes: int) -> list[str]:
-    """Lines that name quantities that are not computed; `shapes` is the number of shoes' shapes."""
+    """Lines of text that name the quantities which a prepared model does not contain.
+
+    `shapes` is the number of different shapes of shoe in the brake.
+    """
     lines = ["interior fields: recovered only for a picture"]
     lines += lines_on_equal_shapes(brake, shapes)
     if brake.friction == 0:

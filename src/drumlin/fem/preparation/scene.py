@@ -1,4 +1,4 @@
-"""The prepared model of a brake: its condensed bodies, and what the bodies neglect."""
+"""The prepared model of a brake: its condensed bodies, and the effects that they neglect."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -16,22 +16,23 @@ from drumlin.fem.substructure.ring import RingSubstructure
 from drumlin.laws import rigid
 
 Seconds = dict[str, float]
-"""Time [s] that each phase of a solve has taken, by the phase's name."""
+"""The type of a dictionary with the time [s] of each phase of a solve, by the phase's name."""
 
 
 @contextmanager
 def add_elapsed_time(seconds: Seconds, phase: str) -> Iterator[None]:
-    """Add the time [s] that the block of a with statement takes to seconds[phase]."""
+    """Measure the time [s] of the block of a `with` statement, and add it to seconds[phase]."""
     start = time.perf_counter()
     yield
     seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - start
 
 
 class DividedBodies(NamedTuple):
-    """The condensed bodies of a brake's shoes, one for each shoe, and of its ring.
+    """The condensed bodies of a brake: one for each shoe, and one for the drum's ring.
 
-    `nodes_of_changed_shoe` divides a changed shoe by the rule that divided these bodies.
-    `ring_under_lines` divides a ring under other contact lines likewise; see `PreparedModel`.
+    The function `nodes_of_changed_shoe` divides a changed shoe by the rule by which these bodies
+    were divided. The function `ring_under_lines` divides the ring under other contact lines in the
+    same way; see `PreparedModel`.
     """
 
     bodies: tuple[ShoeSubstructure, ...]
@@ -47,12 +48,12 @@ class PreparedModel:
     Attributes
     ----------
     brake : the brake
-    bodies : the substructure of each shoe; shoes of one shape share one
-    ring : the substructure of the drum's ring; None of a rigid drum
+    bodies : the substructure of each shoe; shoes of one shape share one substructure
+    ring : the substructure of the drum's ring; None for a rigid drum
     seconds : time of each phase of the preparation [s]
-    left_out : a line for each part of the model that is neglected or not computed
-    apart : whether each shoe meets the ring as if the other shoes did not press it
-    model : name of the model whose bodies these are
+    left_out : a line of text for each part of the model that is neglected or not computed
+    apart : whether the shoes deform the ring independently, each as if it pressed alone
+    model : name of the model whose bodies these are, "fem" or "solid"
     nodes_of_changed_shoe : function of (i, shoe) that returns the nodes of the body that shoe i
         would have as another shoe, divided by the same rule; None if the bodies cannot be divided
         anew
@@ -72,7 +73,7 @@ class PreparedModel:
 
     @cached_property
     def shapes(self) -> list[tuple[object, ...]]:
-        """The shape of each shoe, see `shape_key_of_shoe`."""
+        """The key of each shoe's shape, equal for shoes that share a body; `shape_key_of_shoe`."""
         return [shape_key_of_shoe(self.brake, shoe) for shoe in self.brake.shoes]
 
     @cached_property
@@ -82,7 +83,7 @@ class PreparedModel:
 
 
 def reason_why_not_modelled(brake: Brake) -> str | None:
-    """Why finite elements do not apply to a brake; None where they apply."""
+    """The reason why finite elements do not apply to a brake; None if they apply."""
     if brake.unmeshable() is not None:
         return brake.unmeshable()
     if brake.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
@@ -100,9 +101,10 @@ def reason_why_not_modelled(brake: Brake) -> str | None:
 
 
 def lines_on_equal_shapes(brake: Brake, shapes: int) -> list[str]:
-    """A line on the shoes that share the body of another one; none where all shapes differ.
+    """A line of text on the shoes that share the body of another shoe.
 
-    shapes: number of different shapes of shoe
+    The list is empty if all shoes have different shapes. `shapes` is the number of different
+    shapes.
     """
     count = len(brake.shoes)
     if shapes == count:
@@ -111,7 +113,7 @@ def lines_on_equal_shapes(brake: Brake, shapes: int) -> list[str]:
 
 
 def lines_on_rigid_parts(brake: Brake) -> list[str]:
-    """A line for each elastic part that the brake's file does not have, and that is rigid here."""
+    """A line of text for each part that is rigid because the brake's file gives no elastic part."""
     lines = []
     if brake.ring is None and not brake.surface.straight:
         lines.append("drum: rigid, no [drum.ring] in the brake")
