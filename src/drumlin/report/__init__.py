@@ -1,1 +1,4 @@
-"""Figures, field pictures and HTML pages. The imports of heavy libraries stay in this package."""
+"""Figures, pictures of stress fields, and HTML pages.
+
+Only this package imports matplotlib, pyvista and other libraries that take long to load.
+"""
