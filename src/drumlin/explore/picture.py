@@ -179,7 +179,7 @@ def scale_of(peak: float) -> float:
 
 
 def _pressure_curves(response: Response | None, brake: Brake) -> tuple[PressureCurve, ...]:
-    """The pressure curves, by the model of a response, of all shoes that touch the drum or plane."""
+    """The pressure curves of all shoes that touch the drum or plane, by the model of a response."""
     if response is None:
         return ()
     unit, curves = brake.surface.shown, []

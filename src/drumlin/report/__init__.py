@@ -1,4 +1,4 @@
 """Figures, pictures of stress fields, and HTML pages.
 
-Only this package imports matplotlib, pyvista and other libraries that take long to load.
+Libraries that take long to load, such as matplotlib and pyvista, are imported here.
 """
