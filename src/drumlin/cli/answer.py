@@ -181,7 +181,7 @@ def _shoes_table(brake: "Brake", response: "Response", at: list[str]) -> dict[st
             "effect": f"{effect:.6g}",
             "normal_force": f"{shoe.normal_force:.6g}",
             "peak": f"{shoe.peak_pressure * 1e-6:.4g}",
-            # Each arc of contact has a line of its own.
+            # In the cell of a shoe, each arc in contact stands on a line of its own.
             "contact": arcs_text(shoe, surface).replace(", ", "\n"),
             "reaction": f"{math.hypot(*shoe.hinge_reaction):.6g}",
             # A shoe without an actuation force of its own has no shoe factor.
@@ -198,6 +198,7 @@ def _print_more(response: "Response", notes: list[str]) -> None:
     These are hinge reactions and figures of merit of each shoe, solution steps, balance of forces,
     computing times, the given notes and neglected effects.
     """
+    # One line for each shoe: the force of its hinge and its figures of merit.
     for shoe, merit in zip(response.shoes, response.merits, strict=True):
         x, y = shoe.hinge_reaction
         tell(f"shoe {shoe.name!r}: hinge reaction ({x:.6g}, {y:.6g}) N; {_merit_text(merit)}")
@@ -210,6 +211,7 @@ def _print_more(response: "Response", notes: list[str]) -> None:
         )
     for line in notes:
         tell(line)
+    # Effects that the model neglects.
     for line in response.left_out:
         tell(f"left out: {line}")
 

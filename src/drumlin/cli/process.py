@@ -42,7 +42,7 @@ def _main() -> int:
     _settle_streams()
     _settle_imports()
     gc.set_threshold(GARBAGE_THRESHOLD)
-    # Warnings are for those who write programs; python -W default shows them.
+    # Python's warnings concern programmers, not users. `python -W default` shows them.
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
     try:
@@ -71,7 +71,8 @@ def _flush_output() -> None:
     try:
         sys.stdout.flush()
     except OSError as error:
-        # The interpreter flushes the stream once more at its end. That flush must not fail too.
+        # Python flushes standard output once more at its end. The stream now leads to the null
+        # device, so that this last flush cannot fail.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         if isinstance(error, BrokenPipeError):
             raise
@@ -93,7 +94,7 @@ def run(words: Sequence[str]) -> int:
         if "\0" in word:
             raise BadInput(f"argument {word!r}: it holds a NUL character, which is not allowed")
     command = typer.main.get_command(app)
-    # A shell asks for the words that may come next; click answers and ends the process.
+    # If a shell asks how to complete a command line, click prints the answer and ends the process.
     if COMPLETING in os.environ:
         command(list(words), prog_name="drumlin")
     with inputs_kept():
@@ -174,5 +175,5 @@ def _from_here(first: Sequence[str]) -> bool:
     try:
         return list(first) in ([""], [str(Path.cwd())])
     except OSError:
-        # The current folder has been removed.
+        # The current folder has been removed, so that Python imports nothing from there.
         return False

@@ -1,4 +1,4 @@
-"""Printing for a person at the terminal: lines of an answer, progress, tables."""
+"""Printing for a person at the terminal: lines of an answer, progress bars and tables."""
 
 import shutil
 import sys
@@ -72,7 +72,7 @@ def _folded(text: str, width: int, more: str = "") -> str:
 
 
 def note(line: str) -> None:
-    """Print a line to standard error, beside the answer on standard output."""
+    """Print a message of one line to standard error. The answer itself goes to standard output."""
     print(f"drumlin: {one_line(line)}", file=sys.stderr)
 
 
@@ -201,7 +201,7 @@ def print_columns(
     width = width or shutil.get_terminal_size().columns
     shown, cut = dict(columns), []
     for key in least:
-        # Two spaces stand between two columns, and none after the last.
+        # The width of the table: all columns with two spaces between them.
         needed = sum(column.width + 2 for column in shown.values()) - 2
         if key in shown and needed > width:
             cut.append(shown.pop(key).title)

@@ -163,6 +163,7 @@ class Explorer:
         try:
             brake = brake_of(self.brake, self.knobs, setting)
             answer = replace(answer, brake=brake)
+            # Wear changes the shape of the linings; it is not computed on a plane.
             scene, wear = self.scene(brake), setting.values.get("wear", 0.0)
             if wear > 0 and not brake.surface.straight:
                 brake, distance = self._worn_brake(scene, brake, wear)
@@ -280,7 +281,8 @@ def _with_law(answer: ExploredAnswer) -> ExploredAnswer:
     if name is None or brake is None:
         return answer
     try:
-        # On a drum a formula gives the friction at which a shoe locks. The first shoe counts.
+        # On a drum a formula gives the friction at which a shoe locks. The shoe that locks
+        # at the smallest friction counts.
         if name in LAWS and not brake.surface.straight:
             locking = min(locking_friction(brake, shoe, LAWS[name]) for shoe in brake.shoes)
             answer = replace(answer, law_locking=locking)

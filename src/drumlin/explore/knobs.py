@@ -114,7 +114,7 @@ class KnobSetting:
     values: Mapping[str, float] = field(default_factory=dict)
 
     def value(self, knob: Knob) -> float:
-        """The value of a knob at this setting [unit of the knob]."""
+        """The value of a knob [unit of the knob]; the brake file's value if it is not moved."""
         return self.values.get(knob.name, knob.start)
 
     def turned(self, knob: Knob, value: float) -> "KnobSetting":
@@ -158,7 +158,8 @@ def knobs_of(brake: Brake) -> tuple[Knob, ...]:
         _shift_knob(brake, R),
         _turn_knob(brake),
         _clearance_knob(brake, fine),
-        # A lining that fits a plane has no radius, and its wear has no unit of distance.
+        # On a plane there are no knobs of misfit and wear: a flat lining has no radius, and the
+        # page computes no wear.
         None if is_flat else _misfit_knob(brake, fine),
         None if is_flat else WEAR_KNOB,
         _modulus_knob(brake, "lining", "lining modulus", "MPa", 1e6),
@@ -174,7 +175,7 @@ def nice(value: float) -> float:
 
 
 def _friction_knob(brake: Brake) -> Knob:
-    """The knob of the friction coefficient."""
+    """The knob of the friction coefficient between lining and drum."""
     return Knob(
         name="friction",
         label="friction µ",
@@ -204,6 +205,7 @@ def _force_knob(brake: Brake) -> Knob | None:
             made[f"shoe[{i}].actuation.force"] = value * 1e3 * (force / largest)
         return made
 
+    # The label says whether all shoes have the same force.
     label = "force on each shoe" if len(forces) > 1 else "force"
     if len(set(forces)) > 1:
         label = "largest force"
@@ -218,7 +220,7 @@ def _drive_knob(drive: Drive) -> Knob:
     value = getattr(drive, key)
     label, unit, factor = DRIVES[key]
     start = value / factor
-    # A brake file refuses a cylinder without pressure.
+    # A cylinder must have a pressure above 0, so that its knob begins at 1 % of the file's value.
     low, high = sorted([0.0 if key != "pressure" else 0.01 * start, 3 * start])
 
     def changes(value: float) -> Changes:
@@ -306,6 +308,7 @@ def _clearance_knob(brake: Brake, step: float) -> Knob:
                 made[key] = old + more
         return made
 
+    # The knob reaches twice as far into clearance as into interference.
     reach = max(100 * step, 2 * abs(start))
     label = "clearance" if same else "clearance, added to the file's"
     return Knob("clearance", label, "mm", -reach, 2 * reach, step, start, changes)
@@ -352,6 +355,7 @@ def _modulus_knob(brake: Brake, part: str, label: str, unit: str, factor: float)
     unit : unit of the knob's values
     factor : this unit in Pa
     """
+    # The moduli of the shoes that have one, by the position of the shoe.
     moduli: dict[int, float] = {}
     for i, shoe in enumerate(brake.shoes):
         modulus = _shown_modulus(shoe, part)
@@ -401,7 +405,7 @@ def _scaled_moduli(shoe: Shoe, i: int, part: str, times: float) -> Changes:
     """
     owner = shoe.lining if part == "lining" else shoe.body
     key = "lining" if part == "lining" else "body"
-    # Parts without a material have no knob.
+    # The caller has made sure that the part has a material.
     assert owner is not None and owner.material is not None
     material = owner.material
     changes: Changes = {}
@@ -458,6 +462,8 @@ def setting_from(
     Unknown parts of the link are ignored. Values beyond a knob's range are moved to its end.
     `query` holds the values of the link's query by name.
     """
+    # Begin at the brake file's values. Each entry of the link moves a knob, or chooses the sense of
+    # motion or the law.
     setting, lines = start_of(brake), list[str]()
     knob_of = {knob.name: knob for knob in knobs}
     words = {motion_of(brake): brake.directions, "law": laws_of(brake)}

@@ -215,6 +215,7 @@ def _reply_picture(request: _Request) -> Reply:
     known = explorer.known_locking(answer.brake) if answer.brake is not None else None
     whole_numbers = partial(numbers_of, scale=picture.scale)
     arcs = np.rint(np.array(picture.arcs) / PLACE_STEP).astype(int)
+    # The texts of the reply are finished HTML, its curves are whole numbers.
     data = {
         "fem": list(map(whole_numbers, picture.fem)),
         "law": list(map(whole_numbers, picture.law)),
@@ -253,7 +254,7 @@ def _reply_brake_file(request: _Request) -> Reply:
     answer = explorer.answer(request.setting)
     if answer.brake is None or answer.failure:
         return Reply(422, HTML, escape(answer.failure))
-    # The first lines of the file say from which link it comes.
+    # A comment at the top of the file names the link of the page from which the file comes.
     link = link_of(explorer.knobs, explorer.brake, request.setting)
     head = f"# {one_line(name)}, explored: {link or 'as it is'}\n"
     if answer.distance:

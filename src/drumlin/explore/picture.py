@@ -123,7 +123,7 @@ def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
     """
     shown = answer.brake or brake
     unit = shown.surface.shown
-    # One scale of pressure serves both models, so that their curves can be compared.
+    # Finite elements and law share one scale of pressure, so that their curves can be compared.
     peaks: list[float] = []
     for response in (answer.found, answer.law):
         if response is not None:
@@ -133,7 +133,7 @@ def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
     for shoe in answer.found.shoes if answer.found else ():
         for start, end in shoe.contact_arcs:
             arcs.append((start * unit, end * unit))
-    # The same reason may hold for both models; the page shows it once.
+    # If finite elements and law fail for the same reason, the page shows the reason once.
     failures = (answer.failure, answer.law_failure)
     return Picture(
         fem=_pressure_curves(answer.found, shown),
@@ -197,7 +197,7 @@ def _force_arrows(brake: Brake) -> Lines:
         arrow = _force_arrow(brake, shoe)
         along = arrow.tip - arrow.tail
         across = np.array([-along[1], along[0]])
-        # The head is a quarter as long as the arrow, and as wide as it is long.
+        # The arrowhead is a quarter as long as the arrow, and as wide as it is long.
         left = arrow.tip + 0.25 * (0.5 * across - along)
         right = arrow.tip + 0.25 * (-0.5 * across - along)
         shaft, head = np.array([arrow.tail, arrow.tip]), np.array([left, arrow.tip, right])
@@ -229,6 +229,7 @@ def _force_point(shoe: Shoe) -> Floats:
     end away from the hinge. For other shoes it is the point of the force in the brake file.
     """
     along, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
+    # Shoes on a plane and external shoes keep the point of the file.
     if shoe.flat or shoe.sign < 0:
         return point
     size = float(np.linalg.norm(point))
@@ -238,7 +239,7 @@ def _force_point(shoe: Shoe) -> Floats:
     return np.asarray(point + ((far - point) @ along) * along)
 
 
-# The answer in words and in a table.
+# The functions below write the answer in words and as a table.
 
 
 def answer_html(answer: ExploredAnswer) -> str:
@@ -367,7 +368,7 @@ def table_html(rows: Sequence[Sequence[str]]) -> str:
     return f"<table>{lines}</table>"
 
 
-# The drawing of the brake, which does not change with the knobs.
+# The functions below draw the brake of the file. This drawing does not change with the knobs.
 
 
 def drawing_of(brake: Brake) -> Mapping[str, Lines]:
@@ -386,7 +387,7 @@ def drawing_of(brake: Brake) -> Mapping[str, Lines]:
             bodies.append(_layer_outline(shoe, brake.size, ends, (depth, depth + shoe.body.depth)))
         if isinstance(shoe.body, Beam):
             bodies.append(_beam_outline(shoe, brake.size))
-    # A shoe on a guide turns about no point. A hinge is a line of one point.
+    # Each hinge is drawn as a line of a single point. A shoe on a guide has no hinge.
     hinges = [shoe.pin.xy[:, None] * PAGE_MM for shoe in brake.shoes if shoe.guide is None]
     return {
         "drum": _surface_line(brake),
@@ -504,5 +505,6 @@ def _beam_outline(shoe: Shoe, R: float) -> Floats:
     half = 0.5 * (shoe.body.thickness or 0.1 * R)
     across = half * np.array([-along[1], along[0]]) / np.linalg.norm(along)
     end = hinge + along
+    # The beam reaches from the hinge to the point of the force, half its thickness to each side.
     corners = np.array([hinge - across, end - across, end + across, hinge + across])
     return corners.T * PAGE_MM

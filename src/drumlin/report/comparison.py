@@ -73,7 +73,7 @@ def draw_fields(
     -------
     None, or the reason why there is no picture, such as a machine without off-screen rendering
     """
-    # These imports are heavy, and most commands draw no fields.
+    # The modules take long to load, and most commands draw no stress fields.
     from drumlin.fem.analysis.fields import recover_all_fields, write_fields_as_vtu  # noqa: PLC0415
     from drumlin.fem.solve import prepare_finest_division  # noqa: PLC0415
     from drumlin.report.render import render_fields  # noqa: PLC0415
@@ -107,7 +107,7 @@ def _case_data(comparison: Comparison[Any]) -> dict[str, Any]:
 
 
 def _model_data(outcome: Outcome) -> dict[str, Any]:
-    """The answer of one model, or its failure, as plain data for JSON."""
+    """The answer of one model, or its failure, with the computing time, as plain data for JSON."""
     answer = {"model": outcome.model, "failed": outcome.failure}
     if outcome.response:
         answer = outcome.response.as_dict()
@@ -152,7 +152,7 @@ def write_comparison_page(
         drawn = True
         # Of all options, only these two concern the mesh.
         mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
-        # The response was computed on a brake that is corrected for its finite width.
+        # With --finite-width the response belongs to a brake that is corrected for the width.
         solved_brake = correct_for_finite_width(brake) if options.get("finite_width") else brake
         not_drawn = draw_fields(solved_brake, fem, folder, "fields", **mesh_options)
     notes = _notes_of_models(brake, comparison)

@@ -49,7 +49,8 @@ def _unit_vector(angle: float) -> Floats:
     return np.array([math.cos(angle), math.sin(angle)])
 
 
-# Drawing of brakes on a drum. R is the drum's radius [mm], unit the size of the signs [mm].
+# The functions below draw brakes on a drum. R is the drum's radius [mm], `unit` is the size of the
+# signs [mm].
 
 
 def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
@@ -326,7 +327,7 @@ def _pin_corners(shoe: Shoe, unit: float) -> Floats:
     return shoe.pin.xy * MM_PER_M + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
 
 
-# Drawing of brakes on a plane.
+# The functions below draw brakes on a plane.
 
 
 def _draw_plane_brake(axes: Axes, brake: Brake) -> None:
@@ -431,7 +432,7 @@ def _draw_rigid_flat_shoe(axes: Axes, shoe: Shoe, unit: float) -> None:
     axes.plot(*line.T, color=BODY_COLOR, lw=7, solid_capstyle="round", zorder=2)
 
 
-# Drawing of forces and of the labels beside them.
+# The functions below draw forces and the labels beside them.
 
 
 def _arrow_vector(actuation: Actuation, unit: float) -> Floats:
@@ -490,6 +491,7 @@ def _draw_forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: flo
         text = f"{_force_text(brake.actuation.total)} in all"
         _write_label(axes, middle - np.array([0.0, 1.6 * unit]), text, color=FORCE_COLOR)
         return
+    # Labels of internal shoes stand on the inner side of the arrows.
     inside = not brake.surface.straight and brake.shoes[0].sign > 0
     labels: list[_ForceLabel] = []
     for shoe in pushed:

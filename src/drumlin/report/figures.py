@@ -80,7 +80,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
 
 
 def model_title(model: str) -> str:
-    """The name of a model in figures and tables for people."""
+    """The name of a model in figures and tables, by its short name in files and options."""
     return MODEL_TITLES.get(model, model)
 
 
@@ -112,7 +112,7 @@ def write_curve_name(
     color : colour of the name
     """
     low, high = axes.get_ylim()
-    # Heights of the curves relative to the axes.
+    # The curves' y, relative to the height of the axes.
     heights = np.clip((np.array(curves) - low) / (high - low), 0, 1)
     place = _find_free_place(heights, which)
     if place is None:
@@ -285,7 +285,7 @@ def draw_convergence(series: Mapping[str, Sequence[tuple[int, float]]], ylabel: 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.2, 3.8), layout="constrained")
         axes = figure.subplots()
-        # Each line has a marker and a colour of its own.
+        # Each line of the figure has its own marker and colour.
         looks = zip("osD^v<>", CATEGORIES, strict=False)
         elements: set[int] = set()
         for values in series.values():

@@ -68,7 +68,7 @@ def is_text_column(rows: Sequence[dict[str, Any]], column: TableColumn) -> bool:
 
 
 _PERCENT = re.compile(r"(?<=[0-9]) %")
-"""A space and a percent sign after a number; a page must not break the line there."""
+"""The pattern of a space and a percent sign after a number, where no line may break."""
 
 
 def write_page(template: Path, page: Path, **values: Any) -> Path:
@@ -139,7 +139,7 @@ def formula_as_mathml(source: str) -> Markup:
 
 
 _HEADING = re.compile(r"<h2>(.*?)</h2>", re.DOTALL)
-"""The heading of a section in HTML."""
+"""The pattern of a section's heading in HTML."""
 
 
 def add_contents_list(text: str) -> str:

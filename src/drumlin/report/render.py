@@ -257,7 +257,7 @@ def _aim_camera(camera: Any, places: Floats, margin: float) -> None:
     """
     left, bottom = places.min(axis=0) - margin
     right, top = places.max(axis=0) + margin
-    # Half the height of the picture [m].
+    # `scale` is half the height of the picture [m] that holds all places in both directions.
     scale = max((top - bottom) / 2 / 0.9, (right - left) / 2 / 0.84 * FIELD_HEIGHT / FIELD_WIDTH)
     x = (left + right) / 2 + 0.13 * scale * FIELD_WIDTH / FIELD_HEIGHT
     y = (bottom + top) / 2 + 0.09 * scale

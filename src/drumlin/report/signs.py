@@ -20,7 +20,7 @@ from drumlin.report.palette import BLUE, FAINT, INK, RED
 MM_PER_M = 1e3
 """Millimetres in a metre. Brakes are in metres, the axes of drawings in mm."""
 
-# The colours of the parts of a brake in drawings.
+# These are the colours of a brake's parts in drawings.
 DRUM_COLOR = "#e6ebf0"
 BODY_COLOR = "#aab6c2"
 BLOCK_COLOR = "#e3cfa4"

@@ -268,6 +268,7 @@ def solve_cases(
         else:
             alone = further < FURTHER_ATTEMPTS
             answers = _solve_by_workers(_Dispatch(executor, workers, cases, missing, alone), say)
+        # Store each answer as it comes, and collect the cases that are tried again.
         for i, answer in answers:
             if answer.lasting:
                 journal.add(keys[i], answer.row)
@@ -302,10 +303,10 @@ def journal_keys(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
     files are given by a digest of their content.
     """
     brake_digests: dict[int, str] = {}
-    # Each mesh file is read once, however many cases name it.
+    # A mesh file is read once, even if many cases name it.
     file_digest = cache(digest_of_mesh_file)
     for case in cases:
-        # Thousands of cases share one brake object: it is digested once.
+        # Many cases share one brake object, so that its digest is computed once.
         if id(case.brake) not in brake_digests:
             brake_digests[id(case.brake)] = brake_digest(case.brake)
         changes = dict(case.changes)
@@ -352,7 +353,7 @@ def shared_body_key(case: SweepCase) -> str:
     """
     changes_of_bodies = {}
     for key, value in case.changes.items():
-        # "shoe[0].actuation.force" has the words shoe, 0, actuation and force.
+        # Split a key into its words: "shoe[0].actuation.force" has shoe, 0, actuation and force.
         words = set(key.replace("[", ".").split("."))
         if not words & set(LOAD_KEYS):
             changes_of_bodies[key] = value

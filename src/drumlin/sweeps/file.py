@@ -89,7 +89,7 @@ class Normal(Distribution):
 
 
 class TruncatedNormal(Normal):
-    """A normal distribution that is cut off below `from` and above `to`."""
+    """A normal distribution without the values below `from` and above `to`."""
 
     start: Annotated[float | str, Field(alias="from")] = -math.inf
     to: float | str = math.inf
@@ -357,7 +357,7 @@ def _check_values(
 
 
 def _check_meshes(brake: Brake, specs: Mapping[str, _KeySpec]) -> None:
-    """Raise BadInput or NoAnswer for a mesh file of the sweep that cannot be read."""
+    """Raise BadInput or NoAnswer if a mesh file that the sweep names cannot be read."""
     # Collect the mesh files of the base brake and of the varied keys; each is read once.
     meshes = set(mesh_files(brake, {}))
     for key, spec in specs.items():

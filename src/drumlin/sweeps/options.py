@@ -13,7 +13,7 @@ from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
 class ContactOptions(Part):
     """Options of models whose contact has a penalty stiffness, as on the command line."""
 
-    # An infinite penalty asks for exact contact.
+    # An infinite penalty stiffness means contact without penetration.
     model_config = Part.model_config | {"allow_inf_nan": True}
 
     penalty: Annotated[float, Field(gt=0)] | None = None

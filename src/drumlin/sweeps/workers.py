@@ -183,7 +183,7 @@ class _ProcessPool(Executor):
             outcome = process.ask(work)
         except Exception as error:
             process.kill()
-            # The next work of this thread goes to a new process.
+            # This thread starts a new process for its next work.
             self._of_thread.process = None
             raise BrokenExecutor(f"its process died ({type(error).__name__})") from error
         if not outcome.returned:
