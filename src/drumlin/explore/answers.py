@@ -154,7 +154,10 @@ class Explorer:
     def __init__(self, brake: Brake) -> None:
         pick("fem", brake)
         self.brake, self.knobs = brake, knobs_of(brake)
-        self._scene, self._worn, self._limits, self._stated = Latest(), Latest(), Latest(), Latest()
+        self._scene = Latest()
+        self._worn = Latest()
+        self._limits = Latest()
+        self._stated = Latest()
 
     def answer(self, setting: KnobSetting) -> ExploredAnswer:
         """The answer for a setting of the sliders. Where a model has no answer, it says why."""
@@ -190,9 +193,9 @@ class Explorer:
                 return prepare(rough)
             return prepare(rough, EXPLORE_LEVEL)
 
-        return self._scene.get(
-            brake_without_loads(brake).model_copy(update={"friction": 1.0}), make
-        )
+        # Brakes that differ in loads or friction only have the same key in the cache.
+        key = brake_without_loads(brake).model_copy(update={"friction": 1.0})
+        return self._scene.get(key, make)
 
     def _worn_brake(self, scene: PreparedModel, brake: Brake, wear: float) -> _WornBrake:
         """The brake after a sliding distance of `wear`, in units 1/(k K), has worn its linings.

@@ -171,7 +171,9 @@ def knobs_of(brake: Brake) -> tuple[Knob, ...]:
 def nice(value: float) -> float:
     """The number nearest to `value` (in ratio) that is 1, 2 or 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
-    return float(min((1, 2, 5, 10), key=lambda digit: abs(math.log(value / power / digit))) * power)
+    digits = (1, 2, 5, 10)
+    nearest_digit = min(digits, key=lambda digit: abs(math.log(value / power / digit)))
+    return float(nearest_digit * power)
 
 
 def _friction_knob(brake: Brake) -> Knob:

@@ -36,7 +36,9 @@ class _Server(ThreadingHTTPServer):
 
     def __init__(self, explorer: Explorer, name: str, port: int) -> None:
         super().__init__((ADDRESS, port), _Handler)
-        self.explorer, self.name, self.answering = explorer, name, threading.Lock()
+        self.explorer, self.name = explorer, name
+        # A thread holds this lock while it computes an answer.
+        self.answering = threading.Lock()
         self.hosts = {f"{host}:{self.server_port}" for host in ("localhost", ADDRESS)}
 
     def handle_error(self, request: Any, client_address: Any) -> None:

@@ -258,7 +258,9 @@ def _aim_camera(camera: Any, places: Floats, margin: float) -> None:
     left, bottom = places.min(axis=0) - margin
     right, top = places.max(axis=0) + margin
     # `scale` is half the height of the picture [m] that holds all places in both directions.
-    scale = max((top - bottom) / 2 / 0.9, (right - left) / 2 / 0.84 * FIELD_HEIGHT / FIELD_WIDTH)
+    scale_by_height = (top - bottom) / 2 / 0.9
+    scale_by_width = (right - left) / 2 / 0.84 * FIELD_HEIGHT / FIELD_WIDTH
+    scale = max(scale_by_height, scale_by_width)
     x = (left + right) / 2 + 0.13 * scale * FIELD_WIDTH / FIELD_HEIGHT
     y = (bottom + top) / 2 + 0.09 * scale
     camera.parallel_scale = scale

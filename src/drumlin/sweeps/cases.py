@@ -293,7 +293,12 @@ def _missing_cases(
     """
     unsolved = [i for i, key in enumerate(keys) if key not in journal]
     distinct = {json.dumps(keys[i]): i for i in unsolved}
-    return sorted(distinct.values(), key=lambda i: (cases[i].model, shared_body_key(cases[i]), i))
+
+    def order(i: int) -> tuple[str, str, int]:
+        """The sort key of the case at position i: its model, then its shoes, then the position."""
+        return cases[i].model, shared_body_key(cases[i]), i
+
+    return sorted(distinct.values(), key=order)
 
 
 def journal_keys(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:

@@ -426,7 +426,9 @@ class _DaskPool(Executor):
         self._inner: Executor = client.get_executor(pure=False)
         self._waiting: set[Future[Any]] = set()
         self._lost: NoAnswer | None = None
-        self._lock, self._end = threading.Lock(), threading.Event()
+        # The lock guards the two attributes above. The event ends the watching thread.
+        self._lock = threading.Lock()
+        self._end = threading.Event()
         threading.Thread(target=self._watch, daemon=True).start()
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
@@ -526,12 +528,12 @@ def _silence_dask() -> Iterator[None]:
     This module itself reports a lost cluster in one line. If the block fails, the log stays silent
     afterwards, too, since Dask goes on writing about the loss.
     """
-    loggers = [
-        logging.getLogger(name) for name in (*DASK_LOGGERS, *logging.root.manager.loggerDict)
-    ]
-    levels = {
-        logger: logger.level for logger in loggers if logger.name.split(".")[0] in DASK_LOGGERS
-    }
+    # Remember the level of each logger of Dask, to restore it at the end.
+    levels = {}
+    for name in (*DASK_LOGGERS, *logging.root.manager.loggerDict):
+        logger = logging.getLogger(name)
+        if logger.name.split(".")[0] in DASK_LOGGERS:
+            levels[logger] = logger.level
     for logger in levels:
         logger.setLevel(logging.CRITICAL + 1)
     yield
