@@ -1,4 +1,6 @@
-"""The workers that solve the cases of a sweep: processes of this machine, or of a Dask cluster.
+"""The workers that solve the cases of a sweep: processes of this machine or of a cluster.
+
+The workers of a cluster are those of Dask, a Python library that distributes work to machines.
 
 This module does not import numpy, because a worker must limit its threads before it loads numpy. A
 worker process that dies is replaced. If no worker answers within the time limits below, the sweep
