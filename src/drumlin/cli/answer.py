@@ -1,4 +1,7 @@
-"""Printing of a response: warnings that matter most, a small table, the estimated errors."""
+"""Printing of the answer to one brake file by one model, such as finite elements or a law.
+
+The torque, a table of the shoes, warnings and the estimated errors are printed.
+"""
 
 import math
 from typing import TYPE_CHECKING, NamedTuple
@@ -12,14 +15,17 @@ if TYPE_CHECKING:
     from drumlin.response.response import FlatMerit, Merit, Response
 
 LEAST_OF_SHOES = ["shoe_factor", "reaction", "normal_force", "at"]
-"""Columns of the shoes' table that are left out on a narrow terminal, the first of them first."""
+"""Columns of the printed table of shoes that a narrow terminal has no room for.
+
+They are left out in this order, until the other columns fit.
+"""
 
 
 def print_response(brake: "Brake", response: "Response", *, verbose: bool = False) -> None:
-    """Print torque and brake factor, a row a shoe, warnings and the estimated errors.
+    """Print the torque and brake factor of a brake, a row for each shoe, warnings and errors.
 
-    Shoes that do not touch come first. verbose: whether figures of merit, steps, times and what is
-    neglected follow.
+    Lines on shoes that do not touch the drum are printed first. `verbose` is whether reactions,
+    figures of merit, solution steps, times and neglected effects are printed, too.
     """
     notes = _Notes.of(response)
     tell(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
@@ -27,7 +33,7 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
         tell(line)
     _print_effect(brake, response)
     _print_shoes(brake, response)
-    # The warnings and the stated errors follow the table, where a reader looks last.
+    # Warnings and estimated errors stand below the table: the last lines stay on the screen.
     energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
     if energised:
         tell(f"self-energising: {', '.join(energised)}")
@@ -44,10 +50,14 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
 
 
 class _Notes(NamedTuple):
-    """The notes of a response by where they are printed.
+    """The notes of a response, sorted by the place where the notes are printed.
 
-    `apart`: shoes without contact. `warnings`. `held`: the supports of each body, and what was done
-    to the mesh of a file. `others`: what is printed with --verbose only.
+    Attributes
+    ----------
+    apart : lines on shoes without contact, printed above the table of shoes
+    warnings : lines that begin with "warning:", printed below the table
+    held : lines on the supports of each body and on corrections of a mesh file, printed last
+    others : all other lines, printed with --verbose only
     """
 
     apart: list[str]
@@ -57,7 +67,7 @@ class _Notes(NamedTuple):
 
     @classmethod
     def of(cls, response: "Response") -> "_Notes":
-        """Sort the notes of a response."""
+        """The notes of a response, sorted by the words that each note begins with or contains."""
         notes = cls([], [], [], [])
         for line in response.notes:
             if ": no contact" in line:
@@ -72,7 +82,11 @@ class _Notes(NamedTuple):
 
 
 def _print_effect(brake: "Brake", response: "Response") -> None:
-    """Print the torque, on a plane the braking force, and the brake factor where there is one."""
+    """Print the torque of a brake, or the braking force of a brake on a plane, as one line.
+
+    The brake factor follows, if the brake has one. A second line says where the solution has not
+    converged.
+    """
     from drumlin.response.merit import brake_factor
 
     surface = brake.surface
@@ -86,7 +100,10 @@ def _print_effect(brake: "Brake", response: "Response") -> None:
 
 
 def _error_text(effect: str, error: "Mapping[str, float]") -> str:
-    """The estimated relative errors of a response as a line."""
+    """The estimated relative errors of pressure, torque, peak and reaction as one line of text.
+
+    `effect` is the printed name of the torque, or of the braking force on a plane.
+    """
     line = f"estimated error: p {error['pressure']:.1e} (L2, worst shoe)"
     names = {"torque": effect, "peak": "peak pressure", "reaction": "hinge reaction"}
     for key, name in names.items():
@@ -96,9 +113,13 @@ def _error_text(effect: str, error: "Mapping[str, float]") -> str:
 
 
 def _model_error_text(effect: str, response: "Response") -> str:
-    """The estimated errors of plane stress itself as a line, alone and with those of the mesh."""
+    """The estimated relative errors of the plane-stress assumption as one line of text.
+
+    Where the errors of the mesh are known too, the line also gives the sums of both errors.
+    `effect` is the printed name of the torque, or of the braking force on a plane.
+    """
     found, mesh = response.plane_stress_error, response.error
-    # Only answers by plane stress have such errors.
+    # The caller has made sure that the response states errors of plane stress.
     assert found is not None
     if found.unknown:
         return f"error of plane stress itself: not known, {found.unknown}"
@@ -117,12 +138,16 @@ def _model_error_text(effect: str, response: "Response") -> str:
 
 
 def _print_shoes(brake: "Brake", response: "Response") -> None:
-    """Print a row a shoe, and a line on where its peak pressure is looked for."""
+    """Print a table with a row for each shoe.
+
+    A line below the table says if a peak pressure was looked for away from the lining's ends only.
+    """
     from drumlin.response.response import peak_place
 
     places = [peak_place(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     shown = brake.surface.shown
-    # Adding 0.0 turns a negative zero into a zero without sign.
+    # The angle or length where the pressure of each shoe peaks, as text. Adding 0.0 turns a
+    # negative zero into a zero without sign.
     at = ["" if place is None else f"{place.at * shown + 0.0:.1f}" for place in places]
     print_columns(_shoes_table(brake, response, at), LEAST_OF_SHOES)
     if any(place is not None and place.zone for place in places):
@@ -130,7 +155,10 @@ def _print_shoes(brake: "Brake", response: "Response") -> None:
 
 
 def _shoes_table(brake: "Brake", response: "Response", at: list[str]) -> dict[str, Column]:
-    """The columns of the shoes' table; `at`: where each pressure peaks, as a text."""
+    """The columns of the printed table of shoes, by a key.
+
+    `at` holds the place where the pressure of each shoe peaks, as text.
+    """
     from drumlin.response.show import arcs_text
 
     surface = brake.surface
@@ -153,10 +181,10 @@ def _shoes_table(brake: "Brake", response: "Response", at: list[str]) -> dict[st
             "effect": f"{effect:.6g}",
             "normal_force": f"{shoe.normal_force:.6g}",
             "peak": f"{shoe.peak_pressure * 1e-6:.4g}",
-            # Each arc of contact has a line of its own.
+            # In the cell of a shoe, each arc in contact stands on a line of its own.
             "contact": arcs_text(shoe, surface).replace(", ", "\n"),
             "reaction": f"{math.hypot(*shoe.hinge_reaction):.6g}",
-            # A shoe without a force of its own has no factor.
+            # A shoe without an actuation force of its own has no shoe factor.
             "shoe_factor": f"{effect / force:.3f}" if force else "",
         }
         for key, cell in cells.items():
@@ -165,7 +193,12 @@ def _shoes_table(brake: "Brake", response: "Response", at: list[str]) -> dict[st
 
 
 def _print_more(response: "Response", notes: list[str]) -> None:
-    """Print reactions, figures of merit, steps, balance, times, notes and what is neglected."""
+    """Print what only --verbose shows.
+
+    These are hinge reactions and figures of merit of each shoe, solution steps, balance of forces,
+    computing times, the given notes and neglected effects.
+    """
+    # One line for each shoe: the force of its hinge and its figures of merit.
     for shoe, merit in zip(response.shoes, response.merits, strict=True):
         x, y = shoe.hinge_reaction
         tell(f"shoe {shoe.name!r}: hinge reaction ({x:.6g}, {y:.6g}) N; {_merit_text(merit)}")
@@ -178,12 +211,16 @@ def _print_more(response: "Response", notes: list[str]) -> None:
         )
     for line in notes:
         tell(line)
+    # Effects that the model neglects.
     for line in response.left_out:
         tell(f"left out: {line}")
 
 
 def _merit_text(merit: "Merit | FlatMerit") -> str:
-    """The known figures of merit as a line: names as in the JSON, the angle in degrees."""
+    """The figures of merit of one shoe as a line of text; unknown figures are left out.
+
+    The names are those of the JSON file. The angle of the resultant force is in degrees.
+    """
     values = {key: value for key, value in merit._asdict().items() if value is not None}
     angle = values.pop("resultant_angle", None)
     # Adding 0.0 turns a negative zero into a zero without sign.

@@ -1,4 +1,4 @@
-"""The application with all its commands, in the order of the help."""
+"""The command-line application with all its commands, in the order of `drumlin --help`."""
 
 from typing import Annotated
 
@@ -17,7 +17,7 @@ app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 
 
 def _version(asked: bool) -> None:
-    """Print the version and end, where --version is given."""
+    """Print the version of drumlin and end the process, if --version is given (`asked`)."""
     if asked:
         tell(f"drumlin {__version__}")
         raise typer.Exit
@@ -35,6 +35,7 @@ def _all(
     """Shoe brakes by pressure laws and by finite elements in frictional contact, side by side."""
 
 
+# Each function is a command by its own name, in the order of the help.
 for command in (
     init,
     solve,

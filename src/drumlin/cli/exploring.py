@@ -1,4 +1,4 @@
-"""The command that serves a page with sliders for a brake."""
+"""The command `drumlin explore`, which serves a page with sliders for one brake."""
 
 from typing import Annotated
 
@@ -25,7 +25,7 @@ def explore(
     brake = drumlin.read_brake(brake_file)
 
     def ready(address: str) -> None:
-        """Print the address of the page and open a browser, once the server listens."""
+        """Print the page's address and open a browser there, once the server listens."""
         tell(f"{brake.title}: {address}", at_once=True)
         note("Ctrl-C ends it")
         if browser:

@@ -1,4 +1,7 @@
-"""Commands that judge answers: reference values, comparison with them, cost of a solve."""
+"""Commands that judge answers.
+
+They make reference values, compare a table with reference values, and time a solve.
+"""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,7 @@
-"""Arguments and options that several commands share, and those with long words of help."""
+"""Arguments and options of the commands, each as a type with its help text.
+
+Options that several commands share are here, and options with long help texts.
+"""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,7 +15,7 @@ BrakeFiles = Annotated[
 ]
 BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake file")]
 
-# options of the finite elements
+# Options of the finite-element model.
 
 Elements = Annotated[int | None, typer.Option(help="finite elements along each lining")]
 Kind = Annotated[
@@ -35,7 +38,7 @@ NoModelError = Annotated[
     bool, typer.Option("--no-model-error", help="leave out the error of plane stress itself")
 ]
 
-# options of the other models
+# Options of the elastic foundation and of solid shoes.
 
 Sections = Annotated[int | None, typer.Option(help="sections of each beam of the foundation model")]
 Lift = Annotated[
@@ -51,7 +54,7 @@ WearingModel = Annotated[
     str, typer.Option(metavar="fem|foundation", help="the elastic model that is worn in")
 ]
 
-# options of single commands
+# Options that belong to one or two commands.
 
 ResponseJson = Annotated[
     Path | None,
@@ -105,14 +108,20 @@ ReportFolder = Annotated[Path | None, typer.Option(metavar="DIR", help="folder o
 
 
 def given(**options: Any) -> dict[str, Any]:
-    """The options that were given. Raises BadInput for a number of elements out of range."""
+    """The options that the user has given: all options whose value is not None, by name.
+
+    Raises BadInput for a number of elements out of range.
+    """
     from drumlin.models import given_options
 
     return given_options(**options)
 
 
 def penalty_number(penalty: str | None) -> float | None:
-    """The word of --penalty as a number. Raises BadInput where it is no number."""
+    """The contact stiffness that --penalty gives, as a number; None if the option is not given.
+
+    Raises BadInput where the given text is no number.
+    """
     if penalty is None:
         return None
     try:

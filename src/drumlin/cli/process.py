@@ -1,8 +1,9 @@
 """The process of the command line: signals, streams, the command itself and the exit status.
 
-Exit status 0 means an answer, 2 bad input and 3 no answer; in the last two cases one plain line
-says why. A signal ends the process with 128 plus its number. Status 1 is a fault of drumlin itself.
-Heavy modules are imported after `main` has started, so that a fault in an import is one line too.
+Exit status 0 means an answer, 2 bad input and 3 no answer; with 2 and 3 one plain line says why.
+A signal ends the process with status 128 plus the number of the signal. Status 1 is a fault of
+drumlin itself. Heavy modules are imported after `main` has started, so that a fault in an import
+is reported as one line, too.
 """
 
 import gc
@@ -18,12 +19,15 @@ from typing import Any, NoReturn
 from drumlin.base.errors import BadInput, NoAnswer, Stopped, ended, file_fault
 
 COMPLETING = "_DRUMLIN_COMPLETE"
-"""Environment variable by which a shell asks click for the words that may come next."""
-GARBAGE_THRESHOLD = 20_000
-"""Objects that may be created before Python looks for garbage; its default is 700.
+"""Environment variable that a shell sets to complete a command line with the Tab key.
 
-Imported modules stay until the end. With the default, Python searches them again and again, which
-takes 3 % of a solve.
+The library click then answers with the words that may come next.
+"""
+GARBAGE_THRESHOLD = 20_000
+"""Number of new objects after which Python searches memory for garbage; Python's default is 700.
+
+Imported modules stay in memory until the end. With the default, Python searches them again and
+again, which takes 3 % of the time of a solve.
 """
 
 
@@ -33,12 +37,12 @@ def main() -> NoReturn:
 
 
 def _main() -> int:
-    """Prepare the process and run its command line; returns the exit status."""
+    """Prepare signals, streams and imports of this process and run its command; the exit status."""
     _catch_signals()
     _settle_streams()
     _settle_imports()
     gc.set_threshold(GARBAGE_THRESHOLD)
-    # Warnings are for those who write programs; python -W default shows them.
+    # Python's warnings concern programmers, not users. `python -W default` shows them.
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
     try:
@@ -48,7 +52,10 @@ def _main() -> int:
 
 
 def _catch_signals() -> None:
-    """Let SIGTERM and SIGHUP raise Stopped, except where they are ignored, as under nohup."""
+    """Let the signals SIGTERM and SIGHUP raise Stopped in this process.
+
+    A signal that the process was started to ignore, as under nohup, stays ignored.
+    """
     for name in ("SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) != signal.SIG_IGN:
@@ -56,11 +63,16 @@ def _catch_signals() -> None:
 
 
 def _flush_output() -> None:
-    """Write out what is printed. Raises DrumlinError where standard output takes no more."""
+    """Write out the printed lines that standard output still buffers.
+
+    Raises DrumlinError where the lines cannot be written, as on a full disk, and BrokenPipeError
+    where the reader of a pipe has gone.
+    """
     try:
         sys.stdout.flush()
     except OSError as error:
-        # The interpreter flushes the stream once more at its end. That flush must not fail too.
+        # Python flushes standard output once more at its end. The stream now leads to the null
+        # device, so that this last flush cannot fail.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         if isinstance(error, BrokenPipeError):
             raise
@@ -68,7 +80,7 @@ def _flush_output() -> None:
 
 
 def run(words: Sequence[str]) -> int:
-    """Run a command line in this process; returns its exit status.
+    """Run the command that `words` name in this process; returns the exit status.
 
     Raises DrumlinError for bad input and for no answer; other exceptions are faults of drumlin.
     """
@@ -77,12 +89,12 @@ def run(words: Sequence[str]) -> int:
     from drumlin.base.files import inputs_kept
     from drumlin.cli.commands import app
 
-    # No shell can pass such a word. Python code can, and some versions of typer fall over it.
+    # Only Python code can pass a word with a NUL character; some versions of typer fail on it.
     for word in words:
         if "\0" in word:
             raise BadInput(f"argument {word!r}: it holds a NUL character, which is not allowed")
     command = typer.main.get_command(app)
-    # A shell asks for the words that may come next; click answers and ends the process.
+    # If a shell asks how to complete a command line, click prints the answer and ends the process.
     if COMPLETING in os.environ:
         command(list(words), prog_name="drumlin")
     with inputs_kept():
@@ -92,7 +104,8 @@ def run(words: Sequence[str]) -> int:
         except typer.Exit as end:
             return end.exit_code if words else 2
         except Exception as error:
-            # Usage errors have this method, in click and in the copy of click that typer carries.
+            # An error with the method format_message is a usage error. The class of usage errors
+            # is click's, or that of the copy of click inside typer.
             if not hasattr(error, "format_message"):
                 raise
             raise BadInput(_refused(error)) from error
@@ -100,10 +113,10 @@ def run(words: Sequence[str]) -> int:
 
 
 def _refused(error: Any) -> str:
-    """A usage error as one line.
+    """A usage error of the command line, such as a wrong option, as one line of text.
 
-    Where the word of an option is no number, the line names the option and the word: newer versions
-    of typer leave the word out.
+    Where the value of an option is no number, the line names the option and its value: newer
+    versions of typer leave the value out.
     """
     from drumlin.brake.file import FAULT_TEXTS
 
@@ -115,15 +128,19 @@ def _refused(error: Any) -> str:
 
 
 def _stop(number: int, _: object) -> None:
-    """Raise Stopped, and ignore the signal from now on, so that nothing stops the cleaning up."""
+    """Raise Stopped for the signal with a number; the handler of SIGTERM and SIGHUP.
+
+    From now on the signal is ignored, so that a second signal cannot interrupt the cleaning up.
+    """
     signal.signal(number, signal.SIG_IGN)
     raise Stopped(number)
 
 
 def _settle_streams() -> None:
-    """Make both output streams usable. Raises NoAnswer where standard output is closed.
+    """Make standard output and standard error usable.
 
-    A letter that the terminal does not know, such as θ or µ, is printed as a question mark.
+    A closed standard error is replaced by a null device. A letter that the terminal does not know,
+    such as θ or µ, is printed as a question mark. Raises NoAnswer where standard output is closed.
     """
     if sys.stderr is None:
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115  (until the end)
@@ -143,16 +160,20 @@ def _settle_imports() -> None:
     os.environ["MPLBACKEND"] = "agg"
     if not sys.flags.safe_path and _from_here(sys.path[:1]):
         del sys.path[0]
-        # Without its first place, a drumlin that is run in its source folder does not find itself.
+        # A drumlin that runs in its source folder was found by the path deleted above. Its source
+        # folder is added at the end of the search path, so that further modules are found.
         root = str(Path(__file__).parents[2])
         if root not in sys.path:
             sys.path.append(root)
 
 
 def _from_here(first: Sequence[str]) -> bool:
-    """Whether Python looks for imports in the current folder first, as python -m and -c do."""
+    """Whether the first folder of Python's search path is the current folder.
+
+    It is with `python -m` and `python -c`. `first` holds the first folder, or is empty.
+    """
     try:
         return list(first) in ([""], [str(Path.cwd())])
     except OSError:
-        # The current folder has been removed.
+        # The current folder has been removed, so that Python imports nothing from there.
         return False

@@ -1,4 +1,7 @@
-"""Commands that answer for a brake: each reads its options, calls `drumlin`, and prints."""
+"""Commands that compute a brake: solve, compare, hold, sensitivity and wear.
+
+Each command reads its options, calls the function of the package `drumlin`, and prints the answer.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -55,7 +58,8 @@ def solve(
     _check_solvable(brakes, model, options)
     _check_one_brake(brakes, {"--pressure": pressure, "--fields": fields})
     answers: list[_SolvedBrake] = []
-    # The option leaves out what the answers of other models do not have.
+    # --no-model-error concerns plane stress only. Other models have no such error, so that the
+    # option is added after the check of the options.
     options |= {"model_error": False} if no_model_error else {}
     for answer in _answers(brake_files, brakes, model, options):
         separated = any(earlier.response is not None for earlier in answers)
@@ -65,7 +69,15 @@ def solve(
 
 
 class _SolvedBrake(NamedTuple):
-    """A brake file and its response, or why there is none."""
+    """A brake with its response, or with the reason why the model has no answer.
+
+    Attributes
+    ----------
+    brake_file : path of the brake file
+    brake : the brake
+    response : the answer of the model; None where there is no answer
+    failure : the reason why there is no answer; None where there is an answer
+    """
 
     brake_file: Path
     brake: "Brake"
@@ -73,7 +85,7 @@ class _SolvedBrake(NamedTuple):
     failure: NoAnswer | None
 
     def as_dict(self) -> dict[str, Any]:
-        """The answer as plain data for JSON."""
+        """The path of the brake file and the response or failure, as plain data for JSON."""
         name = {"brake_file": str(self.brake_file)}
         if self.response is None:
             return name | {"failure": str(self.failure)}
@@ -81,7 +93,10 @@ class _SolvedBrake(NamedTuple):
 
 
 def _check_solvable(brakes: "list[Brake]", model: str, options: dict[str, Any]) -> None:
-    """Raise BadInput, before any brake is solved, where the model or an option does not fit."""
+    """Raise BadInput where the model does not apply to a brake or does not take an option.
+
+    The check is done before any brake is solved.
+    """
     from drumlin.models import check_options, pick
 
     for brake in brakes:
@@ -90,7 +105,10 @@ def _check_solvable(brakes: "list[Brake]", model: str, options: dict[str, Any]) 
 
 
 def _check_one_brake(brakes: "list[Brake]", outputs: dict[str, Path | None]) -> None:
-    """Raise BadInput where an output of one brake is asked for of several."""
+    """Raise BadInput where a file for a single brake is asked for, but several brakes are given.
+
+    `outputs` holds the path of each file by the name of its option; None: not asked for.
+    """
     for option, path in outputs.items():
         if path is not None and len(brakes) > 1:
             raise BadInput(f"{option} writes the file of one brake; give one brake file")
@@ -99,9 +117,10 @@ def _check_one_brake(brakes: "list[Brake]", outputs: dict[str, Path | None]) -> 
 def _answers(
     brake_files: list[Path], brakes: "list[Brake]", model: str, options: dict[str, Any]
 ) -> Iterator[_SolvedBrake]:
-    """Solve brakes one after the other.
+    """Solve brakes by a model one after the other and yield the answer of each.
 
-    Of several brakes a refusal (NoAnswer) is an answer as well; of a single brake it is raised.
+    Where one of several brakes has no answer, the reason is yielded in its place. The reason of a
+    single brake is raised as NoAnswer.
     """
     for brake_file, brake in zip(brake_files, brakes, strict=True):
         try:
@@ -118,14 +137,14 @@ def _answers(
 def _print_answer(
     answer: _SolvedBrake, pressure: Path | None, *, separated: bool, verbose: bool
 ) -> None:
-    """Print an answer and write its pressures, or note why there is none.
+    """Print the answer of a brake and write its pressures, or print why there is no answer.
 
     Parameters
     ----------
-    answer : the answer
+    answer : the brake and its response or failure
     pressure : CSV file of the pressures; None: no file
-    separated : whether an empty line stands above the answer
-    verbose : whether figures of merit and more are printed
+    separated : whether an empty line is printed above the answer
+    verbose : whether figures of merit, steps, times and neglected effects are printed
     """
     if answer.response is None:
         note(f"{answer.brake_file}: {answer.failure}")
@@ -141,7 +160,7 @@ def _print_answer(
 
 
 def _finish(answers: list[_SolvedBrake], json_file: Path | None) -> None:
-    """Write all answers as JSON. Raises NoAnswer where brakes have no answer."""
+    """Write the answers of all brakes as JSON. Raises NoAnswer where a brake has no answer."""
     from drumlin.base.files import write_json
 
     if json_file is not None:
@@ -220,7 +239,10 @@ def hold(
 
 
 def _states_table(run: "HoldingRun") -> dict[str, Column]:
-    """The states of a holding brake as columns for people."""
+    """The states of a brake that is turned from rest, as columns of a printed table.
+
+    The columns are rotation, torque, sticking part of the contact and dissipated energy.
+    """
     from drumlin.base.texts import formatted
 
     surface, states = run.brake.surface, run.states

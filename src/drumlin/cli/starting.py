@@ -1,4 +1,7 @@
-"""Commands for a first file: example brakes, and the JSON schema that an editor completes by."""
+"""Commands for writing a first brake file.
+
+One command prints example brakes. Another prints the JSON schema by which an editor completes keys.
+"""
 
 import json
 from typing import Annotated

@@ -12,7 +12,10 @@ if TYPE_CHECKING:
     from drumlin.sweeps.cases import Row
 
 MOST_REASONS = 3
-"""Reasons of failed cases that are printed, the most frequent ones; the table has them all."""
+"""Number of reasons for failed cases that are printed after a sweep, the most frequent first.
+
+The table of the sweep gives the reason of each case.
+"""
 
 
 def study(
@@ -64,7 +67,7 @@ def sweep(
 
 
 def _tell_outcome(rows: "list[Row]", table_file: Path) -> None:
-    """Print how many cases have failed and the most frequent reasons, then the table's path.
+    """Print how many cases of a sweep have failed, the most frequent reasons, and the table's path.
 
     Raises NoAnswer where every case has failed.
     """

@@ -1,4 +1,4 @@
-"""Printing for a person at the terminal: lines of an answer, progress, tables."""
+"""Printing for a person at the terminal: lines of an answer, progress bars and tables."""
 
 import shutil
 import sys
@@ -15,7 +15,10 @@ if TYPE_CHECKING:
     from drumlin.comparison import TableColumn
 
 UNPRINTED_COLUMNS = ("case", "rotation")
-"""Columns of a comparison that are the same in all rows of one brake; they are not printed."""
+"""Columns of the table of `drumlin compare` that are never printed.
+
+They have the same value in all rows, since the table is of one brake.
+"""
 LEAST_COMPARED = [
     "self_energising",
     "contact",
@@ -25,24 +28,29 @@ LEAST_COMPARED = [
     "peak_pressure",
     "seconds",
 ]
-"""Columns of a comparison that are left out on a narrow terminal, the first of them first."""
+"""Columns of the table of `drumlin compare` that a narrow terminal has no room for.
+
+They are left out in this order, until the other columns fit.
+"""
 PIPE_WIDTH = 200
-"""Characters of a line of a comparison where the output is no terminal but a file or a pipe."""
+"""Width [characters] of the table of `drumlin compare` in a file or a pipe, not a terminal."""
 STATUS_WIDTH = 10
-"""Characters that the column of statuses has at least; a longer status is folded into lines."""
+"""Smallest width [characters] of the column "status"; a longer status is folded into lines."""
 LONGEST_PRINTED = 10_000
-"""Characters of a printed line; a longer line is cut, since a text from a file may have any length.
+"""Largest number of characters of a printed line.
+
+A longer line is cut: a text that comes from the user's file may have any length.
 """
 
 
 def tell(line: str, *, at_once: bool = False) -> None:
-    """Print a line of an answer, folded between words to the width of the terminal.
+    """Print a line to standard output, folded between words to the width of the terminal.
 
-    Characters that cannot be printed, as in the name of a file, are escaped. at_once: whether the
-    line is written out before more lines follow.
+    Characters that cannot be printed, as in the name of a file, are escaped. `at_once` is whether
+    the line is flushed, so that a reader sees it before the next line is printed.
     """
     line, width = one_line(line, LONGEST_PRINTED), shutil.get_terminal_size().columns
-    # A line of two words is a word and a path, which stay together.
+    # A line of two words, such as "report: PATH", is not folded: a folded path cannot be copied.
     if len(line) > width and len(line.split()) > 2:
         line = _folded(line, width, more=" " * (len(line) - len(line.lstrip()) + 2))
     with _printing():
@@ -50,29 +58,29 @@ def tell(line: str, *, at_once: bool = False) -> None:
 
 
 def write(text: str) -> None:
-    """Print a text as it is."""
+    """Print a text to standard output as it is: neither folded nor escaped, without a line end."""
     with _printing():
         sys.stdout.write(text)
 
 
 def _folded(text: str, width: int, more: str = "") -> str:
-    """The text folded into lines of `width` characters; further lines begin with `more`.
+    """A text folded into lines of at most `width` characters.
 
-    No word is broken.
+    All lines but the first begin with `more`. A word longer than a line is not broken.
     """
     return fill(text, width, break_long_words=False, break_on_hyphens=False, subsequent_indent=more)
 
 
 def note(line: str) -> None:
-    """Print a line to standard error, beside the answer on standard output."""
+    """Print a message of one line to standard error. The answer itself goes to standard output."""
     print(f"drumlin: {one_line(line)}", file=sys.stderr)
 
 
 @contextmanager
 def _printing() -> Iterator[None]:
-    """Raise DrumlinError where standard output takes no more.
+    """Turn a failed write to standard output within the block into a DrumlinError of one line.
 
-    A reader that has closed its pipe is no fault: BrokenPipeError goes on, and ends the process.
+    A reader that has closed its pipe, such as `head`, is no fault: BrokenPipeError is passed on.
     """
     try:
         yield
@@ -83,18 +91,24 @@ def _printing() -> Iterator[None]:
 
 
 BAR_AFTER = 2.0
-"""Seconds after which `progress_if_long` shows a bar; most work of that kind is done before."""
+"""Seconds after which `progress_if_long` shows a bar.
+
+Reading most sweep files takes less, and a bar would only flash up.
+"""
 
 
 @contextmanager
 def progress_if_long(words: str) -> Iterator[Callable[[int, int], None]]:
-    """Show progress as `progress` does, from BAR_AFTER seconds on."""
+    """Show a bar with the time left, on a terminal, once the block has run for BAR_AFTER seconds.
+
+    The context is a function, to be called with the number of finished cases and of all cases.
+    """
     start = time.monotonic()
     with ExitStack() as shown:
         bars: list[Callable[[int, int], None]] = []
 
         def done(finished: int, of: int) -> None:
-            """Move the bar, and show it first where it is time to."""
+            """Move the bar to `finished` of `of` cases, and show it once BAR_AFTER is over."""
             if not bars and time.monotonic() - start > BAR_AFTER:
                 bars.append(shown.enter_context(progress(words)))
             for bar in bars:
@@ -105,9 +119,10 @@ def progress_if_long(words: str) -> Iterator[Callable[[int, int], None]]:
 
 @contextmanager
 def progress(words: str) -> Iterator[Callable[[int, int], None]]:
-    """Show a bar with the time left, on a terminal.
+    """Show a bar with the time left while the block runs, if standard error is a terminal.
 
-    The context is a function, to be called with the number of finished cases and of all cases.
+    `words` stand before the bar. The context is a function, to be called with the number of
+    finished cases and of all cases.
     """
     if not sys.stderr.isatty():
         yield lambda finished, of: None
@@ -134,9 +149,9 @@ def progress(words: str) -> Iterator[Callable[[int, int], None]]:
 
 @contextmanager
 def busy(words: str) -> Iterator[Callable[[str], None]]:
-    """Show a spinner with some words, on a terminal; elsewhere nothing.
+    """Show a spinner beside `words` while the block runs, if standard error is a terminal.
 
-    The context is a function, to be called with other words.
+    The context is a function, to be called with other words for the next step of the work.
     """
     if not sys.stderr.isatty():
         yield lambda words: None
@@ -151,8 +166,12 @@ def busy(words: str) -> Iterator[Callable[[str], None]]:
 class Column(NamedTuple):
     """A column of a printed table.
 
-    `title`: its name in a sentence. `head`: its heading, of one line or more. `cells`: its texts,
-    of one line or more. `left`: whether it is aligned to the left.
+    Attributes
+    ----------
+    title : name of the column in a sentence
+    head : heading, of one line or more
+    cells : text of each row, of one line or more
+    left : whether the texts are aligned to the left
     """
 
     title: str
@@ -162,27 +181,27 @@ class Column(NamedTuple):
 
     @property
     def width(self) -> int:
-        """Number of characters of its widest line."""
+        """Number of characters of the widest line in the column's heading and cells."""
         return max(len(line) for cell in (self.head, *self.cells) for line in cell.split("\n"))
 
 
 def print_columns(
     columns: Mapping[str, Column], least: Sequence[str], width: int | None = None
 ) -> None:
-    """Print a table; on a narrow terminal without its least important columns.
+    """Print a table, on a narrow terminal without its least important columns.
 
-    No number is cut. A line below the table names the columns that are left out.
+    Cells are never cut. A line below the table names the columns that are left out.
 
     Parameters
     ----------
     columns : the columns by a key
-    least : keys of the columns that are left out first
-    width : characters of a line; None: those of the terminal
+    least : keys of the columns that may be left out, the least important first
+    width : largest number of characters of a line; None: the width of the terminal
     """
     width = width or shutil.get_terminal_size().columns
     shown, cut = dict(columns), []
     for key in least:
-        # Two spaces stand between two columns, and none after the last.
+        # The width of the table: all columns with two spaces between them.
         needed = sum(column.width + 2 for column in shown.values()) - 2
         if key in shown and needed > width:
             cut.append(shown.pop(key).title)
@@ -193,7 +212,7 @@ def print_columns(
 
 
 def _lines(columns: Collection[Column]) -> list[str]:
-    """The lines of a table without rules, with two spaces between its columns."""
+    """The lines of a printed table without ruled lines, with two spaces between the columns."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
@@ -212,8 +231,13 @@ def _lines(columns: Collection[Column]) -> list[str]:
 
 
 def print_table(table: Sequence[dict[str, Any]], shown: "Sequence[TableColumn]") -> None:
-    """Print the rows of a comparison in the columns `shown`, without columns that are empty."""
+    """Print the table of a comparison of models.
+
+    `table` holds a row for each model and shoe, `shown` the columns. Columns without a value are
+    not printed.
+    """
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else PIPE_WIDTH
+    # Turn each column that has values into texts.
     columns = {}
     for column in shown:
         is_empty = all(row.get(column.key) is None for row in table)
@@ -226,7 +250,7 @@ def print_table(table: Sequence[dict[str, Any]], shown: "Sequence[TableColumn]")
         cells = [one_line(column.text(row)) for row in table]
         has_words = column.key in {"shoe", "model", "status"}
         columns[column.key] = Column(column.title, head, cells, left=has_words)
-    # The status may be a long reason: it is folded into the width that the other columns leave.
+    # The status of a model may be a long reason: it is folded into the width that is left.
     status = columns.get("status")
     if status is not None:
         others = [other for key, other in columns.items() if key != "status"]

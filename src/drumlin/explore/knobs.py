@@ -1,4 +1,7 @@
-"""The knobs of the page, their setting, and the brake and the link that belong to a setting."""
+"""The knobs (sliders) of the page and their positions.
+
+The positions of all knobs, called a setting, are turned into a changed brake and into a link.
+"""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -16,18 +19,20 @@ from drumlin.brake.drive import Drive
 from drumlin.models import applicable
 
 Changes = dict[str, Any]
-"""New values by key of the brake file, as `vary` takes them."""
+"""New values of a brake file by their keys, such as {"friction": 0.3}; `vary` takes them."""
 
 LARGEST_WEAR = 50.0
-"""Upper end of the knob of wear, in units 1/(k K) of the sliding distance. A stiff brake is worn in
-after some 46."""
+"""Upper end of the knob of wear: sliding distance in units 1/(k K).
+
+The pressure of a stiff brake no longer changes after some 46 of these units.
+"""
 
 LONGEST_LINK = 2000
-"""Characters of a link's query that are read. A setting of all knobs takes some 170."""
+"""Largest number of characters of a link that are read. A setting of all knobs takes some 170."""
 
 
 class _DriveKnob(NamedTuple):
-    """The label of a common actuation, its unit on the page, and this unit in SI."""
+    """The label of a knob for a cylinder or cam, its unit on the page, and this unit in SI."""
 
     label: str
     unit: str
@@ -39,22 +44,22 @@ DRIVES = {
     "force": _DriveKnob("force of the cam", "kN", 1e3),
     "torque": _DriveKnob("torque of the cam", "N m", 1.0),
 }
-"""The knob of a common actuation by the key that the brake file gives."""
+"""Label and unit of the knob of a cylinder or cam, by the key that the brake file gives."""
 
 
 class Knob(NamedTuple):
-    """A slider.
+    """A slider of the page, which changes one quantity of the brake.
 
     Attributes
     ----------
-    name : in the link
-    label : on the page
-    unit : of its values
-    low, high : ends of its range [unit]
-    step : smallest change [unit]
+    name : name of the knob in the link
+    label : text beside the knob on the page
+    unit : unit of the knob's values
+    low, high : ends of the knob's range [unit]
+    step : smallest change of the value [unit]
     start : value of the brake file [unit]
-    changes : keys of the brake file that a value [unit] changes
-    log : whether equal distances are equal factors
+    changes : function that turns a value [unit] into new values of the brake file by key
+    log : whether equal distances on the slider are equal factors
     """
 
     name: str
@@ -69,11 +74,11 @@ class Knob(NamedTuple):
 
     @property
     def title(self) -> str:
-        """The label with its unit."""
+        """The label of the knob, followed by its unit in brackets."""
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def clamped(self, value: float) -> float:
-        """The nearest value within the range."""
+        """The value within the knob's range that is nearest to `value` [unit of the knob]."""
         return min(max(value, self.low), self.high)
 
 
@@ -87,18 +92,21 @@ WEAR_KNOB = Knob(
     start=0.0,
     changes=lambda value: {},
 )
-"""The knob of wear. It changes no key: the wear is computed from the other knobs' brake."""
+"""The knob for the wear of the linings.
+
+It changes no key of the brake file: the brake that the other knobs make is worn in a computation.
+"""
 
 
 @dataclass(frozen=True)
 class KnobSetting:
-    """The positions of the knobs.
+    """A setting: the positions of all knobs, the sense of motion and the law beside the elements.
 
     Attributes
     ----------
-    sense : of the motion, one of `Brake.directions`
-    law : name of the law beside the finite elements
-    values : by name, of those knobs that are away from the brake file
+    sense : sense of the motion, one of `Brake.directions`
+    law : name of the law shown beside the finite elements; None: no law
+    values : value of each knob that has been moved away from the brake file, by the knob's name
     """
 
     sense: str
@@ -106,41 +114,42 @@ class KnobSetting:
     values: Mapping[str, float] = field(default_factory=dict)
 
     def value(self, knob: Knob) -> float:
-        """The value of a knob at this setting [unit of the knob]."""
+        """The value of a knob [unit of the knob]; the brake file's value if it is not moved."""
         return self.values.get(knob.name, knob.start)
 
     def turned(self, knob: Knob, value: float) -> "KnobSetting":
-        """The setting with one knob turned to a value [unit of the knob]."""
+        """A copy of the setting with one knob moved to a value [unit of the knob]."""
         values = dict(self.values)
         values.pop(knob.name, None)
-        # A knob at the value of the brake file has no entry.
+        # A knob at the value of the brake file has no entry, so that the link stays short.
         if abs(value - knob.start) > 1e-9 * abs(knob.start or knob.high):
             values[knob.name] = value
         return replace(self, values=values)
 
 
 def motion_of(brake: Brake) -> str:
-    """The name that a brake file gives the direction of the motion."""
+    """The name of the key that gives the sense of motion in a brake file, such as "rotation"."""
     return brake.direction_key.rpartition(".")[2]
 
 
 def laws_of(brake: Brake) -> tuple[str, ...]:
-    """The names of the models that can stand beside the finite elements."""
+    """The names of all models that apply to the brake, other than the finite elements."""
     return tuple(model.name for model in applicable(brake) if model.name != "fem")
 
 
 def start_of(brake: Brake) -> KnobSetting:
-    """The setting that is the brake file itself."""
+    """The setting at which all knobs stand at the brake file's values; its law is the first."""
     return KnobSetting(brake.direction, next(iter(laws_of(brake)), None))
 
 
 def knobs_of(brake: Brake) -> tuple[Knob, ...]:
-    """The knobs of a brake, in the page's order.
+    """The knobs for a brake, in the order of the page.
 
     Where a quantity differs between the shoes, its knob shows the largest value. The other values
     change in proportion (forces, moduli) or by the same difference (clearance, misfit).
     """
     R = brake.size * 1e3  # mm
+    # The smallest steps of lengths are relative to the drum's radius.
     fine = nice(R * 1e-5)
     is_flat = brake.surface.straight
     knobs = [
@@ -149,7 +158,8 @@ def knobs_of(brake: Brake) -> tuple[Knob, ...]:
         _shift_knob(brake, R),
         _turn_knob(brake),
         _clearance_knob(brake, fine),
-        # A lining that fits a plane has no radius, and its wear has no unit of distance.
+        # On a plane there are no knobs of misfit and wear: a flat lining has no radius, and the
+        # page computes no wear.
         None if is_flat else _misfit_knob(brake, fine),
         None if is_flat else WEAR_KNOB,
         _modulus_knob(brake, "lining", "lining modulus", "MPa", 1e6),
@@ -159,13 +169,15 @@ def knobs_of(brake: Brake) -> tuple[Knob, ...]:
 
 
 def nice(value: float) -> float:
-    """The nearest of 1, 2, 5 times a power of ten."""
+    """The number nearest to `value` (in ratio) that is 1, 2 or 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
-    return float(min((1, 2, 5, 10), key=lambda digit: abs(math.log(value / power / digit))) * power)
+    digits = (1, 2, 5, 10)
+    nearest_digit = min(digits, key=lambda digit: abs(math.log(value / power / digit)))
+    return float(nearest_digit * power)
 
 
 def _friction_knob(brake: Brake) -> Knob:
-    """The knob of the friction coefficient."""
+    """The knob of the friction coefficient between lining and drum."""
     return Knob(
         name="friction",
         label="friction µ",
@@ -179,7 +191,7 @@ def _friction_knob(brake: Brake) -> Knob:
 
 
 def _force_knob(brake: Brake) -> Knob | None:
-    """The knob of the force, pressure or torque that pushes the shoes; None where it is 0."""
+    """The knob of the actuation, a force, pressure or torque; None where all forces are 0."""
     if brake.actuation is not None:
         return _drive_knob(brake.actuation)
     forces = [shoe.actuation.force for shoe in brake.shoes]
@@ -189,12 +201,13 @@ def _force_knob(brake: Brake) -> Knob | None:
     low, high = sorted([0.0, 3 * largest * 1e-3])
 
     def changes(value: float) -> Changes:
-        """New forces of all shoes in proportion, the largest one `value` [kN]."""
+        """New forces on all shoes, in the brake file's proportion; the largest is `value` [kN]."""
         made: Changes = {}
         for i, force in enumerate(forces):
             made[f"shoe[{i}].actuation.force"] = value * 1e3 * (force / largest)
         return made
 
+    # The label says whether all shoes have the same force.
     label = "force on each shoe" if len(forces) > 1 else "force"
     if len(set(forces)) > 1:
         label = "largest force"
@@ -203,24 +216,27 @@ def _force_knob(brake: Brake) -> Knob | None:
 
 
 def _drive_knob(drive: Drive) -> Knob:
-    """The knob of a common actuation: pressure of a cylinder, force or torque of a cam."""
-    # A brake file gives one of these keys.
+    """The knob of an actuation of all shoes: pressure of a cylinder, force or torque of a cam."""
+    # A brake file gives one of the keys pressure, force and torque.
     key = next(key for key in DRIVES if getattr(drive, key) is not None)
     value = getattr(drive, key)
     label, unit, factor = DRIVES[key]
     start = value / factor
-    # A brake file refuses a cylinder without pressure.
+    # A cylinder must have a pressure above 0, so that its knob begins at 1 % of the file's value.
     low, high = sorted([0.0 if key != "pressure" else 0.01 * start, 3 * start])
 
     def changes(value: float) -> Changes:
-        """A new pressure, force or torque of the common actuation, `value` in the knob's unit."""
+        """A new pressure of the cylinder, or force or torque of the cam: `value` [unit]."""
         return {f"actuation.{key}": value * factor}
 
     return Knob("force", label, unit, low, high, nice(abs(start) * 1e-2), start, changes)
 
 
 def _shift_knob(brake: Brake, R: float) -> Knob:
-    """The knob that moves the lines of action, in mm; R [mm] is the size of the brake."""
+    """The knob that moves the lines of action of all forces away from the hinges, in mm.
+
+    R [mm] is the drum's radius, on a plane the length of the first lining.
+    """
     return Knob(
         name="shift",
         label="line of action, moved out",
@@ -234,15 +250,15 @@ def _shift_knob(brake: Brake, R: float) -> Knob:
 
 
 def _shifted_forces(brake: Brake, by: float) -> Changes:
-    """New points of all forces, moved across the line of action by a length [m].
+    """New points of all forces, each moved across its line of action by the length `by` [m].
 
-    A positive length leads away from the hinge.
+    A positive length moves the line of action away from the shoe's hinge.
     """
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
         along, point = shoe.actuation.direction_vector, shoe.actuation.point
         arm = point.xy - shoe.pin.xy
-        # The sign of the moment about the hinge tells the side on which the hinge lies.
+        # The sign of the force's moment about the hinge tells the side on which the hinge lies.
         moment = float(arm[0] * along[1] - arm[1] * along[0])
         moved = point.xy + math.copysign(by, moment) * np.array([along[1], -along[0]])
         changes[f"shoe[{i}].actuation.point"] = {"x": float(moved[0]), "y": float(moved[1])}
@@ -250,7 +266,7 @@ def _shifted_forces(brake: Brake, by: float) -> Changes:
 
 
 def _turn_knob(brake: Brake) -> Knob:
-    """The knob that turns the lines of action, in degrees."""
+    """The knob that turns the lines of action of all forces, in degrees."""
     return Knob(
         name="turn",
         label="line of action, turned",
@@ -273,16 +289,17 @@ def _turned_forces(brake: Brake, by: float) -> Changes:
 
 
 def _clearance_knob(brake: Brake, step: float) -> Knob:
-    """The knob of the clearance, with a step [mm].
+    """The knob of the clearance between linings and drum, with a smallest change `step` [mm].
 
-    Where the file has tables, or clearances that differ, its value is added to them.
+    Where the shoes have different clearances, or tables of clearance, the knob's value is added to
+    the clearances of the brake file.
     """
     given = [shoe.lining.clearance for shoe in brake.shoes]
     same = len(set(given)) == 1 and isinstance(given[0], float | int)
     start = float(given[0]) * 1e3 if same and not isinstance(given[0], tuple) else 0.0
 
     def changes(value: float) -> Changes:
-        """New clearances of all linings, changed by one length; `value` [mm] is the knob's."""
+        """New clearances of all linings for the knob at `value` [mm]; all change by one length."""
         more = (value - start) * 1e-3
         made: Changes = {}
         for i, old in enumerate(given):
@@ -293,15 +310,17 @@ def _clearance_knob(brake: Brake, step: float) -> Knob:
                 made[key] = old + more
         return made
 
+    # The knob reaches twice as far into clearance as into interference.
     reach = max(100 * step, 2 * abs(start))
     label = "clearance" if same else "clearance, added to the file's"
     return Knob("clearance", label, "mm", -reach, 2 * reach, step, start, changes)
 
 
 def _misfit_knob(brake: Brake, step: float) -> Knob:
-    """The knob of the linings' radius over the drum's, with a step [mm].
+    """The knob of the misfit: radius of the linings minus radius of the drum [mm].
 
-    Where the radii differ, its value is added to them.
+    Where the linings have different radii, the knob's value is added to them. `step` [mm] is the
+    smallest change.
     """
     R = brake.size
     given = []
@@ -312,7 +331,7 @@ def _misfit_knob(brake: Brake, step: float) -> Knob:
     start = given[0] * 1e3 if same else 0.0
 
     def changes(value: float) -> Changes:
-        """New radii of all linings, changed by one length; `value` [mm] is the knob's."""
+        """New radii of all linings for the knob at `value` [mm]; all change by one length."""
         more = (value - start) * 1e-3
         made: Changes = {}
         for i, old in enumerate(given):
@@ -327,17 +346,18 @@ def _misfit_knob(brake: Brake, step: float) -> Knob:
 def _modulus_knob(brake: Brake, part: str, label: str, unit: str, factor: float) -> Knob | None:
     """The knob of Young's modulus of the linings or the shoes; None where the file has no modulus.
 
-    It reaches from a hundredth to a hundred times the file's modulus. All moduli of an orthotropic
-    material change in proportion.
+    The knob reaches from a hundredth to a hundred times the modulus of the brake file. All moduli
+    of an orthotropic material change in proportion.
 
     Parameters
     ----------
     brake : the brake
     part : "lining" or "shoe"
-    label : on the page
-    unit : of the knob
+    label : text beside the knob on the page
+    unit : unit of the knob's values
     factor : this unit in Pa
     """
+    # The moduli of the shoes that have one, by the position of the shoe.
     moduli: dict[int, float] = {}
     for i, shoe in enumerate(brake.shoes):
         modulus = _shown_modulus(shoe, part)
@@ -348,7 +368,7 @@ def _modulus_knob(brake: Brake, part: str, label: str, unit: str, factor: float)
     largest = max(moduli.values())
 
     def changes(value: float) -> Changes:
-        """New moduli of the part of all shoes in proportion, the largest one `value` [unit]."""
+        """New moduli of all linings or all shoes, in proportion; the largest is `value` [unit]."""
         times = value * factor / largest
         made: Changes = {}
         for i in moduli:
@@ -361,7 +381,11 @@ def _modulus_knob(brake: Brake, part: str, label: str, unit: str, factor: float)
 
 
 def _shown_modulus(shoe: Shoe, part: str) -> float | None:
-    """The modulus [Pa] that matters to the contact: through a lining, along a body."""
+    """The modulus [Pa] that the knob shows: through a lining's thickness, or along a shoe's body.
+
+    This one of the moduli of an orthotropic material matters most to the contact pressure. It is
+    None where the part has no material.
+    """
     if part == "lining":
         return None if shoe.lining.material is None else shoe.lining.material.E_through
     if shoe.body is None or shoe.body.material is None:
@@ -370,18 +394,20 @@ def _shown_modulus(shoe: Shoe, part: str) -> float | None:
 
 
 def _scaled_moduli(shoe: Shoe, i: int, part: str, times: float) -> Changes:
-    """New moduli and bending stiffness of a part of a shoe, multiplied by a factor.
+    """New values, by key of the brake file, of a part's moduli and bending stiffness.
+
+    All are those of the brake file multiplied by a factor.
 
     Parameters
     ----------
     shoe : the shoe
-    i : its position in the brake
+    i : position of the shoe in the brake
     part : "lining" or "shoe"
     times : the factor
     """
     owner = shoe.lining if part == "lining" else shoe.body
     key = "lining" if part == "lining" else "body"
-    # Parts without a material have no knob.
+    # The caller has made sure that the part has a material.
     assert owner is not None and owner.material is not None
     material = owner.material
     changes: Changes = {}
@@ -389,7 +415,8 @@ def _scaled_moduli(shoe: Shoe, i: int, part: str, times: float) -> Changes:
         changes[f"shoe[{i}].{key}.material.{name}"] = E * times
     if part == "lining" or not isinstance(shoe.body, Beam):
         return changes
-    # A bending stiffness that the file gives overrules that of the section.
+    # A bending stiffness in the brake file overrules modulus times second moment of area, so that
+    # it has to be scaled, too.
     EI = shoe.body.bending_stiffness
     if EI is not None:
         is_table = isinstance(EI, tuple)
@@ -399,7 +426,10 @@ def _scaled_moduli(shoe: Shoe, i: int, part: str, times: float) -> Changes:
 
 
 def brake_of(brake: Brake, knobs: Sequence[Knob], setting: KnobSetting) -> Brake:
-    """The unworn brake at a setting. Raises BadInput where its parts do not fit together."""
+    """The brake with the values of a setting, without wear.
+
+    Raises BadInput where the parts of the changed brake do not fit together.
+    """
     changes: Changes = {}
     if setting.sense != brake.direction:
         changes[brake.direction_key] = setting.sense
@@ -410,7 +440,10 @@ def brake_of(brake: Brake, knobs: Sequence[Knob], setting: KnobSetting) -> Brake
 
 
 def link_of(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:
-    """The query of the page's address for a setting: all that differs from the brake file."""
+    """The query of the page's address ("friction=0.3&law=sine") for a setting.
+
+    It names all that differs from the brake file.
+    """
     start = start_of(brake)
     query = {}
     for knob in knobs:
@@ -426,10 +459,13 @@ def link_of(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:
 def setting_from(
     knobs: Sequence[Knob], brake: Brake, query: Mapping[str, str]
 ) -> tuple[KnobSetting, tuple[str, ...]]:
-    """The setting that a link's query names, and a line for each part that had to be changed.
+    """The setting that a link names, and a line of text for each refused part of the link.
 
-    Unknown parts are left out, and values out of range are moved into their range.
+    Unknown parts of the link are ignored. Values beyond a knob's range are moved to its end.
+    `query` holds the values of the link's query by name.
     """
+    # Begin at the brake file's values. Each entry of the link moves a knob, or chooses the sense of
+    # motion or the law.
     setting, lines = start_of(brake), list[str]()
     knob_of = {knob.name: knob for knob in knobs}
     words = {motion_of(brake): brake.directions, "law": laws_of(brake)}
@@ -449,9 +485,10 @@ def setting_from(
 
 
 def _turn_by_text(knob: Knob, text: str, setting: KnobSetting) -> tuple[KnobSetting, str]:
-    """The setting with a knob turned to a value of a link, given as text, and a line of complaint.
+    """A copy of the setting with a knob moved to the value `text` of a link, and a message.
 
-    The line is empty where the value is a number within the range of the knob.
+    The message says why the value was refused or moved. It is empty where the value is a number
+    within the range of the knob.
     """
     try:
         value = float(text[:LONGEST_LINK])

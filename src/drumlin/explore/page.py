@@ -1,4 +1,7 @@
-"""The page's addresses and their replies: page, pictures, limit of self-locking, brake file."""
+"""The addresses of the page with sliders and the replies to them.
+
+The replies are the page itself, data of a picture, the limit of self-locking, and a brake file.
+"""
 
 import json
 import math
@@ -47,24 +50,24 @@ from drumlin.report.figures import model_title
 from drumlin.report.palette import color_of_model
 
 FORBIDDEN_LETTERS = frozenset('/\\:*?"<>|')
-"""Letters that no file name can have on one operating system or another."""
+"""Letters that cannot stand in a file name on at least one operating system."""
 
 HTML, JSON, TOML = "text/html; charset=utf-8", "application/json", "application/toml; charset=utf-8"
-"""The types of the replies: a page or words, data of the page, and a brake file."""
+"""Media types of the replies: HTML for a page or message, JSON for data, TOML for a brake file."""
 
 MOST_TICKS = 9
-"""Largest number of steps between the ticks of an axis; more of their numbers would overlap."""
+"""Largest number of intervals between the ticks of an axis. Numbers of more ticks would overlap."""
 
 
 class Reply(NamedTuple):
-    """A reply to a browser.
+    """A reply of the server to a browser.
 
     Attributes
     ----------
-    status : of HTTP
-    media : type of the text
-    text : the reply itself
-    file : name under which the browser saves the text; "": it shows the text
+    status : status code of HTTP
+    media : media type of the text
+    text : content of the reply
+    file : name under which the browser saves the text; "" where the browser shows the text
     """
 
     status: int
@@ -74,14 +77,14 @@ class Reply(NamedTuple):
 
 
 class _Request(NamedTuple):
-    """A request of the page.
+    """A request that a browser sends for the page or for its data.
 
     Attributes
     ----------
-    explorer : who answers
-    setting : of the knobs
-    lines : about parts of the link that were refused
-    name : first words of a file that the browser saves
+    explorer : solver that answers for the brake
+    setting : positions of the knobs
+    lines : messages about parts of the link that were refused
+    name : beginning of the name of a file that the browser saves
     """
 
     explorer: Explorer
@@ -91,10 +94,10 @@ class _Request(NamedTuple):
 
 
 def reply(explorer: Explorer, address: str, name: str) -> Reply:
-    """The reply to an address, its path and query.
+    """The reply to an address, which consists of a path and a query.
 
-    It raises nothing for any address: unreadable parts are left out, and the reply says so. `name`
-    is the first words of a file that the browser saves.
+    No address raises an error: unreadable parts are ignored, and the reply says so. `name` is the
+    beginning of the name of a file that the browser saves.
     """
     path, query = split(address)
     setting, lines = setting_from(explorer.knobs, explorer.brake, query)
@@ -105,7 +108,10 @@ def reply(explorer: Explorer, address: str, name: str) -> Reply:
 
 
 def split(address: str) -> tuple[str, dict[str, str]]:
-    """Path and query of an address; of a name that occurs twice, the last value."""
+    """The path of an address and the values of its query by name.
+
+    If a name occurs twice, its last value counts. An address that cannot be read gives "" and {}.
+    """
     try:
         parts = urlsplit(address[: 2 * LONGEST_LINK])
         return parts.path, dict(parse_qsl(parts.query, keep_blank_values=True, max_num_fields=100))
@@ -114,15 +120,17 @@ def split(address: str) -> tuple[str, dict[str, str]]:
 
 
 def _reply_page(request: _Request) -> Reply:
-    """The page itself, with its sliders and all that does not move."""
+    """The HTML page with its sliders and with the drawing of the brake, which no slider changes."""
     setting, brake = request.setting, request.explorer.brake
     low, high = brake_extent(brake)
     is_flat, size = brake.surface.straight, brake.size * 1e3
-    # The dashed lines up to which the full scale of pressure reaches.
+    # Radii of the dashed lines at which the curve of the highest pressure on the scale ends; on a
+    # plane the height of this line.
     rings = [-PETAL * size]
     if not is_flat:
         signs = set(map(attrgetter("sign"), brake.shoes))
         rings = sorted(size * (1 + sign * PETAL) for sign in signs)
+    # The colour of each model and the title of each law.
     colors, laws = {"fem": color_of_model("fem")}, {}
     for law in laws_of(brake):
         colors[law], laws[law] = color_of_model(law), model_title(law)
@@ -152,19 +160,19 @@ def _reply_page(request: _Request) -> Reply:
 
 
 def _ticks(low: float, high: float, unit: str) -> list[float]:
-    """The places of the ticks of an axis from `low` to `high` in a unit, "deg" or "mm"."""
+    """The values of the ticks of an axis that reaches from `low` to `high`, in "deg" or "mm"."""
     power = 10.0 ** math.floor(math.log10((high - low) / MOST_TICKS))
     steps = np.array([5, 10, 15, 30, 45, 60, 90])
     if unit != "deg":
         steps = np.array([1, 2, 5, 10]) * power
-    # The finest step that leaves room for the numbers.
+    # The finest step at which the numbers beside the ticks do not overlap.
     step = steps[np.argmax((high - low) / steps <= MOST_TICKS)]
     ticks = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step
     return list(ticks.tolist())
 
 
 def _template() -> jinja2.Template:
-    """The template of the page."""
+    """The jinja template from which the HTML page is made."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("drumlin", "explore"),
         autoescape=True,
@@ -174,10 +182,13 @@ def _template() -> jinja2.Template:
 
 
 def _slider_data(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
-    """The data of a knob's slider; a knob that moves by factors has logarithmic places."""
+    """The data from which the page makes a knob's slider.
+
+    A knob that changes its value by factors has a logarithmic slider.
+    """
 
     def place(value: float) -> float:
-        """The place of a value on the slider."""
+        """The place of a knob's value on the slider: the value or its decimal logarithm."""
         return math.log10(value) if knob.log else value
 
     value = setting.value(knob)
@@ -196,14 +207,15 @@ def _slider_data(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
 
 
 def _reply_picture(request: _Request) -> Reply:
-    """The answer for a setting: curves, contact, forces and words."""
+    """The data of the picture for a setting: pressure curves, contact, forces and texts."""
     explorer = request.explorer
     answer = explorer.answer(request.setting)
     picture = picture_of(answer, explorer.brake)
-    # Self-locking takes time to find: the picture only shows a limit that is known already.
+    # The limit of self-locking takes time to find: the picture shows it if it is known already.
     known = explorer.known_locking(answer.brake) if answer.brake is not None else None
     whole_numbers = partial(numbers_of, scale=picture.scale)
     arcs = np.rint(np.array(picture.arcs) / PLACE_STEP).astype(int)
+    # The texts of the reply are finished HTML, its curves are whole numbers.
     data = {
         "fem": list(map(whole_numbers, picture.fem)),
         "law": list(map(whole_numbers, picture.law)),
@@ -221,9 +233,9 @@ def _reply_picture(request: _Request) -> Reply:
 
 
 def _reply_slow_parts(request: _Request) -> Reply:
-    """The parts of the page that take long: self-locking, errors and the link.
+    """The data that take long to compute: limit of self-locking and errors; and the link.
 
-    The page asks for these parts when its sliders rest.
+    The page asks for these data when its sliders rest.
     """
     explorer = request.explorer
     answer = explorer.answer(request.setting)
@@ -237,12 +249,12 @@ def _reply_slow_parts(request: _Request) -> Reply:
 
 
 def _reply_brake_file(request: _Request) -> Reply:
-    """The brake file of a setting; its clearances include the wear of the linings."""
+    """The brake file for a setting. Its clearances include the depth that wear has removed."""
     explorer, name = request.explorer, request.name
     answer = explorer.answer(request.setting)
     if answer.brake is None or answer.failure:
         return Reply(422, HTML, escape(answer.failure))
-    # The first lines of the file say from which link it comes.
+    # A comment at the top of the file names the link of the page from which the file comes.
     link = link_of(explorer.knobs, explorer.brake, request.setting)
     head = f"# {one_line(name)}, explored: {link or 'as it is'}\n"
     if answer.distance:
@@ -255,9 +267,9 @@ def _reply_brake_file(request: _Request) -> Reply:
 
 
 def _with_absolute_paths(brake: Brake) -> Brake:
-    """The brake with absolute paths of its mesh files.
+    """A copy of the brake with absolute paths of its mesh files.
 
-    The browser chooses the folder of the saved file, so that relative paths would lead nowhere.
+    The browser chooses the folder of the saved brake file, where relative paths would be wrong.
     """
     meshes = {}
     for i, shoe in enumerate(brake.shoes):
@@ -267,10 +279,10 @@ def _with_absolute_paths(brake: Brake) -> Brake:
 
 
 def _file_name(name: str) -> str:
-    """A name that every file system takes, with "_" for all letters that it may not have."""
+    """The name with "_" in place of letters that a file name cannot have on some system."""
 
     def allowed(letter: str) -> bool:
-        """Whether a file name can have the letter."""
+        """Whether a file name can contain the letter on every operating system."""
         return letter not in FORBIDDEN_LETTERS and letter.isprintable()
 
     return "".join(letter if allowed(letter) else "_" for letter in name)
@@ -282,4 +294,4 @@ PAGE_PATHS: Mapping[str, Callable[[_Request], Reply]] = {
     "/locking": _reply_slow_parts,
     "/brake.toml": _reply_brake_file,
 }
-"""The function that replies to each path."""
+"""The function that makes the reply, by the path of the address."""

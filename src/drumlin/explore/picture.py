@@ -1,6 +1,7 @@
-"""An answer as plain data to draw: pressures over the place, forces, and a table.
+"""The picture of the page: pressure curves, forces, a table and a drawing of the brake, as data.
 
-A place is an angle [deg] on a drum and a length [mm] on a plane.
+The pressure is drawn over the place on the friction surface. A place is an angle [deg] on a drum
+and a length [mm] on a plane.
 """
 
 import math
@@ -30,33 +31,42 @@ from drumlin.response.merit import brake_factor
 from drumlin.response.show import arcs_text
 
 PAGE_MM, PAGE_MPA = 1e3, 1e-6
-"""Factors from metres to the millimetres, and from pascals to the MPa, that the page shows."""
+"""Millimetres in a metre and megapascals in a pascal: the page shows mm and MPa."""
 
 CURVE_POINTS = 160
-"""Points of a curve: its segments are then some 3 pixels long on the page."""
+"""Number of points of a pressure curve; the lines between them are some 3 pixels long."""
 
 ARROW = 0.45
-"""Length of the arrow of the largest force, relative to the size of the brake."""
+"""Length of the arrow of the largest force.
+
+It is relative to the drum's radius, on a plane to the length of the first lining.
+"""
 
 PETAL = 0.45
-"""Distance from the drum at which the full scale of pressure is drawn, relative to its radius."""
+"""Distance from the friction surface at which the highest pressure of the scale is drawn.
+
+It is relative to the drum's radius, on a plane to the length of the first lining.
+"""
 
 ROUNDING = 1e-12
-"""Relative error below which an error is that of the arithmetic, and the page says so."""
+"""Relative error up to which the page writes "only rounding" in place of the number."""
 
 PLACE_STEP = 1e-3
-"""Unit [deg or mm] in which the places of a curve are sent to the page as whole numbers."""
+"""Resolution [deg or mm] of the places of a pressure curve, which are sent as whole numbers."""
 
 PRESSURE_STEP = 1e-4
-"""Unit, relative to the full scale, in which pressures are sent to the page as whole numbers."""
+"""Resolution of pressures, which are sent to the page as whole numbers.
+
+It is relative to the highest pressure of the scale.
+"""
 
 
 class PressureCurve(NamedTuple):
-    """The pressure along a shoe as the page draws it.
+    """The contact pressure along a shoe as the page draws it.
 
     Attributes
     ----------
-    at : places (n,) [deg], on a plane [mm]
+    at : angles (n,) [deg] on the drum, on a plane lengths [mm]
     p : pressures (n,) [MPa] at these places
     sign : +1 for a shoe inside the drum, -1 for a shoe outside
     """
@@ -67,14 +77,14 @@ class PressureCurve(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """Several lines or outlines of areas, each by the x (n,) and the y (n,) [mm] of its points."""
+    """Several lines or outlines to draw: the coordinates x (n,) and y (n,) [mm] of their points."""
 
     xs: list[Floats]
     ys: list[Floats]
 
     @classmethod
     def of(cls, outlines: Sequence[Floats]) -> "Lines":
-        """Lines from arrays (2, n) [mm] of x and y."""
+        """Make lines from arrays (2, n) [mm], each with the x and y of one line's points."""
         return cls([x for x, _ in outlines], [y for _, y in outlines])
 
 
@@ -84,11 +94,11 @@ class Picture:
 
     Attributes
     ----------
-    fem, law : pressure curves by finite elements and by the law, of the shoes that touch
-    arcs : first and last place [deg, on a plane mm] of each contact by finite elements
-    forces : arrows of the forces [mm]
-    scale : full scale of pressure [MPa]
-    motion : an arrow sign for the motion of the drum or of the sliding body
+    fem, law : pressure curves of the touching shoes by finite elements and by the law
+    arcs : first and last place [deg, on a plane mm] of each pressed arc by finite elements
+    forces : arrows of the actuation forces [mm]
+    scale : highest pressure of the scale [MPa], the same for all curves
+    motion : arrow character for the motion of the drum or of the sliding body
     head : torque, brake factor and torque by the law, as one line of HTML
     rows : rows of the table, its headings first
     failures : reasons why finite elements or the law have no answer
@@ -106,22 +116,24 @@ class Picture:
 
 
 def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
-    """The picture of an answer.
+    """The picture that the page shows for an answer.
 
-    The `brake` of the file is drawn where the parts of the setting's brake do not fit together.
+    `brake` is the brake of the file. It is drawn where the sliders make a brake whose parts do not
+    fit together.
     """
     shown = answer.brake or brake
     unit = shown.surface.shown
-    # One scale of pressure serves both models, so that their curves can be compared.
+    # Finite elements and law share one scale of pressure, so that their curves can be compared.
     peaks: list[float] = []
     for response in (answer.found, answer.law):
         if response is not None:
             peaks += map(attrgetter("peak_pressure"), response.shoes)
+    # Ends of the pressed arcs of all shoes, in the unit of the page.
     arcs: list[tuple[float, float]] = []
     for shoe in answer.found.shoes if answer.found else ():
         for start, end in shoe.contact_arcs:
             arcs.append((start * unit, end * unit))
-    # The same reason may hold for both models; the page shows it once.
+    # If finite elements and law fail for the same reason, the page shows the reason once.
     failures = (answer.failure, answer.law_failure)
     return Picture(
         fem=_pressure_curves(answer.found, shown),
@@ -137,7 +149,7 @@ def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
 
 
 def _motion_sign(brake: Brake) -> str:
-    """The sign for the motion of the drum, or of the body that slides."""
+    """The arrow character for the motion of the drum, or of the sliding body on a plane."""
     if brake.surface.straight:
         return "→" if brake.spin > 0 else "←"
     return "↺" if brake.spin > 0 else "↻"
@@ -146,16 +158,18 @@ def _motion_sign(brake: Brake) -> str:
 def numbers_of(curve: PressureCurve, scale: float) -> dict[str, Any]:
     """A pressure curve as whole numbers, which are short to send and fast to read.
 
-    Places count in PLACE_STEP. Pressures count in PRESSURE_STEP of the full `scale` [MPa].
+    Places are in units of PLACE_STEP. Pressures are in units of PRESSURE_STEP times `scale` [MPa],
+    the highest pressure of the scale.
     """
     at, p = np.rint(curve.at / PLACE_STEP), np.rint(curve.p / scale / PRESSURE_STEP)
     return {"at": at.astype(int).tolist(), "p": p.astype(int).tolist(), "sign": curve.sign}
 
 
 def scale_of(peak: float) -> float:
-    """The full scale [MPa] for a peak [MPa]: the next of 1, 2, 5 times a power of ten.
+    """The highest pressure [MPa] of the picture's scale, for curves with a highest `peak` [MPa].
 
-    So the scale seldom changes as a slider moves.
+    It is the smallest number not below the peak that is 1, 2 or 5 times a power of ten, so that the
+    scale seldom changes as a slider moves. Without a positive peak it is 1 MPa.
     """
     if not peak > 0:
         return 1.0
@@ -165,7 +179,7 @@ def scale_of(peak: float) -> float:
 
 
 def _pressure_curves(response: Response | None, brake: Brake) -> tuple[PressureCurve, ...]:
-    """The pressure curve of each shoe that touches the drum or the plane."""
+    """The pressure curves of all shoes that touch the drum or plane, by the model of a response."""
     if response is None:
         return ()
     unit, curves = brake.surface.shown, []
@@ -177,13 +191,13 @@ def _pressure_curves(response: Response | None, brake: Brake) -> tuple[PressureC
 
 
 def _force_arrows(brake: Brake) -> Lines:
-    """An arrow [mm] for each force: its shaft from tail to tip, and its head."""
+    """The lines [mm] of an arrow for each actuation force: the shaft and the head of the arrow."""
     lines = []
     for shoe in brake.shoes:
         arrow = _force_arrow(brake, shoe)
         along = arrow.tip - arrow.tail
         across = np.array([-along[1], along[0]])
-        # The head is a quarter as long as the arrow, and as wide as it is long.
+        # The arrowhead is a quarter as long as the arrow, and as wide as it is long.
         left = arrow.tip + 0.25 * (0.5 * across - along)
         right = arrow.tip + 0.25 * (-0.5 * across - along)
         shaft, head = np.array([arrow.tail, arrow.tip]), np.array([left, arrow.tip, right])
@@ -192,26 +206,30 @@ def _force_arrows(brake: Brake) -> Lines:
 
 
 class _Arrow(NamedTuple):
-    """Tail and tip (2,) [m] of an arrow."""
+    """The points (2,) [m] of an arrow's tail and tip."""
 
     tail: Floats
     tip: Floats
 
 
 def _force_arrow(brake: Brake, shoe: Shoe) -> _Arrow:
-    """The arrow of a shoe's force; the brake's largest force has an arrow of the length ARROW."""
+    """Tail and tip [m] of the arrow of the force on a shoe.
+
+    The length is in proportion to the force; the largest force of the brake has the length ARROW.
+    """
     largest = max(abs(shoe.actuation.force) for shoe in brake.shoes) or 1.0
     tip = _force_point(shoe)
     return _Arrow(tip - ARROW * brake.size * shoe.actuation.vector / largest, tip)
 
 
 def _force_point(shoe: Shoe) -> Floats:
-    """The point (2,) [m] where a force is drawn.
+    """The point (2,) [m] where the tip of the force on a shoe is drawn.
 
-    Inside a drum it is the place of the line of action that is nearest to the lining's end away
-    from the hinge.
+    For a shoe inside a drum it is the point on the line of action that is nearest to the lining's
+    end away from the hinge. For other shoes it is the point of the force in the brake file.
     """
     along, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
+    # Shoes on a plane and external shoes keep the point of the file.
     if shoe.flat or shoe.sign < 0:
         return point
     size = float(np.linalg.norm(point))
@@ -221,11 +239,11 @@ def _force_point(shoe: Shoe) -> Floats:
     return np.asarray(point + ((far - point) @ along) * along)
 
 
-# The answer in words and in a table.
+# The functions below write the answer in words and as a table.
 
 
 def answer_html(answer: ExploredAnswer) -> str:
-    """Torque, brake factor and law in a line of HTML."""
+    """A line of HTML with torque and brake factor by finite elements, and the torque by the law."""
     if answer.found is None or answer.brake is None:
         return "no answer"
     surface = answer.brake.surface
@@ -244,7 +262,10 @@ def answer_html(answer: ExploredAnswer) -> str:
 
 
 def head_html(picture: Picture, refused: Sequence[str] = ()) -> str:
-    """The answer as HTML, and a line for each part that was refused or has no answer."""
+    """The line with the torque as HTML, followed by a line for each refusal.
+
+    Refusals are the given messages on parts of the link, and reasons why a model has no answer.
+    """
     html = f'<p class="answer">{picture.head}</p>'
     for line in (*refused, *picture.failures):
         html += f'<p class="refused">{escape(line)}</p>'
@@ -252,9 +273,10 @@ def head_html(picture: Picture, refused: Sequence[str] = ()) -> str:
 
 
 def locking_html(answer: ExploredAnswer, locking: LockingFriction | None) -> str:
-    """The distance of the friction from self-locking in words.
+    """A line of HTML on self-locking: at which friction, and how far the brake is from it.
 
-    `locking` is mu_lock of each group of shoes by finite elements; None where it is not known yet.
+    `locking` holds the friction coefficient at which each group of shoes locks, by finite elements;
+    None where it is not known yet.
     """
     if answer.brake is None:
         return ""
@@ -272,7 +294,11 @@ def locking_html(answer: ExploredAnswer, locking: LockingFriction | None) -> str
 
 
 def error_html(answer: ExploredAnswer, stated: StatedError | None, *, asked: bool) -> str:
-    """The error of an answer in words; `asked`: whether `solve` was asked for it."""
+    """A line of HTML on the error of the finite elements.
+
+    `stated` is the difference from the accurate answer of `drumlin.solve`. `asked` is whether this
+    answer has been computed; before, the line says that the error follows.
+    """
     if answer.found is None or answer.brake is None or (asked and stated is None):
         return ""
     words = "finite elements on a fixed division; their error is found out when the sliders rest"
@@ -291,12 +317,12 @@ def error_html(answer: ExploredAnswer, stated: StatedError | None, *, asked: boo
 
 
 def _error_text(error: float) -> str:
-    """A relative error in words."""
+    """A relative error as text: a number, or "only rounding" up to ROUNDING."""
     return f"{error:.1e}" if error > ROUNDING else "only rounding"
 
 
 def table_rows(answer: ExploredAnswer, brake: Brake) -> tuple[tuple[str, ...], ...]:
-    """The table below the picture: its headings, then a row for each shoe and model."""
+    """The rows of the table below the picture: headings, then a row for each shoe and model."""
     surface = brake.surface
     head = (
         "shoe",
@@ -316,9 +342,9 @@ def table_rows(answer: ExploredAnswer, brake: Brake) -> tuple[tuple[str, ...], .
 
 
 def _table_row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
-    """The row of the table for the shoe number `i` by the model of a response."""
+    """The table's row for the shoe at position `i`, by the model of a response."""
     shoe, effect = response.shoes[i], response.effects[i]
-    # The torque of the force at the size of the brake; on a plane the force.
+    # The shoe factor is torque / (F R), on a plane braking force / F, with the actuation force F.
     force = abs(loaded(brake, response).shoes[i].actuation.force)
     force *= brake.scale_factor
     return (
@@ -333,7 +359,7 @@ def _table_row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
 
 
 def table_html(rows: Sequence[Sequence[str]]) -> str:
-    """A table as HTML; its first row holds the headings."""
+    """The rows of a table as HTML. The first row holds the headings."""
     lines = ""
     for number, row in enumerate(rows):
         tag = "td" if number else "th"
@@ -342,13 +368,17 @@ def table_html(rows: Sequence[Sequence[str]]) -> str:
     return f"<table>{lines}</table>"
 
 
-# The drawing of the brake, which does not change with the knobs.
+# The functions below draw the brake of the file. This drawing does not change with the knobs.
 
 
 def drawing_of(brake: Brake) -> Mapping[str, Lines]:
-    """The drum or plane as a line, linings and bodies as areas, hinges as points, all in mm."""
+    """The drawing of the brake as lines [mm], by the kind of part.
+
+    The drum or plane is a line. Linings and bodies are outlines. Hinges are single points.
+    """
     linings, bodies = [], []
     for shoe in brake.shoes:
+        # Depths are measured from the friction surface into the shoe.
         lining, depth = shoe.lining, shoe.lining.thickness or 0.0
         linings.append(_layer_outline(shoe, brake.size, (lining.start, lining.end), (0.0, depth)))
         if shoe.mesh is None and isinstance(shoe.body, Bar):
@@ -357,7 +387,7 @@ def drawing_of(brake: Brake) -> Mapping[str, Lines]:
             bodies.append(_layer_outline(shoe, brake.size, ends, (depth, depth + shoe.body.depth)))
         if isinstance(shoe.body, Beam):
             bodies.append(_beam_outline(shoe, brake.size))
-    # A shoe on a guide turns about no point. A hinge is a line of one point.
+    # Each hinge is drawn as a line of a single point. A shoe on a guide has no hinge.
     hinges = [shoe.pin.xy[:, None] * PAGE_MM for shoe in brake.shoes if shoe.guide is None]
     return {
         "drum": _surface_line(brake),
@@ -368,7 +398,7 @@ def drawing_of(brake: Brake) -> Mapping[str, Lines]:
 
 
 def _surface_line(brake: Brake) -> Lines:
-    """The friction surface as a line [mm]."""
+    """The drum's circle, or the plane as a straight line, in mm."""
     if brake.surface.straight:
         (x, _), reach = centre_of(brake), reach_of(brake)
         return Lines([np.array([x - reach, x + reach])], [np.zeros(2)])
@@ -377,7 +407,7 @@ def _surface_line(brake: Brake) -> Lines:
 
 
 def path_of(lines: Lines) -> str:
-    """Lines as the path of an SVG."""
+    """Lines [mm] as the path of an SVG picture."""
     path = ""
     for x, y in zip(lines.xs, lines.ys, strict=True):
         path += "M" + "L".join(map("{:.5g},{:.5g}".format, x.tolist(), y.tolist()))
@@ -385,20 +415,23 @@ def path_of(lines: Lines) -> str:
 
 
 def _lining_ends(brake: Brake) -> Floats:
-    """The places (2 shoes,) [rad, on a plane m] of the ends of all linings."""
+    """The ends of all linings (2 * shoes,): angles [rad] on the drum, on a plane lengths [m]."""
     ends = [(shoe.lining.start, shoe.lining.end) for shoe in brake.shoes]
     return np.ravel(ends)
 
 
 def brake_extent(brake: Brake) -> tuple[float, float]:
-    """The places [deg], on a plane [mm], between which all linings lie, with some room."""
+    """The lowest and highest angle [deg], on a plane length [mm], of all linings, with a margin."""
     ends = _lining_ends(brake) * brake.surface.shown
     room = 0.04 * brake.size * PAGE_MM if brake.surface.straight else 5.0
     return float(ends.min()) - room, float(ends.max()) + room
 
 
 def centre_of(brake: Brake) -> tuple[float, float]:
-    """The middle (x, y) [mm] of the picture: the drum's centre, or the middle of a plane brake."""
+    """The point (x, y) [mm] at the middle of the picture.
+
+    It is the drum's centre, or the middle of a brake on a plane.
+    """
     if not brake.surface.straight:
         return 0.0, 0.0
     xy = _extreme_points(brake)
@@ -407,7 +440,7 @@ def centre_of(brake: Brake) -> tuple[float, float]:
 
 
 def _pins_and_arrows(brake: Brake) -> Floats:
-    """The points (n, 2) [m] of all pins and of the ends of all arrows."""
+    """The points (n, 2) [m] of all pins, and of the tails and tips of all force arrows."""
     points: list[Floats] = []
     for shoe in brake.shoes:
         points += [shoe.pin.xy, *_force_arrow(brake, shoe)]
@@ -415,16 +448,19 @@ def _pins_and_arrows(brake: Brake) -> Floats:
 
 
 def _extreme_points(brake: Brake) -> Floats:
-    """Points (n, 2) [m] that must be in the picture of a brake on a plane."""
+    """Points (n, 2) [m] that the picture of a brake on a plane must contain.
+
+    They are the lowest points of the pressure curves, the pins and the force arrows.
+    """
     below = -1.2 * PETAL * brake.size
     ends = _lining_ends(brake)
     return np.vstack([np.column_stack([ends, np.full(len(ends), below)]), _pins_and_arrows(brake)])
 
 
 def reach_of(brake: Brake) -> float:
-    """Half the side [mm] of the picture, a square about `centre_of`.
+    """Half the side [mm] of the picture, which is a square around the point `centre_of`.
 
-    It holds shoes, hinges, pressures and forces.
+    The square holds shoes, hinges, pressure curves and force arrows.
     """
     if brake.surface.straight:
         xy = _extreme_points(brake)
@@ -432,7 +468,8 @@ def reach_of(brake: Brake) -> float:
     R = brake.size
     room = []
     for shoe in brake.shoes:
-        # Pressures of internal shoes are drawn outside the drum.
+        # Pressure curves of internal shoes are drawn outside the drum, those of external shoes
+        # inside.
         room.append(1.12 * (1 + PETAL) * R if shoe.sign > 0 else 1.05 * R + shoe.depth)
     room.append(float(np.abs(_pins_and_arrows(brake)).max()) + 0.1 * R)
     return max(room) * PAGE_MM
@@ -446,11 +483,11 @@ def _layer_outline(
     Parameters
     ----------
     shoe : the shoe
-    size : of the brake [m]
-    ends : places of its two ends [rad, on a plane m]
-    depths : from the friction surface to its front and to its back [m]
+    size : radius of the drum, on a plane length of the first lining [m]
+    ends : places of the layer's two ends [rad, on a plane m]
+    depths : distances [m] of the layer's front and back from the friction surface
     """
-    # Along the front, back along the back, and to the first point again.
+    # The outline runs along the front, returns along the back, and closes at its first point.
     there = np.linspace(*ends, 2 if shoe.flat else 90)
     places = np.concatenate([there, there[::-1], there[:1]])
     front, back = depths
@@ -459,14 +496,15 @@ def _layer_outline(
 
 
 def _beam_outline(shoe: Shoe, R: float) -> Floats:
-    """The outline (2, 4) [mm] of a straight beam; R [m] is the size of the brake.
+    """The four corners (2, 4) [mm] of a straight beam from the hinge to the force.
 
-    A beam whose file gives no thickness is drawn a tenth of R thick.
+    A beam without a thickness in the brake file is drawn a tenth of the drum's radius R [m] thick.
     """
     assert isinstance(shoe.body, Beam)
     hinge, along = shoe.pin.xy, shoe.actuation.point.xy - shoe.pin.xy
     half = 0.5 * (shoe.body.thickness or 0.1 * R)
     across = half * np.array([-along[1], along[0]]) / np.linalg.norm(along)
     end = hinge + along
+    # The beam reaches from the hinge to the point of the force, half its thickness to each side.
     corners = np.array([hinge - across, end - across, end + across, hinge + across])
     return corners.T * PAGE_MM

@@ -1,4 +1,4 @@
-"""The server of the page: for this machine only, until it is interrupted."""
+"""The web server of the page with sliders. It serves this machine only, until it is interrupted."""
 
 import signal
 import sys
@@ -14,36 +14,41 @@ from drumlin.explore.answers import Explorer
 from drumlin.explore.page import reply
 
 ADDRESS = "127.0.0.1"
-"""The address of this machine for itself: no other machine reaches the server."""
+"""The IP address by which this machine calls itself: no other machine reaches the server."""
 
 CONTENT_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "connect-src 'self'; img-src data:"
 )
-"""The page may run its own script and ask its own server, and loads nothing from elsewhere."""
+"""The security policy that the server sends with the page.
+
+The page may run its own script and ask its own server. It may load nothing from other servers.
+"""
 
 
 class _Server(ThreadingHTTPServer):
     """A server with a thread for each connection that a browser keeps open.
 
-    It gives one answer at a time, since the answers share their bodies.
+    The server computes one answer at a time, since all answers share one cache.
     """
 
     daemon_threads = True
 
     def __init__(self, explorer: Explorer, name: str, port: int) -> None:
         super().__init__((ADDRESS, port), _Handler)
-        self.explorer, self.name, self.answering = explorer, name, threading.Lock()
+        self.explorer, self.name = explorer, name
+        # A thread holds this lock while it computes an answer.
+        self.answering = threading.Lock()
         self.hosts = {f"{host}:{self.server_port}" for host in ("localhost", ADDRESS)}
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Stay silent where a browser has gone before its answer."""
+        """Print the error of a request, but nothing where the browser has closed its connection."""
         if not isinstance(sys.exception(), ConnectionError):
             super().handle_error(request, client_address)
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """The handler of a browser's requests."""
+    """The handler of the requests that a browser sends."""
 
     protocol_version = "HTTP/1.1"
     disable_nagle_algorithm = True
@@ -51,8 +56,8 @@ class _Handler(BaseHTTPRequestHandler):
     server: _Server
 
     def do_GET(self) -> None:
-        """Reply to a request for an address."""
-        # Another host name that leads to this server belongs to a page of somebody else.
+        """Send the reply to a browser's request for an address."""
+        # A request under another host name comes from a foreign page and is refused.
         if self.headers.get("Host") not in self.server.hosts:
             self.send_error(403)
             return
@@ -71,7 +76,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(data)
 
     def log_message(self, format: str, *args: object) -> None:
-        """Say nothing: a line for each picture would bury the address of the page."""
+        """Print no line for a request: many lines would hide the printed address of the page."""
 
 
 def serve(brake: Brake, name: str, port: int, ready: Callable[[str], None]) -> None:
@@ -80,14 +85,14 @@ def serve(brake: Brake, name: str, port: int, ready: Callable[[str], None]) -> N
     Parameters
     ----------
     brake : the brake
-    name : first words of the file that the page saves
-    port : 0 for any free one
-    ready : told the address of the page once it can be opened
+    name : beginning of the name of a file that the page saves
+    port : network port of the server; 0 for any free port
+    ready : function that is called with the address of the page once the page can be opened
 
     Raises
     ------
     BadInput
-        for a port that cannot be had, and for a brake that finite elements do not cover
+        for a port that is not available, and for a brake that finite elements do not cover
     """
     explorer = Explorer(brake)
     if not 0 <= port <= 65535:

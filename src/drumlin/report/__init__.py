@@ -1,1 +1,4 @@
-"""Figures, field pictures and HTML pages. The imports of heavy libraries stay in this package."""
+"""Figures, pictures of stress fields, and HTML pages.
+
+Libraries that take long to load, such as matplotlib and pyvista, are imported here.
+"""

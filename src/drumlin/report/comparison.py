@@ -1,4 +1,7 @@
-"""The report of `drumlin compare`, and the pieces of it that studies use."""
+"""The report of `drumlin compare`, which shows all models of a brake side by side.
+
+Some parts of this report are used by the reports of studies, too.
+"""
 
 import json
 from collections.abc import Sequence
@@ -18,14 +21,14 @@ from drumlin.response.response import Response
 
 
 class WrittenComparison(NamedTuple):
-    """The results of a comparison whose report is written.
+    """The results of a comparison of models, after its report has been written.
 
     Attributes
     ----------
-    table : one row a model
-    notes : lines for people
+    table : rows of the table, for each model and shoe
+    notes : lines of text on the models
     page : path of the HTML page
-    columns : of the table
+    columns : columns of the table
     """
 
     table: list[dict[str, Any]]
@@ -35,7 +38,7 @@ class WrittenComparison(NamedTuple):
 
 
 def pressure_panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
-    """A panel of the pressure figure for each shoe: its title, and its responses by model."""
+    """For each shoe, the title of its panel in the pressure figure and its responses by model."""
     brake = comparison.brake
     made: list[tuple[str, dict[str, Any]]] = []
     if not comparison.responses:
@@ -44,7 +47,7 @@ def pressure_panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, An
         verb, responses = "opposes", {}
         for model, response in comparison.responses.items():
             responses[model] = response.shoes[i]
-            # The title follows any model by which friction presses the shoe on.
+            # The title says "assists" if the shoe is self-energising by at least one model.
             if response.shoes[i].self_energising:
                 verb = "assists"
         made.append((f"{shoe.name}, {brake.sense}: friction {verb}", responses))
@@ -54,23 +57,23 @@ def pressure_panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, An
 def draw_fields(
     brake: Brake, response: Response, folder: Path, name: str, **options: Any
 ) -> str | None:
-    """Write the fields of a response as name.vtu and their picture as name.png.
+    """Write displacements, stresses and pressures as name.vtu, and a picture of them as name.png.
 
-    A page shows both by the macro `fields`.
+    The template of a page shows both files by the macro `fields`.
 
     Parameters
     ----------
     brake : the brake
-    response : of finite elements
-    folder : where the files are written
-    name : of the files, without ending
-    options : those of the prepared model (elements, kind)
+    response : response of the brake by finite elements
+    folder : folder in which the files are written
+    name : name of both files, without ending
+    options : options of the mesh (elements, kind)
 
     Returns
     -------
     None, or the reason why there is no picture, such as a machine without off-screen rendering
     """
-    # These imports are heavy, and most commands draw no fields.
+    # The modules take long to load, and most commands draw no stress fields.
     from drumlin.fem.analysis.fields import recover_all_fields, write_fields_as_vtu  # noqa: PLC0415
     from drumlin.fem.solve import prepare_finest_division  # noqa: PLC0415
     from drumlin.report.render import render_fields  # noqa: PLC0415
@@ -85,9 +88,9 @@ def draw_fields(
 
 
 def results_as_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
-    """Every number of some comparisons as JSON text, with versions.
+    """All results of some comparisons as JSON text, with the versions of the software.
 
-    The seconds of each model are medians. Further keys come from `more`.
+    The computing time [s] of each model is a median. `more` holds further keys of the JSON object.
     """
     cases = list(map(_case_data, comparisons))
     return json.dumps({"versions": software_versions(), "cases": cases, **more}, indent=1) + "\n"
@@ -104,7 +107,7 @@ def _case_data(comparison: Comparison[Any]) -> dict[str, Any]:
 
 
 def _model_data(outcome: Outcome) -> dict[str, Any]:
-    """The answer of one model, or its failure, as plain data for JSON."""
+    """The answer of one model, or its failure, with the computing time, as plain data for JSON."""
     answer = {"model": outcome.model, "failed": outcome.failure}
     if outcome.response:
         answer = outcome.response.as_dict()
@@ -114,16 +117,17 @@ def _model_data(outcome: Outcome) -> dict[str, Any]:
 def write_comparison_page(
     brake: Brake, source: str, folder: Path, options: dict[str, Any]
 ) -> WrittenComparison:
-    """Compare all models that apply to a brake, and write a page with its data.
+    """Compare all models that apply to a brake, and write the HTML page and its data.
 
-    The page, CSV, JSON, figure and fields are written into `folder`.
+    The page, a table as CSV, all results as JSON, the figure of pressures and the stress fields are
+    written into `folder`.
 
     Parameters
     ----------
     brake : the brake
     source : text of the brake file, which the page shows
-    folder : where the files are written
-    options : of `compare`
+    folder : folder in which the files are written
+    options : options of `compare`
 
     Raises
     ------
@@ -141,14 +145,14 @@ def write_comparison_page(
         pressure_panels(comparison), surface=brake.surface
     )
     figures.save_figure(pressure_figure, folder / "pressure.svg")
-    # The fields of the finite elements, where a shoe touches.
+    # Draw the stress field of the finite elements, if at least one shoe touches.
     fem = comparison.responses.get("fem")
     drawn, not_drawn = False, None
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         drawn = True
-        # The other options do not concern the mesh.
+        # Of all options, only these two concern the mesh.
         mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
-        # The response was computed on a brake that is corrected for its finite width.
+        # With --finite-width the response belongs to a brake that is corrected for the width.
         solved_brake = correct_for_finite_width(brake) if options.get("finite_width") else brake
         not_drawn = draw_fields(solved_brake, fem, folder, "fields", **mesh_options)
     notes = _notes_of_models(brake, comparison)
@@ -167,7 +171,7 @@ def write_comparison_page(
 
 
 def _notes_of_models(brake: Brake, comparison: Comparison[Any]) -> list[str]:
-    """The notes of the models that answered, and why the other models do not apply."""
+    """The notes of all models that answered, and the reasons why other models do not apply."""
     notes = []
     for model, response in comparison.responses.items():
         for line in response.notes:

@@ -1,7 +1,7 @@
 """A brake as a drawing by matplotlib: drum, shoes, pins and forces to scale, axes in mm.
 
-Parts that a brake file leaves out are drawn as signs, not to scale: a rigid shoe as a grey stroke,
-a force as an arrow of fixed length.
+Parts whose size a brake file does not give are drawn as signs, not to scale: a rigid shoe as a grey
+line, a force as an arrow of fixed length.
 """
 
 import math
@@ -33,7 +33,7 @@ from drumlin.report.signs import (
 
 
 def draw_brake(axes: Axes, brake: Brake) -> None:
-    """Draw a brake on a drum or a plane into `axes`, which become mm at equal scale."""
+    """Draw a brake on a drum or a plane into `axes`, in mm and at equal scales of x and y."""
     if brake.surface.straight:
         _draw_plane_brake(axes, brake)
     else:
@@ -45,15 +45,16 @@ def draw_brake(axes: Axes, brake: Brake) -> None:
 
 
 def _unit_vector(angle: float) -> Floats:
-    """The unit vector (2,) at an angle [rad]."""
+    """The unit vector (2,) at an angle [rad] from the x axis."""
     return np.array([math.cos(angle), math.sin(angle)])
 
 
-# Brakes on a drum. R is the drum's radius [mm], unit the size of the signs [mm].
+# The functions below draw brakes on a drum. R is the drum's radius [mm], `unit` is the size of the
+# signs [mm].
 
 
 def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
-    """Draw a brake on a drum."""
+    """Draw a brake on a drum, and set the limits of the axes."""
     R = brake.size * MM_PER_M
     unit = R / 10
     _draw_drum(axes, brake, R, unit)
@@ -64,6 +65,7 @@ def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
     draw_shared_parts(axes, brake, loaded, unit)
     tips = {shoe.name: _arrow_tip(shoe, R, unit) for shoe in brake.shoes}
     _draw_forces(axes, brake, tips, unit)
+    # The axes must hold the drum, the shoes, the force arrows with their labels, and the pins.
     corners = np.array([[-1.0, -1.0], [1.0, 1.0]]) * _outer_radius(brake)
     points = [corners]
     for shoe in brake.shoes:
@@ -72,7 +74,7 @@ def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
 
 
 def _outer_radius(brake: Brake) -> float:
-    """The radius [mm] of a circle around the drum, its ring and the shoes."""
+    """The radius [mm] of the smallest circle around the drum, its ring and the external shoes."""
     ring = _ring_depth(brake)
     outside = any(shoe.side == "internal" for shoe in brake.shoes) and ring
     depth = max((shoe.depth for shoe in brake.shoes if shoe.side == "external"), default=0.0)
@@ -80,13 +82,13 @@ def _outer_radius(brake: Brake) -> float:
 
 
 def _ring_depth(brake: Brake) -> float:
-    """The thickness [m] of the ring; a tenth of the radius where the file gives none."""
+    """The thickness [m] of the drum's ring; a tenth of the drum's radius where it is not given."""
     ring = brake.ring
     return ring.thickness if ring and ring.thickness else 0.1 * brake.size
 
 
 def _draw_drum(axes: Axes, brake: Brake, R: float, unit: float) -> None:
-    """Draw the drum with its ring, its centre, its radius and the arrow of its motion."""
+    """Draw the drum: ring, centre, a line with the radius, and the arrow of the rotation."""
     ring = _ring_depth(brake) * MM_PER_M
     look = {"facecolor": DRUM_COLOR, "edgecolor": "none"}
     if brake.shoes[0].side == "internal":
@@ -96,11 +98,11 @@ def _draw_drum(axes: Axes, brake: Brake, R: float, unit: float) -> None:
     else:
         axes.add_patch(Circle((0, 0), R, **look))
     axes.add_patch(Circle((0, 0), R, facecolor="none", edgecolor=INK, lw=1.6))
-    # The cross at the centre.
+    # Draw a cross at the drum's centre.
     cross = np.array([-0.35, 0.35]) * unit
     axes.plot(cross, [0, 0], color=INK, lw=0.8)
     axes.plot([0, 0], cross, color=INK, lw=0.8)
-    # The radius with its size.
+    # Draw a line from the centre to the friction surface, labelled with the radius.
     direction = _unit_vector(_angle_of_free_radius(brake, R, unit))
     axes.plot([0, R * direction[0]], [0, R * direction[1]], color=FAINT, lw=0.7)
     _write_label(axes, 0.5 * R * direction, f"R = {R:.5g} mm")
@@ -108,11 +110,11 @@ def _draw_drum(axes: Axes, brake: Brake, R: float, unit: float) -> None:
 
 
 def _draw_rotation_arrow(axes: Axes, spin: int, radius: float) -> None:
-    """Draw an arrow over 220 degrees about the drum's centre, with a radius [mm]."""
+    """Draw an arc of 220 degrees with an arrowhead about the drum's centre; `radius` is in mm."""
     reach = math.radians(220)
     start = math.pi / 2 - spin * reach / 2
     angles = start + spin * np.linspace(0, reach, 60)
-    # The line ends within the arrow's head.
+    # The last three points lie within the arrowhead and are left out.
     line = angles[:-3]
     axes.plot(
         radius * np.cos(line),
@@ -126,7 +128,7 @@ def _draw_rotation_arrow(axes: Axes, spin: int, radius: float) -> None:
 
 
 def _angle_of_free_radius(brake: Brake, R: float, unit: float) -> float:
-    """An angle [rad] for the drawn radius that keeps away from shoes, their names and forces."""
+    """The angle [rad] at which the line of the radius is farthest from shoes, names and forces."""
     taken = []
     for shoe in brake.shoes:
         tip = _force_point(shoe, R)
@@ -134,7 +136,7 @@ def _angle_of_free_radius(brake: Brake, R: float, unit: float) -> float:
         taken += [shoe.lining.start, shoe.lining.end, 0.5 * (shoe.lining.start + shoe.lining.end)]
         taken += [math.atan2(tip[1], tip[0]), math.atan2(tail[1], tail[0])]
     candidates = np.radians(np.arange(-60, 300, 5) + 2.0)
-    # The candidate whose nearest taken angle is farthest away, measured around the circle.
+    # For each candidate, find its distance around the circle from the nearest occupied angle.
     away = []
     for candidate in candidates:
         away.append(min(abs(math.remainder(candidate - t, 2 * math.pi)) for t in taken))
@@ -142,22 +144,23 @@ def _angle_of_free_radius(brake: Brake, R: float, unit: float) -> float:
 
 
 def _draw_shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool) -> None:
-    """Draw a shoe with its layers, its name and its support.
+    """Draw a shoe of a drum brake with its layers, its name and its support.
 
     Parameters
     ----------
-    axes : of the drawing
+    axes : axes of the drawing
     shoe : the shoe
     R : radius of the drum [mm]
     unit : size of the signs [mm]
-    on_strut : whether its abutment is the end of a strut
+    on_strut : whether the shoe's abutment is the end of a strut
     """
     if shoe.body is None:
         _draw_rigid_body(axes, shoe, R)
     arc = math.degrees(shoe.lining.start), math.degrees(shoe.lining.end)
     depth = shoe.lining.thickness * MM_PER_M
     _draw_layer(axes, shoe, R, _Layer(0.0, depth, arc, LINING_COLOR))
-    # For a shoe with a mesh file only the mesh says which parts lie behind the lining.
+    # A shoe with a mesh file is drawn without body, since only the mesh knows its shape. `depth`
+    # grows from the friction surface through the layers.
     if shoe.mesh is None:
         if isinstance(shoe.body, Beam):
             _draw_beam(axes, shoe, R, unit)
@@ -173,14 +176,14 @@ def _draw_shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool)
                 depth += thickness
     draw_support(axes, shoe, unit, on_strut=on_strut)
     draw_rigid_arms(axes, shoe, R / MM_PER_M, _force_point(shoe, R), unit)
-    # The name stands inside the drum, below the shoe where the shoe is inside, too.
+    # The name is written inside the drum, on the inner side of an internal shoe.
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
     inside = R - 1.8 * unit - (shoe.depth * MM_PER_M if shoe.sign > 0 else 0.0)
     _write_label(axes, inside * _unit_vector(middle), shoe.name)
 
 
 def _draw_rigid_body(axes: Axes, shoe: Shoe, R: float) -> None:
-    """Draw the strokes of a rigid shoe."""
+    """Draw the thick grey lines that stand for a rigid shoe."""
     for stroke in _rigid_shoe_lines(shoe, R):
         axes.plot(
             *stroke.T,
@@ -193,10 +196,11 @@ def _draw_rigid_body(axes: Axes, shoe: Shoe, R: float) -> None:
 
 
 def _draw_beam(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
-    """Draw a straight beam, and the block that fills the space up to the lining's back."""
+    """Draw the straight beam of a shoe, and the block between the beam and the lining's back."""
     assert isinstance(shoe.body, Beam)
     axis = axis_of(shoe.pin.xy * MM_PER_M, shoe.actuation.point.xy * MM_PER_M)
     half = 0.5 * (shoe.body.thickness * MM_PER_M if shoe.body.thickness else unit)
+    # The block has an arc on the lining's side and a straight edge along the beam.
     if shoe.backing is not None:
         angle = axis.angle(np.linspace(shoe.lining.start, shoe.lining.end, 60))
         back = R + shoe.lining.thickness * MM_PER_M
@@ -208,14 +212,14 @@ def _draw_beam(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
 
 
 class _Layer(NamedTuple):
-    """A layer of a shoe.
+    """A layer of a shoe to draw, such as the lining.
 
     Attributes
     ----------
-    depth : from the friction surface to the layer [mm]
-    thickness : [mm]
-    arc : its two ends [deg]
-    color : of the layer
+    depth : distance of the layer's front from the friction surface [mm]
+    thickness : thickness of the layer [mm]
+    arc : the layer's two ends [deg; on a plane mm]
+    color : fill colour of the layer
     """
 
     depth: float
@@ -225,7 +229,7 @@ class _Layer(NamedTuple):
 
 
 def _draw_layer(axes: Axes, shoe: Shoe, R: float, layer: _Layer) -> None:
-    """Draw a layer of a shoe."""
+    """Draw a layer of a shoe on the drum as part of a circular ring."""
     outer = R - layer.depth if shoe.sign > 0 else R + layer.depth + layer.thickness
     wedge = Wedge(
         (0, 0),
@@ -241,14 +245,15 @@ def _draw_layer(axes: Axes, shoe: Shoe, R: float, layer: _Layer) -> None:
 
 
 def _back_radius(shoe: Shoe, R: float) -> float:
-    """The radius [mm] of the stroke behind the lining of a rigid shoe."""
+    """The radius [mm] of the arc that stands for a rigid shoe behind its lining."""
     return R - shoe.sign * (shoe.lining.thickness * MM_PER_M + 0.035 * R)
 
 
 def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
-    """The lines (n, 2) [mm] that stand for a rigid shoe.
+    """The lines (n, 2) [mm] that stand for a rigid shoe on a drum.
 
-    They are its back, the way to the hinge and the way to the force, or its lever.
+    The first line is an arc behind the lining. The others join this arc to the hinge and to the
+    force, or are the shoe's lever and its joint to the arc.
     """
     angles = np.linspace(shoe.lining.start, shoe.lining.end, 80)
     back = _back_radius(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])
@@ -257,12 +262,13 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     if shoe.pivot is not None:
         pivot = shoe.pivot.xy * MM_PER_M
         return [back, np.array([middle, pivot]), np.array([hinge, pivot, load])]
-    # An external shoe may have a straight lever outside the drum.
+    # If the straight line from hinge to force passes outside the drum, an external shoe has a lever
+    # along this line.
     clear = np.linalg.norm(np.linspace(hinge, load, 50), axis=1)
     if np.all(clear > R) and shoe.sign < 0:
         foot = _nearest_on_lever(hinge, load, middle)
         return [back, np.array([hinge, load]), np.array([middle, foot])]
-    # Other shoes: the end of the back that is nearer to the hinge is joined to the hinge.
+    # For other shoes, the nearer end of the arc is joined to the hinge, the other end to the force.
     near, far = back[0], back[-1]
     if np.linalg.norm(back[0] - hinge) > np.linalg.norm(back[-1] - hinge):
         near, far = far, near
@@ -270,7 +276,7 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
 
 
 def _nearest_on_lever(hinge: Floats, load: Floats, point: Floats) -> Floats:
-    """The place (2,) on the lever from hinge to load that is nearest to a point (2,), all in mm."""
+    """The point (2,) of the line from hinge to load that is nearest to a point (2,), all in mm."""
     lever = load - hinge
     along = 0.0
     if lever.any():
@@ -281,14 +287,14 @@ def _nearest_on_lever(hinge: Floats, load: Floats, point: Floats) -> Floats:
 def _force_point(shoe: Shoe, R: float) -> Floats:
     """The point (2,) [mm] where the force on a shoe is drawn.
 
-    It is the force's own point if this lies outside the drum beside an external shoe. Otherwise it
-    is on the line of action at the shoe's end: for a rigid external shoe on its back, for other
-    shoes at the place nearest to the end.
+    For an external shoe it is the force's point in the brake file, if this point lies outside the
+    drum. Otherwise it lies on the line of action, near the shoe's end away from the pin: for a
+    rigid external shoe on the arc of its back, for other shoes at the point nearest to the end.
     """
     point = shoe.actuation.point.xy * MM_PER_M
     if shoe.sign < 0 and np.linalg.norm(point) > R:
         return point
-    # The end of the shoe, in the middle of its body, that is farther from the pin.
+    # Find the shoe's end that is farther from the pin, at the middle of the body's depth.
     half = 0.5 * shoe.body.depth if isinstance(shoe.body, Bar) else 0.0
     radius = R - shoe.sign * (shoe.depth - half) * MM_PER_M
     arc = shoe.body if isinstance(shoe.body, Bar) else shoe.lining
@@ -296,7 +302,8 @@ def _force_point(shoe: Shoe, R: float) -> Floats:
     far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy * MM_PER_M)))
     along = _unit_vector(shoe.actuation.direction)
     nearest = point + ((far - point) @ along) * along
-    # Half the chord that the line of action cuts from the circle of the back, squared.
+    # `reach` is the square of half the chord that the line of action cuts from the circle of the
+    # back; it is negative if the line misses the circle.
     middle = point - (point @ along) * along
     reach = _back_radius(shoe, R) ** 2 - middle @ middle
     if shoe.sign > 0 or shoe.body or reach < 0:
@@ -305,9 +312,10 @@ def _force_point(shoe: Shoe, R: float) -> Floats:
 
 
 def _arrow_tip(shoe: Shoe, R: float, unit: float) -> Floats:
-    """The tip (2,) [mm] of the force's arrow.
+    """The tip (2,) [mm] of the arrow that shows the force on a shoe.
 
-    An arrow that pulls an external shoe has its tail where the force acts.
+    The tip is where the force acts. If the force on an external shoe points away from the lining,
+    the tail of the arrow is where the force acts.
     """
     load, arrow = _force_point(shoe, R), _arrow_vector(shoe.actuation, unit)
     middle = R * _unit_vector(shoe.lining.middle)
@@ -315,19 +323,20 @@ def _arrow_tip(shoe: Shoe, R: float, unit: float) -> Floats:
 
 
 def _pin_corners(shoe: Shoe, unit: float) -> Floats:
-    """Two corners (2, 2) [mm] of the box around the sign of a shoe's pin."""
+    """Lower left and upper right corner (2, 2) [mm] of a box around the sign of a shoe's pin."""
     return shoe.pin.xy * MM_PER_M + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
 
 
-# Brakes on a plane.
+# The functions below draw brakes on a plane.
 
 
 def _draw_plane_brake(axes: Axes, brake: Brake) -> None:
-    """Draw a brake on a plane."""
+    """Draw a brake on a plane, and set the limits of the axes."""
     ends: list[float] = []
     for shoe in brake.shoes:
         ends += [shoe.pin.x, shoe.actuation.point.x, shoe.lining.start, shoe.lining.end]
     left, right = min(ends) * MM_PER_M, max(ends) * MM_PER_M
+    # The signs are a twentieth of the brake long; the plane reaches two signs beyond the brake.
     unit = (right - left) / 20
     left, right = left - 2 * unit, right + 2 * unit
     _draw_plane(axes, (left, right), brake.spin, unit)
@@ -346,7 +355,7 @@ def _draw_plane_brake(axes: Axes, brake: Brake) -> None:
 
 
 def _draw_plane(axes: Axes, ends: tuple[float, float], spin: int, unit: float) -> None:
-    """Draw the plane between two ends [mm], and the arrow of its motion."""
+    """Draw the plane between two ends x [mm], and the arrow of its motion."""
     left, right = ends
     depth = 2 * unit
     ground = Rectangle((left, -depth), right - left, depth, facecolor=DRUM_COLOR, edgecolor="none")
@@ -358,7 +367,7 @@ def _draw_plane(axes: Axes, ends: tuple[float, float], spin: int, unit: float) -
 
 
 def _draw_flat_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
-    """Draw a shoe on a plane with its layers, its name, its support, and its hinge's height."""
+    """Draw a shoe on a plane: its layers, name and support, and the height of its hinge."""
     if isinstance(shoe.body, Bar) and shoe.lining.thickness is not None:
         _draw_flat_layers(axes, shoe, shoe.body)
     else:
@@ -374,10 +383,10 @@ def _draw_flat_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> N
 
 
 def _draw_flat_layers(axes: Axes, shoe: Shoe, body: Bar) -> None:
-    """Draw the layers of a shoe on a plane: lining, block and plates of the body."""
+    """Draw the layers of an elastic shoe on a plane: lining, block and plates of the body."""
     lining = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
     layers = [_Layer(0.0, shoe.lining.thickness * MM_PER_M, lining, LINING_COLOR)]
-    # For a shoe with a mesh file only the mesh says which parts lie behind the lining.
+    # A shoe with a mesh file is drawn as a lining only, since only the mesh knows its shape.
     if shoe.mesh is None:
         top = layers[0].thickness
         if shoe.backing:
@@ -402,7 +411,7 @@ def _draw_flat_layers(axes: Axes, shoe: Shoe, body: Bar) -> None:
 
 
 def _draw_rigid_flat_shoe(axes: Axes, shoe: Shoe, unit: float) -> None:
-    """Draw a rigid shoe: its lining, and a block up to the lever."""
+    """Draw a rigid shoe on a plane: its lining, its lever, and a block between both."""
     start, end = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
     top = 0.8 * unit
     pin, load = shoe.pin.xy * MM_PER_M, shoe.actuation.point.xy * MM_PER_M
@@ -410,7 +419,7 @@ def _draw_rigid_flat_shoe(axes: Axes, shoe: Shoe, unit: float) -> None:
         (start, 0), end - start, top, facecolor=LINING_COLOR, edgecolor=INK, lw=0.8, zorder=3
     )
     axes.add_patch(lining)
-    # The block reaches from the lining's ends to the places of the lever above them.
+    # The block's upper corners are the points of the lever above the lining's ends.
     lever = load - pin
     share = np.zeros(2)
     if lever[0]:
@@ -423,17 +432,17 @@ def _draw_rigid_flat_shoe(axes: Axes, shoe: Shoe, unit: float) -> None:
     axes.plot(*line.T, color=BODY_COLOR, lw=7, solid_capstyle="round", zorder=2)
 
 
-# Forces, and the words beside them.
+# The functions below draw forces and the labels beside them.
 
 
 def _arrow_vector(actuation: Actuation, unit: float) -> Floats:
-    """The vector (2,) [mm] from the tail of a force's arrow to its tip."""
+    """The vector (2,) [mm] from tail to tip of a force's arrow; all arrows are four signs long."""
     sense = -1.0 if actuation.force < 0 else 1.0
     return 4 * unit * sense * _unit_vector(actuation.direction)
 
 
 class _ForceLabel(NamedTuple):
-    """Words beside an arrow: their place (2,) [mm], text, and matplotlib's alignment."""
+    """The label of a force arrow: its place (2,) [mm], text, and alignment for matplotlib."""
 
     place: Floats
     text: str
@@ -443,14 +452,14 @@ class _ForceLabel(NamedTuple):
 def _force_label(
     actuation: Actuation, tip: Floats, unit: float, *, inside: bool = False
 ) -> _ForceLabel:
-    """The size of a force, placed above its arrow or to the right of the arrow.
+    """The label with the size of a force, placed above the force's arrow or at its right.
 
     Parameters
     ----------
     actuation : the force
-    tip : of its arrow (2,) [mm]
+    tip : tip of the force's arrow (2,) [mm]
     unit : size of the signs [mm]
-    inside : whether the words stand on the side of the drum's centre
+    inside : whether the label stands on the arrow's side that faces the drum's centre
     """
     along = _arrow_vector(actuation, unit)
     left = np.array([-along[1], along[0]]) / np.linalg.norm(along)
@@ -464,15 +473,16 @@ def _force_label(
 
 
 def _draw_forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: float) -> None:
-    """Draw the forces on the shoes with their sizes; the force of a strut is drawn with the strut.
+    """Draw an arrow and a label for each actuation force; forces of struts get no arrow.
 
-    A cam has one label with the sum of its forces. Equal forces beside each other have one label.
+    A cam has no arrows, but one label with the sum of its forces. Equal forces close to each other
+    share one label.
 
     Parameters
     ----------
-    axes : of the drawing
+    axes : axes of the drawing
     brake : the brake
-    tips : of the arrows (2,) [mm], by the name of the shoe
+    tips : tip of each force's arrow (2,) [mm], by the name of the shoe
     unit : size of the signs [mm]
     """
     pushed = [shoe for shoe in brake.shoes if shoe.actuation.force]
@@ -481,6 +491,7 @@ def _draw_forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: flo
         text = f"{_force_text(brake.actuation.total)} in all"
         _write_label(axes, middle - np.array([0.0, 1.6 * unit]), text, color=FORCE_COLOR)
         return
+    # Labels of internal shoes stand on the inner side of the arrows.
     inside = not brake.surface.straight and brake.shoes[0].sign > 0
     labels: list[_ForceLabel] = []
     for shoe in pushed:
@@ -493,7 +504,11 @@ def _draw_forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: flo
 
 
 def _add_label(labels: list[_ForceLabel], new: _ForceLabel, reach: float) -> None:
-    """Add a label, or merge it with an equal label that is nearer than `reach` [mm]."""
+    """Add a new label to the list of labels.
+
+    If the list has a label with the same text nearer than `reach` [mm], one label that says "each"
+    replaces both, at the middle between them.
+    """
     for k, label in enumerate(labels):
         if label.text == new.text and math.dist(label.place, new.place) < reach:
             place = 0.5 * (label.place + new.place)
@@ -503,19 +518,19 @@ def _add_label(labels: list[_ForceLabel], new: _ForceLabel, reach: float) -> Non
 
 
 def _force_text(force: float) -> str:
-    """The size of a force in N or kN."""
+    """The absolute value of a force [N] as text, in kN from 1 kN on, else in N."""
     return f"{abs(force) / 1e3:.4g} kN" if abs(force) >= 1e3 else f"{abs(force):.4g} N"
 
 
 def _arrow_corners(actuation: Actuation, tip: Floats, unit: float) -> Floats:
-    """Points (3, 2) [mm] that an arrow and its words need in the picture."""
+    """Points (3, 2) [mm] of a force's arrow and label that must lie within the picture."""
     label = _force_label(actuation, tip, unit)
     words = np.array([3 * unit if label.alignment == "left" else 0.0, 0.0])
     return np.array([tip, tip - _arrow_vector(actuation, unit), label.place + words])
 
 
 def _draw_arrow(axes: Axes, tail: Floats, tip: Floats, color: str, width: float) -> None:
-    """Draw an arrow from tail to tip (2,) [mm]; `width` is relative to 20 points."""
+    """Draw an arrow from tail (2,) to tip (2,) [mm]; its line is 20 points times `width` wide."""
     arrow = FancyArrowPatch(
         tuple(tail),
         tuple(tip),
@@ -531,14 +546,14 @@ def _draw_arrow(axes: Axes, tail: Floats, tip: Floats, color: str, width: float)
 
 
 def _write_label(axes: Axes, place: Floats, text: str, color: str = INK, **style: Any) -> None:
-    """Write a text at a place (2,) [mm], on a pale box; `style` is matplotlib's."""
+    """Write a text at a place (2,) [mm] on a pale box; `style` holds options of `Axes.text`."""
     style = {"ha": "center", "va": "center"} | style
     box = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
     axes.text(place[0], place[1], text, color=color, fontsize=8.5, bbox=box, zorder=7, **style)
 
 
 def _set_limits(axes: Axes, points: Floats, margin: float) -> None:
-    """Set the limits of the axes so that all points (n, 2) [mm] have a margin [mm]."""
+    """Set the limits of the axes to hold all points (n, 2) [mm] with a margin [mm] around them."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])

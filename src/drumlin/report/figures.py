@@ -1,6 +1,6 @@
-"""Figures by matplotlib: pressures over the lining, and convergence.
+"""Figures by matplotlib: contact pressures along linings, and errors over numbers of elements.
 
-Each function returns a figure, which `save_figure` writes.
+The drawing functions return a figure. `save_figure` writes it into a file.
 """
 
 import math
@@ -34,7 +34,10 @@ STYLE = {
     "svg.hashsalt": "drumlin",
     "svg.fonttype": "path",
 }
-"""Matplotlib's settings for all figures. The salt makes equal figures equal files."""
+"""Settings of matplotlib for all figures.
+
+With a fixed hash salt, equal figures become equal SVG files.
+"""
 
 MODEL_TITLES = {
     "fem": "finite elements",
@@ -50,24 +53,25 @@ MODEL_TITLES = {
     "foundation": "elastic foundation",
     "lifted": "foundation, all lifted",
 }
-"""The name of a model in figures, by its name in files."""
+"""The name of each model in figures, by its short name in files and options."""
 
 BOX_HALF_WIDTH = 0.11
-"""Half the width that a curve's name takes, relative to the width of the axes."""
+"""Half the width of the name written beside a curve, relative to the width of the axes."""
 
 BOX_HALF_HEIGHT = 0.05
-"""Half the height that a curve's name takes, relative to the height of the axes."""
+"""Half the height of the name written beside a curve, relative to the height of the axes."""
 
 Panel = tuple[str, Mapping[str, ShoeResponse]]
-"""A panel of the pressure figure: its title, and the responses of one shoe by model."""
+"""A panel of the pressure figure: its title, and the response of one shoe by each model."""
 
 
 def save_figure(figure: Figure, path: Path) -> Path:
-    """Write a figure whole or not at all; returns `path`, whose ending gives the format.
+    """Write a figure into a file whole or not at all; returns `path`.
 
-    Equal figures become equal files. A letter that the font lacks is drawn as a box.
+    The ending of the path chooses the format. Equal figures become equal files. A letter that the
+    font lacks is drawn as a box.
     """
-    # Without a date in it, the file depends on the figure alone.
+    # An SVG file gets no date, so that it depends on the figure alone.
     metadata = {"Date": None} if path.suffix == ".svg" else None
     with mpl.rc_context(STYLE), replacing(path) as partial, warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from")
@@ -76,18 +80,18 @@ def save_figure(figure: Figure, path: Path) -> Path:
 
 
 def model_title(model: str) -> str:
-    """The name of a model in figures and tables for people."""
+    """The name of a model in figures and tables, by its short name in files and options."""
     return MODEL_TITLES.get(model, model)
 
 
 def draw_legend(figure: Figure, axes: Axes, **more: Any) -> None:
-    """Draw the key of some axes below the whole figure, where it covers no data.
+    """Draw the legend of `axes` below the whole figure, where it covers no data.
 
-    A label that several curves have appears once. `more` are options of matplotlib's legend.
+    A label that several curves share appears once. `more` are options of matplotlib's legend.
     """
     handles, labels = axes.get_legend_handles_labels()
     handle_of = dict(zip(labels, handles, strict=True))
-    # A column of the key takes some 2.2 inches.
+    # A column of the legend is some 2.2 inches wide.
     columns = min(len(handle_of), max(2, int(figure.get_figwidth() / 2.2)))
     options = {"loc": "outside lower center", "ncols": columns, "fontsize": 9} | more
     figure.legend(handle_of.values(), handle_of.keys(), **options)
@@ -96,19 +100,19 @@ def draw_legend(figure: Figure, axes: Axes, **more: Any) -> None:
 def write_curve_name(
     axes: Axes, x: Floats, curves: Sequence[Floats], which: int, words: str, color: str
 ) -> None:
-    """Write the name of a curve beside it, if there is a place that no curve crosses.
+    """Write the name of a curve beside the curve, if there is a place that no curve crosses.
 
     Parameters
     ----------
-    axes : with the curves in them
-    x : (n,), common to all curves
-    curves : values (n,) of each
-    which : the curve to be named
-    words : its name
-    color : of the name
+    axes : axes in which the curves are drawn
+    x : x (n,) of all curves
+    curves : y (n,) of each curve
+    which : position of the curve to be named
+    words : name of this curve
+    color : colour of the name
     """
     low, high = axes.get_ylim()
-    # Heights of the curves relative to the axes.
+    # The curves' y, relative to the height of the axes.
     heights = np.clip((np.array(curves) - low) / (high - low), 0, 1)
     place = _find_free_place(heights, which)
     if place is None:
@@ -118,16 +122,23 @@ def write_curve_name(
 
 
 class _FreePlace(NamedTuple):
-    """A place for a curve's name: its point of the curve, and its height relative to the axes."""
+    """The middle of a place for a curve's name.
+
+    Attributes
+    ----------
+    point : index of the curve's point above or below which the name stands
+    height : height of the name, relative to the axes
+    """
 
     point: int
     height: float
 
 
 def _find_free_place(heights: Floats, which: int) -> _FreePlace | None:
-    """The place above or below a curve that is farthest from all other curves, if there is any.
+    """The place for a curve's name, above or below it, that is farthest from all other curves.
 
-    `heights` (curves, n) are relative to the axes.
+    It is None where every place is crossed by a curve or lies beyond the axes. `heights`
+    (curves, n) are the curves' y, relative to the axes. `which` is the position of the named curve.
     """
     n = heights.shape[1]
     half = int(BOX_HALF_WIDTH * n)
@@ -135,7 +146,7 @@ def _find_free_place(heights: Floats, which: int) -> _FreePlace | None:
     for i in range(half, n - half):
         for side in (1, -1):
             y = heights[which, i] + side * 1.5 * BOX_HALF_HEIGHT
-            # Distance of each curve from the box of the name.
+            # The distance of each curve from the box that the name would take.
             around = heights[:, i - half : i + half + 1]
             free = np.abs(around - y).min(axis=1) - BOX_HALF_HEIGHT
             others = np.delete(free, which).min(initial=1.0)
@@ -146,14 +157,15 @@ def _find_free_place(heights: Floats, which: int) -> _FreePlace | None:
 
 
 def mark_cut_off_curve(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
-    """Mark the places where a curve y (n,) over x (n,) leaves the axes at their top.
+    """Draw a triangle at each place where a curve y (n,) over x (n,) leaves the axes at the top.
 
-    A pressure leaves the axes at a sharp edge, where the pressure has no bound.
+    A pressure leaves the axes at a sharp edge of the lining, where it grows without bound.
     """
     top = axes.get_ylim()[1]
     is_beyond = (y > top).astype(int)
     changes = np.flatnonzero(np.diff(np.concatenate([[0], is_beyond, [0]])))
     for start, end in changes.reshape(-1, 2):
+        # The triangle stands at the highest point of the part beyond the axes.
         highest = start + int(np.argmax(y[start:end]))
         axes.plot(
             [x[highest]],
@@ -168,9 +180,9 @@ def mark_cut_off_curve(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
 
 
 def smooth_pressure_curve(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
-    """Angles [rad] and pressure [Pa] of a response as a smooth line.
+    """The pressure curve of a shoe: angles (n,) [rad; on a plane m] and pressures (n,) [Pa].
 
-    The angles are evenly spread, with the nodes of the response near the ends.
+    The angles are evenly spread. Near both ends of the lining the nodes of the response are added.
     """
     even = np.linspace(shoe.theta[0], shoe.theta[-1], points)
     spacing = even[1] - even[0]
@@ -183,17 +195,17 @@ def smooth_pressure_curve(shoe: ShoeResponse, points: int = 300) -> tuple[Floats
 def draw_pressure_panels(
     panels: Sequence[Panel], columns: int = 2, *, surface: FrictionSurface = DRUM
 ) -> Figure:
-    """Draw the pressure over the place on a surface, in a panel for each shoe.
+    """Draw the contact pressure along the lining, in a panel for each shoe.
 
-    All panels have one scale of pressure. A singular edge is cut off above the largest pressure
-    away from the edges, and marked. Two curves have their names beside them, more curves have a
-    key below.
+    All panels have one scale of pressure. The infinite pressure at a sharp edge is cut off above
+    the largest pressure away from the edges, and marked. In panels of one or two curves the names
+    stand beside the curves. A legend below the figure names all curves.
 
     Parameters
     ----------
-    panels : a title and the responses by model
-    columns : of panels
-    surface : drum or plane
+    panels : title and responses of each panel
+    columns : number of panels side by side
+    surface : friction surface, drum or plane
     """
     with mpl.rc_context(STYLE):
         columns = min(columns, len(panels))
@@ -208,12 +220,13 @@ def draw_pressure_panels(
             axes.tick_params(labelleft=axes in grid[:, 0])
         for axes in grid[:, 0]:
             axes.set_ylabel("pressure p [MPa]")
+        # Panels of a column share the axis below the lowest panel. Unused panels stay empty.
         used = list(grid.flat)[: len(panels)]
         for column in range(columns):
             _label_lowest_panel(used[column::columns])
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
-        # The panel with the most labels has the key for all.
+        # The legend is taken from the panel with the most different labels.
         draw_legend(
             figure, max(used, key=lambda axes: len(set(axes.get_legend_handles_labels()[1])))
         )
@@ -221,7 +234,7 @@ def draw_pressure_panels(
 
 
 def _pressure_scale_top(panels: Sequence[Panel]) -> float:
-    """The top of the scale of pressure [MPa]: 12 % above the largest peak."""
+    """The upper end [MPa] of the pressure axis: 12 % above the largest peak, or 1 if all are 0."""
     peaks: list[float] = []
     for _, responses in panels:
         peaks += [shoe.peak_pressure for shoe in responses.values()]
@@ -230,7 +243,7 @@ def _pressure_scale_top(panels: Sequence[Panel]) -> float:
 
 
 def _draw_panel(axes: Axes, panel: Panel, surface: FrictionSurface, *, named: bool) -> None:
-    """Draw the pressures of one panel; if `named`, with the models' names beside the curves."""
+    """Draw the pressure curves of one panel; if `named`, write the models' names beside them."""
     title, responses = panel
     unit = surface.shown
     axes.set_title(title)
@@ -252,9 +265,9 @@ def _draw_panel(axes: Axes, panel: Panel, surface: FrictionSurface, *, named: bo
 
 
 def _label_lowest_panel(column: Sequence[Axes]) -> None:
-    """Remove the labels of the angle from all panels of a column but the lowest one.
+    """Remove the labels of the horizontal axis from all panels of a column but the lowest one.
 
-    Panels that show different ranges of the angle keep their labels.
+    All labels stay where the panels show different ranges of this axis.
     """
     if len(set(map(Axes.get_xlim, column))) != 1:
         return
@@ -266,12 +279,13 @@ def _label_lowest_panel(column: Sequence[Axes]) -> None:
 def draw_convergence(series: Mapping[str, Sequence[tuple[int, float]]], ylabel: str) -> Figure:
     """Draw errors over the number of elements along the lining, both on logarithmic scales.
 
-    `series` holds the numbers and the errors, as fractions, by the name of each line.
+    `series` holds pairs of a number of elements and an error (a fraction), by the name of a line.
+    `ylabel` says of which quantity the errors are.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.2, 3.8), layout="constrained")
         axes = figure.subplots()
-        # Each line has a marker and a colour of its own.
+        # Each line of the figure has its own marker and colour.
         looks = zip("osD^v<>", CATEGORIES, strict=False)
         elements: set[int] = set()
         for values in series.values():

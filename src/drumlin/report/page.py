@@ -1,4 +1,4 @@
-"""One self-contained HTML page: text, figures, tables and sources.
+"""Writing of an HTML page as a single file: text, figures, tables and sources.
 
 The foot of the page names the versions and the machine.
 """
@@ -27,17 +27,17 @@ from drumlin.base.texts import formatted, typed
 from drumlin.comparison import TableColumn
 
 _MEDIA = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
-"""The media type of a picture, by the ending of its file."""
+"""The media type of a picture file, by the ending of its name."""
 
 LEAST_SECTIONS = 3
-"""Number of sections from which on a page lists them. Shorter pages are seen at a glance."""
+"""Smallest number of sections at which a page gets a list of its contents."""
 
 RECORDED_PACKAGES = ("numpy", "scipy", "scikit-fem", "meshio", "pyvista", "matplotlib")
-"""Packages that make the numbers and pictures, whose versions a page names."""
+"""Packages that compute the results and draw the pictures. A page names their versions."""
 
 
 def software_versions() -> dict[str, str]:
-    """The versions of drumlin, Python and the packages that make the numbers, and the machine."""
+    """The versions of drumlin, Python and RECORDED_PACKAGES, and a description of this machine."""
     found = {"drumlin": drumlin.__version__, "Python": platform.python_version()}
     for name in RECORDED_PACKAGES:
         found[name] = importlib.metadata.version(name)
@@ -46,7 +46,7 @@ def software_versions() -> dict[str, str]:
 
 
 def picture_data_uri(path: Path) -> str:
-    """A picture file as a data URI."""
+    """A picture file as a data URI, a text by which an HTML page contains the picture itself."""
     return f"data:{_MEDIA[path.suffix]};base64,{base64.b64encode(path.read_bytes()).decode()}"
 
 
@@ -56,34 +56,34 @@ def columns_with_values(
     """The columns of a table that have a value in at least one row."""
 
     def has_value(column: TableColumn) -> bool:
-        """Whether a row has a value in a column."""
+        """Whether at least one row has a value in the column."""
         return any(row.get(column.key) is not None for row in rows)
 
     return list(filter(has_value, columns))
 
 
 def is_text_column(rows: Sequence[dict[str, Any]], column: TableColumn) -> bool:
-    """Whether a column holds words: its heading then stands at the left, as words do."""
+    """Whether a column of a table holds words. Headings of such columns are aligned to the left."""
     return any(isinstance(row.get(column.key), str) for row in rows)
 
 
 _PERCENT = re.compile(r"(?<=[0-9]) %")
-"""A percent sign after a number, from which the page must not break it."""
+"""The pattern of a space and a percent sign after a number, where no line may break."""
 
 
 def write_page(template: Path, page: Path, **values: Any) -> Path:
     """Fill a jinja template with values and write the page whole or not at all; returns `page`.
 
-    The template extends base.html (blocks title, lead, body) and imports from blocks.html what it
-    needs: figure, table, source, fields. Pictures are files beside the page and are embedded. In
-    the template `Column` makes a table's column, and `pi` is there. The filter `form` writes a
-    number, {{ error|form("+.1%") }}, and `tex` a formula, {{ tex("p_0") }}. Values are escaped. A
-    number and its % stay on one line. Figures and tables are numbered. The sections (h2) get a list
-    of links.
+    The template extends base.html (blocks title, lead, body) and imports macros from blocks.html:
+    figure, table, source, fields. A figure names a picture file beside the page; the picture is
+    embedded into the page. In the template `Column` makes a table's column, and `pi` is defined.
+    The filter `form` writes a number, {{ error|form("+.1%") }}, and the function `tex` writes a
+    formula, {{ tex("p_0") }}. Values are escaped. A number and its % stay on one line. Figures and
+    tables are numbered. A list of links to the sections (h2) is added.
 
     Raises jinja2.UndefinedError where the template asks for a value that is not given.
     """
-    # The foot of each page names versions, date and command.
+    # Versions, date and command are printed at the foot of each page.
     text = (
         _template_environment(template, page)
         .get_template(template.name)
@@ -99,8 +99,11 @@ def write_page(template: Path, page: Path, **values: Any) -> Path:
 
 
 def _template_environment(template: Path, page: Path) -> jinja2.Environment:
-    """The functions and filters that a template can use for a page."""
-    # Templates are looked for among those of drumlin, then beside the given template.
+    """The environment of jinja with the functions and filters that a template can use.
+
+    Pictures are looked for in the folder of `page`.
+    """
+    # Templates are looked for in this package first, then in the folder of the given template.
     own_templates = jinja2.PackageLoader("drumlin", "report")
     beside = jinja2.FileSystemLoader(template.parent)
     environment = jinja2.Environment(
@@ -114,7 +117,7 @@ def _template_environment(template: Path, page: Path) -> jinja2.Environment:
     count: Counter[str] = Counter()
 
     def numbered(kind: str) -> Markup:
-        """The label of the next figure or table, such as "Figure 2."."""
+        """The label of the next figure or table, such as "Figure 2."; `kind` is its first word."""
         count[kind] += 1
         return Markup("<b>{} {}.</b>").format(kind, count[kind])
 
@@ -131,29 +134,30 @@ def _template_environment(template: Path, page: Path) -> jinja2.Environment:
 
 
 def formula_as_mathml(source: str) -> Markup:
-    """The MathML, which browsers typeset, of a formula in LaTeX."""
+    """A formula in LaTeX as MathML, which browsers typeset."""
     return Markup(latex2mathml.converter.convert(source))
 
 
 _HEADING = re.compile(r"<h2>(.*?)</h2>", re.DOTALL)
-"""The heading of a section in HTML."""
+"""The pattern of a section's heading in HTML."""
 
 
 def add_contents_list(text: str) -> str:
-    """The HTML of a page with an anchor for each section, and a list of links to the sections.
+    """The HTML of a page, with an anchor added to each section and a list of links to them.
 
-    The list follows the lead of the page. Pages of fewer than LEAST_SECTIONS have no list.
+    The list stands below the first paragraph of the page. Pages with fewer than LEAST_SECTIONS
+    sections get no list.
     """
     titles = list(map(strip_html_tags, _HEADING.findall(text)))
     names = _anchor_names(titles)
     next_name = iter(names)
 
     def linked(heading: re.Match[str]) -> str:
-        """A heading with its anchor and a link to itself."""
+        """A section's heading in HTML with an anchor, and with a link to this anchor."""
         name = next(next_name)
         return f'<h2 id="{name}"><a href="#{name}">{heading[1]}</a></h2>'
 
-    # Each heading becomes a link to itself, so that a reader can pass the link on.
+    # Each heading becomes a link to itself, so that a reader can copy its address.
     text = _HEADING.sub(linked, text)
     if len(titles) < LEAST_SECTIONS:
         return text
@@ -163,9 +167,10 @@ def add_contents_list(text: str) -> str:
 
 
 def _anchor_names(titles: Sequence[str]) -> list[str]:
-    """A name for the anchor of each section title; all names differ.
+    """A distinct name for the anchor of each section title.
 
-    A title whose name is empty, or stands before already, has its position in its name.
+    The name is the title in small letters with hyphens. A name that is empty or that an earlier
+    title has gets the number of the section at its end.
     """
     names: list[str] = []
     anchors = []
@@ -178,5 +183,5 @@ def _anchor_names(titles: Sequence[str]) -> list[str]:
 
 
 def strip_html_tags(text: str) -> str:
-    """A piece of HTML without its tags."""
+    """The text of a piece of HTML, without tags and outer spaces."""
     return re.sub(r"<[^>]*>", "", text).strip()

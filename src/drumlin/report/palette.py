@@ -1,26 +1,26 @@
-"""The colours of all figures.
+"""The colours and line styles of all figures.
 
-Deuteranopes and protanopes tell the nine colours of curves apart, too. Line styles tell the models
-apart a second time.
+Readers with red-green blindness can tell the nine colours of curves apart. The models also differ
+in their line styles.
 """
 
 from typing import Any
 
 BLUE, RED, GREEN, OCHRE, PURPLE = "#0072b2", "#d55e00", "#00c663", "#feaa00", "#7d1fce"
 SKY, GREY, BROWN, INK = "#77bbe2", "#828890", "#473815", "#1d2733"
-"""The nine colours of curves; INK is the colour of text and outlines, too."""
+"""The nine colours of curves. INK is also the colour of text and outlines."""
 
 CATEGORIES = (BLUE, RED, GREEN, OCHRE, PURPLE, SKY, GREY, BROWN, INK)
 """The colours of curves, in the order in which a figure takes them."""
 
 FAINT = "#5b6875"
-"""The colour of axes and notes; not of curves."""
+"""The colour of axes and notes. No curve has this colour."""
 
 SHADE = "#e9d8c3"
-"""The colour of shaded ground; not of curves."""
+"""The colour of shaded areas. No curve has this colour."""
 
 GRADES = ("#2166ac", "#92c5de", "#f7e3b0", "#d6604d")
-"""Colours of a scale from good to bad: a low error is blue, a high error red."""
+"""Colours of a scale of errors, from low (blue) to high (red)."""
 
 LOOKS: dict[str, tuple[str, Any]] = {
     "fem": (BLUE, "-"),
@@ -37,14 +37,14 @@ LOOKS: dict[str, tuple[str, Any]] = {
     "foundation": (GREEN, (0, (6, 2))),
     "lifted": (OCHRE, ":"),
 }
-"""Colour and line style of each model."""
+"""Colour and matplotlib line style of each model's curves, by the name of the model."""
 
 
 def color_of_model(model: str) -> str:
-    """The colour of a model, which every figure uses."""
+    """The colour of a model's curves in all figures; FAINT for an unknown model."""
     return LOOKS[model][0] if model in LOOKS else FAINT
 
 
 def line_style_of_model(model: str) -> dict[str, Any]:
-    """A model's colour and line style, for matplotlib."""
+    """Colour and line style of a model's curves, as keyword arguments of matplotlib."""
     return {"color": color_of_model(model), "ls": LOOKS[model][1] if model in LOOKS else "-"}

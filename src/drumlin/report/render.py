@@ -1,8 +1,8 @@
-"""A picture of the fields, which pyvista renders off-screen in a process of its own.
+"""A picture of stress and contact pressure, which pyvista draws without a window.
 
-Off-screen rendering needs OpenGL or its software stand-in. Where neither is there, VTK may end the
-whole process instead of raising an error. `render_fields` therefore starts this module as another
-process and says what came of it.
+Drawing without a window needs OpenGL or its replacement in software. If neither is installed, the
+library VTK may end the whole process instead of raising an error. `render_fields` therefore runs
+this module as a process of its own, and returns the reason if that process fails.
 """
 
 import json
@@ -24,43 +24,44 @@ from drumlin.brake.support import Held
 from drumlin.report.palette import INK, RED
 
 RENDER_SECONDS = 120
-"""Seconds after which a process that draws counts as hung. A picture takes some three."""
+"""Seconds after which a drawing process is ended as hung. A picture takes some 3 s."""
 
 STRESS_TITLE = "von Mises stress [MPa]"
-"""The title of the colour bar, and the name of its values in the grid."""
+"""The title of the colour bar, and the name of the stresses [MPa] in the grid of pyvista."""
 
 BAR_TOPS = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
-"""Upper ends of the colour bar, times a power of ten. Their quarters are round numbers, too."""
+"""Upper ends of the colour bar, times a power of ten. A quarter of each is a round number."""
 
 ARROW_LENGTH = 0.28
-"""Length of a force's arrow relative to the size of the brake."""
+"""Length of each force's arrow, relative to the drum's radius or half the length on a plane."""
 
 FIELD_WIDTH, FIELD_HEIGHT = 1500, 1300
-"""Width and height of the picture of the fields in pixels."""
+"""Width and height [pixels] of the picture of stress and pressure."""
 
 
 class NoPicture(Exception):
-    """The process that draws has ended without a picture."""
+    """The exception for a drawing process that has ended without a picture."""
 
 
 def render_fields(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
-    """Draw a .vtu file of fields into a .png.
+    """Draw the displacements, stresses and pressures of a .vtu file into a .png file.
 
     Parameters
     ----------
     fields : the .vtu file
     picture : the .png file
-    brake : whose friction surface, pins and forces are drawn
-    title : of the picture
+    brake : the brake, whose friction surface, pins and forces are drawn
+    title : title of the picture
 
     Returns
     -------
-    None, or one line that says why there is no picture
+    None, or one line that says why the picture could not be drawn
     """
     surface = _surface_line(brake)
     pins: list[list[float]] = []
     for shoe in brake.shoes:
         pins += [list(point.xy) for point in _support_points(shoe)]
+    # What the picture shows besides the .vtu file; it is passed to the drawing process as JSON.
     marks = {
         "surface": surface.line.tolist(),
         "size": surface.size,
@@ -73,24 +74,24 @@ def render_fields(fields: Path, picture: Path, brake: Brake, title: str) -> str 
 
 
 def draw_in_own_process(module: str, fields: Path, picture: Path, argument: str) -> str | None:
-    """Have a module's `main` draw a .vtu file into a .png, in a process of its own.
+    """Start a new process in which a module's `main` draws a .vtu file into a .png file.
 
     Parameters
     ----------
-    module : dotted name of the module
+    module : dotted name of the module with the function `main`
     fields : the .vtu file
     picture : the .png file, which is written whole or not at all
-    argument : what `main` needs besides the files
+    argument : text that `main` gets as a further argument, after both files
 
     Returns
     -------
-    None, or one line that says why there is no picture
+    None, or one line that says why the picture could not be drawn
     """
     child = (
         f"import sys; sys.path.append(sys.argv.pop(1)); from {module} import main; sys.exit(main())"
     )
-    # With -P nothing is imported from the current folder. A drumlin that is not installed is
-    # imported from its own folder.
+    # With -P Python imports nothing from the current folder. The folder of drumlin's source is
+    # added to the search path for a drumlin that is not installed.
     folder = str(Path(__file__).parents[2])
     command = [sys.executable, "-P", "-c", child, folder, str(fields)]
     try:
@@ -98,7 +99,7 @@ def draw_in_own_process(module: str, fields: Path, picture: Path, argument: str)
             run_drawing_process([*command, str(partial), argument])
         return None
     except NoPicture as error:
-        # An old picture must not stand for a new result.
+        # Delete an old picture, so that nobody takes it for the picture of the new result.
         if picture.is_file():
             picture.unlink()
         reason = one_line(str(error), 200)
@@ -106,16 +107,22 @@ def draw_in_own_process(module: str, fields: Path, picture: Path, argument: str)
 
 
 class _SurfaceLine(NamedTuple):
-    """The friction surface as a line (n, 2) [m], and the length that signs are relative to [m]."""
+    """The friction surface to draw.
+
+    Attributes
+    ----------
+    line : points (n, 2) [m] of the drum's circle or of the plane
+    size : length [m] to which the sizes of arrows and signs are relative
+    """
 
     line: Floats
     size: float
 
 
 def _surface_line(brake: Brake) -> _SurfaceLine:
-    """The friction surface of a brake.
+    """The line of a brake's friction surface, with the length to which signs are relative.
 
-    Signs are relative to the drum's radius, on a plane to half the length of the brake.
+    This length is the drum's radius, on a plane half the length of the brake.
     """
     if not brake.surface.straight:
         turn = np.linspace(0, 2 * math.pi, 361)
@@ -128,13 +135,17 @@ def _surface_line(brake: Brake) -> _SurfaceLine:
 
 
 def _support_points(shoe: Held) -> list[Point]:
-    """The points where a shoe is held: its pin, its lever's pivot, its foot."""
+    """The points that support a shoe: its pin, its lever's pivot, its abutment, if it has them."""
     foot = None if shoe.abutment is None else shoe.abutment.point
     return [point for point in (shoe.hinge, shoe.pivot, foot) if point is not None]
 
 
 def run_drawing_process(command: list[str]) -> None:
-    """Run a process that draws. Raises NoPicture with the last line that it wrote."""
+    """Run a drawing process to its end.
+
+    Raises NoPicture where the process fails or hangs; its text is the last line that the process
+    wrote to standard error.
+    """
     try:
         done = subprocess.run(command, capture_output=True, timeout=RENDER_SECONDS, check=False)
     except (OSError, subprocess.TimeoutExpired) as error:
@@ -145,10 +156,10 @@ def run_drawing_process(command: list[str]) -> None:
 
 
 def draw_fields_picture(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
-    """Render in this process.
+    """Draw a .vtu file of fields into a .png file, within this process.
 
     The picture shows the von Mises stress on the deformed shoes, arrows of pressure, pins, forces,
-    and drum or plane. `marks` are those of `render_fields`.
+    and drum or plane. `marks` is the dictionary that `render_fields` makes.
     """
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
@@ -156,7 +167,7 @@ def draw_fields_picture(fields: Path, picture: Path, marks: dict[str, Any]) -> N
     grid = pv.read(fields)
     u = np.asarray(grid.point_data["displacement [m]"])
     grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
-    # The largest displacement is drawn as about 4 % of the size of the brake.
+    # Displacements are enlarged: the largest one is drawn as some 4 % of the drum's radius.
     factor = _round_down(0.04 * size / (float(np.linalg.norm(u, axis=1).max()) or 1.0))
     deformed = grid.copy()
     deformed.points = np.asarray(grid.points) + factor * u
@@ -174,6 +185,7 @@ def draw_fields_picture(fields: Path, picture: Path, marks: dict[str, Any]) -> N
     plotter.add_text(
         _text_of_picture(marks, factor), position="upper_left", font_size=12, color="black"
     )
+    # Choose the visible part so that shoes, surface, pins and arrows are inside.
     plotter.view_xy()
     plotter.enable_parallel_projection()
     corners = np.reshape(deformed.bounds[:4], (2, 2)).T
@@ -183,8 +195,9 @@ def draw_fields_picture(fields: Path, picture: Path, marks: dict[str, Any]) -> N
 
 
 def _add_stress(plotter: Any, deformed: Any) -> None:
-    """Add the deformed shoes with the colours of the stress, and the colour bar."""
-    # The stresses at singular edges are far above all others: the colours cut them off.
+    """Add the deformed shoes to the picture, coloured by their stress, and the colour bar."""
+    # Stresses at singular edges are far above all others, so that the colour bar ends at the stress
+    # which 0.5 % of the nodes exceed.
     top = _round_up(float(np.percentile(deformed.point_data[STRESS_TITLE], 99.5)))
     surface = deformed.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=3)
     bar = {
@@ -203,7 +216,10 @@ def _add_stress(plotter: Any, deformed: Any) -> None:
 
 
 def _add_forces(plotter: Any, forces: list[list[float]], size: float) -> list[list[float]]:
-    """Add an arrow for each force (x, y, Fx, Fy); returns the ends of the arrows [m]."""
+    """Add an arrow of the same length for each actuation force to the picture.
+
+    A force is given as x, y [m] and Fx, Fy [N]. Returns the points x, y [m] of all tails and tips.
+    """
     import pyvista as pv  # noqa: PLC0415
 
     length = ARROW_LENGTH * size
@@ -224,7 +240,7 @@ def _add_forces(plotter: Any, forces: list[list[float]], size: float) -> list[li
 
 
 def _text_of_picture(marks: dict[str, Any], factor: float) -> str:
-    """The text of the picture: its title and the meaning of its signs."""
+    """The text in the picture: its title, the factor on displacements, and what the signs mean."""
     surface = "plane" if marks["flat"] else "drum"
     return (
         f"{marks['title']}\n"
@@ -235,14 +251,16 @@ def _text_of_picture(marks: dict[str, Any], factor: float) -> str:
 
 
 def _aim_camera(camera: Any, places: Floats, margin: float) -> None:
-    """Aim the camera so that all places (n, 2) [m] lie left of the colour bar and below the text.
+    """Aim the camera so that all places (n, 2) [m] are left of the colour bar and below the text.
 
     The colour bar takes 16 % of the width, the text 10 % of the height.
     """
     left, bottom = places.min(axis=0) - margin
     right, top = places.max(axis=0) + margin
-    # Half the height of the picture [m].
-    scale = max((top - bottom) / 2 / 0.9, (right - left) / 2 / 0.84 * FIELD_HEIGHT / FIELD_WIDTH)
+    # `scale` is half the height of the picture [m] that holds all places in both directions.
+    scale_by_height = (top - bottom) / 2 / 0.9
+    scale_by_width = (right - left) / 2 / 0.84 * FIELD_HEIGHT / FIELD_WIDTH
+    scale = max(scale_by_height, scale_by_width)
     x = (left + right) / 2 + 0.13 * scale * FIELD_WIDTH / FIELD_HEIGHT
     y = (bottom + top) / 2 + 0.09 * scale
     camera.parallel_scale = scale
@@ -250,7 +268,10 @@ def _aim_camera(camera: Any, places: Floats, margin: float) -> None:
 
 
 def _undeformed_outline(grid: Any) -> Any:
-    """The undeformed outline: boundary edges of the cells with merged nodes of shared edges."""
+    """The outline of the undeformed shoes as a grid of pyvista.
+
+    It consists of all edges of cells that belong to one cell only, after equal nodes are merged.
+    """
     flat = grid.copy()
     flat.clear_data()
     surface = flat.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=1)
@@ -260,7 +281,11 @@ def _undeformed_outline(grid: Any) -> Any:
 
 
 def _add_pressure(plotter: Any, grid: Any, size: float, *, flat: bool) -> None:
-    """Add about a hundred arrows, evenly spread over the contact, with the pressure as length."""
+    """Add arrows of the contact pressure to the picture, evenly spread over the contact.
+
+    The length of an arrow is in proportion to the pressure. `size` [m] is the drum's radius, or
+    half the length of a brake on a plane (`flat`).
+    """
     import pyvista as pv  # noqa: PLC0415
 
     p = np.asarray(grid.point_data["pressure [Pa]"])
@@ -271,7 +296,8 @@ def _add_pressure(plotter: Any, grid: Any, size: float, *, flat: bool) -> None:
     push = np.asarray(grid.point_data["push of the drum [Pa]"])[touching]
     chosen = _choose_evenly_spread(points, size, flat=flat)
     lengths = np.linalg.norm(push[chosen], axis=1)
-    # The pressures at singular edges are far above all others: their arrows are cut off.
+    # Pressures at singular edges are far above all others, so that the highest tenth of the arrows
+    # is shortened to one length.
     top = float(np.percentile(lengths, 90))
     arrows = push[chosen] * (0.2 * size / np.maximum(lengths, top))[:, None]
     cloud = pv.PolyData(points[chosen] - arrows)
@@ -281,36 +307,38 @@ def _add_pressure(plotter: Any, grid: Any, size: float, *, flat: bool) -> None:
 
 
 def _choose_evenly_spread(points: Floats, size: float, *, flat: bool) -> Any:
-    """Positions of points (n, 2+) [m], one in each 2.5 degrees of the surface.
+    """Indices of evenly spread points among the given points (n, 2 or 3) [m].
 
-    On a plane 2.5 degrees mean this angle in radians times `size` [m].
+    One point is chosen in each sector of 2.5 degrees of the drum. On a plane a sector is this angle
+    in radians times `size` [m] long.
     """
     place = points[:, 0] / size if flat else np.arctan2(points[:, 1], points[:, 0])
     turns = place / math.radians(2.5)
     slot = np.round(turns)
-    # In each slot the point nearest to its middle comes first.
+    # Sort the points by sector, and within a sector by their distance from its middle. The first
+    # point of each sector is taken.
     order = np.lexsort((np.abs(turns - slot), slot))
     return order[np.unique(slot[order], return_index=True)[1]]
 
 
 def _round_down(value: float) -> float:
-    """The largest 1, 2 or 5 times a power of ten that is not above `value`."""
+    """The largest number not above `value` that is 1, 2 or 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
     steps = [step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)]
     return max(steps, default=power)
 
 
 def _round_up(value: float) -> float:
-    """The smallest of BAR_TOPS times a power of ten that is not below `value`."""
+    """The smallest number not below `value` that is one of BAR_TOPS times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value)) if value > 0 else 1.0
     return next(step * power for step in BAR_TOPS if step * power >= value * (1 - 1e-9))
 
 
 def main() -> int:
-    """Draw, in a process of its own, by its arguments; returns its exit status."""
+    """Draw the picture that the arguments of this process name; returns the exit status."""
 
     def drew() -> int:
-        """Draw the picture that the arguments name."""
+        """Draw the .vtu file (argument 1) into the .png file (2), with further data as JSON (3)."""
         draw_fields_picture(Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3]))
         return 0
 

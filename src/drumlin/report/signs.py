@@ -1,6 +1,6 @@
-"""Signs for how shoes are held and pushed.
+"""Drawing of the signs for how shoes are supported and actuated.
 
-They are pin, lever's pivot, abutment, guide, grip, strut, cam and rigid arm.
+The signs are those of pin, lever's pivot, abutment, guide, grip, strut, cam and rigid arm.
 """
 
 import math
@@ -18,9 +18,9 @@ from drumlin.brake.fields import Point
 from drumlin.report.palette import BLUE, FAINT, INK, RED
 
 MM_PER_M = 1e3
-"""Millimetres in a metre: drawings have their axes in mm."""
+"""Millimetres in a metre. Brakes are in metres, the axes of drawings in mm."""
 
-# The colours of the parts of a brake in drawings.
+# These are the colours of a brake's parts in drawings.
 DRUM_COLOR = "#e6ebf0"
 BODY_COLOR = "#aab6c2"
 BLOCK_COLOR = "#e3cfa4"
@@ -34,10 +34,10 @@ def draw_support(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False)
 
     Parameters
     ----------
-    axes : of the drawing
+    axes : axes of the drawing
     shoe : the shoe
     unit : size of the signs [mm]
-    on_strut : whether its abutment is the end of a strut
+    on_strut : whether the shoe's abutment is the end of a strut, which moves
     """
     if shoe.hinge is not None:
         draw_pin(axes, shoe.hinge, unit, fixed=True)
@@ -54,9 +54,8 @@ def draw_support(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False)
 
 
 def _draw_guide(axes: Axes, at: Floats, direction: float, unit: float) -> None:
-    """Draw a guide: two lines along its direction [rad], beside a point (2,) [mm]."""
+    """Draw a guide as two lines in its direction [rad], one on each side of a point (2,) [mm]."""
     along = np.array([math.cos(direction), math.sin(direction)])
-    # A line on each side of the point.
     for side in (-1.0, 1.0):
         across = side * 0.6 * unit * np.array([-along[1], along[0]])
         ends = at + across + np.outer([-1.2 * unit, 1.2 * unit], along)
@@ -70,17 +69,17 @@ def draw_abutment_face(
 
     Parameters
     ----------
-    axes : of the drawing
+    axes : axes of the drawing
     at : point of the face (2,) [mm]
-    direction : of its normal [rad]
+    direction : direction of the face's normal [rad]
     unit : size of the signs [mm]
-    ground : whether the face is fixed, which hatching behind the line shows
+    ground : whether the face is fixed; a fixed face has hatching behind its line
     """
     normal = np.array([math.cos(direction), math.sin(direction)])
     tangent = np.array([-normal[1], normal[0]])
     line = at + np.outer([-unit, unit], tangent)
     axes.plot(*line.T, color=INK, lw=2.5, zorder=5)
-    # Hatching shows that the face is fixed.
+    # Draw six short oblique lines behind a fixed face, and none behind a moving face.
     for place in np.linspace(-0.9, 0.9, 6 if ground else 0):
         foot = at + place * unit * tangent
         hatch = np.array([foot, foot - 0.45 * unit * (normal + tangent)])
@@ -88,22 +87,28 @@ def draw_abutment_face(
 
 
 class _Arm(NamedTuple):
-    """A rigid arm from a point in the shoe's own coordinates (2,) [m] to a point (2,) [mm]."""
+    """A rigid arm between a shoe's body and a hinge, pivot or force beside the body.
+
+    Attributes
+    ----------
+    middle : point of the body (2,) [m], in the shoe's own coordinates
+    end : point of the hinge, pivot or force (2,) [mm], in the drawing's coordinates
+    """
 
     middle: Floats
     end: Floats
 
 
 def draw_rigid_arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> None:
-    """Draw the rigid arms of an elastic shoe, dashed, and the stretch of its back that is gripped.
+    """Draw the rigid arms of an elastic shoe as dashed lines, and the gripped part of its back.
 
-    A rigid arm joins the body to a hinge, pivot or force that stands off the body.
+    A rigid arm joins the shoe's body to a hinge, pivot or force at some distance from the body.
 
     Parameters
     ----------
-    axes : of the drawing
+    axes : axes of the drawing
     shoe : the shoe
-    radius : size of the brake [m]
+    radius : radius of the drum, on a plane length of the first lining [m]
     force : point of the force (2,) [mm]
     unit : size of the signs [mm]
     """
@@ -114,17 +119,19 @@ def draw_rigid_arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: 
     pin_at = shoe.pin.xy * MM_PER_M
     drawn: Sequence[_Arm]
     if grip is None:
+        # Without a grip, the arms start at the two end faces of the body.
         held_face = shoe.end_face(radius)
         loaded_face = shoe.end_face(radius, loaded=True)
         drawn = [_Arm(held_face, pin_at), _Arm(loaded_face, force)]
     else:
+        # With a grip, the arms start at the middle of the gripped part of the back.
         back = shoe.points(shoe.at(depth, np.linspace(*grip, 20), radius)) * MM_PER_M
         axes.plot(*back, color=INK, lw=3, solid_capstyle="butt", zorder=4)
         middle = shoe.at(depth, np.array(0.5 * sum(grip)), radius)
         drawn = [_Arm(middle, pin_at), _Arm(middle, force)]
         if shoe.pivot is not None:
             drawn = [_Arm(middle, shoe.pivot.xy * MM_PER_M)]
-    # Arms that are shorter than a sign would only blur it.
+    # An arm shorter than a fifth of a sign is not drawn: the sign would hide it.
     for arm in drawn:
         start = shoe.points(arm.middle[:, None])[:, 0] * MM_PER_M
         line = np.array([start, arm.end])
@@ -137,9 +144,9 @@ def draw_shared_parts(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], un
 
     Parameters
     ----------
-    axes : of the drawing
+    axes : axes of the drawing
     brake : the brake
-    loaded : point (2,) [mm] where each shoe is pushed, by its name
+    loaded : point (2,) [mm] where the force on each shoe is drawn, by the name of the shoe
     unit : size of the signs [mm]
     """
     shoes = {shoe.name: shoe for shoe in brake.shoes}
@@ -148,6 +155,7 @@ def draw_shared_parts(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], un
         assert source.abutment is not None
         ends = np.array([source.abutment.point.xy * MM_PER_M, loaded[link.to]])
         axes.plot(*ends.T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
+    # The cam is drawn as a disc at the middle between the tips of the two actuated shoes.
     if brake.actuation is not None and brake.actuation.is_cam:
         tips = [loaded[shoe.name] for shoe in brake.shoes if shoe.actuation.force]
         axes.plot(*np.array(tips).T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
@@ -157,7 +165,7 @@ def draw_shared_parts(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], un
 
 
 def draw_pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:
-    """Draw a pin: on hatched ground if it is fixed, or on a lever."""
+    """Draw a pin as a small circle. A fixed pin stands on a triangle on hatched ground."""
     x, y = point.xy * MM_PER_M
     if fixed:
         left, right, base = x - 0.7 * unit, x + 0.7 * unit, y - 1.1 * unit

@@ -1,6 +1,6 @@
-"""A picture of solid shoes, which pyvista renders off-screen in a process of its own.
+"""A picture of solid (three-dimensional) shoes, which pyvista draws without a window.
 
-`render_solid_shoes` says why the process is needed.
+Drawing runs in a process of its own, since the graphics library may end the process it runs in.
 """
 
 import sys
@@ -13,33 +13,40 @@ from drumlin.base.errors import ended
 from drumlin.report.render import STRESS_TITLE, draw_in_own_process
 
 LARGEST_DISPLACEMENT = 0.05
-"""Length of the largest displacement in the picture, relative to the drum's radius. Longer ones
-hide the shape of the shoes, shorter ones the deformation."""
+"""Length of the largest displacement in the picture, relative to the drum's radius.
+
+Longer displacements would hide the shape of the shoes, shorter ones would hide the deformation.
+"""
 
 
 def render_solid_shoes(fields: Path, picture: Path, title: str) -> str | None:
-    """Draw the .vtu file of solid shoes into a .png; returns None, or why there is no picture."""
+    """Draw the .vtu file of solid shoes into a .png file.
+
+    Returns None, or one line that says why the picture could not be drawn.
+    """
     return draw_in_own_process(__name__, fields, picture, title)
 
 
 def draw_solid_shoes(fields: Path, picture: Path, title: str) -> None:
-    """Render in this process: von Mises stress on the deformed solids.
+    """Draw the von Mises stress on the deformed solid shoes into a .png file, within this process.
 
-    The file holds the half of each shoe on one side of its middle plane. The picture shows both
-    halves.
+    The .vtu file holds half of each shoe, on one side of the middle plane of its width. The picture
+    shows both halves.
     """
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
     grid = pv.read(fields)
     grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
     factor = _displacement_factor(grid)
+    # The second half is the first one mirrored at the middle plane z = 0.
     halves = []
     for side in (1.0, -1.0):
         half = grid.copy()
         u = np.asarray(grid.point_data["displacement [m]"])
         half.points = (np.asarray(grid.points) + factor * u) * np.array([1.0, 1.0, side])
         halves.append(half.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=2))
-    # The stresses at loaded ends are far above all others: the colours cut them off.
+    # Stresses at loaded ends are far above all others, so that the colour bar ends at the stress
+    # which 2 % of the nodes exceed.
     top = float(np.percentile(grid.point_data[STRESS_TITLE], 98.0))
     plotter = pv.Plotter(off_screen=True, window_size=(1600, 1250))
     plotter.set_background("white")
@@ -69,9 +76,10 @@ def draw_solid_shoes(fields: Path, picture: Path, title: str) -> None:
 
 
 def _displacement_factor(grid: Any) -> float:
-    """The factor by which the picture enlarges the displacements, see LARGEST_DISPLACEMENT.
+    """The factor by which the picture enlarges the displacements.
 
-    It is 1, 2 or 5 times a power of ten.
+    It is 1, 2 or 5 times a power of ten, and the largest at which no displacement is drawn longer
+    than LARGEST_DISPLACEMENT.
     """
     u = np.asarray(grid.point_data["displacement [m]"])
     radius = float(np.linalg.norm(np.asarray(grid.points)[:, :2], axis=1).max())
@@ -82,10 +90,10 @@ def _displacement_factor(grid: Any) -> float:
 
 
 def main() -> int:
-    """Draw, in a process of its own, by its arguments; returns its exit status."""
+    """Draw the picture that the arguments of this process name; returns the exit status."""
 
     def drew() -> int:
-        """Draw the picture that the arguments name."""
+        """Draw the .vtu file (argument 1) into the .png file (2), under a title (3)."""
         draw_solid_shoes(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
         return 0
 

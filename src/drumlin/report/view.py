@@ -1,4 +1,4 @@
-"""A brake and its mesh as a picture."""
+"""The picture of `drumlin view`: a brake to scale with the meshes of its shoes."""
 
 from typing import Any
 
@@ -14,14 +14,14 @@ from drumlin.models import refusals
 from drumlin.report.drawing import draw_brake
 
 MESH_COLORS = {"shoe": "#c9d3dc", "table": "#b3c0cc", "backing": "#d9c39a", "lining": "#b98b6b"}
-"""Colour of the elements of each part of a shoe."""
+"""Colour of the finite elements, by the part of the shoe to which they belong."""
 
 
 def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
-    """Draw a brake with drum, pins and forces, and over it the meshes of its shoes.
+    """Draw a brake with drum, pins and forces, and on top the finite-element meshes of its shoes.
 
-    A brake that cannot be meshed is drawn without meshes. `options` are those of the prepared
-    model.
+    A brake to which finite elements do not apply is drawn without meshes. `options` are options of
+    the mesh, such as elements and kind.
     """
     figure = Figure(figsize=(7.5, 7.5), layout="constrained")
     axes = figure.subplots()
@@ -32,6 +32,7 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
     for shoe, body in zip(
         brake.shoes, prepare_finest_division(brake, **options).bodies, strict=True
     ):
+        # Each element is drawn as the polygon of the nodes around it.
         xy = shoe.points(body.basis.doflocs).T * 1e3  # mm
         around = body.mesh.outline if isinstance(body.mesh, ColumnGrid) else _nodes_around(body)
         for name, elements in body.mesh.subdomains.items():
@@ -47,13 +48,14 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
 
 
 def _nodes_around(body: ShoeSubstructure) -> Ints:
-    """The nodes around each element of a mesh (k, elements): corners and middles of edges.
+    """The nodes on the boundary of each element of a mesh (k, elements), in order around it.
 
-    Linear elements have no nodes in the middles of their edges.
+    They are corners and middles of edges; linear elements have corners only.
     """
     corners = len(body.mesh.t)
     around = body.basis.element_dofs[: 2 * corners]
     if len(around) == 2 * corners:
-        # Corners and middles stand one after the other; around the element they alternate.
+        # skfem lists all corners first, then all middles of edges. Around the element they
+        # alternate.
         around = around.reshape(2, corners, -1).swapaxes(0, 1).reshape(2 * corners, -1)
     return around

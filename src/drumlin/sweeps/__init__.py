@@ -1,5 +1,5 @@
-"""Sweeps: many cases of one brake as a table, their file, their workers, and tolerances.
+"""Sweeps: one brake solved for many values of its keys, with the results as one table.
 
-This package stands on the models. The table is the same whatever process or cluster solved the
-cases.
+The package reads sweep files, has the cases solved by worker processes or a cluster, and evaluates
+manufacturing tolerances. The table does not depend on the process that solved a case.
 """

@@ -1,8 +1,8 @@
-"""Many cases of a brake, solved in this process or by workers, each kept in a journal.
+"""Solving of the cases of a sweep, in this process or by workers; a journal keeps each result.
 
-The row of a case depends on the case alone. It depends neither on the worker that solved the case
-nor on the cases that the worker solved before. A sweep that was stopped and goes on therefore ends
-with the same rows as a sweep that was never stopped.
+A case is a brake with some changed values and a model. Its results, called its row, depend on the
+case alone: neither on the worker that solved the case nor on the cases solved before. A sweep that
+was stopped and goes on therefore gives the same table as a sweep that was never stopped.
 """
 
 import hashlib
@@ -30,26 +30,32 @@ from drumlin.response.response import Response, ShoeResponse
 from drumlin.sweeps.workers import SayLine, waiting_line
 
 Row = dict[str, Any]
-"""The numbers of a case by name, or its failure under "status"; see `response_row`."""
+"""The results of a case by name, such as "torque", or its failure under "status"."""
 
 QUIET_SECONDS = 20.0
-"""Seconds without an answer after which a line tells that the sweep waits for workers. A judgement:
-most cases take far less."""
+"""Seconds without a result after which a message says that the sweep waits for workers.
+
+The limit is a judgement: most cases take far less.
+"""
 
 CHUNK_SECONDS = 0.1
-"""Seconds of work that a worker gets at a time. Longer chunks lose more work when the sweep is
-killed; shorter ones cost more messages between the processes."""
+"""Seconds of work in a chunk, which is the number of cases that a worker gets at a time.
+
+With longer chunks more work is lost when the sweep is killed. Shorter chunks need more messages
+between the processes.
+"""
 
 MAX_CASES_PER_CHUNK = 64
 """Largest number of cases in a chunk, however fast the cases are solved."""
 
 FURTHER_ATTEMPTS = 2
-"""How often a case that failed for a passing reason (no memory, a dead worker) is tried again."""
+"""Number of further attempts at a case that failed for want of memory or of its worker."""
 
 OTHER_DRUMLIN = (
     "executor: its workers run another drumlin, or other libraries, than this one; "
     "install the same there"
 )
+"""The message for workers whose version of drumlin or its libraries differs from this process's."""
 
 LOAD_KEYS = (
     "title",
@@ -63,17 +69,20 @@ LOAD_KEYS = (
     "direction",
     "point",
 )
-"""Keys of a brake file that leave the stiffness of the bodies as it is. Cases that differ in these
-keys alone are solved one after the other and share their bodies."""
+"""Keys of a brake file that do not change the stiffness of the shoes.
+
+Cases that differ in these keys alone are solved one after the other, with the same condensed
+stiffness.
+"""
 
 
 class SweepCase(NamedTuple):
-    """A brake with some of its keys changed, and the model that solves it.
+    """A case of a sweep: a brake with some changed values, and the model that solves it.
 
     Attributes
     ----------
     brake : the base brake
-    changes : new values by key, as `vary` takes them
+    changes : new values by key of the brake file
     model : name of the model
     options : options of the model
     """
@@ -85,13 +94,13 @@ class SweepCase(NamedTuple):
 
 
 class CaseAnswer(NamedTuple):
-    """The row of a case after one attempt at it.
+    """The result of one attempt to solve a case.
 
     Attributes
     ----------
-    row : numbers of the case, or why it has none
-    lasting : whether the row belongs to the case, so that the journal keeps it
-    again : whether a further attempt may change a row that is not lasting
+    row : results of the case, or the reason of its failure
+    lasting : whether each attempt would give the same row; the journal keeps lasting rows only
+    again : whether the case failed for a reason that may pass, so that it is tried again
     """
 
     row: Row
@@ -100,12 +109,12 @@ class CaseAnswer(NamedTuple):
 
 
 def solve_case(case: SweepCase, cache: Cache | None = None) -> tuple[Brake, Response]:
-    """Solve a case: its brake, with the changes, and the response.
+    """Solve a case; returns the brake with its changed values, and the response of the model.
 
-    The models "fem" and "solid" take condensed bodies from the cache and put theirs into it. Raises
-    BadInput and NoAnswer as the model does.
+    The models "fem" and "solid" take the condensed stiffness of equal shoes from the cache, and
+    store that of other shoes there. Raises BadInput and NoAnswer as the model does.
     """
-    # A case without changes needs no second validation of its brake.
+    # The base brake itself has been validated before.
     brake = vary(case.brake, case.changes) if case.changes else case.brake
     options = dict(case.options)
     if case.model in {"fem", "solid"}:
@@ -114,37 +123,38 @@ def solve_case(case: SweepCase, cache: Cache | None = None) -> tuple[Brake, Resp
 
 
 def case_row(case: SweepCase, cache: Cache | None = None) -> Row:
-    """The numbers of a case by name (see `response_row`), or its failure. Never raises."""
+    """Solve a case; returns its results as `response_row` does, or its failure. Never raises."""
     return attempt_case(case, cache).row
 
 
 def attempt_case(case: SweepCase, cache: Cache | None = None) -> CaseAnswer:
-    """Solve a case and tell whether its row may be kept. Never raises.
+    """Solve a case, and say whether its results may be kept. Never raises.
 
-    Answers are lasting, and so are refusals of the input or the physics. Failures for want of
-    memory, files or workers may pass. Faults of drumlin are neither lasting nor tried again.
+    Results are lasting, and so are refusals because of the input or the physics. Failures for want
+    of memory or files may pass. Faults of drumlin are neither lasting nor tried again.
     """
     try:
         return CaseAnswer(response_row(*solve_case(case, cache)))
-    # A fault of one case must not cost the others. The row of the case tells the fault.
+    # An error in one case must not end the sweep. It is written into the row of the case.
     except Exception as error:
         return _failed_answer(case, error)
 
 
 def _failed_answer(case: SweepCase, error: Exception) -> CaseAnswer:
-    """The answer to a case that an error ended."""
+    """The answer for a case that ended with an error: a row with the error's text as its status."""
     known = isinstance(error, DrumlinError)
     text = str(error) if known else f"unexpected {type(error).__name__}: {error}"
     passing = _is_passing_failure(error)
-    # A mesh file that cannot be read has the digest "none". The file may be back next time.
+    # The failure does not last if a mesh file cannot be read now: its digest is "none". The file
+    # may be there next time.
     readable = "none" not in map(digest_of_mesh_file, mesh_files(case.brake, case.changes))
     row = {"status": f"failed: {' '.join(text.split())}"}
     return CaseAnswer(row, lasting=known and not passing and readable, again=passing)
 
 
 def _is_passing_failure(error: BaseException | None) -> bool:
-    """Whether memory or the system, not the case, caused an error."""
-    # A model may wrap the system's error in a refusal of its own, which names its cause.
+    """Whether lack of memory or the operating system, not the case, caused an error."""
+    # A model may turn an error of the system into a refusal. Follow the chain of causes.
     while error is not None:
         if isinstance(error, MemoryError | OSError):
             return True
@@ -153,7 +163,7 @@ def _is_passing_failure(error: BaseException | None) -> bool:
 
 
 def response_row(brake: Brake, response: Response) -> Row:
-    """The numbers of a response by name, in SI; those of shoe NAME as "NAME.torque" and so on.
+    """The results of a case by name, in SI; results of the shoe NAME as "NAME.torque" and so on.
 
     Of the brake: "torque" [N m], on a plane "braking_force" [N]; "brake_factor" T/(F R) with the
     mean force F of the actuation, on a plane braking force / F; "peak_pressure" [Pa], the largest
@@ -178,6 +188,7 @@ def response_row(brake: Brake, response: Response) -> Row:
     if response.plane_stress_error is not None:
         for name, value in response.plane_stress_error.brake.items():
             row[f"plane_stress_error_{name}"] = value
+    # The results of each shoe follow, with the shoe's name in front.
     for i, shoe in enumerate(response.shoes):
         numbers = _shoe_row(brake, i, response.effects[i], shoe)
         row |= {f"{shoe.name}.{name}": value for name, value in numbers.items()}
@@ -185,7 +196,7 @@ def response_row(brake: Brake, response: Response) -> Row:
 
 
 def _shoe_row(brake: Brake, number: int, effect: float, shoe: ShoeResponse) -> Row:
-    """The numbers of one shoe by name.
+    """The results of one shoe by name, in SI.
 
     Parameters
     ----------
@@ -208,7 +219,7 @@ def _shoe_row(brake: Brake, number: int, effect: float, shoe: ShoeResponse) -> R
 
 
 def _as_plain_value(value: Any) -> Any:
-    """A value of a row as plain Python: numbers of numpy as floats."""
+    """A result as a plain Python value, which JSON can store: numpy's numbers become floats."""
     return value if value is None or isinstance(value, str | int) else float(value)
 
 
@@ -221,35 +232,35 @@ def solve_cases(
     done: Callable[[int, int], None] = lambda finished, of: None,
     say: SayLine = lambda words: None,
 ) -> list[Row]:
-    """Solve cases; returns their rows in the order of the cases.
+    """Solve the cases of a sweep; returns the row of results of each case, in the same order.
 
-    A case that fails for a passing reason (no memory, a dead worker) is tried twice more, alone. If
-    it still fails, its row tells why, and the journal does not keep the row.
+    A case that fails for a reason that may pass (no memory, a dead worker) is tried twice more,
+    alone. If it still fails, its row says why, and the journal does not keep this row.
 
     Parameters
     ----------
     cases : the cases
-    executor : who solves the cases, in chunks; None: this process
-    workers : number of the executor's workers, each of which gets a few chunks at a time
-    journal : where each row is kept as it comes; cases that are in it are not solved again
-    done : told how many cases have finished, and of how many
-    say : told in a line when the sweep waits for workers
+    executor : executor whose workers solve the cases, in chunks; None: this process solves them
+    workers : number of the executor's workers
+    journal : store of all finished cases; cases that it already has are not solved again
+    done : called with the number of finished cases and of all cases
+    say : called with a message when the sweep waits for workers
 
     Raises
     ------
     NoAnswer
-        where no workers are left; what has finished is in the journal
+        where all workers are lost; finished cases are in the journal
     BadInput
-        where the workers run another drumlin
+        where the workers run another version of drumlin or its libraries
     """
     journal = Journal() if journal is None else journal
     keys = list(journal_keys(cases))
     missing = _missing_cases(cases, keys, journal)
     finished = len(cases) - len(missing)
     done(finished, len(cases))
-    # Rows that the journal does not keep, by the key of their case.
+    # Rows of failures that may pass, by the key of their case; the journal does not keep them.
     passing: dict[str, Row] = {}
-    # Only cases that failed for a passing reason are left for the second and third round.
+    # The second and third round try those cases again that failed for a reason that may pass.
     for further in reversed(range(FURTHER_ATTEMPTS + 1)):
         again = []
         if executor is None:
@@ -257,6 +268,7 @@ def solve_cases(
         else:
             alone = further < FURTHER_ATTEMPTS
             answers = _solve_by_workers(_Dispatch(executor, workers, cases, missing, alone), say)
+        # Store each answer as it comes, and collect the cases that are tried again.
         for i, answer in answers:
             if answer.lasting:
                 journal.add(keys[i], answer.row)
@@ -275,22 +287,31 @@ def solve_cases(
 def _missing_cases(
     cases: Sequence[SweepCase], keys: Sequence[dict[str, Any]], journal: Journal
 ) -> list[int]:
-    """Positions of the cases that the journal has not, equal cases once, sorted by their bodies."""
+    """The positions of the cases that are not in the journal.
+
+    Of equal cases only one is listed. Cases with the same shoes stand one after the other.
+    """
     unsolved = [i for i, key in enumerate(keys) if key not in journal]
     distinct = {json.dumps(keys[i]): i for i in unsolved}
-    return sorted(distinct.values(), key=lambda i: (cases[i].model, shared_body_key(cases[i]), i))
+
+    def order(i: int) -> tuple[str, str, int]:
+        """The sort key of the case at position i: its model, then its shoes, then the position."""
+        return cases[i].model, shared_body_key(cases[i]), i
+
+    return sorted(distinct.values(), key=order)
 
 
 def journal_keys(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
-    """The journal key of each case: a digest of its brake, its changes, model and options.
+    """Yield for each case the data by which the journal recognises the case.
 
-    Mesh files among the changes stand by a digest of their content.
+    They are a digest of the base brake, the changed values, the model and its options. Changed mesh
+    files are given by a digest of their content.
     """
     brake_digests: dict[int, str] = {}
-    # Each mesh file is read once, however many cases name it.
+    # A mesh file is read once, even if many cases name it.
     file_digest = cache(digest_of_mesh_file)
     for case in cases:
-        # Thousands of cases share one brake object: it is digested once.
+        # Many cases share one brake object, so that its digest is computed once.
         if id(case.brake) not in brake_digests:
             brake_digests[id(case.brake)] = brake_digest(case.brake)
         changes = dict(case.changes)
@@ -306,8 +327,11 @@ def journal_keys(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
 
 
 def brake_digest(brake: Brake) -> str:
-    """A digest of all data of a brake; mesh files count by their content, not by their names."""
-    # Equal brakes have equal JSON, since the keys stand in the order of the classes.
+    """A digest (16 hexadecimal digits) of all data of a brake.
+
+    It depends on the content of mesh files, not on their names.
+    """
+    # Equal brakes have equal JSON, since the keys stand in the order of the classes' fields.
     data = brake.model_dump(mode="json")
     for shoe in data["shoes"]:
         if shoe.get("mesh") is not None:
@@ -316,25 +340,25 @@ def brake_digest(brake: Brake) -> str:
 
 
 def is_mesh_key(key: str) -> bool:
-    """Whether a key, written as for `vary`, takes mesh files."""
+    """Whether the values of a key of the brake file are paths of mesh files."""
     return key.rpartition(".")[2] == "mesh"
 
 
 def mesh_files(brake: Brake, changes: Mapping[str, Any]) -> list[Path]:
-    """The mesh files of a brake and those among its changes."""
+    """The paths of all mesh files that a brake or its changed values name."""
     named = [shoe.mesh for shoe in brake.shoes]
     named += [value for key, value in changes.items() if is_mesh_key(key)]
     return [Path(path) for path in named if isinstance(path, str | Path)]
 
 
 def shared_body_key(case: SweepCase) -> str:
-    """A text that is equal for cases with the same bodies.
+    """A text that is equal for cases whose shoes have the same stiffness.
 
-    It holds the model's options and all changes but those of LOAD_KEYS.
+    It holds the options of the model, and all changed values except those of LOAD_KEYS.
     """
     changes_of_bodies = {}
     for key, value in case.changes.items():
-        # "shoe[0].actuation.force" has the words shoe, 0, actuation and force.
+        # Split a key into its words: "shoe[0].actuation.force" has shoe, 0, actuation and force.
         words = set(key.replace("[", ".").split("."))
         if not words & set(LOAD_KEYS):
             changes_of_bodies[key] = value
@@ -344,14 +368,21 @@ def shared_body_key(case: SweepCase) -> str:
 def _solve_in_process(
     cases: Sequence[SweepCase], missing: Sequence[int]
 ) -> Iterator[tuple[int, CaseAnswer]]:
-    """Positions of the missing cases, each with its answer, which this process finds."""
+    """Solve the cases at the positions `missing` in this process; yields position and answer."""
     bodies = Cache()
     for i in missing:
         yield i, attempt_case(cases[i], bodies)
 
 
 class _ChunkAnswer(NamedTuple):
-    """What a worker returns: the answers, the seconds they took, and the stamp of its drumlin."""
+    """The answer of a worker to a chunk of cases.
+
+    Attributes
+    ----------
+    answers : answer for each case of the chunk
+    seconds : time that the chunk took [s]
+    stamp : digest of the worker's drumlin and libraries
+    """
 
     answers: list[CaseAnswer]
     seconds: float
@@ -359,11 +390,11 @@ class _ChunkAnswer(NamedTuple):
 
 
 _worker_bodies = threading.local()
-"""The condensed bodies that a worker keeps. A worker with threads keeps some for each thread."""
+"""The cache of condensed stiffnesses of shoes in a worker, one for each thread of the worker."""
 
 
 def solve_chunk(cases: Sequence[SweepCase]) -> _ChunkAnswer:
-    """Solve some cases in a worker."""
+    """Solve a chunk of cases; a worker runs this function."""
     if not hasattr(_worker_bodies, "cache"):
         _worker_bodies.cache = Cache()
     start = time.perf_counter()
@@ -373,12 +404,12 @@ def solve_chunk(cases: Sequence[SweepCase]) -> _ChunkAnswer:
 
 @cache
 def _drumlin_stamp() -> str:
-    """The stamp of this process's drumlin and libraries."""
+    """A digest of the source of this process's drumlin and of the versions of its libraries."""
     return source_stamp()
 
 
 def _solve_by_workers(dispatch: "_Dispatch", say: SayLine) -> Iterator[tuple[int, CaseAnswer]]:
-    """Positions of cases with their answers, as the answers come from an executor."""
+    """Solve cases by workers; yields the position and answer of each case as the answer comes."""
     last_answer, told = time.time(), False
     try:
         while dispatch.has_open_work:
@@ -400,18 +431,18 @@ def _solve_by_workers(dispatch: "_Dispatch", say: SayLine) -> Iterator[tuple[int
 
 
 class _Dispatch:
-    """Chunks of cases on their way to the workers of an executor and back.
+    """The distribution of cases to the workers of an executor, in chunks.
 
-    The chunks grow until each takes CHUNK_SECONDS. Cases that are tried again go alone, one at a
-    time, so that a case that kills its worker takes no other case with it.
+    Chunks grow until each takes CHUNK_SECONDS. Cases that are tried again are sent one at a time,
+    so that a case that kills its worker takes no other case with it.
 
     Parameters
     ----------
-    executor : who solves the chunks
-    workers : number of its workers
-    cases : all cases
+    executor : executor whose workers solve the chunks
+    workers : number of the executor's workers
+    cases : all cases of the sweep
     missing : positions of the cases to solve
-    alone : whether each case goes alone
+    alone : whether the cases are sent one at a time
     """
 
     def __init__(
@@ -427,25 +458,26 @@ class _Dispatch:
         self._waiting = _Chunks(cases, missing)
         self._size = 1
         self._max_size = 1 if alone else MAX_CASES_PER_CHUNK
-        # Each worker has one chunk at work and one in its queue.
+        # Each worker has one chunk that it solves and one that waits.
         self._max_sent = 1 if alone else 2 * workers + 1
 
     @property
     def has_open_work(self) -> bool:
-        """Whether cases wait or are with a worker."""
+        """Whether cases wait for a worker or are being solved."""
         return self._waiting.has_cases or bool(self.sent)
 
     def send_chunks(self) -> None:
-        """Send chunks until the workers have enough."""
+        """Send chunks of cases to the workers until each worker has two chunks."""
         while self._waiting.has_cases and len(self.sent) < self._max_sent:
             positions = self._waiting.take_cases(self._size)
             chunk = [self._cases[i] for i in positions]
             self.sent[self._executor.submit(solve_chunk, chunk)] = positions
 
     def collect_answers(self, future: "Future[_ChunkAnswer]") -> Iterator[tuple[int, CaseAnswer]]:
-        """The answers of a chunk that has come back. Raises BadInput for another drumlin.
+        """Yield the position and answer of each case of a chunk that a worker has finished.
 
-        The cases of a worker that died fail for a passing reason.
+        If the worker died, its cases fail for a reason that may pass. Raises BadInput if the worker
+        runs another version of drumlin or its libraries.
         """
         positions = self.sent.pop(future)
         try:
@@ -453,6 +485,7 @@ class _Dispatch:
             if chunk.stamp != _drumlin_stamp():
                 raise BadInput(OTHER_DRUMLIN)
             answers = chunk.answers
+            # The next chunks get as many cases as are solved in CHUNK_SECONDS.
             size = round(CHUNK_SECONDS * len(positions) / max(chunk.seconds, 1e-6))
             self._size = min(max(size, 1), self._max_size)
         except DrumlinError:
@@ -466,34 +499,35 @@ class _Dispatch:
         yield from zip(positions, answers, strict=True)
 
     def cancel_chunks(self) -> None:
-        """Take back all chunks that no worker has begun."""
+        """Cancel all chunks that no worker has begun to solve."""
         for future in self.sent:
             future.cancel()
 
 
 class _Chunks:
-    """Cases grouped by the bodies they share.
+    """The cases that still wait for a worker, in groups whose shoes have the same stiffness.
 
-    A chunk is a part of one large group, or some small groups as a whole.
+    A chunk of cases is a part of one large group, or consists of several small groups.
     """
 
     def __init__(self, cases: Sequence[SweepCase], missing: Sequence[int]) -> None:
         groups = groupby(missing, lambda i: shared_body_key(cases[i]))
-        # The first group stands last, where a list gives it up at once.
+        # The groups stand in reverse order, since removing the last item of a list is fast.
         self._groups = [list(group) for _, group in groups][::-1]
 
     @property
     def has_cases(self) -> bool:
-        """Whether cases are left."""
+        """Whether cases are left that no worker has got."""
         return bool(self._groups)
 
     def take_cases(self, size: int) -> list[int]:
-        """Positions of about `size` cases, which leave the groups."""
+        """Remove about `size` cases from the waiting cases and return their positions."""
         taken: list[int] = []
         while self._groups and len(taken) < size:
             group = self._groups.pop()
             room = max(size - len(taken), 1)
-            # A group that hardly exceeds the room goes as a whole and keeps its bodies together.
+            # A group of up to twice the room is taken as a whole, so that a single worker condenses
+            # its shoes. Of a larger group a part is taken.
             if len(group) > 2 * room:
                 self._groups.append(group[room:])
                 group = group[:room]

@@ -1,8 +1,8 @@
-"""Sweep files: TOML that says which keys of a brake file vary and which models answer.
+"""Reading of sweep files: TOML files that say which keys of a brake vary and which models solve it.
 
-Listed values and ranges are combined with one another. Distributions are drawn, `cases` times for
-each combination. The draws of a key depend on `seed` and on the key alone: a further key, or more
-cases, leaves the earlier draws as they are.
+The values of lists and ranges are combined with one another. Values of distributions are drawn at
+random, `cases` times for each combination. The draws of a key depend on `seed` and on the key
+alone: a further key, or a larger number of cases, does not change the earlier draws.
 """
 
 import hashlib
@@ -30,18 +30,24 @@ from drumlin.sweeps.cases import SweepCase, is_mesh_key, mesh_files
 from drumlin.sweeps.options import MODEL_OPTIONS
 
 MAX_FILE_NESTING = 50
-"""Largest depth of tables and lists in one another that is read. A sweep file needs some six; a
-file beyond the limit is refused, since copying it would exhaust Python's recursion."""
+"""Largest allowed depth of tables and lists within one another in a sweep file.
+
+A sweep file needs a depth of some six. A deeper file than allowed is refused, since copying its
+data would exhaust Python's recursion.
+"""
 
 MOST_CASES = 1_000_000
-"""Largest number of cases in a sweep. A million rows fill some 2 GB of memory."""
+"""Largest number of cases in a sweep. The results of a million cases fill some 2 GB of memory."""
 
 VALUES_PER_REPORT = 256
-"""Listed values that are judged between two reports of progress: some 0.1 s of work."""
+"""Number of listed values that are checked between two updates of the progress bar.
+
+Checking them takes some 0.1 s.
+"""
 
 
 class Range(Part):
-    """Values from `from` to `to`, `count` of them, evenly spread or by equal factors."""
+    """A number `count` of values from `from` to `to`, at equal distances or at equal factors."""
 
     start: Annotated[float | str, Field(alias="from")]
     to: float | str
@@ -50,29 +56,32 @@ class Range(Part):
 
 
 class Distribution(Part):
-    """The keys of every distribution: its name, and whether each shoe draws a value of its own."""
+    """The keys that all distributions have: a name, and whether each shoe draws its own value."""
 
     distribution: str
     each_shoe: bool = False
 
 
 class Uniform(Distribution):
-    """Values between `from` and `to`, all equally likely."""
+    """A uniform distribution: values between `from` and `to`, all equally likely."""
 
     start: Annotated[float | str, Field(alias="from")]
     to: float | str
 
 
 class Triangular(Uniform):
-    """Values between `from` and `to`, most often `mode`; by default the brake file's value."""
+    """A triangular distribution: values between `from` and `to`, the most likely one is `mode`.
+
+    By default the mode is the brake file's value.
+    """
 
     mode: float | str | None = None
 
 
 class Normal(Distribution):
-    """Values about `mean`, by default the brake file's value, with the standard `deviation`.
+    """A normal or lognormal distribution with a `mean` and a standard `deviation`.
 
-    The deviation may be in % of the mean.
+    By default the mean is the brake file's value. The deviation may be in % of the mean.
     """
 
     mean: float | str | None = None
@@ -80,7 +89,7 @@ class Normal(Distribution):
 
 
 class TruncatedNormal(Normal):
-    """A normal distribution that is cut off below `from` and above `to`."""
+    """A normal distribution without the values below `from` and above `to`."""
 
     start: Annotated[float | str, Field(alias="from")] = -math.inf
     to: float | str = math.inf
@@ -93,11 +102,11 @@ DISTRIBUTIONS: Mapping[str, type[Distribution]] = {
     "triangular": Triangular,
     "truncated-normal": TruncatedNormal,
 }
-"""The class that reads a distribution, by the name that a sweep file gives it."""
+"""The class that reads a distribution, by the distribution's name in sweep files."""
 
 
 class SweepFile(Part):
-    """The keys of a sweep file, with the values that the file gives."""
+    """The keys of a sweep file and their values, as the file gives them."""
 
     title: Title | None = None
     brake: Annotated[str, Field(pattern=r"^[^\x00-\x1f]*$")] | dict[str, Any]
@@ -116,11 +125,11 @@ class Sweep(NamedTuple):
 
     Attributes
     ----------
-    title : of the sweep file, or else of its brake
-    brake : the base brake
+    title : title of the sweep file, or of its brake where the sweep has none
+    brake : the base brake, with the values of the brake file
     units : SI unit of each varied key; None where the key takes words
     cases : all cases, in the order of the table
-    pressure : unit of the table's stresses, "Pa" or "MPa"
+    pressure : unit of stresses in the table, "Pa" or "MPa"
     """
 
     title: str
@@ -131,14 +140,14 @@ class Sweep(NamedTuple):
 
 
 Done = Callable[[int, int], None]
-"""A function that shows how many values have been judged, and of how many."""
+"""A function that shows progress: it takes the number of checked values, and of all values."""
 
 
 def read_sweep(path: Path, done: Done = lambda judged, of: None) -> Sweep:
-    """Read the sweep that the TOML file `path` describes.
+    """Read a sweep from the TOML file `path`.
 
-    `done` is told how many values have been judged, and of how many. Raises BadInput with one line
-    that names the key, the value and what is allowed.
+    `done` is called with the number of values checked so far, and of all values. Raises BadInput
+    with one line that names the wrong key, its value and what is allowed.
     """
     try:
         data = read_toml(path)
@@ -152,7 +161,10 @@ def read_sweep(path: Path, done: Done = lambda judged, of: None) -> Sweep:
 
 
 def _check_size(data: Any, depth: int = 0) -> None:
-    """Raise ValueError for integers beyond TOML's range and for nesting too deep to be copied."""
+    """Raise ValueError for integers beyond 64 bits and for nesting deeper than MAX_FILE_NESTING.
+
+    `depth` is the number of tables and lists around `data`.
+    """
     if depth > MAX_FILE_NESTING:
         raise ValueError(f"nested deeper than {MAX_FILE_NESTING}")
     if isinstance(data, int) and not -(2**63) <= data < 2**63:
@@ -166,26 +178,27 @@ def _check_size(data: Any, depth: int = 0) -> None:
 def sweep_from_data(
     data: Mapping[str, Any], base: Path = Path(), done: Done = lambda judged, of: None
 ) -> Sweep:
-    """Make a sweep from nested data as a sweep file holds them.
+    """Make a sweep from the nested data of a sweep file.
 
     Parameters
     ----------
     data : tables and values by key
-    base : folder from which the paths of the brake file and of meshes start
-    done : told how many values have been judged, and of how many
+    base : folder to which the paths of the brake file and of mesh files are relative
+    done : called with the number of values checked so far, and of all values
 
     Raises
     ------
     BadInput
-        in one line that names the key, the value and what is allowed
+        with one line that names the wrong key, its value and what is allowed
     """
     file = validated(SweepFile, data)
-    # The brake is read first, since the keys and models are judged by the brake.
+    # The brake is read first, since allowed keys and models depend on the brake.
     brake = _base_brake(file.brake, base)
     models = _validated_model_options(file.model, brake)
     specs: dict[str, _KeySpec] = {}
     for name, given in file.vary.items():
         specs |= _specs_of_line(brake, name, given, base)
+    # Combine the values of all keys to cases, and check that brakes can have these values.
     plan = _plan_cases(file, specs)
     changes = _changes_of_cases(file, specs, plan, len(models))
     _check_values(brake, file.combine, specs, plan, changes, done)
@@ -194,6 +207,7 @@ def sweep_from_data(
         if reason is not None:
             raise BadInput(f"model.{name}: does not apply to this brake: {reason}")
     _check_meshes(brake, specs)
+    # Each combination of values is solved by each model.
     cases = []
     for change in changes:
         cases += [SweepCase(brake, change, name, options) for name, options in models.items()]
@@ -202,7 +216,7 @@ def sweep_from_data(
 
 
 def _base_brake(brake: str | dict[str, Any], base: Path) -> Brake:
-    """The brake that a sweep file names by its path or holds as a table."""
+    """The base brake of a sweep, read from the path or the table that the sweep file gives."""
     if isinstance(brake, str):
         return read_any(base / brake)
     try:
@@ -214,26 +228,27 @@ def _base_brake(brake: str | dict[str, Any], base: Path) -> Brake:
 def _validated_model_options(
     given: Mapping[str, Mapping[str, Any]], brake: Brake
 ) -> dict[str, dict[str, Any]]:
-    """The checked options of each model that the sweep file names."""
+    """The checked options of each model that the sweep file names, by the model's name."""
     models = {}
     for name, options in given.items():
         if name not in MODELS:
             raise BadInput(f"model.{name}: unknown model; allowed: {', '.join(MODELS)}")
         checked = _validate_sweep_table(f"model.{name}", MODEL_OPTIONS.get(name, Part), options)
         models[name] = checked.model_dump(exclude_none=True)
-        # The foundation model refuses a brake on a plane altogether, as its `why_not` says later.
+        # The effects named by `lift` are checked. On a plane the model itself is refused later.
         if "lift" in models[name] and not brake.surface.straight:
             included_effects(brake, models[name]["lift"])
     return models
 
 
 class _KeySpec(NamedTuple):
-    """The values that a varied key takes.
+    """The values that a varied key can have.
 
     Attributes
     ----------
-    values : the listed values; None where the key is only drawn
-    at : values (n,) of the key for numbers u (n,) in (0, 1), which a draw spreads evenly
+    values : values of a list or range; None for a distribution
+    at : inverse cumulative function: it turns uniform random numbers u (n,) in (0, 1) into random
+        values (n,) of the key
     """
 
     values: list[Any] | None
@@ -241,13 +256,13 @@ class _KeySpec(NamedTuple):
 
 
 class _Plan(NamedTuple):
-    """How the varied keys make cases.
+    """The plan by which the values of the varied keys are combined to cases.
 
     Attributes
     ----------
-    listed : the values of each key that are taken one by one
-    drawn : the keys that are drawn
-    repeats : number of draws for each combination of the listed values
+    listed : values of each key whose listed values are taken one by one
+    drawn : names of the keys whose values are drawn at random
+    repeats : number of random draws for each combination of listed values
     """
 
     listed: dict[str, list[Any]]
@@ -256,7 +271,10 @@ class _Plan(NamedTuple):
 
 
 def _plan_cases(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
-    """Decide which keys are drawn and which are listed. Raises BadInput for a wrong `cases`."""
+    """Decide which keys are drawn at random and which take their listed values one by one.
+
+    Raises BadInput if the number of `cases` is missing, or given although no key is drawn.
+    """
     everything = file.combine == "random"
     drawn = [key for key, spec in specs.items() if everything or spec.values is None]
     if drawn and file.cases is None:
@@ -276,19 +294,19 @@ def _plan_cases(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
 def _changes_of_cases(
     file: SweepFile, specs: Mapping[str, _KeySpec], plan: _Plan, models: int
 ) -> list[dict[str, Any]]:
-    """The changed keys of each case.
+    """The new values of the varied keys, by key, for each case.
 
     Parameters
     ----------
     file : the sweep file
-    specs : values of each varied key; the changes keep the order of its keys
-    plan : how the keys make cases
-    models : number of models that solve each of these cases
+    specs : values of each varied key, in the order of the table's columns
+    plan : plan by which the values are combined to cases
+    models : number of models that solve each case
 
     Raises
     ------
     BadInput
-        for more than MOST_CASES cases, and for lists of unequal lengths that are paired
+        for more than MOST_CASES cases, and for lists of unequal lengths under combine = "zip"
     """
     draws = {}
     for key in plan.drawn:
@@ -298,7 +316,7 @@ def _changes_of_cases(
     count = combinations * plan.repeats * models
     if count > MOST_CASES:
         raise BadInput(f"vary: makes {count} cases; allowed: {MOST_CASES}")
-    # Each combination of listed values meets the same draws and can be compared.
+    # Each combination of listed values gets the same random draws, so that they can be compared.
     changes = []
     for point in _combinations_of_values(file.combine, plan.listed):
         for i in range(plan.repeats):
@@ -314,21 +332,21 @@ def _check_values(
     changes: Sequence[Mapping[str, Any]],
     done: Done,
 ) -> None:
-    """Raise BadInput for medians and listed values that no brake can have.
+    """Raise BadInput for listed values, or medians of distributions, that no brake can have.
 
-    A distribution is judged by its median alone. A draw that makes no brake becomes a failed case
-    of the table.
+    Of a distribution only the median is checked. A drawn value that no brake can have makes a
+    failed case in the table.
 
     Parameters
     ----------
     brake : the base brake
-    combine : how the listed values are combined: "grid", "zip" or "random"
+    combine : way in which listed values are combined: "grid", "zip" or "random"
     specs : values of each varied key
-    plan : how the keys make cases
-    changes : the changed keys of each case
-    done : told how many values have been judged, and of how many
+    plan : plan by which the values are combined to cases
+    changes : new values of the varied keys for each case
+    done : called with the number of values checked so far, and of all values
     """
-    # The median is the value at half of the cumulative function.
+    # The median is the value at which the cumulative distribution is 0.5.
     half = np.array([0.5])
     medians = {key: spec.at(half)[0] for key, spec in specs.items() if key not in plan.listed}
     vary(brake, medians)
@@ -339,8 +357,8 @@ def _check_values(
 
 
 def _check_meshes(brake: Brake, specs: Mapping[str, _KeySpec]) -> None:
-    """Raise BadInput or NoAnswer for a mesh file of the sweep that cannot be read."""
-    # Each mesh file is read once, before the first case is solved.
+    """Raise BadInput or NoAnswer if a mesh file that the sweep names cannot be read."""
+    # Collect the mesh files of the base brake and of the varied keys; each is read once.
     meshes = set(mesh_files(brake, {}))
     for key, spec in specs.items():
         if is_mesh_key(key):
@@ -353,16 +371,17 @@ def _check_meshes(brake: Brake, specs: Mapping[str, _KeySpec]) -> None:
 
 
 def _specs_of_line(brake: Brake, name: str, given: Any, base: Path) -> dict[str, _KeySpec]:
-    """The values that one line of [vary] gives, by key.
+    """The values, by key of the brake file, that one line of the table [vary] gives.
 
-    A distribution of which each shoe draws its own value has a key for each shoe.
+    A line gives values of one key. With a distribution from which each shoe draws its own value, it
+    gives values of a key for each shoe.
 
     Parameters
     ----------
     brake : the base brake
-    name : the key as the sweep file writes it
-    given : what the file says under this key: a list, or a table of a range or distribution
-    base : folder from which the paths of meshes start
+    name : key as it is written in the sweep file
+    given : content of the line: a list, or a table with a range or a distribution
+    base : folder to which paths of mesh files are relative
     """
     where = f"vary.{name if name.isidentifier() else json.dumps(name, ensure_ascii=False)}"
     try:
@@ -389,15 +408,15 @@ def _specs_of_line(brake: Brake, name: str, given: Any, base: Path) -> dict[str,
 def _listed_values(
     where: str, name: str, given: list[Any], unit: str | None, base: Path
 ) -> _KeySpec:
-    """The values of a list.
+    """The values of a varied key that the sweep file gives as a list.
 
     Parameters
     ----------
-    where : place in the sweep file, for messages
+    where : place in the sweep file, for error messages
     name : the varied key
-    given : the list
-    unit : SI unit of the key; None for words
-    base : folder from which the paths of meshes start
+    given : the list in the sweep file
+    unit : SI unit of the key; "" for a number without unit, None for words
+    base : folder to which paths of mesh files are relative
     """
     if not given:
         raise BadInput(f"{where}: the list is empty; needs at least one value")
@@ -406,7 +425,7 @@ def _listed_values(
         values = [str(base / value) if isinstance(value, str) else value for value in values]
 
     def at(u: Floats) -> list[Any]:
-        """The values whose equal shares of (0, 1) the numbers u (n,) lie in."""
+        """The values for random numbers u (n,) in (0, 1): each listed value is equally likely."""
         return [values[i] for i in (u * len(values)).astype(int)]
 
     return _KeySpec(values, at)
@@ -415,14 +434,16 @@ def _listed_values(
 def _specs_of_distribution(
     brake: Brake, where: str, name: str, given: Mapping[str, Any], unit: str
 ) -> dict[str, _KeySpec]:
-    """The values of a distribution, by key.
+    """The values of a varied key that the sweep file gives as a distribution.
+
+    They are returned by key; where each shoe draws its own value, there is a key for each shoe.
 
     Parameters
     ----------
     brake : the base brake
-    where : place in the sweep file, for messages
+    where : place in the sweep file, for error messages
     name : the varied key
-    given : the table of the distribution
+    given : table of the distribution in the sweep file
     unit : SI unit of the key
     """
     kind = given["distribution"]
@@ -450,7 +471,10 @@ PartKind = TypeVar("PartKind", bound=Part)
 
 
 def _validate_sweep_table(where: str, kind: type[PartKind], data: Mapping[str, Any]) -> PartKind:
-    """A table of the sweep file as a `kind`. Raises BadInput that names the place of the table."""
+    """A table of the sweep file, checked and read as an object of the class `kind`.
+
+    Raises BadInput with a message that begins with `where`, the place of the table.
+    """
     try:
         return validated(kind, data)
     except BadInput as error:
@@ -458,7 +482,10 @@ def _validate_sweep_table(where: str, kind: type[PartKind], data: Mapping[str, A
 
 
 def _listed_value(where: str, value: Any, unit: str | None) -> Any:
-    """One listed value: a quantity in SI, a word, or a table with its units."""
+    """One value of a list in the sweep file.
+
+    It is a number in SI, a word, or a list of numbers with their units, which stays as it is.
+    """
     if unit is None:
         return value
     if isinstance(value, list):
@@ -469,7 +496,7 @@ def _listed_value(where: str, value: Any, unit: str | None) -> Any:
 
 
 def _has_units(rows: list[Any]) -> bool:
-    """Whether every entry of a table is a text, as a number with its unit is."""
+    """Whether every entry of a list, or list of lists, is a text such as "3 mm"."""
     for row in rows:
         entries = row if isinstance(row, list) else [row]
         if not all(isinstance(entry, str) for entry in entries):
@@ -478,7 +505,7 @@ def _has_units(rows: list[Any]) -> bool:
 
 
 def _number_in_si(where: str, value: Any, unit: str) -> float:
-    """A quantity in SI; a plain number where the key has no unit."""
+    """A value of the sweep file as a number in SI; unchanged where `unit` is "" (no unit)."""
     if unit:
         try:
             return to_si(value, unit, unit_required=True)
@@ -490,7 +517,7 @@ def _number_in_si(where: str, value: Any, unit: str) -> float:
 
 
 def _range_values(where: str, start: float, end: float, span: Range) -> _KeySpec:
-    """The values of a range between two ends in SI."""
+    """The values of a varied key that the sweep file gives as a range; the ends are in SI."""
     if span.scale == "linear":
         return _KeySpec(
             values=np.linspace(start, end, span.count).tolist(),
@@ -507,7 +534,10 @@ def _range_values(where: str, start: float, end: float, span: Range) -> _KeySpec
 def _draw_function(
     where: str, distribution: Distribution, unit: str, nominal: Sequence[Any]
 ) -> Callable[[Floats], list[float]]:
-    """The inverse cumulative function of a distribution as lists; see `_inverse_cumulative`."""
+    """A function that turns random numbers u (n,) in (0, 1) into a list of values of a key.
+
+    The values have the given distribution; see `_inverse_cumulative` for the parameters.
+    """
     inverse = _inverse_cumulative(where, distribution, unit, nominal)
     return lambda u: inverse(u).tolist()
 
@@ -515,16 +545,17 @@ def _draw_function(
 def _inverse_cumulative(
     where: str, distribution: Distribution, unit: str, nominal: Sequence[Any]
 ) -> Callable[[Floats], Floats]:
-    """The inverse of a distribution's cumulative function: u (n,) in (0, 1) -> values (n,).
+    """The inverse of a distribution's cumulative function, which draws its values.
 
-    It does without scipy.stats, which takes a second to load.
+    It turns uniform random numbers u (n,) in (0, 1) into values (n,) in SI. The module scipy.stats
+    is not used, since it takes a second to load.
 
     Parameters
     ----------
-    where : place in the sweep file, for messages
-    distribution : the distribution as the sweep file gives it
+    where : place in the sweep file, for error messages
+    distribution : distribution as the sweep file gives it
     unit : SI unit of the key
-    nominal : the brake file's values of the key
+    nominal : values of the key in the brake file
     """
     if isinstance(distribution, Normal):
         mean = _centre_in_si(f"{where}.mean", distribution.mean, unit, nominal)
@@ -552,32 +583,32 @@ def _inverse_cumulative(
 def _centre_in_si(
     where: str, given: float | str | None, unit: str, nominal: Sequence[Any]
 ) -> float:
-    """The mean or mode that is given, or else the brake file's own value.
+    """The mean or mode of a distribution in SI: the given value, or else the brake file's value.
 
     Parameters
     ----------
-    where : place in the sweep file, for messages
-    given : value in the sweep file
+    where : place in the sweep file, for error messages
+    given : value in the sweep file; None where it is not given
     unit : SI unit of the key
-    nominal : the brake file's values of the key
+    nominal : values of the key in the brake file
     """
     if given is not None:
         return _number_in_si(where, given, unit)
-    # Shoes may have different values, of which none is the centre of a common distribution.
+    # If the shoes have different values in the brake file, a common mean has to be given.
     if len(set(nominal)) > 1 or not isinstance(nominal[0], float):
         raise BadInput(f"{where}: is missing, and the brake file has no single number there")
     return float(nominal[0])
 
 
 def _end_in_si(where: str, given: float | str, unit: str) -> float:
-    """An end of a distribution in SI; infinite ends stay."""
+    """The lower or upper limit of a distribution in SI; an infinite limit stays infinite."""
     if isinstance(given, float) and math.isinf(given):
         return given
     return _number_in_si(where, given, unit)
 
 
 def _inverse_normal(mean: float, deviation: float) -> Callable[[Floats], Floats]:
-    """The inverse of a normal distribution."""
+    """The inverse of a normal distribution's cumulative function."""
     from scipy.special import ndtri  # noqa: PLC0415  (0.1 s)
 
     return lambda u: mean + deviation * ndtri(u)
@@ -586,19 +617,19 @@ def _inverse_normal(mean: float, deviation: float) -> Callable[[Floats], Floats]
 def _inverse_lognormal(
     where: str, distribution: Normal, mean: float, deviation: float
 ) -> Callable[[Floats], Floats]:
-    """The inverse of a lognormal distribution with a given mean and standard deviation.
+    """The inverse of a lognormal distribution's cumulative function.
 
     Parameters
     ----------
-    where : place in the sweep file, for messages
-    distribution : the distribution as the sweep file gives it
-    mean, deviation : of the values themselves, not of their logarithms
+    where : place in the sweep file, for error messages
+    distribution : distribution as the sweep file gives it
+    mean, deviation : mean and standard deviation of the values, not of their logarithms
     """
     from scipy.special import ndtri  # noqa: PLC0415  (0.1 s)
 
     if not mean > 0:
         raise BadInput(f"{where}.mean = {distribution.mean!r}: must be greater than 0")
-    # The standard deviation of the logarithm, and the median that belongs to the mean.
+    # `spread` is the standard deviation of the logarithm. The median follows from the mean.
     spread = math.sqrt(math.log1p((deviation / mean) ** 2))
     median = mean * math.exp(-(spread**2) / 2)
     return lambda u: median * np.exp(spread * ndtri(u))
@@ -607,15 +638,16 @@ def _inverse_lognormal(
 def _inverse_truncated_normal(
     where: str, distribution: TruncatedNormal, unit: str, mean: float, deviation: float
 ) -> Callable[[Floats], Floats]:
-    """The inverse of a normal distribution that is cut off at both ends.
+    """The inverse of the cumulative function of a normal distribution that is cut off at both ends.
 
     Parameters
     ----------
-    where : place in the sweep file, for messages
-    distribution : the distribution as the sweep file gives it
+    where : place in the sweep file, for error messages
+    distribution : distribution as the sweep file gives it
     unit : SI unit of the key
-    mean, deviation : of the distribution before it is cut off
+    mean, deviation : mean and standard deviation of the distribution before it is cut off
     """
+    # Both limits are measured from the mean in standard deviations.
     low = (_end_in_si(f"{where}.from", distribution.start, unit) - mean) / deviation
     high = (_end_in_si(f"{where}.to", distribution.to, unit) - mean) / deviation
     if not low < high:
@@ -626,12 +658,13 @@ def _inverse_truncated_normal(
 
 
 def _inverse_triangular(start: float, mode: float, end: float) -> Callable[[Floats], Floats]:
-    """The inverse of a triangular distribution."""
-    # The cumulative function at the mode: below it one parabola holds, above it another.
+    """The inverse of a triangular distribution's cumulative function."""
+    # `top` is the cumulative probability of the mode. The cumulative function is one parabola below
+    # the mode and another parabola above.
     top = (mode - start) / (end - start)
 
     def inverse(u: Floats) -> Floats:
-        """The values with the cumulative probabilities u (n,) in (0, 1)."""
+        """The values (n,) that have the cumulative probabilities u (n,) in (0, 1)."""
         rising = np.sqrt(top * u)
         falling = 1 - np.sqrt((1 - top) * (1 - u))
         values: Floats = start + (end - start) * np.where(u < top, rising, falling)
@@ -641,28 +674,30 @@ def _inverse_triangular(start: float, mode: float, end: float) -> Callable[[Floa
 
 
 def _truncated_standard_normal(u: Floats, low: float, high: float) -> Floats:
-    """Values (n,) of the standard normal distribution between two ends, for u (n,) in (0, 1).
+    """The inverse of the standard normal distribution's cumulative function, cut off at two ends.
 
-    The logarithms of the nearer tail keep the digits of ends far from the mean.
+    It turns cumulative probabilities u (n,) in (0, 1) into values (n,) between `low` and `high`.
+    Logarithms of the probabilities keep the result accurate where both ends are far from the mean.
     """
     from scipy.special import log_ndtr, ndtri_exp  # noqa: PLC0415  (0.1 s)
 
+    # If both ends are above the mean, mirror the distribution: small probabilities are accurate.
     if low > 0:
         return -_truncated_standard_normal(1 - u, -high, -low)
     below, above = log_ndtr(low), log_ndtr(high)
-    # log(u (P(high) - P(low))), from the logarithms of P.
+    # This is log(u (P(high) - P(low))), computed from log P(high) and log P(low).
     log_inside = np.log(u) + above + np.log1p(-np.exp(below - above))
     values: Floats = ndtri_exp(np.logaddexp(below, log_inside))
     return values
 
 
 def _deviation_in_si(where: str, given: float | str, mean: float, unit: str) -> float:
-    """A standard deviation, absolute or in % of the mean.
+    """The standard deviation of a distribution in SI.
 
     Parameters
     ----------
-    where : place in the sweep file, for messages
-    given : value in the sweep file
+    where : place in the sweep file, for error messages
+    given : value in the sweep file, absolute or in % of the mean
     mean : mean of the distribution, in SI
     unit : SI unit of the key
     """
@@ -680,18 +715,27 @@ def _deviation_in_si(where: str, given: float | str, mean: float, unit: str) -> 
 
 
 def _drawn_values(spec: _KeySpec, key: str, seed: int, count: int) -> list[Any]:
-    """Draw `count` values of a key, by a stream of random numbers that the key has for itself."""
-    # A further key in the sweep file leaves the draws of the other keys as they are.
+    """Draw `count` random values of a varied key.
+
+    They depend on the seed and on the name of the key only.
+    """
+    # Each key has its own stream of random numbers, so that a further key in the sweep file does
+    # not change the values of the other keys.
     stream = int.from_bytes(hashlib.sha256(key.encode()).digest()[:8])
     u = np.random.default_rng([seed, stream]).random(count)
-    # Random numbers come in steps of 2^-53. A u of 0 would make a normal deviate -infinity.
+    # Random numbers are multiples of 2^-53. A 0 would give a normal distribution the value
+    # -infinity, so that half a step replaces it.
     return spec.at(np.maximum(u, 2.0**-54))
 
 
 def _combinations_of_values(
     combine: str, listed: Mapping[str, list[Any]]
 ) -> Iterator[dict[str, Any]]:
-    """The combinations of the listed values; in a grid the last key changes first."""
+    """Yield each combination of the listed values, as values by key.
+
+    With "zip" the n-th values of all keys belong together. Else all combinations are made, and the
+    value of the last key changes first.
+    """
     lengths = {key: len(values) for key, values in listed.items()}
     if combine == "zip" and len(set(lengths.values())) > 1:
         raise BadInput(f'combine = "zip": needs as many values of each key; there are {lengths}')
@@ -702,15 +746,15 @@ def _combinations_of_values(
 
 
 def _cases_per_step(combine: str, lengths: Sequence[int], repeats: int) -> list[int]:
-    """For each listed key the number of cases from one of its values to the next.
+    """For each listed key, the number of cases after which its next value comes.
 
-    The first case with value number k of a key stands k times this number after the first case.
+    With this number m, the first case that has value k of the key is case k m, counted from 0.
 
     Parameters
     ----------
-    combine : how the listed values are combined
+    combine : way in which listed values are combined: "grid", "zip" or "random"
     lengths : number of values of each listed key
-    repeats : number of draws for each combination
+    repeats : number of random draws for each combination of listed values
     """
     if combine != "grid":
         return [repeats] * len(lengths)
@@ -718,9 +762,14 @@ def _cases_per_step(combine: str, lengths: Sequence[int], repeats: int) -> list[
 
 
 class _ListedKey(NamedTuple):
-    """A key with its listed values, and the changes of the first case with each of the values.
+    """A varied key with its listed values.
 
-    There may be more changes than values; those beyond belong to no value.
+    Attributes
+    ----------
+    key : the key of the brake file
+    values : its listed values
+    firsts : new values of all varied keys in the first case that has value 0, 1, ... of this key;
+        further entries are not used
     """
 
     key: str
@@ -729,20 +778,21 @@ class _ListedKey(NamedTuple):
 
 
 def _check_key(brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], done: Done) -> None:
-    """Raise BadInput for a listed value that neither the base brake nor its first case can have.
+    """Raise BadInput for a listed value of a key that no brake can have.
 
-    Of many numbers only the extremes are judged, where the key allows an interval (`is_interval`)
-    and the base brake takes the extremes.
+    A value is allowed if the base brake can have it, or the brake of the first case with it. If the
+    key allows all numbers of an interval (`is_interval`), and the base brake can have the smallest
+    and the largest listed number, the numbers between them are not checked.
 
     Parameters
     ----------
     brake : the base brake
-    listed : the key and its values
-    medians : the medians of the drawn keys
-    done : told how many values have been judged, and of how many
+    listed : the key and its listed values
+    medians : medians of the keys that are drawn at random
+    done : called with the number of values checked so far, and of all values
     """
     key, values, firsts = listed
-    # If a brake takes the extremes of an interval, it takes all numbers between them.
+    # If a brake can have the extreme numbers of an interval, it can have all numbers between them.
     extremes = _positions_of_extremes(values) if is_interval(brake, key) else []
     places = list(range(len(values)))
     if extremes:
@@ -750,8 +800,8 @@ def _check_key(brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], don
     try:
         for i in extremes:
             vary(brake, {key: values[i]})
-    # The base brake does not take all values. Each value may still fit together with values of the
-    # other keys.
+    # The base brake cannot have an extreme number. Each number may still be allowed together with
+    # new values of other keys.
     except BadInput:
         places = list(dict.fromkeys([*extremes, *range(len(values))]))
     for number, i in enumerate(places):
@@ -760,15 +810,19 @@ def _check_key(brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], don
         try:
             vary(brake, {key: values[i]})
         except BadInput:
-            # The values of the other keys in the same case may make the value fit.
+            # Try the value together with the new values of the other keys in the same case.
             vary(brake, {**firsts[i], **medians})
 
 
 def _positions_of_extremes(values: Sequence[Any]) -> list[int]:
-    """Positions of the least and the greatest negative number, of 0, and of the positive ones."""
+    """The positions of the extreme numbers in a list of values, in ascending order.
+
+    They are those of the smallest and largest negative number, of 0, and of the smallest and
+    largest positive number, as far as the list has them.
+    """
     numbers = [i for i, value in enumerate(values) if isinstance(value, float)]
     found: set[int] = set()
-    # The limits of a key may differ for numbers of the two signs.
+    # A key may allow other numbers below 0 than above 0.
     for sign in (-1, 0, 1):
         group = [i for i in numbers if np.sign(values[i]) == sign]
         if group:

@@ -1,4 +1,4 @@
-"""The options that a sweep file gives a model: those of the command line, by the same names."""
+"""The options of models in a sweep file; they have the names of the command line's options."""
 
 from collections.abc import Mapping
 from typing import Annotated, Literal, Self
@@ -11,9 +11,9 @@ from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
 
 
 class ContactOptions(Part):
-    """Options of every model whose contact has a penalty stiffness, as on the command line."""
+    """Options of models whose contact has a penalty stiffness, as on the command line."""
 
-    # An infinite penalty asks for exact contact.
+    # An infinite penalty stiffness means contact without penetration.
     model_config = Part.model_config | {"allow_inf_nan": True}
 
     penalty: Annotated[float, Field(gt=0)] | None = None
@@ -30,7 +30,7 @@ class FemOptions(ContactOptions):
 
     @model_validator(mode="after")
     def _divided_one_way(self) -> Self:
-        """Refuse elements or their kind beside the tolerance that chooses the elements."""
+        """Raise ValueError if both a tolerance and the elements or their kind are given."""
         if self.tolerance is not None and (self.elements is not None or self.kind is not None):
             raise ValueError("tolerance chooses the elements; leave out elements and kind")
         return self
@@ -45,7 +45,7 @@ class SolidOptions(ContactOptions):
 
     @model_validator(mode="after")
     def _divided_one_way(self) -> Self:
-        """Refuse elements beside the tolerance that chooses degree and division."""
+        """Raise ValueError if both a tolerance and numbers of elements are given."""
         if self.tolerance is not None and (self.elements is not None or self.across is not None):
             raise ValueError("tolerance chooses the division; leave out elements and across")
         return self
@@ -63,4 +63,4 @@ MODEL_OPTIONS: Mapping[str, type[Part]] = {
     "solid": SolidOptions,
     "foundation": FoundationOptions,
 }
-"""The class that reads the options of a model, by its name. Other models take no options."""
+"""The class that reads the options of each model. Models that are not listed have no options."""

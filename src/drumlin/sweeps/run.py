@@ -1,4 +1,7 @@
-"""A sweep from its file to the rows of its table, in one call; or kept in a journal on the way."""
+"""Solving of a sweep, from its file to the rows of its table.
+
+The command line keeps each finished case in a journal file, so that a stopped sweep can go on.
+"""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
@@ -12,21 +15,27 @@ from drumlin.sweeps.table import make_case_table
 from drumlin.sweeps.workers import provide_workers
 
 Say = Callable[[str], None]
+"""A function that shows a line of text to the user."""
+
 Progress = Callable[[str], AbstractContextManager[Callable[[int, int], None]]]
+"""A function that makes a progress bar from a title, as a context.
+
+The context is a function, to be called with the number of finished cases and of all cases.
+"""
 
 
 def solve_sweep_file(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
-    """The rows of a sweep file, as `drumlin.sweep` gives them.
+    """Solve the sweep of a sweep file and return the rows of its table, as `drumlin.sweep` does.
 
     Parameters
     ----------
-    path : of the TOML file that names the brake, the keys that vary and how
-    jobs : processes that solve side by side; None: one a core
+    path : path of the TOML file that names the brake, the varied keys and their values
+    jobs : number of processes that solve cases at the same time; None: one for each core
 
     Raises
     ------
     BadInput
-        for a file that cannot be read or is no sweep, in one line
+        for a file that cannot be read or is no sweep file; the message is one line
     """
     prepared = read_sweep(Path(path))
     with provide_workers(jobs) as (pool, workers):
@@ -35,12 +44,15 @@ def solve_sweep_file(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
 
 
 def table_rows(prepared: Sweep, rows: list[Row], sweep_file: Path) -> list[Row]:
-    """The rows of a sweep's table: changed keys and numbers, paths as seen from the sweep file."""
+    """The rows of a sweep's table, with the changed keys and the results of each case.
+
+    `rows` holds the results of the cases. Paths of mesh files are relative to the sweep file.
+    """
     return make_case_table(prepared.cases, rows, sweep_file.parent.resolve(), prepared.pressure)
 
 
 def _ignore_progress(_: str) -> AbstractContextManager[Callable[[int, int], None]]:
-    """A progress that nobody watches."""
+    """A progress bar that shows nothing, in place of the one of the command line."""
     return nullcontext(lambda finished, of: None)
 
 
@@ -53,29 +65,29 @@ def solve_and_keep_rows(
     progress: Progress = _ignore_progress,
     say: Say = lambda line: None,
 ) -> list[Row]:
-    """Solve a sweep and keep each finished case in a journal beside its table.
+    """Solve a sweep, and keep each finished case in a journal file beside the table.
 
-    Called again after a stop, it goes on with the missing cases.
+    Called again after the sweep was stopped, the function solves the missing cases only.
 
     Parameters
     ----------
-    prepared : the sweep, as `read_sweep` gives it
-    table_file : path of the table; the journal's name is this name and ".journal"
-    jobs : processes; None: one a core
-    scheduler : address of a Dask scheduler, in place of processes of this machine
-    progress : makes a context from the sweep's title, which is told how many cases have finished
-    say : told a line where the journal or the workers have something to say
+    prepared : the sweep, as `read_sweep` returns it
+    table_file : path of the table; the journal has this path with ".journal" added
+    jobs : number of processes that solve cases; None: one for each core
+    scheduler : address of a Dask scheduler whose workers solve the cases; None: processes do
+    progress : makes a progress bar from the sweep's title
+    say : called with each message on the journal or the workers
 
     Returns
     -------
-    list of rows, one a case
+    list with the results of each case
 
     Raises
     ------
     BadInput
-        for workers that cannot be had
+        where the workers cannot be started or reached
     NoAnswer
-        where no workers are left; its line names the journal
+        where all workers are lost; the message names the journal
     """
     with Journal(table_file.with_name(table_file.name + ".journal"), source_stamp()) as journal:
         kept = f"finished cases are kept in {journal.path}; the same command goes on"
@@ -94,6 +106,7 @@ def solve_and_keep_rows(
                     done=done,
                     say=say,
                 )
+        # However the sweep ends, the message says where the finished cases are.
         except NoAnswer as error:
             raise NoAnswer(f"{error}; {len(journal)} {kept}") from error
         except (KeyboardInterrupt, Stopped) as stop:

@@ -1,4 +1,4 @@
-"""The JSON schema of a sweep file, from the classes that read it."""
+"""The JSON schema of a sweep file, made from the classes that read the file."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from drumlin.sweeps.options import MODEL_OPTIONS
 
 
 def sweep_schema() -> dict[str, Any]:
-    """The schema of a sweep file: the keys that vary, the models and their options."""
+    """The JSON schema of a sweep file: its varied keys, its models and their options."""
     schema = TypeAdapter(SweepFile).json_schema(schema_generator=UnitSchema)
     schema["properties"]["vary"] = _vary_schema()
     schema["properties"]["model"] = _model_schema()
@@ -19,7 +19,7 @@ def sweep_schema() -> dict[str, Any]:
 
 
 def _vary_schema() -> dict[str, Any]:
-    """The schema of [vary]: each key takes a list, a range or a distribution."""
+    """The JSON schema of the table [vary]: each key takes a list, a range or a distribution."""
     listed = {"type": "array", "minItems": 1, "description": "values, each with its unit, or words"}
     distributions = []
     for name, kind in DISTRIBUTIONS.items():
@@ -37,7 +37,7 @@ def _vary_schema() -> dict[str, Any]:
 
 
 def _model_schema() -> dict[str, Any]:
-    """The schema of [model]: the options of each model by its name."""
+    """The JSON schema of the table [model]: the options of each model, by the model's name."""
     options = {}
     for name in MODELS:
         kind = MODEL_OPTIONS.get(name)
@@ -51,5 +51,5 @@ def _model_schema() -> dict[str, Any]:
 
 
 def _class_schema(kind: type[Any]) -> dict[str, Any]:
-    """The schema of one class."""
+    """The JSON schema of the class `kind` that reads a part of the sweep file."""
     return dict(TypeAdapter(kind).json_schema(schema_generator=UnitSchema))

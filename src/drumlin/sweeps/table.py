@@ -1,4 +1,4 @@
-"""Cases and their rows as one table, and the file of the table."""
+"""The table of a sweep, with a line for each case, and its file (CSV or Parquet)."""
 
 import importlib
 import json
@@ -20,8 +20,10 @@ ROW_UNITS = {
     "peak_pressure": "Pa",
     "hinge_reaction": "N",
 }
-"""Unit of a row's number, by the last part of its name. Other numbers have no unit; the ends of a
-contact have that of the friction surface."""
+"""The unit of each result, by the last part of its name.
+
+Other results have no unit, except the ends of a contact: rad on a drum, m on a plane.
+"""
 
 
 def make_case_table(
@@ -30,21 +32,21 @@ def make_case_table(
     base: Path | None = None,
     pressure: str = "Pa",
 ) -> list[Row]:
-    """Cases and their rows as one table, headed with name and unit: "shoe.lining.thickness [m]".
+    """The table of a sweep, headed with name and unit: "shoe.lining.thickness [m]".
 
     Parameters
     ----------
-    cases : the cases
-    rows : numbers of each case, in SI
-    base : folder from which the paths of mesh files are written; None: the paths stay
-    pressure : unit of all stresses, "Pa" or "MPa"
+    cases : the cases of the sweep
+    rows : results of each case, in SI
+    base : folder to which paths of mesh files are made relative; None: the paths stay
+    pressure : unit of all stresses in the table, "Pa" or "MPa"
 
     Returns
     -------
-    one line a case: its number, the changed values, model, status and the numbers of its row. A
-    changed value that is a table itself stands as JSON.
+    a line for each case, as values by heading: number of the case, changed values, model, status
+    and results. A changed value that is a list of numbers is written as JSON.
     """
-    # Many cases change the same keys: each heading is made once.
+    # Many cases change the same keys, so that each heading is made once.
     headings: dict[str, str] = {}
     lines = []
     for number, (case, row) in enumerate(zip(cases, rows, strict=True)):
@@ -61,15 +63,18 @@ def make_case_table(
 
 
 def _changed_value_cell(key: str, value: Any, base: Path | None) -> Any:
-    """The cell of a changed value: a path from the folder `base`, a table of numbers as JSON."""
+    """A changed value as a cell of the table.
+
+    The path of a mesh file is made relative to the folder `base`; a list becomes JSON.
+    """
     if base is not None and is_mesh_key(key):
         return Path(os.path.relpath(value, base)).as_posix()
     return json.dumps(value) if isinstance(value, list | tuple) else value
 
 
 def _row_unit(case: SweepCase, name: str) -> str | None:
-    """The unit of a number of a row, by its name."""
-    # The numbers of a shoe are named SHOE.NUMBER.
+    """The unit of a result of a case, by the name of the result; None without a unit."""
+    # Results of a shoe have the name of the shoe in front, such as "leading.torque".
     quantity = name.rpartition(".")[2]
     if quantity in {"contact_start", "contact_end"}:
         return case.brake.surface.unit
@@ -77,7 +82,7 @@ def _row_unit(case: SweepCase, name: str) -> str | None:
 
 
 def _stresses_in_megapascal(line: Row) -> Row:
-    """A line of the table with its stresses in MPa."""
+    """A copy of a line of the table, with stresses in MPa instead of Pa."""
     converted: Row = {}
     for name, value in line.items():
         if not name.endswith(" [Pa]"):
@@ -89,22 +94,25 @@ def _stresses_in_megapascal(line: Row) -> Row:
 
 
 def _column_heading(name: str, unit: str | None) -> str:
-    """The heading of a column: the name and, if there is one, the unit."""
+    """The heading of a column: the name, followed by the unit in brackets if there is one."""
     return f"{name} [{unit}]" if unit else name
 
 
 def write_table(lines: Sequence[Row], path: Path) -> None:
-    """Write a table whole or not at all: Parquet where the name ends in .parquet, else CSV."""
+    """Write the lines of a table into a file, whole or not at all.
+
+    The file is Parquet if its name ends in .parquet, else CSV.
+    """
     if path.suffix != ".parquet":
         write_text(path, as_csv(lines))
         return
     parquet = _parquet_module()
     arrow = importlib.import_module("pyarrow")
     columns: dict[str, list[Any]] = {}
-    # A dict keeps the order in which the names first occur.
+    # The columns stand in the order in which their names first occur in the lines.
     for name in dict.fromkeys(chain.from_iterable(lines)):
         values = [line.get(name) for line in lines]
-        # A column of Parquet has one type. Numbers beside words become words.
+        # All values of a Parquet column have one type, so that numbers beside words become words.
         if any(isinstance(value, str) for value in values):
             values = [value if value is None else str(value) for value in values]
         columns[name] = values
@@ -113,7 +121,7 @@ def write_table(lines: Sequence[Row], path: Path) -> None:
 
 
 def _parquet_module() -> Any:
-    """The module that writes Parquet. Raises BadInput where it is not installed."""
+    """The Python module that writes Parquet files. Raises BadInput where it is not installed."""
     try:
         return importlib.import_module("pyarrow.parquet")
     except ImportError as error:
@@ -123,7 +131,10 @@ def _parquet_module() -> Any:
 
 
 def check_table_file(path: Path) -> None:
-    """Raise BadInput for a table file that could not be written at the end of the sweep."""
+    """Raise BadInput where the table of a sweep could not be written in the format of its name.
+
+    The check is done before the sweep, which may take hours.
+    """
     if path.suffix not in {".csv", ".parquet"}:
         raise BadInput(f"--output = {str(path)!r}: must end in .csv or .parquet")
     if path.suffix == ".parquet":

@@ -1,9 +1,10 @@
-"""Manufacturing tolerances: random draws of a brake's keys and their shares in what it does.
+"""Manufacturing tolerances: how much each tolerance contributes to the scatter of a brake's torque.
 
-The draws are those of Saltelli et al. (2010), Comput. Phys. Commun. 181, 259: two independent
-samples A and B of n brakes, and for each tolerance i a sample AB_i. The sample AB_i is A with the
-deviate i of B. Together the 2 n brakes of A and B are a Monte Carlo sample. With the samples AB_i
-they give the shares of the variance (Sobol indices).
+Brakes with random deviations are drawn as in Saltelli et al. (2010), Comput. Phys. Commun. 181,
+259: two independent samples A and B of n brakes each, and for each tolerance i a sample AB_i. The
+sample AB_i is A with the deviations of tolerance i taken from B. The 2 n brakes of A and B together
+are a Monte Carlo sample. All samples together give the share of each tolerance in the variance (its
+Sobol indices).
 """
 
 import re
@@ -22,19 +23,19 @@ from drumlin.lining_wear.linings import fem_wear_setup
 from drumlin.sweeps.cases import Row, SweepCase
 
 PERCENTILES = (1, 5, 50, 95, 99)
-"""The percentiles [%] by which a distribution is reported."""
+"""The percentiles [%] that are reported of the scatter of a result."""
 
 
 class ManufacturingTolerance(NamedTuple):
-    """One random deviation of manufacture and the keys of the brake file that it moves.
+    """A manufacturing tolerance: a random deviation, and the keys of the brake that it changes.
 
-    A deviation may move several keys: a pin along its radius, or both radii.
+    One deviation may change several keys, such as x and y of a pin that is moved along its radius.
 
     Attributes
     ----------
-    name : of the tolerance, in tables
-    distribution : of the deviate, a frozen distribution of scipy.stats
-    moves : change of each key in SI per unit of the deviate
+    name : name of the tolerance in tables
+    distribution : distribution of the deviation, a frozen distribution of scipy.stats
+    moves : change of each key [SI] per unit of the deviation
     """
 
     name: str
@@ -43,9 +44,9 @@ class ManufacturingTolerance(NamedTuple):
 
 
 def truncated_normal_deviate(limit: float) -> Any:
-    """The distribution of a deviate that inspection keeps within +-limit.
+    """The distribution of a deviation that inspection keeps between -limit and +limit.
 
-    It is normal with a standard deviation of limit/2, cut off at the limits.
+    It is a normal distribution with a standard deviation of limit/2, cut off at both limits.
     """
     from scipy.stats import truncnorm  # noqa: PLC0415  (0.5 s)
 
@@ -53,24 +54,26 @@ def truncated_normal_deviate(limit: float) -> Any:
 
 
 def uniform_deviate(low: float, high: float) -> Any:
-    """The uniform distribution of a deviate from low to high."""
+    """The uniform distribution of a deviation between `low` and `high`."""
     from scipy.stats import uniform  # noqa: PLC0415  (0.5 s)
 
     return uniform(low, high - low)
 
 
 def draw_deviates(tolerances: Sequence[ManufacturingTolerance], n: int, seed: int) -> Floats:
-    """Draw the samples A, B, AB_1 ... AB_d of d deviates by scrambled Sobol' points.
+    """Draw the deviations of all brakes of the samples A, B, AB_1 ... AB_d.
+
+    The random numbers are scrambled Sobol' points, which fill the space of d deviations evenly.
 
     Parameters
     ----------
     tolerances : the d tolerances
-    n : brakes in a sample, a power of 2
-    seed : of the scrambling
+    n : number of brakes in a sample, a power of 2
+    seed : seed of the scrambling
 
     Returns
     -------
-    the deviates (d + 2, n, d)
+    deviations (d + 2, n, d): sample, brake of the sample, tolerance
     """
     from scipy.stats import qmc  # noqa: PLC0415  (0.5 s)
 
@@ -81,10 +84,10 @@ def draw_deviates(tolerances: Sequence[ManufacturingTolerance], n: int, seed: in
     # The first d coordinates make sample A, the others sample B.
     values = np.empty_like(points)
     for i in range(2 * d):
-        # The inverse of the distribution function turns a uniform number into a deviate.
+        # The inverse cumulative distribution turns a uniform random number into a deviation.
         values[:, i] = tolerances[i % d].distribution.ppf(points[:, i])
     A, B = values[:, :d], values[:, d:]
-    # Sample AB_i is A with the deviates of tolerance i taken from B.
+    # Sample AB_i is sample A with the deviations of tolerance i taken from sample B.
     mixed = np.repeat(A[None], d, axis=0)
     for i in range(d):
         mixed[i, :, i] = B[:, i]
@@ -98,14 +101,14 @@ def tolerance_cases(
     model: str = "fem",
     **options: Any,
 ) -> list[SweepCase]:
-    """Make a case for each row of deviates: the brake with the deviates added to its keys.
+    """Make a case for each drawn brake: the base brake with the deviations added to its keys.
 
     Parameters
     ----------
-    brake : the base brake
+    brake : the base brake, without deviations
     tolerances : the d tolerances
-    deviates : (..., d), as `draw_deviates` returns them
-    model, options : who solves the cases, and its options
+    deviates : deviations (..., d), as `draw_deviates` returns them
+    model, options : model that solves the cases, and its options
 
     Raises
     ------
@@ -113,12 +116,12 @@ def tolerance_cases(
         where a key of every shoe ("shoe.lining.thickness") would undo one of a single shoe
         ("shoe[0].lining.thickness")
     """
-    # A dict keeps the keys in the order in which the tolerances first move them.
+    # Read the base brake's value of each key that a tolerance changes.
     nominal: dict[str, Any] = {}
     _check_keys({key for tolerance in tolerances for key in tolerance.moves})
     for tolerance in tolerances:
         nominal |= {key: value_of(brake, key) for key in tolerance.moves}
-    # Row i holds the change of each key per unit of deviate i.
+    # Row i holds the change of each key per unit of deviation of tolerance i.
     slopes = np.zeros((len(tolerances), len(nominal)))
     for i, tolerance in enumerate(tolerances):
         slopes[i] = [tolerance.moves.get(key, 0.0) for key in nominal]
@@ -131,7 +134,10 @@ def tolerance_cases(
 
 
 def _check_keys(keys: set[str]) -> None:
-    """Raise BadInput where two keys mean the same number."""
+    """Raise BadInput where two keys of the brake file mean the same number.
+
+    "shoe.lining.thickness" means all shoes, and so "shoe[0].lining.thickness", too.
+    """
     without_numbers = {key: re.sub(r"\[\d+\]", "", key) for key in keys}
     for key, bare in without_numbers.items():
         if key == bare and list(without_numbers.values()).count(bare) > 1:
@@ -142,9 +148,10 @@ def _check_keys(keys: set[str]) -> None:
 
 
 def values_of_rows(rows: Sequence[Row], name: str) -> Floats:
-    """The number called `name` of every row, (rows,).
+    """The result called `name`, such as "torque", of all cases as an array (cases,).
 
-    Raises NoAnswer where a case has no answer, since shares of a variance need all cases.
+    `rows` holds the results of each case. Raises NoAnswer where a case has no answer, since shares
+    of a variance need all cases.
     """
     failed = [str(row["status"]) for row in rows if row["status"] != "solved"]
     if failed:
@@ -155,9 +162,9 @@ def values_of_rows(rows: Sequence[Row], name: str) -> Floats:
 
 
 class SampleSpread(NamedTuple):
-    """Mean, standard deviation and percentiles of a sample, in the unit of its values.
+    """Mean, standard deviation and percentiles of the values of a sample, in the values' unit.
 
-    The percentiles are those of PERCENTILES.
+    The percentiles belong to the percentages in PERCENTILES.
     """
 
     mean: float
@@ -166,12 +173,12 @@ class SampleSpread(NamedTuple):
 
     @property
     def relative(self) -> float:
-        """Standard deviation over mean."""
+        """The standard deviation divided by the mean."""
         return self.deviation / self.mean
 
 
 def sample_spread(values: Floats) -> SampleSpread:
-    """Mean, standard deviation and percentiles of values (n,)."""
+    """The mean, standard deviation and percentiles of the values (n,) of a sample."""
     return SampleSpread(
         mean=float(values.mean()),
         deviation=float(values.std(ddof=1)),
@@ -180,7 +187,7 @@ def sample_spread(values: Floats) -> SampleSpread:
 
 
 class SobolIndex(NamedTuple):
-    """A Sobol index (share of a variance) with its confidence interval from low to high."""
+    """A Sobol index (share of a tolerance in a variance), with its confidence interval."""
 
     value: float
     low: float
@@ -188,13 +195,13 @@ class SobolIndex(NamedTuple):
 
 
 class SobolIndices(NamedTuple):
-    """The shares of one deviate in a variance.
+    """The shares of one tolerance in the variance of a result.
 
     Attributes
     ----------
-    name : of the tolerance
-    first : share that the deviate has alone
-    total : share with all that the deviate does together with others
+    name : name of the tolerance
+    first : share of the tolerance alone
+    total : share that includes interactions of the tolerance with others
     """
 
     name: str
@@ -210,19 +217,19 @@ def sobol_indices_of_tolerances(
     confidence: float = 0.95,
     resamples: int = 400,
 ) -> list[SobolIndices]:
-    """Sobol indices of each tolerance with confidence intervals.
+    """The shares of each tolerance in the variance of a result, with confidence intervals.
 
-    The estimators are those of Saltelli et al. (2010), table 2 (b) and (f), as
-    scipy.stats.sobol_indices computes them. The intervals come from a bootstrap: the n brakes are
-    drawn again with replacement.
+    The estimators of these Sobol indices are those of Saltelli et al. (2010), table 2 (b) and (f),
+    as scipy.stats.sobol_indices computes them. The intervals come from a bootstrap, which draws the
+    n brakes again with replacement.
 
     Parameters
     ----------
     tolerances : the d tolerances
-    values : (d + 2, n), a number of each brake that `draw_deviates` made
-    seed : of the bootstrap
-    confidence : of the intervals
-    resamples : number of samples of the bootstrap
+    values : the result (d + 2, n) of each brake in each sample of `draw_deviates`
+    seed : seed of the bootstrap
+    confidence : probability of the confidence intervals
+    resamples : number of bootstrap samples
     """
     rng = np.random.default_rng(seed)
     n = values.shape[1]
@@ -231,12 +238,12 @@ def sobol_indices_of_tolerances(
     for _ in range(resamples):
         chosen = rng.integers(n, size=n)
         resampled.append(_sobol_index_values(values[:, chosen]))
-    # The interval leaves out as much below as above.
+    # The interval leaves out the same probability below and above.
     tails = [(1 - confidence) / 2, (1 + confidence) / 2]
     low, high = np.quantile(np.array(resampled), tails, axis=0)
 
     def share(kind: int, i: int) -> SobolIndex:
-        """The first (kind 0) or total (kind 1) index of tolerance i."""
+        """The first-order (`kind` 0) or total (1) Sobol index of tolerance i, with its interval."""
         return SobolIndex(float(indices[kind, i]), float(low[kind, i]), float(high[kind, i]))
 
     return [
@@ -246,7 +253,7 @@ def sobol_indices_of_tolerances(
 
 
 def _sobol_index_values(values: Floats) -> Floats:
-    """First-order and total Sobol indices (2, d) of values (d + 2, n)."""
+    """First-order and total Sobol indices (2, d) of a result (d + 2, n) in all samples."""
     from scipy.stats import sobol_indices  # noqa: PLC0415  (0.5 s)
 
     A, B, AB = values[:1], values[1:2], values[2:, None]
@@ -257,28 +264,28 @@ def _sobol_index_values(values: Floats) -> Floats:
 def torque_and_peak_during_run_in(
     brake: Brake, distances: Sequence[float], *, elements: int, tolerance: float = 3e-3
 ) -> dict[str, Any]:
-    """Torque and peak pressure of a new brake on a round drum as it runs in.
+    """Torque and peak pressure of a new brake on a round drum while its linings run in by wear.
 
-    Archard's wear with run_in.COEFFICIENT goes on until pressure and torque are settled. At greater
-    distances both stay as they then are.
+    The linings wear by Archard's law with run_in.COEFFICIENT until pressure and torque no longer
+    change. At greater sliding distances both have their last values.
 
     Parameters
     ----------
     brake : the brake with new linings
     distances : sliding distances [m]
-    elements : along each lining
+    elements : number of finite elements along each lining
     tolerance : relative error of the pressure in each step of the wear
 
     Returns
     -------
-    "torque" [N m] and "peak_pressure" [Pa] at each distance; "worn_in", the torque [N m] of the law
-    that the wear tends to
+    dictionary with "torque" [N m] and "peak_pressure" [Pa] at each distance, and "worn_in", the
+    torque [N m] of the rigid-shoe law that the wear tends to
     """
     on_round_drum = vary(brake, {"drum.out_of_round": []})
     setup = fem_wear_setup(prepare(on_round_drum, elements=elements), on_round_drum)
     states = run_in.run_in(setup, tolerance=tolerance)
     settled_at = states[-1].s
-    # The wear ends where pressure and torque are settled; later states are equal to the last.
+    # The computation ends where pressure and torque no longer change. Later states equal the last.
     states_at = [archard.interpolate_state(states, min(s, settled_at)) for s in distances]
     return {
         "torque": [state.torque for state in states_at],

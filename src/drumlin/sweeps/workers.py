@@ -1,7 +1,10 @@
-"""Who solves the cases of a sweep: processes of this machine, or the workers of a Dask cluster.
+"""The workers that solve the cases of a sweep: processes of this machine or of a cluster.
 
-The module loads no numpy, because a worker limits its threads before it loads numpy. Workers that
-die, stop or never answer are replaced, or the sweep ends with one line within the limits below.
+The workers of a cluster are those of Dask, a Python library that distributes work to machines.
+
+This module does not import numpy, because a worker must limit its threads before it loads numpy. A
+worker process that dies is replaced. If no worker answers within the time limits below, the sweep
+ends with a message of one line.
 """
 
 import importlib
@@ -21,42 +24,61 @@ from typing import Any, NamedTuple
 from drumlin.base.errors import BadInput, NoAnswer
 
 OLDEST_DASK = "2025.4"
-"""The oldest Dask whose scheduler names all its workers when it is asked for them."""
+"""The oldest version of Dask whose scheduler can list all its workers."""
 
 CONNECT_SECONDS = 5.0
-"""Seconds within which a scheduler must take a connection. A scheduler that is just starting is
-tried again until then."""
+"""Seconds within which a Dask scheduler must accept a connection.
+
+A scheduler that has not started yet is tried again until then.
+"""
 
 ANSWER_SECONDS = 30.0
-"""Seconds within which a scheduler must answer and a new process must start. Later they count as
-lost. A judgement: both take far less on a machine that is not overloaded."""
+"""Seconds within which a Dask scheduler must answer a question, and a new process must start.
+
+A scheduler or process that takes longer counts as lost. The limit is a judgement: both take far
+less on a machine that is not overloaded.
+"""
 
 HEARTBEAT_SECONDS = 300.0
-"""Seconds within which some Dask worker must be heard of. A long factorisation can silence a worker
-for minutes; after this limit all workers count as lost."""
+"""Seconds without a sign of life from any Dask worker after which all workers count as lost.
+
+The factorisation of a large matrix can silence a worker for minutes.
+"""
 
 FIRST_WORKER_SECONDS = 60.0
-"""Seconds that a scheduler without workers has to find the first one."""
+"""Seconds that a sweep waits for the first worker of a Dask scheduler without workers."""
 
 MAX_PROCESS_STARTS = 3
-"""How often a process is started before the sweep gives up."""
+"""Number of attempts to start a worker process before the sweep gives up."""
 
 MAX_JOBS = 1000
-"""Largest number of processes that a user may ask for."""
+"""Largest number of worker processes that --jobs may ask for."""
 
 DASK_LOGGERS = ("distributed", "tornado", "asyncio")
-"""Loggers whose messages about a lost cluster would fill the screen; they are silenced."""
+"""Names of the loggers of Dask and its libraries, which are silenced.
+
+Their messages about a lost cluster would fill the screen.
+"""
 
 WORKER_THREADS = {"OPENBLAS_NUM_THREADS": "1"}
-"""Environment of each worker. The dense systems are many and small, so that more BLAS threads make
-them slower, above all where processes share the cores."""
+"""Environment variables of each worker, which limit its threads for linear algebra to one.
+
+A solve factorises many small dense matrices. More threads make each of them slower, above all where
+several processes share the cores.
+"""
 
 SayLine = Callable[[str], None]
-"""A function that shows a line to the user."""
+"""A function that shows a line of text to the user."""
 
 
 class Workers(NamedTuple):
-    """An executor (None: this process itself) and how many cases it solves at a time."""
+    """The workers that solve the cases of a sweep.
+
+    Attributes
+    ----------
+    executor : executor that runs functions in the workers; None: this process solves the cases
+    workers : number of cases that are solved at the same time
+    """
 
     executor: Executor | None
     workers: int
@@ -66,20 +88,20 @@ class Workers(NamedTuple):
 def provide_workers(
     jobs: int | None = None, scheduler: str | None = None, say: SayLine = lambda _: None
 ) -> Iterator[Workers]:
-    """Provide workers while a block runs.
+    """Provide workers for the cases of a sweep while the block of the `with` statement runs.
 
     Parameters
     ----------
-    jobs : number of processes; None: one a core
+    jobs : number of processes of this machine; None: one for each core
     scheduler : address of a Dask scheduler whose workers solve the cases; None: processes do
-    say : told in a line when the block waits for workers
+    say : called with a message when the sweep waits for workers
 
     Raises
     ------
     BadInput
-        where the workers cannot be had
+        where the options are wrong, or the scheduler cannot be reached
     NoAnswer
-        where the workers are lost
+        where all workers are lost
     """
     if scheduler is not None:
         if jobs is not None:
@@ -96,6 +118,7 @@ def provide_workers(
     if jobs == 1:
         yield Workers(None, 1)
         return
+    # After an error in the block the processes are ended at once, else after their work.
     pool = _ProcessPool(jobs)
     try:
         yield Workers(pool, jobs)
@@ -106,26 +129,28 @@ def provide_workers(
 
 
 def waiting_line(start: float) -> str:
-    """The line that says since when [time.time()] the sweep waits for workers."""
+    """The message that the sweep has been waiting for workers since `start` [s, as time.time()]."""
     return f"waiting for workers since {time.strftime('%H:%M:%S', time.localtime(start))}"
 
 
 def _usable_cores() -> int:
-    """The number of cores that this process may use."""
+    """The number of processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class _ProcessPool(Executor):
-    """Processes, each with a thread of this process that gives the process its work.
+    """An executor that runs functions in worker processes, each with a pipe of its own.
 
-    A process that dies takes only its own work with it, even where it dies while it sends its
-    answer. Another process replaces it.
+    A thread of this process gives each worker process its work and waits for the answer. If a
+    worker process dies, even while it sends its answer, only its own work is lost. A new process
+    replaces it.
 
-    Three pools of others were tried (pebble 5.2.3, loky 3.7.0, concurrent.futures of Python 3.11).
-    The processes of each pool share a pipe. In all three a process that died while it sent its
-    answer was not noticed within 40 s, and in pebble and concurrent.futures work that was given
+    Three existing pools were tried (pebble 5.2.3, loky 3.7.0, concurrent.futures of Python 3.11).
+    The processes of each pool share one pipe. In all three pools the death of a process that was
+    sending its answer was not noticed within 40 s. In pebble and concurrent.futures, work submitted
     afterwards had no answer within 20 s. In loky a process that died at its work took the work of
-    its neighbour with it, and the pool; the pool of concurrent.futures was unusable after a death.
+    another process with it, and the whole pool. The pool of concurrent.futures was unusable after
+    the death of a process.
     """
 
     def __init__(self, number: int) -> None:
@@ -135,29 +160,32 @@ class _ProcessPool(Executor):
         self._ended = False
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Give work to the process that is free next.
+        """Have the next free worker process call a function; returns the future of its result.
 
-        The future raises NoAnswer where processes die as they start, BrokenExecutor where a process
-        dies at its work.
+        The future raises NoAnswer where no process can be started, and BrokenExecutor where the
+        process dies during the call.
         """
         return self._threads.submit(self._ask, fn, args, kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the processes: when they have finished their work, or at once without `wait`."""
+        """End all worker processes: with `wait` after they have finished their work, or at once."""
         self._ended = not wait
         self._threads.shutdown(wait, cancel_futures=cancel_futures)
         for process in self._all:
             process.kill()
 
     def _ask(self, *work: Any) -> Any:
-        """What a function returns in the process of this thread."""
+        """Call a function in the worker process of this thread and return its result.
+
+        `work` is the function, its arguments and its keyword arguments.
+        """
         process = getattr(self._of_thread, "process", None) or self._start_process()
         self._of_thread.process = process
         try:
             outcome = process.ask(work)
         except Exception as error:
             process.kill()
-            # The next work of this thread goes to a new process.
+            # This thread starts a new process for its next work.
             self._of_thread.process = None
             raise BrokenExecutor(f"its process died ({type(error).__name__})") from error
         if not outcome.returned:
@@ -165,7 +193,10 @@ class _ProcessPool(Executor):
         return outcome.value
 
     def _start_process(self) -> "_Process":
-        """A new process that has answered once. Raises NoAnswer where none starts."""
+        """Start a new worker process and wait for its first answer.
+
+        Raises NoAnswer where MAX_PROCESS_STARTS attempts fail.
+        """
         reason = "stopped"
         for _ in range(0 if self._ended else MAX_PROCESS_STARTS):
             try:
@@ -173,21 +204,27 @@ class _ProcessPool(Executor):
                 self._all.append(process)
                 process.ask((os.getpid, (), {}), ANSWER_SECONDS)
                 return process
-            # A TimeoutError is an OSError.
+            # A process that does not answer in time raises TimeoutError, which is an OSError.
             except (EOFError, OSError, MemoryError, RuntimeError) as error:
                 reason = " ".join(f"{type(error).__name__}: {error}".split())
         raise NoAnswer(f"sweep: worker processes cannot be started ({reason})")
 
 
 class _Outcome(NamedTuple):
-    """The outcome of a call in a process: whether the function returned, and its value or error."""
+    """The outcome of a function call in a worker process.
+
+    Attributes
+    ----------
+    returned : whether the function returned a value; else it raised an error
+    value : the returned value or the raised error
+    """
 
     returned: bool
     value: Any
 
 
 class _Process:
-    """A process that does one piece of work after the other, through a pipe of its own."""
+    """A worker process, which gets function calls through a pipe and returns their outcomes."""
 
     def __init__(self) -> None:
         spawn = multiprocessing.get_context("spawn")
@@ -195,14 +232,15 @@ class _Process:
         self._process = spawn.Process(target=_serve_calls, args=(far_end,), daemon=True)
         with _limit_threads():
             self._process.start()
-        # The process has its own copy of the far end. With this copy closed the pipe ends when the
-        # process dies.
+        # The worker process has its own copy of the pipe's far end. Once the copy here is closed,
+        # the pipe ends when the process dies.
         far_end.close()
 
     def ask(self, work: Any, limit: float | None = None) -> _Outcome:
-        """Call a function in the process; `limit` [s] bounds the time that it takes.
+        """Call a function in the worker process and return the outcome, within `limit` [s].
 
-        Any exception that this method raises says that the process died.
+        `work` is the function, its arguments and its keyword arguments. Any exception that this
+        method raises means that the process has died or does not answer.
         """
         self._pipe.send(work)
         if not self._pipe.poll(limit):
@@ -210,13 +248,16 @@ class _Process:
         return _Outcome(*self._pipe.recv())
 
     def kill(self) -> None:
-        """End the process, whatever it does."""
+        """End the worker process at once, even during a call."""
         self._process.kill()
         self._process.join()
 
 
 def _serve_calls(pipe: Any) -> None:
-    """Call the functions that come through the pipe and send their answers, in a worker process."""
+    """Call the functions that come through the pipe, and send back the outcomes, until it closes.
+
+    This is the main function of a worker process.
+    """
     _follow_parent()
     with suppress(EOFError):
         while True:
@@ -229,11 +270,15 @@ def _serve_calls(pipe: Any) -> None:
 
 
 _environment_lock = threading.Lock()
+"""A lock held by the thread that changes the environment variables of this process."""
 
 
 @contextmanager
 def _limit_threads() -> Iterator[None]:
-    """Limit the threads of the processes that a block starts, one block at a time."""
+    """Limit the threads of the processes that are started while the block runs.
+
+    A new process inherits the environment variables of this process, which the block changes.
+    """
     with _environment_lock:
         added = {name: value for name, value in WORKER_THREADS.items() if name not in os.environ}
         os.environ.update(added)
@@ -245,12 +290,12 @@ def _limit_threads() -> Iterator[None]:
 
 
 def _follow_parent() -> None:
-    """Leave Ctrl-C to the parent process, and end this worker process when the parent ends."""
+    """Ignore Ctrl-C in this worker process, and end the process as soon as its parent ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 
     def follow() -> None:
-        """Wait for the end of the parent, then end this process."""
+        """Wait for the end of the parent process, then end this worker process."""
         if parent is not None:
             parent.join()
             os._exit(1)
@@ -260,7 +305,7 @@ def _follow_parent() -> None:
 
 @contextmanager
 def _dask_workers(address: str, say: SayLine) -> Iterator[Workers]:
-    """Provide the workers of the Dask scheduler at an address while a block runs."""
+    """Provide the workers of the Dask scheduler at an address while the block runs."""
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError as error:
@@ -275,26 +320,26 @@ def _dask_workers(address: str, say: SayLine) -> Iterator[Workers]:
             finally:
                 pool.shutdown()
         finally:
-            # A client of a lost cluster has nothing to close and may raise anything.
+            # If the cluster is lost, closing the client may raise any exception.
             with suppress(Exception):
                 client.close(timeout=2)
 
 
 def _connected_client(distributed: Any, address: str) -> Any:
-    """A client of the scheduler at an address.
+    """Connect to the Dask scheduler at an address and return the client.
 
     Raises BadInput where no scheduler answers within CONNECT_SECONDS.
     """
     connected: Future[Any] = Future()
 
     class Client(distributed.Client):  # type: ignore[misc]
-        """A client that its user closes."""
+        """A Dask client that is closed explicitly, not when Python deletes it."""
 
         def __del__(self) -> None:
-            """Do nothing: Dask would wait here for a client that was never connected."""
+            """Do nothing. Dask's own method would wait for a client that was never connected."""
 
     def connect() -> None:
-        """Make the client, or keep the reason why there is none."""
+        """Connect the client, and put the client or the error into the future `connected`."""
         try:
             client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
             connected.set_result(client)
@@ -302,7 +347,8 @@ def _connected_client(distributed: Any, address: str) -> Any:
             connected.set_exception(error)
 
     start = time.monotonic()
-    # A port that accepts a connection and stays silent may hold this thread for ever.
+    # The client connects in a thread of its own, since a port that accepts a connection and stays
+    # silent may block the thread for ever.
     threading.Thread(target=connect, daemon=True).start()
     try:
         return connected.result(CONNECT_SECONDS)
@@ -319,14 +365,15 @@ def _connected_client(distributed: Any, address: str) -> Any:
 
 
 def _close_late_client(connected: "Future[Any]") -> None:
-    """Close a client that was connected too late. A lost client has nothing to close."""
+    """Close a client whose connection came too late; ignore errors of a client that is lost."""
     with suppress(Exception):
         connected.result().close(timeout=2)
 
 
 def _await_first_workers(client: Any, address: str, say: SayLine) -> int:
-    """Wait for the first workers; returns how many cases the workers solve at a time.
+    """Wait for the first workers of a scheduler; returns the number of all their threads.
 
+    Each thread solves one case at a time.
     Raises NoAnswer where no worker comes within FIRST_WORKER_SECONDS.
     """
     start, told = time.time(), False
@@ -345,13 +392,16 @@ def _await_first_workers(client: Any, address: str, say: SayLine) -> int:
 
 
 def _scheduler_workers(client: Any, address: str) -> dict[str, Any]:
-    """The scheduler's workers by name. Raises NoAnswer where the scheduler does not answer."""
+    """The data of all workers of a Dask scheduler, by the name of the worker.
+
+    Raises NoAnswer where the scheduler does not answer or is too old.
+    """
     try:
         identity = client.sync(
             client.scheduler.identity, n_workers=-1, callback_timeout=ANSWER_SECONDS
         )
         workers: dict[str, Any] = identity["workers"]
-    # An older scheduler does not know the argument n_workers and answers with a TypeError.
+    # A scheduler of an older Dask does not know the argument n_workers and raises TypeError.
     except TypeError as error:
         raise NoAnswer(
             f"--scheduler = {address!r}: is of a Dask older than {OLDEST_DASK} ({error})"
@@ -362,14 +412,15 @@ def _scheduler_workers(client: Any, address: str) -> dict[str, Any]:
 
 
 def _lost_scheduler_error(address: str) -> NoAnswer:
-    """The exception for a scheduler that was lost."""
+    """The exception to raise for a Dask scheduler that is lost."""
     return NoAnswer(f"--scheduler = {address!r}: the scheduler was lost, or does not answer")
 
 
 class _DaskPool(Executor):
-    """An executor on the workers of a Dask client.
+    """An executor that runs functions in the workers of a Dask scheduler.
 
-    Once the scheduler or all workers are lost, all waiting work fails with one line.
+    A thread watches the scheduler. Once the scheduler or all its workers are lost, all unfinished
+    work fails with the same message of one line.
     """
 
     def __init__(self, client: Any, address: str, distributed: Any) -> None:
@@ -377,13 +428,19 @@ class _DaskPool(Executor):
         self._inner: Executor = client.get_executor(pure=False)
         self._waiting: set[Future[Any]] = set()
         self._lost: NoAnswer | None = None
-        self._lock, self._end = threading.Lock(), threading.Event()
+        # The lock guards the two attributes above. The event ends the watching thread.
+        self._lock = threading.Lock()
+        self._end = threading.Event()
         threading.Thread(target=self._watch, daemon=True).start()
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Give work to a worker. Raises NoAnswer where the cluster is lost."""
+        """Have a Dask worker call a function; returns the future of its result.
+
+        Raises NoAnswer where the cluster is lost.
+        """
         future: Future[Any] = Future()
-        # Nobody can cancel the work any more. Closing the client forgets what waits.
+        # The future counts as running, so that it cannot be cancelled. Unfinished work is dropped
+        # when the client is closed.
         future.set_running_or_notify_cancel()
         with self._lock:
             if self._lost is not None:
@@ -397,13 +454,13 @@ class _DaskPool(Executor):
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Watch the cluster no longer, and forget what waits."""
+        """Stop watching the cluster, and drop all unfinished work."""
         self._end.set()
         with self._lock:
             self._waiting.clear()
 
     def _pass_answer(self, future: "Future[Any]", inner: "Future[Any]") -> None:
-        """Pass the result of Dask's future on to the future that the sweep waits for."""
+        """Pass the result or error of Dask's future `inner` on to the sweep's future `future`."""
         with self._lock:
             if future not in self._waiting:
                 return
@@ -420,12 +477,16 @@ class _DaskPool(Executor):
                 future.set_exception(error)
 
     def _watch(self) -> None:
-        """Ask the scheduler about once a second; fail all work once the cluster is lost."""
+        """Ask the scheduler for its workers once a second; fail all work once the cluster is lost.
+
+        This is the main function of the watching thread.
+        """
         last_seen: dict[str, Any] = {}
         last_sign = time.monotonic()
         while not self._end.wait(min(1.0, ANSWER_SECONDS / 4)):
             try:
                 workers = _scheduler_workers(self._client, self._address)
+                # A worker is alive if the time at which the scheduler last heard of it has changed.
                 seen = {name: worker.get("last_seen") for name, worker in workers.items()}
                 if any(last_seen.get(name) != moment for name, moment in seen.items()):
                     last_sign = time.monotonic()
@@ -441,7 +502,7 @@ class _DaskPool(Executor):
                 return
 
     def _fail_all(self, error: NoAnswer) -> None:
-        """Fail all waiting work, and all work to come, with an error."""
+        """Let all unfinished work, and all work submitted later, fail with an error."""
         with self._lock:
             self._lost = error
             for future in self._waiting:
@@ -450,9 +511,10 @@ class _DaskPool(Executor):
 
 
 def call_packed_function(work: bytes) -> Any:
-    """The result of a function packed with its arguments, called in a Dask worker of one thread.
+    """Unpack a pickled function with its arguments, call it, and return its result.
 
-    Unpacking loads numpy, which reads the limit as it is loaded.
+    Dask workers run this function. The number of threads is limited first: unpacking loads numpy,
+    which reads the limit as it is loaded.
     """
     if "numpy" not in sys.modules:
         for name, value in WORKER_THREADS.items():
@@ -463,17 +525,17 @@ def call_packed_function(work: bytes) -> Any:
 
 @contextmanager
 def _silence_dask() -> Iterator[None]:
-    """Silence Dask's log while a block runs.
+    """Silence Dask's log while the block runs.
 
-    A lost cluster is told in one line by this module. The log stays silent where the block fails,
-    since Dask goes on writing about the loss.
+    This module itself reports a lost cluster in one line. If the block fails, the log stays silent
+    afterwards, too, since Dask goes on writing about the loss.
     """
-    loggers = [
-        logging.getLogger(name) for name in (*DASK_LOGGERS, *logging.root.manager.loggerDict)
-    ]
-    levels = {
-        logger: logger.level for logger in loggers if logger.name.split(".")[0] in DASK_LOGGERS
-    }
+    # Remember the level of each logger of Dask, to restore it at the end.
+    levels = {}
+    for name in (*DASK_LOGGERS, *logging.root.manager.loggerDict):
+        logger = logging.getLogger(name)
+        if logger.name.split(".")[0] in DASK_LOGGERS:
+            levels[logger] = logger.level
     for logger in levels:
         logger.setLevel(logging.CRITICAL + 1)
     yield
