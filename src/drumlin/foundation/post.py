@@ -5,8 +5,8 @@ under and behind the lining, and each part has equal divisions of length dx. The
 divisions are called stations. Each station under the lining has a sector of the lining. The ends of
 the lining are stations, so that the sectors at the ends are halves. The sums of Barecki & Scieszka
 (1987) are then trapezoidal rules, with errors of second order in dx. At the station of a sector
-only the half of the sector that is farther from the hinge bends the beam. Sum (8) of the paper counts
-the whole sector there, which is an error of first order in dx.
+only the half of the sector that is farther from the hinge bends the beam. Sum (8) of the paper
+counts the whole sector there, which is an error of first order in dx.
 """
 
 from typing import NamedTuple
