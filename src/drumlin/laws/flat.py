@@ -173,7 +173,7 @@ def why_not(law: FlatLaw, brake: Brake) -> str | None:
     for shoe in brake.shoes:
         if shoe.held_by != "hinge":
             return f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}"
-        # A pressure proportional to x would be tension on the other side of the hinge.
+        # The pressure of the linear law is proportional to x: behind the hinge it would be tension.
         x_min, x_max = span(shoe)
         if law is LINEAR and x_min < 0:
             return (

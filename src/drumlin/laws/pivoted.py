@@ -158,7 +158,7 @@ def why_not(brake: Brake) -> str | None:
 
 
 def pivot_place(shoe: Shoe) -> tuple[float, float]:
-    """Position x, y [m] of the pivot in the shoe's frame."""
+    """Position x, y [m] in the shoe's frame of the pivot at the end of the shoe's lever."""
     assert shoe.pivot is not None, "why_not() has refused a shoe without pivot"
     x, y = shoe.frame.to_shoe(shoe.pivot.xy)
     return float(x), float(y)

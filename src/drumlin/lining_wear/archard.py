@@ -56,7 +56,9 @@ from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
 
 GAMMA = 1 - 1 / math.sqrt(2)
-"""Diagonal coefficient of the Runge-Kutta method; this value makes it L-stable (Alexander 1977)."""
+"""Coefficient gamma of the two implicit stages of a wear step, a Runge-Kutta method.
+
+This value makes the method L-stable (Alexander 1977)."""
 
 TOLERANCE = 1e-3
 """Largest error of the pressure in a step of wear if the user gives no tolerance.
@@ -669,7 +671,9 @@ def problem_at_given_torque(
 
 
 Tangent = Callable[[Floats], Floats]
-"""The change dx (n,) of the contact unknowns that a change dw (n,) of the weighted gap causes."""
+"""A function from a change (n,) of the weighted gap to the change (n,) of the contact unknowns.
+
+It is linear and holds as long as the same unknowns stay in contact."""
 
 
 class _WearIntegrals(NamedTuple):
@@ -860,7 +864,7 @@ class _WearStepper:
         return self._size(euler.p - p)
 
     def _size(self, p: Floats) -> float:
-        """The L2 norm of p (n,) over the linings."""
+        """The L2 norm of a pressure (n,) [Pa] over the area of all linings."""
         return math.sqrt(float(np.abs(self.area) @ p**2))
 
     def _make_state(
@@ -909,7 +913,7 @@ class _WearStepper:
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
         footings = self.interfaces[i].footings
-        # The last footing is tried first.
+        # The footing of the last solution is tried first.
         for number in sorted(range(len(footings)), key=lambda number: number != last_footing):
             self.footing[i], self.sets[i] = number, last_set
             try:

@@ -168,7 +168,7 @@ def pressure_distance(setup: WearSetup, p: Floats, goal: Floats) -> float:
     distances = []
     for surface in setup.surfaces:
         size = lining_pressure_norm(surface, surface.along(goal))
-        # A lining that the target does not press has no relative distance.
+        # A lining without pressure at the end of wear has no relative distance.
         if size:
             distances.append(lining_pressure_norm(surface, surface.along(p - goal)) / size)
     return max(distances, default=0.0)

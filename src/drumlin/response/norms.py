@@ -77,7 +77,7 @@ class Difference:
 
     @property
     def columns(self) -> Ints:
-        """The number (pieces,) of the element of response b in which each piece lies."""
+        """The numbers (pieces,) of the elements of response b that contain the pieces."""
         ends, starts = self.b.theta[:: self.b.order], self.theta[:, 0]
         return np.asarray(np.searchsorted(ends, starts, side="right") - 1)
 
