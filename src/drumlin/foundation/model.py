@@ -283,7 +283,8 @@ def solve(
             touching.append(i)
         else:
             answers[i] = untouched(shoe, -shoe.actuation.vector)
-    # Shoes are solved together only if each loads an elastic ring by its own pressure.
+    # Shoes influence each other only if the own pressure of each shoe loads an elastic ring. They
+    # are then solved together.
     together = brake.ring is not None and "own-pressure" in names
     groups = [touching] if together and touching else [[i] for i in touching]
     steps = 0

@@ -22,9 +22,10 @@ from drumlin.brake.fields import AnyMaterial, Material
 
 
 class Post(NamedTuple):
-    """A shoe of a post brake, divided into m stations of its beam and n sectors of its lining.
+    """A shoe of a post brake, whose beam has m stations and whose lining has n sectors.
 
-    All quantities are in the beam's coordinates, which begin at the hinge.
+    A station is a point of the beam. A sector is the part of the lining at a station. All
+    quantities are in the beam's coordinates, which begin at the hinge.
 
     Attributes
     ----------

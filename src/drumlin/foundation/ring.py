@@ -101,12 +101,12 @@ def flexibility(
     assert section is not None and isinstance(section.material, Material)
     r = radius + sign * section.thickness / 2
     e = section.thickness**2 / (12 * r**2)
-    # E/(kappa G) of an isotropic material.
+    # The ratio E/(kappa G) of Young's modulus to the effective shear modulus.
     shear = 2 * (1 + section.material.nu) * SHEAR_FACTOR
     # The mean of the line load of one force, in units of 1/(pi R).
     hoop = 0.5
     n2 = shear_of_one_force(d)
-    # The opposite force adds its mean load, and its modes half a turn on.
+    # An equal opposite force doubles the mean load and adds its own modes, turned by half a turn.
     if twin:
         hoop, n2 = 1.0, n2 + shear_of_one_force(d + math.pi)
     modes = (1 + 3 * e) * series(d) + e * shear * n2 + e * hoop

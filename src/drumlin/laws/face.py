@@ -55,7 +55,10 @@ class DrumFace(NamedTuple):
         return np.array([np.cos(place), np.sin(place), np.ones(np.shape(place))])
 
     def products(self, arcs: Arcs) -> Floats:
-        """Integrals (3, 2) [m] of (cos, sin, 1) times (cos, sin) over the length of arcs."""
+        """Integrals over the length of arcs of cos, sin and 1, each times cos and times sin.
+
+        The result is a matrix (3, 2) [m], with a row for each first factor.
+        """
         total = np.zeros((3, 2))
         for a, b in arcs:
             # The integral of cos^2 is half + across, that of sin^2 is half - across.
@@ -110,7 +113,9 @@ class DrumFace(NamedTuple):
         )
 
     def centre(self, c: Floats, start: float, end: float) -> int:
-        """Whether a lining can bear a normal force by pressure (+1), by tension (-1) or not (0).
+        """The sign of the normal stress on a lining that can have a given resultant.
+
+        It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can.
 
         Parameters
         ----------
@@ -150,7 +155,10 @@ class PlaneFace(NamedTuple):
         return np.array([np.ones(np.shape(place)), place, np.zeros(np.shape(place))])
 
     def products(self, arcs: Arcs) -> Floats:
-        """Integrals (3, 2) of (1, x, 0) times (1, x) over the length of arcs."""
+        """Integrals over the length of arcs of 1, x and 0, each times 1 and times x.
+
+        The result is a matrix (3, 2), with a row for each first factor.
+        """
         total = np.zeros((3, 2))
         for a, b in np.array(arcs).reshape(-1, 2):
             first = (b**2 - a**2) / 2
@@ -187,7 +195,9 @@ class PlaneFace(NamedTuple):
         return Resultant(normal, friction, float(loads[1]))
 
     def centre(self, c: Floats, start: float, end: float) -> int:
-        """Whether a lining can bear a normal force by pressure (+1), by tension (-1) or not (0).
+        """The sign of the normal stress on a lining that can have a given resultant.
+
+        It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can.
 
         Parameters
         ----------

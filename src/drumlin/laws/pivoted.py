@@ -89,7 +89,7 @@ def coefficients(
     moment : moment of the actuation about the lever's pin [N m]
     width : width of the lining [m]
     mu : friction coefficient
-    arc : layout of the shoe, with the lever's pin as its hinge
+    arc : angles and radii of the shoe, with the lever's pin as its hinge
     x, y : the pivot in the shoe's frame [m], in which the lever's pin is at (a, 0)
     """
     rows = _equilibrium_rows(mu, arc, x, y)

@@ -1,7 +1,7 @@
 """Solve brakes with rigid shoes by the rigid-shoe law, on a drum or a plane.
 
 The rigid-body mode k of a shoe moves its lining by u_k and closes the gap by f_k = n.u_k, with the
-lining's normal n. The pressure is the sum p = sum of a_k f_k where it is positive, and 0 elsewhere.
+lining's normal n. The pressure is p = sum of a_k f_k where the sum is positive, and 0 elsewhere.
 There are as many moment or force equilibria as modes. They contain the friction coefficient mu, the
 sense s of the motion, the direction t along the surface, the width w of the lining, the test modes
 v_j (brake.support), and the work Q_j of the actuation on the test mode j:
@@ -172,9 +172,10 @@ def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> PressedShoe | Non
 
 
 def bears(brake: Brake, shoe: Shoe) -> int:
-    """Whether pressure (+1), only tension (-1) or neither (0) can balance a shoe's actuation.
+    """The sign of the normal stress on a lining that can balance its shoe's actuation.
 
-    Pressure and tension act on the lining, without friction.
+    It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can. Friction is left
+    out.
     """
     face, ends = face_of(brake, shoe), (shoe.lining.start, shoe.lining.end)
     free = shoe.freedoms(shoe.senses[-1])

@@ -157,7 +157,7 @@ class DoubleShoe:
         return SINE.torque(moment, mu, self._layout(1)), SINE.torque(moment, mu, self._layout(-1))
 
     def line_pressures(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
-        """Largest pressure times lining width [N/m] of the leading and of the trailing shoe.
+        """Largest line loads [N/m] of the leading and the trailing shoe: pressure times width.
 
         The arrays `force` [N] and `omega` [rad/s] broadcast.
         """

@@ -534,8 +534,8 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
         except NoAnswer as error:
             failure = failure or error
             continue
-        # The friction is judged by the motions of the shoe. Those by wear exceed the elastic ones
-        # by the factor STEADY_MOTION_RATIO.
+        # Whether the friction opposes the slide of a foot is judged at motions by wear that exceed
+        # the elastic motions by the factor STEADY_MOTION_RATIO.
         elastic = float(np.abs(np.diagonal(footing.problem.A)).max())
         scale = STEADY_MOTION_RATIO * float(elastic / np.abs(compliance_of_wear).max())
         if footing.stands(replace(contact, y=scale * contact.y)):
@@ -750,7 +750,10 @@ class _WearStepper:
         self.forward = True
 
     def _problems_of(self, interface: WearInterface) -> list[ContactProblem]:
-        """The contact problem of each footing of a group of linings, at the held torque if any."""
+        """The contact problems of a group of linings: one for each friction case at its abutments.
+
+        If the wear run keeps a given torque, the problems have this torque in place of a force.
+        """
         problems: list[ContactProblem] = list(map(attrgetter("problem"), interface.footings))
         if self.held is None:
             return problems
@@ -892,9 +895,9 @@ class _WearStepper:
         )
 
     def _actuation_factor(self, i: int, p: Floats) -> float:
-        """The factor on the actuation that balances the pressures p (n,) of the linings' group `i`.
+        """The factor on the actuation that balances pressures p (n,) of the linings' group `i`.
 
-        The factor is 1 unless the torque is held.
+        The factor is 1 unless the wear run keeps a given torque.
         """
         if self.held is None:
             return 1.0
@@ -1027,10 +1030,10 @@ def checkerboard_amplitude(p: Floats, margin: int = 5) -> float:
 
 
 def _erode_mask(where: Bools, margin: int, *, beyond: bool) -> Bools:
-    """The mask (n,) of the places at which, and next to which, the mask `where` (n,) is true.
+    """The mask (n,) that is true at a place if `where` (n,) is true there and at its neighbours.
 
-    "Next to" means up to `margin` places on either side. Places past the ends of the array count as
-    `beyond`.
+    Neighbours are up to `margin` places away on either side. Places past the ends of the array
+    have the value `beyond`.
     """
     padded = np.pad(where, margin, constant_values=beyond)
     eroded: Bools = np.lib.stride_tricks.sliding_window_view(padded, 2 * margin + 1).min(axis=1)
@@ -1038,7 +1041,7 @@ def _erode_mask(where: Bools, margin: int, *, beyond: bool) -> Bools:
 
 
 def interpolate_state(states: Sequence[WearState], s: float) -> WearState:
-    """The state at a sliding distance s [m], interpolated between the two nearest states."""
+    """The state at a sliding distance s [m], interpolated between the states before and after."""
     # At a reversal two states have the same distance. The state before the reversal counts.
     after = min(bisect_left(states, s, key=attrgetter("s")), len(states) - 1)
     b = states[after]

@@ -189,7 +189,7 @@ def _settle_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int,
         if active is None:
             raise
         settled, contact = worn.solve_contact(active)
-    # The senses of the friction at the abutments identify the footing that has been found.
+    # The senses of the friction at the abutments tell to which of the `ways` the solution belongs.
     senses = list(map(attrgetter("known_friction_senses"), ways))
     return senses.index(settled.known_friction_senses), contact.active
 
@@ -261,7 +261,7 @@ def foundation_wear_setup(
         raise BadInput(f"foundation does not apply to this brake: {reason}")
     names = foundation.included_effects(brake, lift)
     touching = [i for i, shoe in enumerate(brake.shoes) if pressing_moment(shoe) > 0]
-    # Shoes are coupled only if each loads an elastic ring by its own pressure.
+    # Shoes influence each other only if the own pressure of each shoe loads an elastic ring.
     meet = brake.ring is not None and "own-pressure" in names
     groups = [touching] if meet and touching else [[i] for i in touching]
     interfaces: list[WearInterface] = []

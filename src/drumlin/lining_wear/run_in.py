@@ -378,7 +378,7 @@ class RunChecks(NamedTuple):
 
 
 def compute_run_checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> RunChecks:
-    """The balances of the worn volume in a wear run, and the ripple of its pressures."""
+    """Compute the checks of a wear run: balances of the worn volume, and ripple of the pressure."""
     end = states[-1]
     area = np.concatenate(list(map(attrgetter("area"), setup.interfaces)))
     scale = end.removed or 1.0

@@ -35,7 +35,7 @@ class Difference:
 
     @classmethod
     def of(cls, a: ShoeResponse, b: ShoeResponse, *zones: float) -> Self:
-        """Make the difference between the pressures of two responses of the same shoe.
+        """Evaluate the difference between the pressures of two responses of the same shoe.
 
         Parameters
         ----------

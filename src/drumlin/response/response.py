@@ -593,9 +593,9 @@ def peak_place(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | 
     theta, pressure = response.curve()
     zone = edge_zone(brake.shoes[index], brake.scale_factor)
     inside = _is_outside_zones(theta, zone)
-    # The response does not say whether its peak pressure was sought outside the end zones only. The
-    # largest value of the curve that comes nearer to the peak pressure tells: that outside the end
-    # zones, or that of the whole curve.
+    # A response does not tell whether its peak pressure was sought on the whole lining or outside
+    # the end zones. The largest value of the curve is known for both. The value that is nearer to
+    # the peak pressure decides.
     apart = abs(pressure[inside].max(initial=0.0) - response.peak_pressure)
     if abs(pressure.max() - response.peak_pressure) <= apart:
         inside, zone = np.ones(len(theta), dtype=bool), 0.0
