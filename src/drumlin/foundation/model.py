@@ -176,13 +176,13 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
     theta = np.concatenate([p.axis.origin + p.axis.sense * p.theta for p in posts])
     ring = ring_of(brake, theta, theta, lift)
     # Only the ring couples the shoes: all other blocks of the group's matrices are diagonal.
-    A, q, B, C, h = zip(*map(_post_problem, posts), strict=True)
+    problems = list(map(_post_problem, posts))
     problem = ContactProblem(
-        block_diag(*A) + ring,
-        np.concatenate(q),
-        block_diag(*B),
-        block_diag(*C),
-        np.concatenate(h),
+        A=block_diag(*(each.A for each in problems)) + ring,
+        q=np.concatenate([each.q for each in problems]),
+        B=block_diag(*(each.B for each in problems)),
+        C=block_diag(*(each.C for each in problems)),
+        h=np.concatenate([each.h for each in problems]),
     )
     return FoundationSystem(posts, ring, problem)
 
@@ -294,10 +294,11 @@ def solve(
         steps = max(steps, found.steps)
         answers |= _group_responses(brake, group, parts, found)
     ordered = tuple(answers[i] for i in range(len(shoes)))
+    balances = [shoe_balance(brake, i, shoe) for i, shoe in enumerate(ordered)]
     response = Response(
         model="foundation",
         shoes=ordered,
-        balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(ordered)]),
+        balance=worst(balances),
         iterations=steps,
         seconds={"solve": time.perf_counter() - clock},
         left_out=left_out(brake, names),

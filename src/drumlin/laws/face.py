@@ -8,6 +8,7 @@ rigid-shoe law that differs between a drum and a plane. All integrals are in clo
 """
 
 import math
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -181,7 +182,8 @@ class PlaneFace(NamedTuple):
 
     def peak(self, c: Floats, arcs: Arcs) -> float:
         """Largest value [Pa] of the pressure c[0] + c[1] x on the arcs."""
-        return float(max(c @ [1.0, x] for arc in arcs for x in arc))
+        # A linear pressure is largest at an end of an arc.
+        return float(max(c @ [1.0, x] for x in chain.from_iterable(arcs)))
 
     def force(self, loads: Floats, drag: float) -> Resultant:
         """Resultant on the shoe of pressure and friction.

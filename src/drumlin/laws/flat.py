@@ -193,10 +193,11 @@ def solve(law: FlatLaw, brake: Brake) -> Response:
     word = brake.surface.word
     shoes = tuple(_solve_shoe(law, brake, shoe) for shoe in brake.shoes)
     apart = [no_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs]
+    balances = [shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]
     response = Response(
         model=law.name,
         shoes=shoes,
-        balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
+        balance=worst(balances),
         left_out=LEFT_OUT[word],
         notes=tuple(apart),
     )

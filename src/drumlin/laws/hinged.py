@@ -82,10 +82,11 @@ def solve(law: Law, brake: Brake) -> Response:
     notes: list[str] = []
     for i, shoe in enumerate(shoes):
         notes += _notes_on_shoe(law, brake, i, shoe)
+    balances = [shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]
     response = Response(
         model=law.name,
         shoes=shoes,
-        balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
+        balance=worst(balances),
         left_out=LEFT_OUT[brake.surface.word],
         notes=tuple(notes),
     )

@@ -14,7 +14,7 @@ abutment), cosine (a guide on a drum), linear (a hinge on a plane), uniform (a g
 
 import math
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -344,7 +344,7 @@ def nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
     steps : approximate number of steps between nodes over the whole lining
     """
     # A set holds each end once, even if an arc in contact ends where the lining ends.
-    marks = sorted({*ends, *(end for arc in arcs for end in arc)})
+    marks = sorted({*ends, *chain.from_iterable(arcs)})
     found = [np.array(marks[:1])]
     for a, b in pairwise(marks):
         count = 2 * max(1, round(steps * (b - a) / (ends[1] - ends[0]) / 2))
@@ -418,10 +418,11 @@ def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response
         )
     word = brake.surface.word
     apart = [no_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs]
+    balances = [shoe_balance(under, i, shoe) for i, shoe in enumerate(shoes)]
     response = Response(
         model=name,
         shoes=shoes,
-        balance=worst([shoe_balance(under, i, shoe) for i, shoe in enumerate(shoes)]),
+        balance=worst(balances),
         left_out=LEFT_OUT[word],
         notes=(*apart, *cam_notes(brake)),
     )

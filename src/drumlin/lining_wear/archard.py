@@ -411,9 +411,8 @@ class _WearRunInProgress:
         """Let the drum turn the other way, and append the state after the reversal."""
         self._forward = not self._forward
         self._next_turn += self._reverse
-        self.states.append(
-            self._steppers[self._forward].state_after_reversal(self.state, self._forward)
-        )
+        stepper = self._steppers[self._forward]
+        self.states.append(stepper.state_after_reversal(self.state, self._forward))
         self._step, self._just_turned = self._opening_step, True
 
 
@@ -762,9 +761,8 @@ class _WearStepper:
     def initial_state(self) -> WearState:
         """The state of the unworn linings under load. Raises NoAnswer without an equilibrium."""
         depth = np.zeros(len(self.area))
-        return self._make_state(
-            0.0, depth, self._settled_pressure(depth), _WearIntegrals(0.0, 0.0, 0.0)
-        )
+        pressure = self._settled_pressure(depth)
+        return self._make_state(0.0, depth, pressure, _WearIntegrals(0.0, 0.0, 0.0))
 
     def state_after_reversal(self, state: WearState, forward: bool) -> WearState:
         """The state of linings, worn as in `state`, after the drum has begun to turn the other way.
@@ -773,9 +771,8 @@ class _WearStepper:
         """
         self.forward = forward
         integrals = _WearIntegrals(state.removed, state.pressed, state.work)
-        return self._make_state(
-            state.s, state.depth, self._settled_pressure(state.depth), integrals
-        )
+        pressure = self._settled_pressure(state.depth)
+        return self._make_state(state.s, state.depth, pressure, integrals)
 
     def _settled_pressure(self, depth: Floats) -> Floats:
         """The pressure (n,) [Pa] of linings worn by a depth (n,) [m], found without a first guess.
@@ -816,9 +813,8 @@ class _WearStepper:
         # With the rates r1 and r2 of the stages, the embedded first-order method wears by ds r1.
         # Its depth is wrong by GAMMA ds (r2 - r1). The tangent of the last stage turns this error
         # of the depth into an error of the pressure.
-        error = self._size(
-            self._pressure_change(second.tangents, GAMMA * ds * (second.rate - first.rate))
-        )
+        depth_error = GAMMA * ds * (second.rate - first.rate)
+        error = self._size(self._pressure_change(second.tangents, depth_error))
         # The tangent is right only if the same unknowns were in contact, with the same friction at
         # the abutments, throughout the step.
         pressed = second.p > 0

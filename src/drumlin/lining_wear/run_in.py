@@ -349,9 +349,8 @@ def lining_life(
             rate = float(law.rate(goal.pressure[surface.part], 0.0)[0].max())
             end = min(end, s[-1] + (allowed - deepest[-1]) / rate)
     # Pressure and torque count as worn in from where they stay within the bound.
-    pressures, torques = np.array(
-        [distance_from_target(setup, state, goal) for state in states]
-    ).T.tolist()
+    distances = np.array([distance_from_target(setup, state, goal) for state in states])
+    pressures, torques = distances.T.tolist()
     pressure_near = archard.settling_distance(s, pressures, within)
     torque_near = archard.settling_distance(s, torques, within)
     return LiningLife(end, pressure_near / end, torque_near / end)

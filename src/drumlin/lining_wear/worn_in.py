@@ -83,9 +83,8 @@ def solve_worn_in_brake(brake: Brake, *, penalty: float = PENALTY, **options: An
     options : options of `prepare_finest_division`
     """
     scene = prepare_finest_division(brake, **options)
-    return with_merits(
-        brake, solve_prepared_model(scene, worn_in_brake(scene, brake), penalty=penalty)
-    )
+    worn = worn_in_brake(scene, brake)
+    return with_merits(brake, solve_prepared_model(scene, worn, penalty=penalty))
 
 
 def worn_in_brake(scene: PreparedModel, brake: Brake) -> Brake:
@@ -229,7 +228,9 @@ def worn_in_foundation_brake(
     fitting = remove_misfit(brake, drum=True)
     shoes = list(range(len(brake.shoes)))
     gaps: dict[int, Rows] = {}
-    for group in [shoes] if "own-pressure" in names else [[i] for i in shoes]:
+    # Shoes influence each other only if the own pressure of each shoe loads the ring.
+    groups = [shoes] if "own-pressure" in names else [[i] for i in shoes]
+    for group in groups:
         model = system(fitting, group, sections, names)
         # The pressure of the sine law as normal forces on the sectors of the linings.
         forces, angles = [], []

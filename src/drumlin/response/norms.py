@@ -44,9 +44,8 @@ class Difference:
         """
         start, end, inner = b.theta[0], b.theta[-1], np.array(zones)
         # A knot is an end of a piece. Knots may coincide: a piece of no length adds nothing.
-        knots = np.sort(
-            np.concatenate([start + inner, end - inner, a.theta[:: a.order], b.theta[:: b.order]])
-        )
+        ends_of_pieces = a.theta[:: a.order], b.theta[:: b.order]
+        knots = np.sort(np.concatenate([start + inner, end - inner, *ends_of_pieces]))
         knots = knots[(knots >= start) & (knots <= end)]
         half = 0.5 * np.diff(knots)[:, None]
         theta = knots[:-1, None] + half * (1 + GAUSS)
