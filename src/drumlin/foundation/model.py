@@ -175,7 +175,7 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
     # Angles of all sectors of the group on the ring.
     theta = np.concatenate([p.axis.origin + p.axis.sense * p.theta for p in posts])
     ring = ring_of(brake, theta, theta, lift)
-    # Only the ring couples the shoes: all other blocks of the group's matrices are diagonal.
+    # Only the ring couples the shoes, so that all other matrices are block diagonal.
     problems = list(map(_post_problem, posts))
     problem = ContactProblem(
         A=block_diag(*(each.A for each in problems)) + ring,
@@ -378,7 +378,7 @@ def _solve_group(
         other = brake.model_copy(update={"friction": friction})
         return system(other, group, sections, names).problem
 
-    # Above the mu_lock of rigid shoes, an answer that settles at once is not trusted.
+    # The solver trusts a contact that it finds at once only below the mu_lock of rigid shoes.
     law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     try:
         found = self_locking.solve_on_path_from_zero_friction(

@@ -62,9 +62,9 @@ class DrumFace(NamedTuple):
         """
         total = np.zeros((3, 2))
         for a, b in arcs:
-            # The integral of cos^2 is half + across, that of sin^2 is half - across.
+            # From a to b, the integral of cos^2 is half + across, that of sin^2 is half - across.
             half, across = (b - a) / 2, (math.sin(2 * b) - math.sin(2 * a)) / 4
-            # The integral of cos sin.
+            # The integral of the product cos sin from a to b.
             both = (math.cos(2 * a) - math.cos(2 * b)) / 4
             total += [
                 [half + across, both],

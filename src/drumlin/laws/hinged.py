@@ -109,7 +109,7 @@ def _notes_on_shoe(law: Law, brake: Brake, index: int, response: ShoeResponse) -
         return [no_contact(response.name)]
     if response.lumped is None:
         return [f"{said} {law.remark}"] if law.remark else []
-    # Without its attribute `lumped`, the response has the resultant of the pressure over the arc.
+    # Without lumping, the resultant is that of the pressure spread over the arc.
     spread = contact_resultant(brake, index, replace(response, lumped=None))
     share = float(np.linalg.norm(spread.normal) / np.linalg.norm(response.lumped.normal))
     ratio = float(law.friction(layout(brake, brake.shoes[index])))
@@ -134,7 +134,7 @@ def _solve_shoe(law: Law, brake: Brake, index: int) -> ShoeResponse:
             f"mu_lock = {locking_friction(brake, shoe, law):.6g} of the {law.name} law"
         )
     amplitude = float(law.amplitude(moment, shoe.lining.width, mu, arc))
-    # The integrals of the law are those of a pressure of amplitude 1.
+    # The integrals of the pressure [Pa] are the amplitude times those of f.
     load = Load(*(amplitude * integral for integral in law.load(arc)))
     return pressed(
         brake,

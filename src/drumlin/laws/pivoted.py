@@ -102,7 +102,7 @@ def torque(moment: Values, mu: Values, arc: Layout, x: Values, y: Values) -> Flo
 
     The torque is nan if the lever locks itself or the pressure is negative somewhere.
     """
-    # The torque does not depend on the width.
+    # The torque does not depend on the lining's width, so that any width will do.
     A, B = coefficients(moment, 1.0, mu, arc, x, y)
     # On an arc below half a turn, A cos + B sin is positive if it is positive at both ends.
     least = np.minimum(*(A * np.cos(phi) + B * np.sin(phi) for phi in (arc.phi_1, arc.phi_2)))

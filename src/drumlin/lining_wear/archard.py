@@ -498,7 +498,8 @@ def _settle_all_interfaces(interfaces: WearInterfaces, depth: Floats) -> tuple[i
     for interface, part in zip(interfaces, parts, strict=True):
         assert interface.settle is not None
         own_number, active = interface.settle(depth[part])
-        # In `itertools.product` the footing of the last group changes from each item to the next.
+        # `itertools.product` counts combinations like digits: the choice of the last group changes
+        # from each combination to the next.
         number = number * len(interface.footings) + own_number
         active_sets.append(active)
     return number, np.concatenate(active_sets)
@@ -783,7 +784,7 @@ class _WearStepper:
             if interface.settle is None:
                 continue
             # The force of the brake file may lock a brake that has an equilibrium at the held
-            # torque. In this case a step starts without a first guess.
+            # torque. In this case the last contact, if there is one, stays the first guess.
             with suppress(NoAnswer) if self.held is not None else nullcontext():
                 self.footing[i], self.sets[i] = interface.settle(depth[part])
         return self._solve_contact(depth, 0.0).p
@@ -912,7 +913,7 @@ class _WearStepper:
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
         footings = self.interfaces[i].footings
-        # The footing of the last solution is tried first.
+        # The way in which friction acted at the abutments in the last solution is tried first.
         for number in sorted(range(len(footings)), key=lambda number: number != last_footing):
             self.footing[i], self.sets[i] = number, last_set
             try:
@@ -921,8 +922,8 @@ class _WearStepper:
                 failure = failure or error
                 continue
             force = self._actuation_factor(i, bearing.p)
-            # A footing judges a solution under the actuation of the brake file, so the solution is
-            # scaled to it.
+            # Whether the friction opposes the slide of the feet is judged under the actuation of
+            # the brake file, so the solution is scaled to it.
             contact = bearing.contact
             if force > 0:
                 contact = replace(contact, p=contact.p / force, y=contact.y / force)

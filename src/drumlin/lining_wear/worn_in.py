@@ -128,8 +128,8 @@ def _worn_in_gap(interface: WearInterface, linings: list[slice]) -> Floats:
     end = solve_steady_wear(interface, WearLaw(1.0))
     footing, M, p = interface.footings[end.footing], interface.weight, end.contact.p
     A, q, B, *_ = footing.problem
-    # The shoe rests in the footing with the fewest motions: each foot on a rough abutment stays
-    # where it is.
+    # While the unloaded shoe rests, each foot on a rough abutment stays where it is. The footing
+    # of this case is the one with the fewest motions.
     resting = min(map(attrgetter("problem.B"), interface.footings), key=lambda B: B.shape[1])
     solved = scipy.linalg.solve(M, np.column_stack([q + A @ p, resting]), assume_a="pos")
     # `opened` is the opening c, and approach @ y is the closing of the gap by motions y.
