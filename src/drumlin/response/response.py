@@ -26,7 +26,7 @@ EDGE_ZONE = math.radians(0.2)
 """Length [rad] of the zone at each end of a lining in which pressures are not compared.
 
 The pressure is singular at a sharp elastic edge. The stated error of a pressure therefore holds
-outside the zones at the lining's ends. A judgement.
+outside the zones at the lining's ends.
 """
 
 CURVE_SPACING = math.radians(0.2)

@@ -20,9 +20,10 @@ from drumlin.brake.surface import FrictionSurface
 GAUSS, WEIGHTS = legendre.leggauss(12)
 
 PEAK_SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
-"""Points on [-1, 1] of a piece at which its largest value is sought.
+"""Points at which a polynomial piece is evaluated to find its largest value.
 
-A parabola through the largest sample and its neighbours then gives the largest value.
+They are in the coordinate [-1, 1] of the piece. A parabola through the largest of these values and
+its two neighbours then gives the largest value of the piece.
 """
 
 
@@ -236,7 +237,7 @@ class InnerPart:
 
     @cached_property
     def samples(self) -> _Samples:
-        """The points at which the largest value is sought.
+        """The points at which the largest pressure on the lining is sought.
 
         They lie outside the end zones, or on the whole lining if the end zones cover it.
         """
