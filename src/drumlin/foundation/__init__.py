@@ -1,6 +1,7 @@
-"""The elastic foundation model of post brakes: beam, layers of springs and elastic ring.
+"""The elastic foundation model of post brakes, published by Barecki & Scieszka (1987).
 
-The model was published by Barecki & Scieszka (1987).
+The shoe is a bending beam, lining and block are springs side by side, and the drum is a ring that
+bends.
 """
 
 from drumlin.foundation.model import LIFTS, RING_SECTIONS, rim, solve, why_not

@@ -1,10 +1,17 @@
 """Solve post brakes by the foundation model: beams, springs and ring as one contact problem.
 
-A lining is divided into sectors. Each sector bears a normal force N >= 0, and its gap is
-w = Delta + N/k + z - closing >= 0; either N or w is zero. A beam turns about its hinge by y and
-bends under its moments M. With the trapezoidal rule over the stations of the beam
+The shoe of a post brake is a straight beam on a hinge. Its lining is divided into sectors along the
+arc. A sector with the clearance Delta and the stiffness k bears a normal force N >= 0. The ring
+below the sector moves inwards by z, and the beam closes the gap by d, so that the remaining gap is
 
-    M = loaded - (pressed + mu_hat dragged) N,   closing = y closing_0 + closing^T (dx/EI) M,
+    w = Delta + N/k + z - d >= 0,                N w = 0
+
+The beam turns about its hinge by y and bends under its moments M. The forces of all sectors bend
+the ring, which has the flexibilities c. The matrices `loaded`, `pressed`, `dragged` and `closing`
+are those of `Post`; a subscript 0 stands for their first row, which is that of the hinge. With the
+trapezoidal rule over the stations of the beam, whose steps are dx,
+
+    M = loaded - (pressed + mu_hat dragged) N,   d = y closing_0 + closing^T (dx/EI) M,
     z = c N,                                     M_0 = 0: (pressed + mu_hat dragged)_0 N = loaded_0.
 
 These equations are eq. 2, 8, 16 and 19 of Barecki & Scieszka (1987), and eq. 7 solved for the
@@ -40,10 +47,13 @@ from drumlin.response.response import Deformation, Response, ShoeResponse, press
 from drumlin.response.resultants import Resultant
 
 RING_SECTIONS = 360
-"""Number of divisions of each beam if the user gives none."""
+"""Number of divisions of each shoe's beam if the user gives none."""
 
 LARGEST_SHOE_TURN = 0.2
-"""Largest turn of a shoe [rad] that the model accepts: the model assumes small displacements."""
+"""Largest turn of a shoe about its hinge [rad] that the model accepts, some 11 degrees.
+
+The model assumes small displacements, and an answer with a larger turn is refused.
+"""
 
 LIFTS = {
     "plane-stress": (
@@ -64,16 +74,20 @@ LIFTS = {
     "own-pressure": "the other shoe's pressure is the same, half a turn on, not its own",
     "ring-friction": "friction does not bend the ring",
 }
-"""Effects that the paper neglects, by the names with which the option --lift includes an effect."""
+"""Effects that Barecki & Scieszka (1987) neglect and that this model can include.
+
+The keys are the names by which the option --lift includes the effects. The values are the
+descriptions that are printed for the effects that stay neglected.
+"""
 
 ALWAYS = (
     "shear and stretching of the beam: it only bends",
     "shear of lining and block: springs side by side",
 )
-"""Effects that the model always neglects."""
+"""Effects that the foundation model always neglects, as lines for the reader."""
 
 NO_RING = frozenset({"thick-ring", "all-modes", "own-pressure", "ring-friction"})
-"""Names of neglected effects that concern the ring, and do not exist on a rigid drum."""
+"""Names in LIFTS of the effects that concern the drum's ring; a rigid drum does not have them."""
 
 
 def why_not(brake: Brake) -> str | None:
@@ -89,10 +103,10 @@ def why_not(brake: Brake) -> str | None:
 
 
 def included_effects(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
-    """The names of the neglected effects to include, from the values of the option --lift.
+    """The names in LIFTS of the effects that a solve includes, from the values of --lift.
 
     The value "all" stands for all effects for which the brake file has data. Raises BadInput for an
-    unknown name or missing data.
+    unknown name, or for an effect for which the brake file has no data.
     """
     names = set(lift)
     unknown = sorted(names - set(LIFTS) - {"all"})
@@ -100,6 +114,7 @@ def included_effects(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
         raise BadInput(
             f"--lift = {unknown[0]!r}: unknown simplification; allowed: {', '.join(LIFTS)}, all"
         )
+    # Two effects need data that a brake file may lack.
     lacking: dict[str, str] = {}
     for shoe in brake.shoes:
         if shoe.backing and isinstance(shoe.body, Beam) and shoe.body.thickness is None:
@@ -110,20 +125,21 @@ def included_effects(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
         raise BadInput(f"--lift = {name!r}: {lacking[name]}")
     if "all" in names:
         names = set(LIFTS) - set(lacking)
-    # The other shoe's own pressure loads the ring in all modes.
+    # If each shoe loads the ring by its own pressure, the ring has odd modes as well.
     if "own-pressure" in names:
         names = names | {"all-modes"}
     return frozenset(names)
 
 
 class FoundationSystem(NamedTuple):
-    """The contact problem of shoes that load the ring together.
+    """The contact problem of a group of shoes, which load the ring together.
 
     Attributes
     ----------
-    posts : the shoes, divided into stations and sectors
-    ring : flexibilities c (n, n) [m/N] of the ring between the sectors of all shoes
-    problem : the contact problem, whose unknowns are the normal forces of the sectors
+    posts : the shoes of the group, divided into stations and sectors
+    ring : (n, n) [m/N], inward displacement of the ring at each of the group's n sectors per normal
+        force on each sector
+    problem : the contact problem, whose unknowns are the normal forces [N] of the sectors
     """
 
     posts: tuple[Post, ...]
@@ -132,14 +148,14 @@ class FoundationSystem(NamedTuple):
 
 
 def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) -> FoundationSystem:
-    """Set up the contact problem of a group of shoes for the normal forces of their sectors [N].
+    """Set up the contact problem of a group of shoes for the normal forces [N] of their sectors.
 
     Parameters
     ----------
     brake : the brake
-    group : positions of the shoes in the brake
+    group : positions in the brake of the shoes of the group
     sections : number of divisions of each beam
-    lift : names of the neglected effects to include
+    lift : names in LIFTS of the effects to include
 
     Raises
     ------
@@ -156,22 +172,24 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
         plane_stress="plane-stress" in lift,
     )
     posts = tuple(make(brake, brake.shoes[i]) for i in group)
+    # Angles of all sectors of the group on the ring.
     theta = np.concatenate([p.axis.origin + p.axis.sense * p.theta for p in posts])
     ring = ring_of(brake, theta, theta, lift)
-    A, q, B, C, h = zip(*map(_post_problem, posts), strict=True)
+    # Only the ring couples the shoes, so that all other matrices are block diagonal.
+    problems = list(map(_post_problem, posts))
     problem = ContactProblem(
-        block_diag(*A) + ring,
-        np.concatenate(q),
-        block_diag(*B),
-        block_diag(*C),
-        np.concatenate(h),
+        A=block_diag(*(each.A for each in problems)) + ring,
+        q=np.concatenate([each.q for each in problems]),
+        B=block_diag(*(each.B for each in problems)),
+        C=block_diag(*(each.C for each in problems)),
+        h=np.concatenate([each.h for each in problems]),
     )
     return FoundationSystem(posts, ring, problem)
 
 
 def _post_problem(p: Post) -> ContactProblem:
-    """The contact problem of one shoe on a rigid drum."""
-    # The gap closes by the moments at all stations, and the moments come from the normal forces.
+    """The contact problem of one shoe for the normal forces [N] of its sectors on a rigid drum."""
+    # The bending moments at all stations close the gaps; the normal forces make the moments.
     turning = p.closing.T * (p.step / p.EI)
     moments = p.pressed + p.drag * p.dragged
     return ContactProblem(
@@ -184,14 +202,16 @@ def _post_problem(p: Post) -> ContactProblem:
 
 
 def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) -> Floats:
-    """The inward displacement (k, n) [m/N] of the rim per normal force on a lining.
+    """The inward displacement (k, n) [m/N] of the drum's ring per normal force on its rim.
+
+    All displacements are zero if the drum is rigid.
 
     Parameters
     ----------
     brake : the brake
-    theta : angles (k,) [rad] at which the rim is displaced
-    loads : angles (n,) [rad] of the forces
-    lift : names of the neglected effects to include
+    theta : angles (k,) [rad] at which the displacement is evaluated
+    loads : angles (n,) [rad] at which the normal forces act
+    lift : names in LIFTS of the effects to include
     """
     ring = brake.ring
     if ring is None:
@@ -206,20 +226,21 @@ def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) ->
 
 
 def rim(brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = ()) -> Floats:
-    """The inward displacement (shoes, k) [m] of the rim under each shoe's pressure.
+    """The inward displacement (shoes, k) [m] of the drum's ring under the pressure of each shoe.
 
-    With "all-modes" in `lift` the displacement of the rim is the sum of the rows. Otherwise each
-    row is the displacement of a rim that an equal shoe loads opposite.
+    A row belongs to a shoe. With "all-modes" in `lift`, the displacement under all shoes is the sum
+    of the rows. Otherwise a row is the displacement under the shoe and an equal shoe opposite it.
 
     Parameters
     ----------
     brake : the brake
     response : the response of the foundation model
-    theta : angles (k,) [rad]
-    lift : names of the effects that the response includes
+    theta : angles (k,) [rad] at which the displacement is evaluated
+    lift : names in LIFTS of the effects that the response includes
     """
     names = included_effects(brake, lift)
     rows = []
+    # The trapezoidal rule turns the pressure of a shoe into forces at the response's angles.
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
         N = shoe.lining.width * brake.size * trapezoid(answer.theta) * answer.pressure
         rows.append(ring_of(brake, theta, answer.theta, names) @ N)
@@ -239,15 +260,15 @@ def solve(
     ----------
     brake : the brake
     sections : number of divisions of each beam
-    lift : names in LIFTS of the neglected effects to include, or "all"
-    start : contact sets (n,) of all shoes to begin with
+    lift : names in LIFTS of the effects to include, or "all"
+    start : first guess for the sectors in contact: a mask (n,) for each shoe of the brake
 
     Raises
     ------
     BadInput
         if the model does not apply, or for an option out of range
     NoAnswer
-        for self-locking, no equilibrium or no convergence
+        for a self-locking shoe, for no equilibrium or no convergence
     """
     reason = why_not(brake)
     if reason is not None:
@@ -256,13 +277,14 @@ def solve(
     shoes = brake.shoes
     answers: dict[int, ShoeResponse] = {}
     touching = []
-    # A shoe that its force does not press on the drum has no contact problem.
+    # A shoe that its force turns away from the drum does not touch and needs no contact problem.
     for i, shoe in enumerate(shoes):
         if pressing_moment(shoe) > 0:
             touching.append(i)
         else:
             answers[i] = untouched(shoe, -shoe.actuation.vector)
-    # Shoes that share the ring are solved together.
+    # Shoes influence each other only if the own pressure of each shoe loads an elastic ring. They
+    # are then solved together.
     together = brake.ring is not None and "own-pressure" in names
     groups = [touching] if together and touching else [[i] for i in touching]
     steps = 0
@@ -272,10 +294,11 @@ def solve(
         steps = max(steps, found.steps)
         answers |= _group_responses(brake, group, parts, found)
     ordered = tuple(answers[i] for i in range(len(shoes)))
+    balances = [shoe_balance(brake, i, shoe) for i, shoe in enumerate(ordered)]
     response = Response(
         model="foundation",
         shoes=ordered,
-        balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(ordered)]),
+        balance=worst(balances),
         iterations=steps,
         seconds={"solve": time.perf_counter() - clock},
         left_out=left_out(brake, names),
@@ -287,16 +310,17 @@ def solve(
 def _group_responses(
     brake: Brake, group: list[int], parts: FoundationSystem, found: active_set.Contact
 ) -> dict[int, ShoeResponse]:
-    """The responses of a group of shoes, by the position of the shoe in the brake.
+    """The responses of a group of shoes, by the position of each shoe in the brake.
 
     Parameters
     ----------
     brake : the brake
-    group : positions of the shoes in the brake
+    group : positions in the brake of the shoes of the group
     parts : the contact problem of the group
     found : the solution of the contact problem
     """
     answers = {}
+    # Inward displacement of the ring at the sectors of all shoes of the group.
     z = parts.ring @ found.p
     ranges = in_turn(len(p.theta) for p in parts.posts)
     for k, i in enumerate(group):
@@ -306,13 +330,14 @@ def _group_responses(
 
 
 def left_out(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
-    """The effects that are neglected for a brake, each with the option that includes the effect.
+    """Lines on the effects that a solve neglects, each with the option to include the effect.
 
-    `names` are the names of the effects that the model includes.
+    `names` are the names in LIFTS of the effects that the solve includes.
     """
     ring = brake.ring is not None
     blocks = any(shoe.backing for shoe in brake.shoes)
     kept = []
+    # Effects of a ring or of a block do not count as neglected in a brake that has none.
     for name, text in LIFTS.items():
         concerns = (ring or name not in NO_RING) and (blocks or name != "wedge")
         if name not in names and concerns:
@@ -329,29 +354,31 @@ def _solve_group(
     names: frozenset[str],
     start: list[Bools] | None,
 ) -> active_set.Contact:
-    """Solve the contact problem of a group of shoes.
+    """Solve the contact problem of a group of shoes for its normal forces and turns.
 
     Parameters
     ----------
     brake, group, sections : parameters of `system`
     parts : the contact problem of the group
-    names : names of the neglected effects to include
-    start : contact sets (n,) of all shoes of the brake to begin with
+    names : names in LIFTS of the effects to include
+    start : first guess for the sectors in contact: a mask (n,) for each shoe of the brake
 
     Raises
     ------
     NoAnswer
-        for self-locking, no equilibrium, no convergence or a turn beyond LARGEST_SHOE_TURN
+        for a self-locking shoe, no equilibrium, no convergence, or a turn of a shoe beyond
+        LARGEST_SHOE_TURN
     """
     begin = None if start is None else np.concatenate([start[i] for i in group])
 
     def problem_at(friction: float) -> ContactProblem:
-        """The contact problem of the group at another friction coefficient of the drum."""
+        """The contact problem of the group at a given friction coefficient."""
         if friction == brake.friction:
             return parts.problem
         other = brake.model_copy(update={"friction": friction})
         return system(other, group, sections, names).problem
 
+    # The solver trusts a contact that it finds at once only below the mu_lock of rigid shoes.
     law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     try:
         found = self_locking.solve_on_path_from_zero_friction(
@@ -369,26 +396,26 @@ def _solve_group(
 
 
 def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float) -> ShoeResponse:
-    """The response of a shoe to the normal forces on its sectors.
+    """The response of one shoe, from the normal forces on the sectors of its lining.
 
     Parameters
     ----------
     brake : the brake
     index : position of the shoe in the brake
     p : the shoe, divided into stations and sectors
-    N : normal forces (n,) [N] of the sectors
+    N : normal forces (n,) [N] on the sectors
     z : inward displacements (n,) [m] of the ring at the sectors
     turn : turn of the beam about its hinge [rad]
     """
     shoe, R = brake.shoes[index], brake.size
     pressure = N / (shoe.lining.width * R * p.sector)
-    # The beam turns about its hinge and bends under its moments.
+    # The displacement w of the beam is its turn about the hinge plus the bending by its moments.
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
     bent = np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.step / p.EI * moment)
     w = turn * p.x + bent
     theta = shoe_angles(p.axis, shoe, p.theta)
     contact = _resultant(brake, theta, N)
-    # Friction helps if its moment about the hinge acts against the moment of the normal forces.
+    # Friction is self-energising if its moment about the hinge opposes that of the normal forces.
     helping = float(-p.drag * (p.dragged[0] @ N))
     deformation = Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[:: p.axis.sense])
     return pressed_shoe(
@@ -409,7 +436,10 @@ def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float
 
 
 def _resultant(brake: Brake, theta: Floats, N: Floats) -> Resultant:
-    """The resultant on an external lining of normal forces N (n,) [N] at angles (n,) [rad]."""
+    """The resultant on an external lining of normal forces (n,) [N] and of their friction.
+
+    The normal forces `N` act at the angles `theta` (n,) [rad] of the drum.
+    """
     normal, drag = np.array([N @ np.cos(theta), N @ np.sin(theta)]), brake.drag
     return Resultant(
         normal=normal,

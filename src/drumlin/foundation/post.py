@@ -1,10 +1,12 @@
-"""Discretise a shoe of the foundation model: stations along the beam, lining sectors, levers.
+"""Divide a shoe of the foundation model into stations along its beam and sectors of its lining.
 
-The beam has three parts, before, under and behind the lining, and each part has equal divisions.
-The ends of the lining are stations, and its end sectors are halves. The sums of Barecki & Scieszka
-(1987) are then trapezoidal rules of second order in dx. Only the part of a sector beyond its
-station bends the beam at the station. Sum (8) of the paper counts the whole sector, which is an
-error of first order.
+The shoe of a post brake is a straight beam that carries a lining. The beam has three parts, before,
+under and behind the lining, and each part has equal divisions of length dx. The points between the
+divisions are called stations. Each station under the lining has a sector of the lining. The ends of
+the lining are stations, so that the sectors at the ends are halves. The sums of Barecki & Scieszka
+(1987) are then trapezoidal rules, with errors of second order in dx. At the station of a sector
+only the half of the sector that is farther from the hinge bends the beam. Sum (8) of the paper
+counts the whole sector there, which is an error of first order in dx.
 """
 
 from typing import NamedTuple
@@ -20,24 +22,29 @@ from drumlin.brake.fields import AnyMaterial, Material
 
 
 class Post(NamedTuple):
-    """A shoe, divided into m stations and n sectors, in the beam's coordinates.
+    """A shoe of a post brake, whose beam has m stations and whose lining has n sectors.
+
+    A station is a point of the beam. A sector is the part of the lining at a station. All
+    quantities are in the beam's coordinates, which begin at the hinge.
 
     Attributes
     ----------
     axis : axis of the beam
-    x : stations (m,) [m] along the beam
-    step : length (m,) [m] of beam that each station stands for
-    EI : bending stiffness (m,) [N m^2] of the beam at the stations
-    under : numbers (n,) of the stations under the lining
-    theta : angles (n,) [rad] of the sectors
-    sector : sizes (n,) [rad] of the sectors
-    k : stiffnesses (n,) [N/m] of the sectors
-    gap : clearance Delta (n,) [m] of the sectors
-    pressed : moments (m, n) [m] about the stations per normal force
-    dragged : moments (m, n) [m] about the stations per friction force towards the loaded end
-    loaded : moments (m,) [N m] of the actuation about the stations, positive against the others
-    closing : closing (m, n) [m] of the gaps per turn of the beam at a station
-    drag : mu_hat, the friction towards the loaded end over the normal force
+    x : (m,) [m], places of the stations along the beam
+    step : (m,) [m], weights of the trapezoidal rule over the stations, 0 at the hinge
+    EI : (m,) [N m^2], bending stiffness of the beam at the stations
+    under : (n,), numbers of the stations at which the sectors are
+    theta : (n,) [rad], angles of the sectors
+    sector : (n,) [rad], sizes of the sectors
+    k : (n,) [N/m], stiffnesses of the sectors: force per compression of lining and block
+    gap : (n,) [m], clearance Delta between the unloaded lining and the drum at the sectors
+    pressed : (m, n) [m], moment about each station per normal force on each sector
+    dragged : (m, n) [m], moment about each station per friction force on each sector, with the
+        friction towards the loaded end of the beam
+    loaded : (m,) [N m], moment of the actuation about each station, positive if it opposes the
+        moments of the normal forces
+    closing : (m, n) [m], closing of the gap at each sector per turn of the beam at each station
+    drag : mu_hat, ratio of the friction force towards the loaded end to the normal force
     """
 
     axis: Axis
@@ -59,31 +66,33 @@ class Post(NamedTuple):
 def post(
     brake: Brake, shoe: Shoe, sections: int, *, tilt: bool, wedge: bool, plane_stress: bool
 ) -> Post:
-    """Divide a shoe into stations along its beam and sectors of its lining.
+    """Divide a shoe of a post brake into stations along its beam and sectors of its lining.
 
     Parameters
     ----------
     brake, shoe : the brake and the shoe
     sections : number of divisions of the beam
-    tilt : whether a turning section of the beam carries the lining along the beam
+    tilt : whether a cross-section of the beam that turns also moves the lining along the beam
     wedge, plane_stress : parameters of `layers`
     """
     body, lining, R = shoe.body, shoe.lining, brake.size
-    # `why_not` has refused other bodies.
+    # `why_not` has refused brakes whose shoes are not beams.
     assert isinstance(body, Beam)
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     ends = np.sort(axis.angle(np.array([lining.start, lining.end])))
     start, end = (axis.foot + R * np.sin(ends)).tolist()
     x, under = stations(axis.length, start, end, sections)
-    # The hinge bears no moment: the first term of its rule is zero in every equilibrium.
+    # The beam has no moment at its hinge, so that the first station needs no weight.
     step = trapezoid(x)
     step[0] = 0.0
+    # The angles of the sectors follow from their places along the beam.
     theta = np.arcsin(np.clip((x[under] - axis.foot) / R, -1, 1))
     theta[[0, -1]] = ends
     sector = trapezoid(theta)
     soft = layers(brake, shoe, axis, theta, wedge=wedge, plane_stress=plane_stress)
     c, s = np.cos(theta), np.sin(theta)
-    # Levers of the sectors about the stations: along the axis, and towards the drum's centre.
+    # Levers of each sector about each station, along the beam's axis and towards the drum's centre.
+    # A sector between the hinge and the station has none.
     arm_x = np.maximum(x[under] - x[:, None], 0.0)
     depth = body.offset_at(x)[:, None] + (axis.distance - R * c)
     arm_y = _fractions_beyond(x, under, theta) * depth
@@ -108,27 +117,33 @@ def post(
 
 
 def _fractions_beyond(x: Floats, under: Ints, theta: Floats) -> Floats:
-    """The fraction (m, n) of each sector at theta (n,) that lies beyond each station x (m,).
+    """The fraction (m, n) of each sector that lies farther from the hinge than each station.
 
-    `under` (n,) are the numbers of the stations at the sectors.
+    Parameters
+    ----------
+    x : places (m,) [m] of the stations along the beam
+    under : numbers (n,) of the stations at which the sectors are
+    theta : angles (n,) [rad] of the sectors
     """
     beyond = (x[:, None] < x[under]).astype(float)
+    # At its own station a sector counts by the half between the station and the next one.
     half_ahead = np.append(np.diff(theta), 0.0)
     beyond[under, np.arange(len(under))] = half_ahead / (2 * trapezoid(theta))
     return beyond
 
 
 def stations(length: float, start: float, end: float, sections: int) -> tuple[Floats, Ints]:
-    """The stations (m,) [m] of a beam, and the numbers (n,) of the stations under its lining.
+    """The places (m,) [m] of a beam's stations, and the numbers (n,) of those under the lining.
 
     Parameters
     ----------
     length : length of the beam [m]
     start, end : begin and end of the lining along the beam [m]
-    sections : number of divisions of the beam, which m - 1 approximates
+    sections : wanted number of divisions of the beam; rounding makes m - 1 differ from it
     """
+    # The parts of the beam before, under and behind the lining.
     lengths = np.array([start, end - start, length - end])
-    # Each part has at least one division, unless it has no length.
+    # Each part has at least one division, unless it has no length; the lining has two or more.
     divisions = np.maximum(np.round(sections * lengths / length), 1)
     counts = np.where(lengths > 1e-9 * length, divisions, 0).astype(int)
     counts[1] = max(counts[1], 2)
@@ -146,21 +161,24 @@ def trapezoid(x: Floats) -> Floats:
 def layers(
     brake: Brake, shoe: Shoe, axis: Axis, theta: Floats, *, wedge: bool, plane_stress: bool
 ) -> Floats:
-    """The compliance t_l/E_l + t_w/E_w [m/Pa] of lining and block at angles of the beam.
+    """The compression per pressure [m/Pa] of lining and block, at angles of the beam.
+
+    It is t_l/E_l of the lining plus t_w/E_w of the block, in the shape of `theta`.
 
     Parameters
     ----------
     brake, shoe : the brake and the shoe
     axis : axis of the beam
     theta : angles [rad] in the beam's coordinates, any shape
-    wedge : whether the block fills the space between the lining's back and the beam's face
-    plane_stress : whether the layers are bonded; bonded layers cannot spread along the arc and are
+    wedge : whether the block fills the space between the lining's back and the beam's face;
+        otherwise the block has the thickness of the shoe's backing everywhere
+    plane_stress : whether the layers are bonded, so that they cannot spread along the arc and are
         1/(1 - nu^2) times stiffer
     """
 
     def compliance(thickness: Floats, material: AnyMaterial) -> Floats:
-        """The compliance [m/Pa] of a layer of a thickness [m]."""
-        # `why_not` has refused orthotropic materials.
+        """The compression per pressure [m/Pa] of one layer of a thickness [m]."""
+        # `why_not` has refused brakes with orthotropic materials.
         assert isinstance(material, Material)
         return thickness * ((1 - material.nu**2) if plane_stress else 1.0) / material.E
 
@@ -170,7 +188,7 @@ def layers(
         return total
     thickness = np.full(theta.shape, backing.thickness)
     if wedge:
-        # `why_not` and `included_effects` have refused other bodies and missing thicknesses.
+        # `why_not` has refused bodies other than beams, `included_effects` beams of no thickness.
         assert isinstance(shoe.body, Beam) and shoe.body.thickness is not None
         face = axis.distance - shoe.body.thickness / 2
         thickness = face - (brake.size + lining.thickness) * np.cos(theta)
@@ -178,7 +196,10 @@ def layers(
 
 
 def shoe_angles(axis: Axis, shoe: Shoe, theta: Floats) -> Floats:
-    """Convert angles of the beam to angles of the brake [rad], counted as the lining's angles."""
+    """Convert angles in a beam's coordinates to angles of the brake [rad], of the same shape.
+
+    The result counts full turns as the angles of the shoe's lining do.
+    """
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
     origin = middle - axis.sense * float(axis.angle(np.array(middle)))
     return origin + axis.sense * theta

@@ -1,9 +1,10 @@
-"""Rigid-shoe laws: drum and shoe are rigid, the pressure is proportional to the lining's approach.
+"""Rigid-shoe laws: shoe and drum are rigid, the pressure is proportional to the approach.
 
-`rigid` solves a brake with any rigid shoes, on a drum or a plane; `face` describes the two
-surfaces. `shapes`, `pivoted` and `flat` hold laws as formulas on arrays. `hinged` and `flat` solve
-a brake by the lumped laws and by the laws that assume a shape of the pressure. `simscape` is the
-double-shoe block with its own parameters.
+The module `rigid` solves a brake with any rigid shoes, and `face` describes the drum or the plane
+on which they press. The modules `shapes`, `pivoted` and `flat` hold closed-form laws as formulas on
+arrays. The modules `hinged` and `flat` solve a brake by laws that assume the shape of the pressure.
+The module `naming` chooses the name of the law for a brake. The module `simscape` is the
+double-shoe brake block of Simscape Driveline.
 """
 
 from drumlin.laws.hinged import locking_friction, sine

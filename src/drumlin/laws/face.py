@@ -1,12 +1,14 @@
-"""The two surfaces on which a rigid shoe presses, a drum and a plane.
+"""The friction surface on which a rigid shoe presses: a drum or a plane.
 
-A rigid-body motion closes the gap of a lining by a mixture of two shapes: cos and sin of the angle
-on a drum, 1 and x on a plane. The pressure of a rigid shoe is therefore such a mixture,
-c_1 g_1 + c_2 g_2, whatever its support. Nothing else differs between a drum and a plane here.
-Integrals are exact.
+A rigid-body motion of the shoe closes the gap between lining and surface by c_1 g_1 + c_2 g_2. The
+shape functions g_1, g_2 are cos and sin of the angle on a drum, and 1 and x on a plane. The
+pressure of a rigid shoe is proportional to the closing of the gap. Whatever the shoe's support, the
+pressure is therefore p = c_1 g_1 + c_2 g_2, too. `DrumFace` and `PlaneFace` hold everything in the
+rigid-shoe law that differs between a drum and a plane. All integrals are in closed form.
 """
 
 import math
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -16,36 +18,53 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.response.resultants import Resultant
 
 Arcs = tuple[tuple[float, float], ...]
+"""Begin and end of each stretch of lining in contact: angles [rad], on a plane places x [m]."""
 
 
 class DrumFace(NamedTuple):
-    """A drum of this radius [m]; places are angles [rad], the shapes are cos, sin and 1.
+    """A drum as the friction surface of a rigid shoe.
 
-    The sign is +1 for a lining inside the drum and -1 for a lining outside.
+    Places on the drum are angles theta [rad]. The shape functions of the pressure are cos(theta)
+    and sin(theta); the slide along the drum has 1 as a third shape function.
+
+    Attributes
+    ----------
+    radius : radius of the drum [m]
+    sign : +1 for a lining inside the drum, -1 for a lining outside
     """
 
     radius: float
     sign: int
 
     def closing(self, motions: Floats) -> Floats:
-        """Factors (k, 2) of the shapes by which rigid-body motions (k, 3) close the gap."""
+        """Factors (k, 2) of cos and sin in the closing of the gap by k rigid-body motions.
+
+        A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
+        """
         return self.sign * motions[:, :2]
 
     def sliding(self, motions: Floats) -> Floats:
-        """Factors (k, 3) of the shapes and of 1 in the slide along e_theta of motions (k, 3)."""
+        """Factors (k, 3) of cos, sin and 1 in the slide along e_theta by k rigid-body motions.
+
+        A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
+        """
         dx, dy, turn = motions.T
         return np.array([dy, -dx, self.radius * turn]).T
 
     def shapes(self, place: Floats) -> Floats:
-        """The two shapes and 1 at the places (...): (3, ...)."""
+        """Values (3, ...) of the shape functions cos, sin and 1 at angles [rad] of any shape."""
         return np.array([np.cos(place), np.sin(place), np.ones(np.shape(place))])
 
     def products(self, arcs: Arcs) -> Floats:
-        """Integrals (3, 2) [m] of the products of shapes over the length of arcs."""
+        """Integrals over the length of arcs of cos, sin and 1, each times cos and times sin.
+
+        The result is a matrix (3, 2) [m], with a row for each first factor.
+        """
         total = np.zeros((3, 2))
         for a, b in arcs:
-            # Integrals of cos^2, cos sin and sin^2, and below of cos and sin, from a to b.
+            # From a to b, the integral of cos^2 is half + across, that of sin^2 is half - across.
             half, across = (b - a) / 2, (math.sin(2 * b) - math.sin(2 * a)) / 4
+            # The integral of the product cos sin from a to b.
             both = (math.cos(2 * a) - math.cos(2 * b)) / 4
             total += [
                 [half + across, both],
@@ -55,10 +74,13 @@ class DrumFace(NamedTuple):
         return self.radius * total
 
     def pressed(self, c: Floats, start: float, end: float) -> Arcs:
-        """Arcs of a lining from start to end [rad] in which the mixture c (2,) is positive."""
+        """Arcs of a lining in which the pressure c[0] cos + c[1] sin is positive.
+
+        The lining reaches from `start` to `end` [rad].
+        """
         top, found = math.atan2(c[1], c[0]), []
         for turn in range(-2, 3):
-            # The mixture is positive within a quarter of a turn from its top.
+            # The pressure is positive within a quarter of a turn from its maximum at `top`.
             a = max(start, top + (2 * turn - 0.5) * math.pi)
             b = min(end, top + (2 * turn + 0.5) * math.pi)
             if b - a > 1e-12 and np.any(c):
@@ -66,9 +88,9 @@ class DrumFace(NamedTuple):
         return tuple(found)
 
     def peak(self, c: Floats, arcs: Arcs) -> float:
-        """Largest value of the mixture c (2,) on the arcs."""
+        """Largest value [Pa] of the pressure c[0] cos + c[1] sin on the arcs."""
         top = math.atan2(c[1], c[0])
-        # The mixture is largest at its top or, where no arc holds the top, at an end of an arc.
+        # The pressure is largest at its maximum or, if no arc contains it, at an end of an arc.
         tops = [top + 2 * turn * math.pi for turn in range(-2, 3)]
         places: list[float] = []
         for a, b in arcs:
@@ -76,9 +98,15 @@ class DrumFace(NamedTuple):
         return float(np.max(c @ self.shapes(np.array(places))[:2]))
 
     def force(self, loads: Floats, drag: float) -> Resultant:
-        """Resultant of the loads (3,) [N] of the shapes, with friction `drag` per pressure."""
+        """Resultant on the shoe of pressure and friction.
+
+        Parameters
+        ----------
+        loads : (3,) [N], integrals of the pressure times cos, sin and 1 over the lining's area
+        drag : friction per pressure towards growing angles, mu or -mu
+        """
         along = loads[:2]
-        # Friction acts across the normal force, with the radius as its lever.
+        # Friction acts at right angles to the normal force, with the radius as its lever.
         return Resultant(
             normal=-self.sign * along,
             friction=drag * np.array([-along[1], along[0]]),
@@ -86,14 +114,19 @@ class DrumFace(NamedTuple):
         )
 
     def centre(self, c: Floats, start: float, end: float) -> int:
-        """+1 if a lining from start to end can bear a resultant c (2,) by pressure, -1 by tension.
+        """The sign of the normal stress on a lining that can have a given resultant.
 
-        It is 0 if neither bears the resultant.
+        It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can.
+
+        Parameters
+        ----------
+        c : (2,), the normal force, as integrals of the pressure times cos and sin
+        start, end : begin and end of the lining [rad]
         """
         if not np.any(c):
             return 0
         middle, half = (start + end) / 2, min((end - start) / 2, math.pi)
-        # Pressures on the lining have resultants whose directions lie between the lining's ends.
+        # The resultant of any pressure >= 0 has a direction between the lining's two ends.
         off = math.remainder(math.atan2(c[1], c[0]) - middle, 2 * math.pi)
         back = math.remainder(off + math.pi, 2 * math.pi)
         slack = 1e-9  # rad
@@ -103,25 +136,30 @@ class DrumFace(NamedTuple):
 
 
 class PlaneFace(NamedTuple):
-    """The plane y = 0 with the linings above it; places are x [m], the shapes are 1, x and 0.
+    """The plane y = 0 as the friction surface of a rigid shoe, with the linings above it.
 
-    Its functions are those of `DrumFace`.
+    Places on the plane are x [m]. The shape functions of the pressure are 1 and x. A third shape
+    function, which is 0, gives all arrays the shapes of `DrumFace`. The methods are those of
+    `DrumFace`.
     """
 
     def closing(self, motions: Floats) -> Floats:
-        """Factors (k, 2) of the shapes by which rigid-body motions (k, 3) close the gap."""
+        """Factors (k, 2) of 1 and x in the closing of the gap by rigid-body motions (k, 3)."""
         return -motions[:, 1:]
 
     def sliding(self, motions: Floats) -> Floats:
-        """Factors (k, 3) of the shapes in the slide along +x of motions (k, 3)."""
+        """Factors (k, 3) of 1, x and 0 in the slide along +x by rigid-body motions (k, 3)."""
         return np.column_stack([motions[:, 0], np.zeros((len(motions), 2))])
 
     def shapes(self, place: Floats) -> Floats:
-        """The two shapes and 0 at the places (...): (3, ...)."""
+        """Values (3, ...) of the shape functions 1, x and 0 at places x [m] of any shape."""
         return np.array([np.ones(np.shape(place)), place, np.zeros(np.shape(place))])
 
     def products(self, arcs: Arcs) -> Floats:
-        """Integrals (3, 2) of the products of shapes over the length of arcs."""
+        """Integrals over the length of arcs of 1, x and 0, each times 1 and times x.
+
+        The result is a matrix (3, 2), with a row for each first factor.
+        """
         total = np.zeros((3, 2))
         for a, b in np.array(arcs).reshape(-1, 2):
             first = (b**2 - a**2) / 2
@@ -129,8 +167,11 @@ class PlaneFace(NamedTuple):
         return total
 
     def pressed(self, c: Floats, start: float, end: float) -> Arcs:
-        """Arcs of a lining from start to end [m] in which the mixture c (2,) is positive."""
-        # A linear pressure changes its sign once, and presses on one side of its zero.
+        """The arc, if any, of a lining in which the pressure c[0] + c[1] x is positive.
+
+        The lining reaches from `start` to `end` [m].
+        """
+        # A linear pressure changes its sign once, and is positive on one side of its zero.
         if c[1] != 0:
             zero = -c[0] / c[1]
             start, end = (max(start, zero), end) if c[1] > 0 else (start, min(end, zero))
@@ -140,26 +181,42 @@ class PlaneFace(NamedTuple):
         return ()
 
     def peak(self, c: Floats, arcs: Arcs) -> float:
-        """Largest value of the mixture c (2,) on the arcs."""
-        return float(max(c @ [1.0, x] for arc in arcs for x in arc))
+        """Largest value [Pa] of the pressure c[0] + c[1] x on the arcs."""
+        # A linear pressure is largest at an end of an arc.
+        return float(max(c @ [1.0, x] for x in chain.from_iterable(arcs)))
 
     def force(self, loads: Floats, drag: float) -> Resultant:
-        """Resultant of the loads (3,) of the shapes, with friction `drag` per pressure."""
+        """Resultant on the shoe of pressure and friction.
+
+        Parameters
+        ----------
+        loads : (3,), integrals of the pressure times 1 [N], x [N m] and 0 over the lining's area
+        drag : friction per pressure along +x, mu or -mu
+        """
         normal, friction = np.array([0.0, loads[0]]), np.array([drag * loads[0], 0.0])
         return Resultant(normal, friction, float(loads[1]))
 
     def centre(self, c: Floats, start: float, end: float) -> int:
-        """+1 if a lining can bear a resultant c (2,) by pressure, -1 by tension, 0 by neither."""
+        """The sign of the normal stress on a lining that can have a given resultant.
+
+        It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can.
+
+        Parameters
+        ----------
+        c : (2,), the normal force and its moment, as integrals of the pressure times 1 and x
+        start, end : begin and end of the lining [m]
+        """
         if c[0] == 0:
             return 0
         slack = 1e-9 * (end - start)
-        # c[0] is a force and c[1] its moment: their ratio is the place where the force acts.
+        # c[0] is a force and c[1] its moment: c[1] / c[0] is the place x where the force acts.
         return int(math.copysign(1, c[0])) if start - slack <= c[1] / c[0] <= end + slack else 0
 
 
 Face = DrumFace | PlaneFace
+"""The friction surface of a rigid shoe."""
 
 
 def face_of(brake: Brake, shoe: Shoe) -> Face:
-    """The surface on which a shoe of a brake presses."""
+    """The drum or the plane on which a shoe of a brake presses."""
     return PlaneFace() if shoe.flat else DrumFace(brake.size, shoe.sign)

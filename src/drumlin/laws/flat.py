@@ -1,11 +1,15 @@
-"""Laws of rigid shoes on a sliding plane: the short shoe, the long shoe with p proportional to x.
+"""Laws of rigid shoes on a plane: the short shoe, and the long shoe with p proportional to x.
 
-The place x is the distance from the hinge's foot on the plane, and h the height of the hinge above
-the plane (UWA notes, translational shoes, eq. iii and iv). s' is +1 if the body drags the lining
-away from the hinge: with h > 0 the friction then opposes the actuation. A pressure p = p_0 f(x) has
-the moment about the hinge
+A law states the pressure p = p_0 f(x). The place x is the distance from the hinge's foot on the
+plane, and h is the height of the hinge above the plane (UWA notes, translational shoes, eq. iii and
+iv). The sign s' is +1 if the sliding body drags the lining away from the hinge, and -1 if it drags
+the lining towards the hinge. With s' = 1 and h > 0 the friction opposes the actuation. On a lining
+of width w, pressure and friction have the moment M about the hinge. The shoe locks itself at the
+friction mu_lock:
 
     M = w p_0 (Load.x + s' mu h Load.total),    mu_lock = -Load.x / (s' h Load.total)
+
+`FlatLoad` holds the integrals Load.total of f and Load.x of f x over the lining.
 """
 
 from collections.abc import Callable
@@ -27,20 +31,28 @@ from drumlin.response.response import Response, ShoeResponse, untouched
 
 
 class FlatLoad(NamedTuple):
-    """Integrals over the lining of a pressure of amplitude 1: of f [m] and of f x [m^2]."""
+    """Integrals of the pressure f(x) of amplitude 1 over a lining on a plane.
+
+    Attributes
+    ----------
+    total : integral of f [m]
+    x : integral of f x [m^2]
+    """
 
     total: Floats
     x: Floats
 
 
 class FlatLayout(NamedTuple):
-    """Lengths of a shoe on a plane that the formulas of a law take; entries broadcast.
+    """Lengths of a shoe on a plane that the formulas of a law need.
+
+    The attributes are numbers or arrays that broadcast, so that one call serves many shoes.
 
     Attributes
     ----------
-    x_min, x_max : begin and end of the lining, from the hinge's foot [m]
-    h : height of the hinge [m]
-    s : s', +1 if the body drags the lining away from the hinge, -1 towards it
+    x_min, x_max : distances of the lining's begin and end from the hinge's foot [m]
+    h : height of the hinge above the plane [m]
+    s : sign s', +1 if the body drags the lining away from the hinge, -1 if towards the hinge
     """
 
     x_min: Values
@@ -50,28 +62,31 @@ class FlatLayout(NamedTuple):
 
 
 def linear_load(pad: FlatLayout) -> FlatLoad:
-    """Integrals of the linear pressure f = x/x_max (UWA notes, eq. iv)."""
+    """Integrals over the lining of the linear pressure f = x/x_max (UWA notes, eq. iv)."""
     total = (pad.x_max**2 - pad.x_min**2) / (2 * pad.x_max)
     moment = (pad.x_max**3 - pad.x_min**3) / (3 * pad.x_max)
     return FlatLoad(np.asarray(total), np.asarray(moment))
 
 
 def short_load(pad: FlatLayout) -> FlatLoad:
-    """Integrals of the even pressure f = 1, whose force acts in the middle (UWA notes, eq. iii)."""
+    """Integrals over the lining of the uniform pressure f = 1 (UWA notes, eq. iii).
+
+    The force of a uniform pressure acts at the lining's middle.
+    """
     total = np.asarray(pad.x_max - pad.x_min)
     return FlatLoad(total, total * (pad.x_min + pad.x_max) / 2)
 
 
 @dataclass(frozen=True)
 class FlatLaw:
-    """A law p = p_0 f(x) of a shoe on a plane.
+    """A law p = p_0 f(x) for the pressure of a hinged shoe on a plane.
 
     Attributes
     ----------
-    name : of the law
-    assumes : its assumptions, in words
-    load : integrals of f over a lining
-    pressure : f at places x
+    name : name of the law
+    assumes : assumptions of the law, in words
+    load : function that returns the integrals of f over a lining
+    pressure : function that returns f at places x
     """
 
     name: str
@@ -80,9 +95,9 @@ class FlatLaw:
     pressure: Callable[[Floats, FlatLayout], Floats]
 
     def resistance(self, mu: Values, pad: FlatLayout) -> Floats:
-        """Actuation moment over w p_0, Load.x + s' mu h Load.total [m^2].
+        """Moment that the actuation needs over w p_0: Load.x + s' mu h Load.total [m^2].
 
-        It is not positive if the shoe locks itself.
+        The resistance is zero or negative if the shoe locks itself.
         """
         load = self.load(pad)
         return load.x + pad.s * mu * pad.h * load.total
@@ -92,10 +107,10 @@ class FlatLaw:
 
         Parameters
         ----------
-        moment : of the actuation [N m]
-        width : of the lining [m]
+        moment : moment of the actuation about the hinge [N m]
+        width : width of the lining [m]
         mu : friction coefficient
-        pad : layout of the shoe
+        pad : lengths of the shoe
         """
         resistance = self.resistance(mu, pad)
         return moment / (width * np.where(resistance > 0, resistance, np.nan))
@@ -105,18 +120,21 @@ class FlatLaw:
         return mu * self.amplitude(moment, 1.0, mu, pad) * self.load(pad).total
 
     def sensitivity(self, mu: Values, pad: FlatLayout) -> Floats:
-        """Sensitivity S = (mu/F) dF/dmu of the braking force at fixed actuation.
+        """Sensitivity S = (mu/F) dF/dmu of the braking force F at fixed actuation.
 
-        It is nan if the shoe locks itself.
+        S is nan if the shoe locks itself.
         """
         resistance = self.resistance(mu, pad)
         return self.load(pad).x / np.where(resistance > 0, resistance, np.nan)
 
     def locking_friction(self, pad: FlatLayout) -> Floats:
-        """Friction mu_lock at which the shoe locks itself; inf if friction does not help."""
+        """Friction coefficient mu_lock from which the shoe locks itself.
+
+        It is inf if friction does not help the actuation.
+        """
         load = self.load(pad)
         helps = -pad.s * pad.h * load.total
-        # A hinge almost on the plane overflows to the right result, inf.
+        # With a hinge almost on the plane the quotient overflows to inf, which is right.
         with np.errstate(over="ignore"):
             return np.where(helps > 0, load.x / np.where(helps > 0, helps, 1.0), np.inf)
 
@@ -137,25 +155,25 @@ FLAT_SHORT = FlatLaw(
 
 
 def span(shoe: Shoe) -> tuple[float, float]:
-    """Begin and end (x_min, x_max) [m] of the lining, from the hinge's foot on the plane."""
+    """Distances (x_min, x_max) [m] of the lining's two ends from the hinge's foot on the plane."""
     ends = shoe.frame.distance(np.array([shoe.lining.start, shoe.lining.end]))
     return float(ends.min()), float(ends.max())
 
 
 def layout(brake: Brake, shoe: Shoe) -> FlatLayout:
-    """The lengths of a shoe on a plane that the formulas of a law take."""
+    """The lengths of a shoe on a plane that the formulas of a law need."""
     return FlatLayout(*span(shoe), h=shoe.pin.y, s=brake.spin * shoe.frame.sense)
 
 
 def why_not(law: FlatLaw, brake: Brake) -> str | None:
-    """Reason why a law of flat shoes does not apply to a brake, or None."""
+    """The reason why a law of shoes on a plane does not apply to a brake; None if it applies."""
     refusal = brake.surface.unlike(PLANE) or brake.shares
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
         if shoe.held_by != "hinge":
             return f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}"
-        # A pressure proportional to x would be tension on the other side of the hinge.
+        # The pressure of the linear law is proportional to x: behind the hinge it would be tension.
         x_min, x_max = span(shoe)
         if law is LINEAR and x_min < 0:
             return (
@@ -171,14 +189,15 @@ def why_not(law: FlatLaw, brake: Brake) -> str | None:
 
 
 def solve(law: FlatLaw, brake: Brake) -> Response:
-    """Solve a brake on a plane by a law. Raises NoAnswer for a self-locking shoe."""
+    """Solve a brake on a plane by a law of flat shoes. Raises NoAnswer for a self-locking shoe."""
     word = brake.surface.word
     shoes = tuple(_solve_shoe(law, brake, shoe) for shoe in brake.shoes)
     apart = [no_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs]
+    balances = [shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]
     response = Response(
         model=law.name,
         shoes=shoes,
-        balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
+        balance=worst(balances),
         left_out=LEFT_OUT[word],
         notes=tuple(apart),
     )
@@ -186,10 +205,10 @@ def solve(law: FlatLaw, brake: Brake) -> Response:
 
 
 def _solve_shoe(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
-    """The response of one shoe on a plane by a law. Raises NoAnswer where it locks itself."""
+    """The response of one shoe on a plane by a law. Raises NoAnswer if the shoe locks itself."""
     pad, mu, w = layout(brake, shoe), brake.friction, shoe.lining.width
     moment = -shoe.frame.sense * shoe.actuation.moment_about(shoe.pin)
-    # No force, or a force that lifts the lining off the plane.
+    # Without a force, or under a force that lifts the lining off the plane, nothing touches.
     if moment <= 0:
         return untouched(shoe, -shoe.actuation.vector)
     if law.resistance(mu, pad) <= 0:
@@ -200,7 +219,7 @@ def _solve_shoe(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
     amplitude = float(law.amplitude(moment, w, mu, pad))
     # The amplitude is the pressure where f is 1: at the far end, or everywhere on a short shoe.
     N = amplitude * w * float(law.load(pad).total)
-    # The pressure is linear, so that one piece is enough.
+    # The pressure is linear in x, so that one quadratic piece with three nodes represents it.
     x = np.linspace(shoe.lining.start, shoe.lining.end, 3)
     return ShoeResponse(
         name=shoe.name,

@@ -1,8 +1,9 @@
-"""Solve brakes with rigid shoes that turn about their hinge on a drum, by a law.
+"""Solve drum brakes with rigid shoes on hinges by laws that assume the shape of the pressure.
 
-A block on a lever is such a shoe: its hinge is the lever's pin, and the actuation acts on the
-lever. Signs are those of the shoe's own frame. Internal and external shoes, both rotations and
-both hands are therefore one formula, and self-energising follows from moments.
+A block that is fixed to a lever counts as a hinged shoe: its hinge is the lever's pin, and the
+actuation acts on the lever. All signs are those of the shoe's own frame. One formula therefore
+serves internal and external shoes, both rotations, and shoes on either side of their hinge. Whether
+a shoe is self-energising follows from the moments about the hinge.
 """
 
 import math
@@ -26,16 +27,16 @@ from drumlin.response.response import Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
 
 ANGLE_ROUND_OFF = 1e-9
-"""Angle [rad] by which a lining may exceed the limits of a law: round-off."""
+"""Angle [rad] by which round-off may let a lining exceed the range of angles that a law allows."""
 
 
 def layout(brake: Brake, shoe: Shoe) -> Layout:
-    """The angles and radii of a shoe on a drum that the formulas of a law take."""
+    """The angles and radii of a shoe on a drum that the formulas of a law need."""
     return Layout(*shoe.arc, R=brake.size, a=shoe.pin.radius, dD=double_delta(brake, shoe))
 
 
 def locking_friction(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
-    """Friction mu_lock at which a shoe's torque becomes infinite by a law.
+    """Friction coefficient mu_lock at which, by a law, the torque of a shoe becomes infinite.
 
     It is inf if friction does not help the actuation.
     """
@@ -43,7 +44,7 @@ def locking_friction(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
 
 
 def why_not(law: Law, brake: Brake) -> str | None:
-    """Reason why a law of hinged shoes does not apply to a brake, or None."""
+    """The reason why a law of hinged shoes does not apply to a brake; None if it applies."""
     refusal = brake.shares or brake.surface.unlike(DRUM)
     if refusal is not None:
         return refusal
@@ -55,10 +56,11 @@ def why_not(law: Law, brake: Brake) -> str | None:
 
 
 def _why_not_shoe(law: Law, shoe: Shoe) -> str | None:
-    """Reason why a law of hinged shoes does not apply to a shoe, or None."""
+    """The reason why a law of hinged shoes does not apply to a shoe; None if it applies."""
     phi_1, phi_2 = shoe.arc
     if shoe.held_by != "hinge":
         return MOVES[shoe.held_by]
+    # The pressure of the sine law is positive only from 0 to 180 degrees from the hinge.
     if law is SINE:
         if phi_1 < -ANGLE_ROUND_OFF or phi_2 > math.pi + ANGLE_ROUND_OFF:
             return (
@@ -75,15 +77,16 @@ def _why_not_shoe(law: Law, shoe: Shoe) -> str | None:
 
 
 def solve(law: Law, brake: Brake) -> Response:
-    """Solve a brake of hinged shoes by a law. Raises NoAnswer for a self-locking shoe."""
+    """Solve a drum brake with hinged shoes by a law. Raises NoAnswer for a self-locking shoe."""
     shoes = tuple(_solve_shoe(law, brake, i) for i in range(len(brake.shoes)))
     notes: list[str] = []
     for i, shoe in enumerate(shoes):
         notes += _notes_on_shoe(law, brake, i, shoe)
+    balances = [shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]
     response = Response(
         model=law.name,
         shoes=shoes,
-        balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
+        balance=worst(balances),
         left_out=LEFT_OUT[brake.surface.word],
         notes=tuple(notes),
     )
@@ -91,18 +94,22 @@ def solve(law: Law, brake: Brake) -> Response:
 
 
 def sine(brake: Brake) -> Response:
-    """Solve a brake by the sine law; raises NoAnswer for a self-locking shoe."""
+    """Solve a brake by the sine law. Raises NoAnswer for a self-locking shoe."""
     return solve(SINE, brake)
 
 
 def _notes_on_shoe(law: Law, brake: Brake, index: int, response: ShoeResponse) -> list[str]:
-    """Notes on a shoe: missing contact, the law's remark, and the effect of lumping its forces."""
+    """Notes for the reader on the response of shoe `index` by a law.
+
+    They say that the shoe does not touch, repeat the law's remark, or compare the force lumped at
+    the lining's middle with the resultant of the same pressure spread over the arc.
+    """
     said = f"shoe {response.name!r}:"
     if not response.contact_arcs:
         return [no_contact(response.name)]
     if response.lumped is None:
         return [f"{said} {law.remark}"] if law.remark else []
-    # The resultant of the same pressure without lumping is what the lumped force stands for.
+    # Without lumping, the resultant is that of the pressure spread over the arc.
     spread = contact_resultant(brake, index, replace(response, lumped=None))
     share = float(np.linalg.norm(spread.normal) / np.linalg.norm(response.lumped.normal))
     ratio = float(law.friction(layout(brake, brake.shoes[index])))
@@ -114,11 +121,11 @@ def _notes_on_shoe(law: Law, brake: Brake, index: int, response: ShoeResponse) -
 
 
 def _solve_shoe(law: Law, brake: Brake, index: int) -> ShoeResponse:
-    """The response of shoe `index` by a law. Raises NoAnswer where the shoe locks itself."""
+    """The response of shoe `index` by a law. Raises NoAnswer if the shoe locks itself."""
     shoe = brake.shoes[index]
     arc, mu = layout(brake, shoe), brake.friction
     moment = pressing_moment(shoe)
-    # No force, or a force that turns the shoe away from the drum.
+    # Without a force, or under a force that turns the shoe away from the drum, nothing touches.
     if moment <= 0:
         return untouched(shoe, -shoe.actuation.vector)
     if law.resistance(mu, arc) <= 0:
@@ -127,6 +134,7 @@ def _solve_shoe(law: Law, brake: Brake, index: int) -> ShoeResponse:
             f"mu_lock = {locking_friction(brake, shoe, law):.6g} of the {law.name} law"
         )
     amplitude = float(law.amplitude(moment, shoe.lining.width, mu, arc))
+    # The integrals of the pressure [Pa] are the amplitude times those of f.
     load = Load(*(amplitude * integral for integral in law.load(arc)))
     return pressed(
         brake,
@@ -139,10 +147,11 @@ def _solve_shoe(law: Law, brake: Brake, index: int) -> ShoeResponse:
 
 
 def guided_torque(brake: Brake) -> float:
-    """Torque [N m] of shoes that move along the middle radius of their linings on guides.
+    """Torque [N m] of a brake if guides let each shoe move only along its lining's middle radius.
 
-    The pressure is p_0 cos about the middle. The lumped friction is mu' N, with N the actuation's
-    force along the middle radius (NPTEL lesson 12.1). The guides bear all other forces.
+    The pressure of such a shoe is p_0 cos(theta - middle). Its torque is that of the lumped
+    friction mu' N at the drum's radius. N is the component of the actuation force along the middle
+    radius (NPTEL lesson 12.1). The guides bear all other forces.
     """
     total = 0.0
     for shoe in brake.shoes:
@@ -154,13 +163,20 @@ def guided_torque(brake: Brake) -> float:
 
 
 def pressing_moment(shoe: Shoe) -> float:
-    """Moment of the actuation about the hinge [N m], positive towards the drum."""
+    """Moment of the actuation about the hinge [N m], positive if it turns the shoe to the drum."""
     return -shoe.sign * shoe.frame.sense * shoe.actuation.moment_about(shoe.pin)
 
 
 def contact(brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0) -> Resultant:
-    """Resultant on a shoe under this load [Pa], at `factor` times the brake's friction."""
-    # The load is a pressure in radians of arc: width and radius make it a force.
+    """Resultant of pressure and friction on a hinged shoe.
+
+    Parameters
+    ----------
+    brake, shoe : the brake and the shoe
+    load : integrals [Pa] over the arc of the pressure, and of the pressure times cos and sin
+    factor : factor on the brake's friction coefficient
+    """
+    # The integrals are over radians of arc: width times radius turns them into forces.
     force = shoe.lining.width * brake.size
     along: Floats = force * np.array([load.cos, load.sin])
     across = np.array([-along[1], along[0]])
@@ -181,18 +197,18 @@ def pressed(
     *,
     lumped: bool = False,
 ) -> ShoeResponse:
-    """The response of a rigid shoe that touches all along its lining.
+    """The response of a hinged rigid shoe whose lining is in contact over its whole length.
 
     Parameters
     ----------
-    brake, shoe : the shoe and its brake
-    contact : resultant on the shoe
-    pressure : function phi [rad] -> pressure [Pa]
-    peak_at : phi of the largest pressure [rad]
+    brake, shoe : the brake and the shoe
+    contact : resultant of pressure and friction on the shoe
+    pressure : function that returns the pressure [Pa] at angles phi [rad] from the hinge
+    peak_at : angle phi [rad] of the largest pressure
     lumped : whether the law lumps the resultant at the lining's middle
     """
     phi = np.linspace(*shoe.arc, PRESSURE_NODES)[:: shoe.frame.sense]
-    # The moment of friction about the hinge helps if it has the sense of the actuation's.
+    # Friction is self-energising if its moment about the hinge has the actuation moment's sense.
     helping = contact.moment + float(cross(-shoe.pin.xy, contact.friction))
     return ShoeResponse(
         name=shoe.name,

@@ -7,7 +7,10 @@ from drumlin.response.response import Response
 
 
 def name_of(brake: Brake) -> str:
-    """Name of the rigid-shoe law of a brake: "sine", "pivoted", "linear" or "rigid"."""
+    """The name of the rigid-shoe law of a brake: "sine", "pivoted", "linear" or "rigid".
+
+    The name is "rigid" if none of the laws with a closed form applies to the brake.
+    """
     known = {
         "sine": hinged.why_not(SINE, brake),
         "pivoted": pivoted.why_not(brake),
@@ -20,11 +23,17 @@ def name_of(brake: Brake) -> str:
 
 
 def why_not(brake: Brake) -> str | None:
-    """Reason why the rigid-shoe law has another name than "rigid" for a brake, or None."""
+    """The reason why the law called "rigid" is not offered for a brake; None if it is offered.
+
+    It is not offered if the rigid-shoe law of the brake has a name of its own, such as "sine".
+    """
     name = name_of(brake)
     return None if name == "rigid" else f"it is the law {name!r} of this brake"
 
 
 def law(brake: Brake) -> Response:
-    """Solve a brake by its rigid-shoe law. Raises NoAnswer if there is no equilibrium."""
+    """Solve a brake by the rigid-shoe law, under the law's name for this brake.
+
+    Raises NoAnswer if a shoe has no equilibrium.
+    """
     return rigid.solve(brake, name_of(brake))

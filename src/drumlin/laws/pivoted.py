@@ -1,17 +1,20 @@
-"""The law of a shoe on a pivot G at the end of a lever: p = A cos phi + B sin phi.
+"""The law of a rigid shoe on a pivot G at the end of a lever: p = A cos phi + B sin phi.
 
-The rigid shoe has two modes: it moves with the lever and turns about G. Its approach to the drum,
-and with it the pressure, is therefore any mixture of cos and sin. Two equilibria fix the mixture.
-The contact has no moment about G, and together with the actuation no moment about the lever's pin H
-(UWA notes, hinged shoe with a pivot G):
+The shoe has two rigid-body modes: it moves with the lever, and it turns about G. It closes the gap
+to the drum by any mixture of cos phi and sin phi, and the pressure is such a mixture, too. Two
+equilibria give A and B. Pressure and friction have no moment about the pivot G. Together with the
+actuation moment M they have no moment about the lever's pin H (UWA notes, hinged shoe with a pivot
+G):
 
-    [ M_N - dD mu M_F ]_G A + [ ... ]_G B = 0,    [ ... ]_H A + [ ... ]_H B = M / (b R)
+    [ M_N - dD mu M_F ]_G A + [ M_N - dD mu M_F ]_G B = 0
+    [ M_N - dD mu M_F ]_H A + [ M_N - dD mu M_F ]_H B = M / (b R)
 
-The first bracket of a row is the load of cos, the second that of sin, both by `moments_about`.
-About the lining's middle B vanishes, p = p_0 cos, only if G lies there at `pivot_radius`.
+The brackets before A hold the moments of the pressure cos phi, those before B the moments of
+sin phi, both by `moments_about`. With phi counted from the lining's middle, B vanishes only if G
+lies on the middle radius at the distance `pivot_radius`.
 
-The formulas work on arrays, for a lining that presses all along. `rigid`, of which this law is a
-special case, solves brakes.
+The functions of this module work on arrays and assume a lining in contact over its whole length.
+Brakes are solved by `drumlin.laws.rigid`, of which this law is a special case.
 """
 
 import math
@@ -28,7 +31,13 @@ PIVOTED_ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no momen
 
 
 class Rows(NamedTuple):
-    """Matrix (2, 2) [m] of the equilibria in A and B: the row about G, then the row about H."""
+    """Matrix (2, 2) [m] of the two moment equilibria in the factors A and B of the pressure.
+
+    Attributes
+    ----------
+    g_cos, g_sin : moments about the pivot G of the pressures cos phi and sin phi
+    h_cos, h_sin : moments about the lever's pin H of the pressures cos phi and sin phi
+    """
 
     g_cos: Floats
     g_sin: Floats
@@ -37,19 +46,22 @@ class Rows(NamedTuple):
 
     @property
     def determinant(self) -> Floats:
-        """Determinant [m^2]; it is zero if the lever locks itself."""
+        """Determinant of the matrix [m^2]; zero at the friction where the lever locks itself."""
         return np.asarray(self.g_cos * self.h_sin - self.g_sin * self.h_cos)
 
 
 class _RowsOfMoments(NamedTuple):
-    """Rows of the moments of the `normal` pressure M_N and of the `friction` M_F."""
+    """Two matrices of moments: those of the normal pressure, M_N, and of the friction, M_F."""
 
     normal: Rows
     friction: Rows
 
 
 def _moments(arc: Layout, x: Values, y: Values) -> _RowsOfMoments:
-    """M_N and M_F of the four entries; the matrix is the first less dD mu times the second."""
+    """The matrices of M_N and M_F; the equilibria have the matrix M_N - dD mu M_F.
+
+    The pivot is at x, y [m] in the shoe's frame, and the lever's pin at (a, 0).
+    """
     normal, friction = [], []
     for point in ((x, y), (arc.a, 0.0)):
         for load in (cos_load, sine_load):
@@ -60,7 +72,7 @@ def _moments(arc: Layout, x: Values, y: Values) -> _RowsOfMoments:
 
 
 def _equilibrium_rows(mu: Values, arc: Layout, x: Values, y: Values) -> Rows:
-    """Matrix of the equilibria at friction mu, with the pivot at x, y [m]."""
+    """Matrix of the moment equilibria at the friction mu, with the pivot at x, y [m]."""
     of = _moments(arc, x, y)
     return Rows(*(N - arc.dD * mu * F for N, F in zip(of.normal, of.friction, strict=True)))
 
@@ -68,15 +80,17 @@ def _equilibrium_rows(mu: Values, arc: Layout, x: Values, y: Values) -> Rows:
 def coefficients(
     moment: Values, width: Values, mu: Values, arc: Layout, x: Values, y: Values
 ) -> tuple[Floats, Floats]:
-    """Factors A and B [Pa] of the pressure, without a check of its sign or of self-locking.
+    """Factors A and B [Pa] of the pressure A cos phi + B sin phi.
+
+    The function does not check whether the pressure is negative or the lever locks itself.
 
     Parameters
     ----------
-    moment : of the actuation about the lever's pin [N m]
-    width : of the lining [m]
+    moment : moment of the actuation about the lever's pin [N m]
+    width : width of the lining [m]
     mu : friction coefficient
-    arc : layout of the shoe, with the lever's pin as its hinge
-    x, y : the pivot in the shoe's frame, whose lever's pin is at (a, 0) [m]
+    arc : angles and radii of the shoe, with the lever's pin as its hinge
+    x, y : the pivot in the shoe's frame [m], in which the lever's pin is at (a, 0)
     """
     rows = _equilibrium_rows(mu, arc, x, y)
     scale = moment / (width * arc.R * rows.determinant)
@@ -84,23 +98,26 @@ def coefficients(
 
 
 def torque(moment: Values, mu: Values, arc: Layout, x: Values, y: Values) -> Floats:
-    """Torque [N m] under an actuation moment [N m] >= 0; parameters as of `coefficients`.
+    """Torque [N m] of a shoe on a lever's pivot; parameters as of `coefficients`, moment >= 0.
 
-    It is nan if the lever locks itself or the pressure is negative somewhere.
+    The torque is nan if the lever locks itself or the pressure is negative somewhere.
     """
-    # The torque does not depend on the width.
+    # The torque does not depend on the lining's width, so that any width will do.
     A, B = coefficients(moment, 1.0, mu, arc, x, y)
-    # Over less than half a turn a mixture that is positive at both ends is positive between them.
+    # On an arc below half a turn, A cos + B sin is positive if it is positive at both ends.
     least = np.minimum(*(A * np.cos(phi) + B * np.sin(phi) for phi in (arc.phi_1, arc.phi_2)))
     size = mu * arc.R**2 * (A * cos_load(arc).total + B * sine_load(arc).total)
     return np.where(least >= -1e-12 * np.hypot(A, B), size, np.nan)
 
 
 def sensitivity(mu: Values, arc: Layout, x: Values, y: Values) -> Floats:
-    """Sensitivity S = (mu/T) dT/dmu at fixed actuation, with the change of the mixture A : B."""
+    """Sensitivity S = (mu/T) dT/dmu of the torque at fixed actuation.
+
+    S includes the change of the pressure's shape, which is the ratio A : B, with mu.
+    """
     A, B = coefficients(1.0, 1.0, mu, arc, x, y)
     rows = _equilibrium_rows(mu, arc, x, y)
-    # The changes of A and B follow from the change of the matrix with mu.
+    # The derivatives dA, dB by mu follow from the derivative of the matrix of the equilibria.
     change = Rows(*(-arc.dD * F for F in _moments(arc, x, y).friction))
     g = change.g_cos * A + change.g_sin * B
     h = change.h_cos * A + change.h_sin * B
@@ -111,17 +128,18 @@ def sensitivity(mu: Values, arc: Layout, x: Values, y: Values) -> Floats:
 
 
 def locking_friction(arc: Layout, x: float, y: float) -> float:
-    """Smallest friction mu_lock at which the determinant vanishes; inf if there is none.
+    """Friction coefficient mu_lock at which the lever locks itself; inf if it never does.
 
-    The determinant is a parabola in mu. The pivot is at x, y [m].
+    It is the smallest mu > 0 at which the determinant of the equilibria vanishes. The pivot is at
+    x, y [m] in the shoe's frame.
     """
-    # Three values at evenly spaced frictions give the coefficients of the parabola.
+    # The determinant is a parabola in mu: its values at mu = 0, 1 and 2 give its coefficients.
     at_0, at_1, at_2 = (
         float(_equilibrium_rows(mu, arc, x, y).determinant) for mu in (0.0, 1.0, 2.0)
     )
     second = (at_2 - 2 * at_1 + at_0) / 2
     parabola = np.array([second, at_1 - at_0 - second, at_0])
-    # A coefficient that is round-off would make a root far away.
+    # A coefficient that is only round-off would make a root far away, so it is set to zero.
     parabola[np.abs(parabola) < 1e-14 * np.abs(parabola).max()] = 0.0
     roots = np.roots(parabola)
     positive = [float(r.real) for r in roots if abs(r.imag) < 1e-12 and r.real > 0]
@@ -129,7 +147,7 @@ def locking_friction(arc: Layout, x: float, y: float) -> float:
 
 
 def why_not(brake: Brake) -> str | None:
-    """Reason why the law does not apply to a brake, or None."""
+    """The reason why the law of pivoted shoes does not apply to a brake; None if it applies."""
     refusal = brake.surface.unlike(DRUM) or brake.shares
     if refusal is not None:
         return refusal
@@ -140,7 +158,7 @@ def why_not(brake: Brake) -> str | None:
 
 
 def pivot_place(shoe: Shoe) -> tuple[float, float]:
-    """Position x, y [m] of the pivot in the shoe's frame."""
+    """Position x, y [m] in the shoe's frame of the pivot at the end of the shoe's lever."""
     assert shoe.pivot is not None, "why_not() has refused a shoe without pivot"
     x, y = shoe.frame.to_shoe(shoe.pivot.xy)
     return float(x), float(y)

@@ -1,18 +1,20 @@
 """Solve brakes with rigid shoes by the rigid-shoe law, on a drum or a plane.
 
-The pressure is p = sum of a_k f_k >= 0. Here f_k is how the rigid-body mode k of a shoe closes the
-gap. There is one equilibrium for each mode. With the lining's normal n and the direction of drag t,
-the rigid-body modes u_k, the test modes v_j (brake.support) and the work Q_j of the actuation,
+The rigid-body mode k of a shoe moves its lining by u_k and closes the gap by f_k = n.u_k, with the
+lining's normal n. The pressure is p = sum of a_k f_k where the sum is positive, and 0 elsewhere.
+There are as many moment or force equilibria as modes. They contain the friction coefficient mu, the
+sense s of the motion, the direction t along the surface, the width w of the lining, the test modes
+v_j (brake.support), and the work Q_j of the actuation on the test mode j:
 
-    f_k = n.u_k,     w Int p (n.v_j - mu s t.v_j) ds = Q_j     over the part of lining where p > 0
+    w Int p (n.v_j - mu s t.v_j) ds = Q_j     over the part of the lining where p > 0
 
-In known cases the law has a name: sine (a hinge on a drum), A cos + B sin (a pivot or an abutment),
-cosine (a guide on a drum), linear (a hinge on a plane), uniform (a guide on a plane).
+For some supports the law is a known one: sine (a hinge on a drum), A cos + B sin (a pivot or an
+abutment), cosine (a guide on a drum), linear (a hinge on a plane), uniform (a guide on a plane).
 """
 
 import math
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -30,31 +32,35 @@ from drumlin.response.resultants import Resultant, cross
 RIGID_ASSUMES = (
     "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
 )
+# The beginning of the last note in LEFT_OUT, to which the kind of surface is added.
 _FITS = "clearance and misfit: the law is that of a lining that fits, new or worn in, on a"
 LEFT_OUT = {
     "drum": ("elasticity of shoe, backing and drum: rigid by assumption", f"{_FITS} round drum"),
     "plane": ("elasticity: rigid by assumption", f"{_FITS} plane"),
 }
-"""Notes on what the law neglects, by the word of the surface."""
+"""Notes on the effects that the rigid-shoe laws neglect, by the surface: "drum" or "plane"."""
 
 PRESSURE_NODES = 257
-"""Nodes of p over a lining. With quadratic pieces, integrals are exact to 1e-10."""
+"""Number of nodes of the pressure over a lining on a drum.
+
+The nodes belong to quadratic pieces, whose integrals of the pressure are exact to 1e-10.
+"""
 
 MOST_CONTACT_STEPS = 200
-"""Limit of the steps in which the pressed arcs of a lining settle."""
+"""Largest number of iterations for the arcs of a lining in contact; beyond it the solve fails."""
 
 
 class PressedShoe(NamedTuple):
-    """A rigid shoe in contact.
+    """The contact of a rigid shoe in equilibrium.
 
     Attributes
     ----------
     face : surface on which the shoe presses
-    c : (2,), factors of the surface's shapes in the pressure [Pa]
-    amounts : (k,), factors of the rigid-body modes in the pressure [Pa per m of gap]
-    arcs : arcs in contact
-    freedoms : rigid-body modes of the shoe
-    sense : of an abutment's friction
+    c : (2,) [Pa], factors of the surface's two shape functions in the pressure
+    amounts : (k,) [Pa per m of gap], factors of the rigid-body modes in the pressure
+    arcs : begin and end of each arc of the lining in contact
+    freedoms : rigid-body modes and test modes of the shoe
+    sense : sense in which friction acts on a foot at an abutment
     """
 
     face: Face
@@ -66,19 +72,25 @@ class PressedShoe(NamedTuple):
 
     @property
     def tip(self) -> float:
-        """Motion of the actuation's point along its force, over the lining's compliance [Pa]."""
+        """Motion along the force of the point that it acts on, over the lining's compliance [Pa].
+
+        The compliance is the gap that closes per pressure [m/Pa].
+        """
         return float(self.freedoms.tip @ self.amounts)
 
 
 def system(face: Face, free: Freedoms, width: float, arcs: Arcs) -> tuple[Floats, Floats]:
-    """Matrices N and F (k, k) of the equilibria (N - mu s F) a = Q.
+    """Matrices N and F (k, k) of the equilibria (N - mu s F) a = Q of a rigid shoe.
+
+    N belongs to the pressure and F to the friction. The unknowns a are the factors of the k
+    rigid-body modes in the pressure. Q is the work of the actuation on the test modes.
 
     Parameters
     ----------
     face : surface on which the shoe presses
-    free : rigid-body modes of the shoe
-    width : of the lining [m]
-    arcs : arcs in contact
+    free : rigid-body modes and test modes of the shoe
+    width : width of the lining [m]
+    arcs : arcs of the lining in contact
     """
     products, shapes = width * face.products(arcs), face.closing(free.motions)
     N = face.closing(free.tests) @ products[:2] @ shapes.T
@@ -86,34 +98,37 @@ def system(face: Face, free: Freedoms, width: float, arcs: Arcs) -> tuple[Floats
 
 
 def locking(face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int) -> float:
-    """Smallest friction mu_lock at which the equilibria become singular; inf if there is none.
+    """Friction coefficient mu_lock at which a rigid shoe locks itself; inf if it never does.
+
+    It is the smallest mu > 0 at which the equilibria (N - mu s F) a = Q become singular.
 
     Parameters
     ----------
-    face, free, width, arcs : as of `system`
-    spin : sense of the motion
+    face, free, width, arcs : parameters of `system`
+    spin : sense s of the motion of the drum or the sliding body, +1 or -1
     """
     N, F = system(face, free, width, arcs)
+    # With one mode the matrices are numbers, and N - mu s F vanishes at mu = N/(s F).
     if len(N) == 1:
         drags = spin * float(F[0, 0]) / float(N[0, 0]) if N[0, 0] else 0.0
         return 1 / drags if drags > 1e-14 else math.inf
-    # The modes have units of their own: rows and columns are scaled first.
+    # The modes have different units, so rows and columns are scaled to a diagonal of ones.
     size = np.sqrt(np.abs(np.diagonal(N))) + 1e-300
     N, F = N / np.outer(size, size), F / np.outer(size, size)
-    # The equilibria (N - mu s F) a = Q are singular where 1/mu is an eigenvalue of s N^-1 F.
+    # N - mu s F is singular where 1/mu is an eigenvalue of s N^-1 F.
     try:
         found = np.linalg.eigvals(np.linalg.solve(N, spin * F))
     except np.linalg.LinAlgError:
         return math.inf
-    # Pairs of complex eigenvalues and negative ones belong to no friction coefficient.
+    # Complex and negative eigenvalues belong to no friction coefficient.
     real = found.real[np.abs(found.imag) <= 1e-9 * np.abs(found)]
     return min((1 / float(x) for x in real if x > 1e-14), default=math.inf)
 
 
 def locking_friction(brake: Brake, shoe: Shoe) -> float:
-    """Friction mu_lock of a shoe by the law, with all of its lining in contact.
+    """Friction coefficient mu_lock at which a rigid shoe with its whole lining in contact locks.
 
-    It is the smaller of both senses of an abutment's friction.
+    Friction at an abutment may act in two senses. The result is the smaller mu_lock of the two.
     """
     face, arcs = face_of(brake, shoe), ((shoe.lining.start, shoe.lining.end),)
     width = shoe.lining.width
@@ -122,25 +137,27 @@ def locking_friction(brake: Brake, shoe: Shoe) -> float:
 
 
 def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> PressedShoe | None:
-    """The contact of a rigid shoe; None if its actuation is zero or lifts the shoe off.
+    """Find the contact of a rigid shoe; None if its force is zero or lifts the shoe off.
 
     Parameters
     ----------
-    brake, shoe : the shoe and its brake
-    whole : whether all of the lining bears, tension included, as in closed forms
+    brake, shoe : the brake and the shoe
+    whole : whether the whole lining stays in contact, under tension if need be, as closed-form laws
+        assume
 
     Raises
     ------
     NoAnswer
-        if the shoe locks itself, or nothing balances the actuation
+        if the shoe locks itself, or no pressure on its lining balances the actuation
     """
     face = face_of(brake, shoe)
     if shoe.actuation.force == 0:
         return None
-    # A force that the lining can balance by tension alone lifts the shoe off.
+    # A force that only tension on the lining could balance lifts the shoe off.
     if bears(brake, shoe) < 0:
         return None
-    # The first sense of an abutment's friction that fits the motion of the foot is the answer.
+    # Friction at an abutment must oppose the motion of the foot. The first sense of friction for
+    # which the solution fulfils this condition is the answer.
     failure: NoAnswer | None = None
     for sense in shoe.senses:
         try:
@@ -155,12 +172,16 @@ def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> PressedShoe | Non
 
 
 def bears(brake: Brake, shoe: Shoe) -> int:
-    """+1 if pressure without friction can balance the actuation, -1 if tension can, 0 otherwise."""
+    """The sign of the normal stress on a lining that can balance its shoe's actuation.
+
+    It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can. Friction is left
+    out.
+    """
     face, ends = face_of(brake, shoe), (shoe.lining.start, shoe.lining.end)
     free = shoe.freedoms(shoe.senses[-1])
     shapes = face.closing(free.tests)
     if len(shapes) == 1:
-        # With one mode, some place of the lining must press against the actuation.
+        # With one mode, a pressure at some place of the lining must work against the actuation.
         works = shapes[0] @ face.shapes(np.linspace(*ends, 65))[:2] * free.work[0]
         return 1 if works.max() > 1e-12 * np.abs(works).max() else -1
     try:
@@ -171,17 +192,27 @@ def bears(brake: Brake, shoe: Shoe) -> int:
 
 
 def _solve_contact(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> PressedShoe:
-    """Solve a shoe for its contact with a given sense of the abutment's friction.
+    """Find the contact of a rigid shoe for a given sense of the friction at its abutment.
 
-    The arcs in contact change until they are those where the pressure is positive. Parameters are
-    those of `press`.
+    The arcs in contact are changed until they are those where the pressure is positive.
+
+    Parameters
+    ----------
+    brake, shoe, whole : parameters of `press`
+    face : surface on which the shoe presses
+    sense : sense of the friction on the foot at an abutment
+
+    Raises
+    ------
+    NoAnswer
+        if the shoe locks itself, or no pressure on its lining balances the actuation
     """
     free, ends, mu = shoe.freedoms(sense), (shoe.lining.start, shoe.lining.end), brake.friction
     shapes = face.closing(free.motions)
     arcs: Arcs = (ends,)
     mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
     locked = f"self-locking, friction {mu:g} is not below mu_lock = {{:.6g}} of the rigid-shoe law"
-    # With one mode the arcs in contact are known beforehand.
+    # With one mode the sign of the actuation's work alone tells which arcs are in contact.
     if len(shapes) == 1:
         arcs = face.pressed(shapes[0] * math.copysign(1.0, free.work[0]), *ends)
         mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
@@ -193,7 +224,7 @@ def _solve_contact(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool
             amounts: Floats = np.linalg.solve(N - mu * brake.spin * F, free.work).astype(float)
         except np.linalg.LinAlgError:
             break
-        # The next arcs in contact are those where the pressure on the present arcs is positive.
+        # The next arcs are those where the pressure that follows from the present arcs is positive.
         c = shapes.T @ amounts
         after = (ends,) if whole else face.pressed(c, *ends)
         if after and _agree(after, arcs):
@@ -204,7 +235,7 @@ def _solve_contact(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool
         if not after:
             break
         arcs = after
-    # Above mu_lock friction is to blame, below it the place of the support.
+    # Above mu_lock the shoe fails by self-locking, below mu_lock because it tips at its support.
     if mu >= mu_lock:
         raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
     raise NoAnswer(
@@ -214,7 +245,7 @@ def _solve_contact(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool
 
 
 def _agree(a: Arcs, b: Arcs) -> bool:
-    """Whether two sets of contact arcs are equal but for round-off."""
+    """Whether two sets of contact arcs are equal up to round-off."""
     if len(a) != len(b):
         return False
     round_off = 1e-13 * max(1.0, np.abs(b).max())
@@ -222,25 +253,26 @@ def _agree(a: Arcs, b: Arcs) -> bool:
 
 
 def _contact_force(brake: Brake, shoe: Shoe, found: PressedShoe) -> Resultant:
-    """Resultant of pressure and friction on a shoe in contact."""
+    """Resultant of pressure and friction on a rigid shoe in contact."""
     loads = shoe.lining.width * found.face.products(found.arcs) @ found.c
     return found.face.force(loads, brake.friction * brake.spin)
 
 
 def respond(brake: Brake, shoe: Shoe, found: PressedShoe | None) -> ShoeResponse:
-    """The response of a shoe in contact, or without contact if `found` is None."""
+    """The response of a rigid shoe from its contact; of a shoe that does not touch for None."""
     if found is None:
         return untouched(shoe, -shoe.actuation.vector)
     contact, flat = _contact_force(brake, shoe, found), shoe.flat
     ends = (shoe.lining.start, shoe.lining.end)
-    # The pressure on a plane is linear, so that two steps are enough.
+    # The pressure on a plane is linear in x, so that two steps between nodes are enough.
     place = nodes(ends, found.arcs, 2 if flat else PRESSURE_NODES - 1)
     about_pin = _moments_about_pin(shoe, contact)
     of_actuation = shoe.actuation.moment_about(shoe.pin)
     guided = shoe.guide is not None
     reaction_moment = -about_pin.pressure - about_pin.friction - of_actuation
-    # Friction helps if its moment about the pin has the sense of the actuation's.
+    # Friction is self-energising if its moment about the pin has the actuation moment's sense.
     helping = about_pin.friction * of_actuation
+    # A shoe on a guide does not turn, so the work of the friction decides there.
     if guided:
         helping = _work_of_friction(brake, found)
     return ShoeResponse(
@@ -259,9 +291,10 @@ def respond(brake: Brake, shoe: Shoe, found: PressedShoe | None) -> ShoeResponse
 
 
 def _work_of_friction(brake: Brake, found: PressedShoe) -> float:
-    """Work of the friction on the slide along a guide, less NEITHER of the work of the pressure.
+    """Work of the friction as a shoe moves along its guide, less NEITHER of the pressure's work.
 
-    It is not positive where the guide is square to the surface.
+    The result is positive if friction is self-energising. It is not positive if the guide is square
+    to the surface, where the friction does no work but round-off.
     """
     a = found.amounts
     systems = system(found.face, found.freedoms, 1.0, found.arcs)
@@ -270,23 +303,27 @@ def _work_of_friction(brake: Brake, found: PressedShoe) -> float:
 
 
 def pressure(found: PressedShoe | None, place: Floats) -> Floats:
-    """Pressure [Pa] of a shoe at places of its lining, same shape; 0 of a shoe without contact."""
+    """Pressure [Pa] of a rigid shoe at places of its lining, in the shape of `place`.
+
+    It is 0 where the lining does not touch, and everywhere if `found` is None.
+    """
     if found is None:
         return np.zeros(np.shape(place))
     return np.maximum(found.c @ found.face.shapes(place)[:2], 0.0)
 
 
 class _PinMoments(NamedTuple):
-    """Moments of pressure and of friction about a shoe's pin [N m]."""
+    """The moments [N m] about a shoe's pin of the pressure and of the friction on its lining."""
 
     pressure: float
     friction: float
 
 
 def _moments_about_pin(shoe: Shoe, contact: Resultant) -> _PinMoments:
-    """Moments of a contact's resultant about the shoe's pin."""
+    """The moments about the shoe's pin of the pressure and of the friction in a resultant."""
     pin = shoe.pin.xy
-    # About the origin only the pressure has a moment on a plane, and only the friction on a drum.
+    # The resultant's moment is about the origin. There only the pressure has a moment on a plane,
+    # and only the friction on a drum.
     pressure, friction = (contact.moment, 0.0) if shoe.flat else (0.0, contact.moment)
     return _PinMoments(
         pressure - float(cross(pin, contact.normal)),
@@ -295,16 +332,19 @@ def _moments_about_pin(shoe: Shoe, contact: Resultant) -> _PinMoments:
 
 
 def nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
-    """Nodes of quadratic pieces over a lining, evenly spaced between the ends of the contact.
+    """The places (n,) of the nodes at which the pressure over a lining is given.
+
+    The nodes belong to quadratic pieces. Each end of the contact is an end of a piece, and between
+    two such ends the nodes are evenly spaced.
 
     Parameters
     ----------
     ends : places where the lining begins and ends
-    arcs : arcs in contact, whose ends are ends of pieces
-    steps : number of steps over the whole lining
+    arcs : arcs of the lining in contact
+    steps : approximate number of steps between nodes over the whole lining
     """
-    # A set keeps each end once: an arc in contact may end where the lining ends.
-    marks = sorted({*ends, *(end for arc in arcs for end in arc)})
+    # A set holds each end once, even if an arc in contact ends where the lining ends.
+    marks = sorted({*ends, *chain.from_iterable(arcs)})
     found = [np.array(marks[:1])]
     for a, b in pairwise(marks):
         count = 2 * max(1, round(steps * (b - a) / (ends[1] - ends[0]) / 2))
@@ -313,15 +353,15 @@ def nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
 
 
 def forced(brake: Brake, *, whole: bool = False) -> Brake:
-    """The brake with the forces that a cam or struts share among its shoes, by the law.
+    """The brake whose shoes have the forces that a cam or struts give them if all is rigid.
 
-    `whole` is as of `press`. Raises NoAnswer if a shoe has no equilibrium.
+    `whole` is the parameter of `press`. Raises NoAnswer if a shoe has no equilibrium.
     """
     shoes: list[Shoe] = list(brake.shoes)
     place = {shoe.name: i for i, shoe in enumerate(shoes)}
     if brake.actuation is not None and brake.actuation.is_cam:
         _share_cam(brake, shoes, brake.actuation.total, whole)
-    # A strut passes on the force on the foot of the shoe before it.
+    # A strut pushes a shoe with the force that the foot of the shoe before it exerts.
     for link in brake.links:
         source, to = shoes[place[link.source]], place[link.to]
         found = press(brake, source, whole=whole)
@@ -333,10 +373,13 @@ def forced(brake: Brake, *, whole: bool = False) -> Brake:
 
 
 def _share_cam(brake: Brake, shoes: list[Shoe], total: float, whole: bool) -> None:
-    """Give the shoes of a cam, in place, their parts of its force `total` [N].
+    """Replace the shoes under a cam, in the list `shoes`, by shoes with their parts of its force.
 
-    The tips of both shoes move equally. Each force is inverse to the tip's motion per force.
+    The two parts add up to `total` [N]. The cam moves the tips of both shoes equally, so that each
+    part is inverse to the motion of the shoe's tip per force. Raises NoAnswer if the cam does not
+    press a shoe. `whole` is the parameter of `press`.
     """
+    # A shoe behind a strut is pushed by the strut and not by the cam.
     behind = {link.to for link in brake.links}
     on_cam = [i for i, shoe in enumerate(shoes) if shoe.name not in behind]
     motions_per_force = []
@@ -357,17 +400,17 @@ def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response
     Parameters
     ----------
     brake : the brake
-    name : of the law for such brakes
-    whole : as of `press`
+    name : name of the law, which the response states as its model
+    whole : parameter of `press`
 
     Raises
     ------
     NoAnswer
-        for a self-locking shoe or a shoe that nothing balances
+        for a self-locking shoe, or for a shoe whose actuation no pressure balances
     """
     under = forced(brake, whole=whole)
     shoes = tuple(respond(under, shoe, press(under, shoe, whole=whole)) for shoe in under.shoes)
-    # Responses name the forces that the solve has found; the file gives only their sum.
+    # If a cam or a strut shares a force, each response states the part that its shoe gets.
     if under.shoes != brake.shoes:
         shoes = tuple(
             replace(response, force=shoe.actuation.force)
@@ -375,10 +418,11 @@ def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response
         )
     word = brake.surface.word
     apart = [no_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs]
+    balances = [shoe_balance(under, i, shoe) for i, shoe in enumerate(shoes)]
     response = Response(
         model=name,
         shoes=shoes,
-        balance=worst([shoe_balance(under, i, shoe) for i, shoe in enumerate(shoes)]),
+        balance=worst(balances),
         left_out=LEFT_OUT[word],
         notes=(*apart, *cam_notes(brake)),
     )
@@ -386,10 +430,10 @@ def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response
 
 
 def cam_notes(brake: Brake) -> tuple[str, ...]:
-    """A note on how a cam shares its force between linings of different E/t, if they differ.
+    """A note on how a cam shares its force if its two linings have different E/t; else no note.
 
-    Both tips move equally. A new lining under a rigid shoe gives way by p t/E, a worn-in lining
-    wears by p.
+    The cam moves both tips equally. A new lining under a rigid shoe is compressed by p t/E. A
+    lining that is worn in wears in proportion to p, so that E/t does not matter.
     """
     if brake.actuation is None or not brake.actuation.is_cam:
         return ()
@@ -411,5 +455,5 @@ def cam_notes(brake: Brake) -> tuple[str, ...]:
 
 
 def no_contact(name: str, body: str = "drum") -> str:
-    """Note on a shoe that its force does not press."""
+    """The text of the note on a shoe that its force does not press on the drum or the plane."""
     return f"shoe {name!r}: no contact, the force does not turn it towards the {body}"

@@ -1,13 +1,15 @@
-"""Rigid-shoe laws of a drum brake, as formulas on arrays.
+"""Pressure laws p = p_0 f(phi) of rigid shoes on a drum, as formulas on arrays.
 
-Angles phi are measured at the drum's centre O from the hinge, in the shoe's own frame. A law states
-p(phi) = p_0 f(phi). A shoe needs only three integrals of it over the arc, its `Load`. With these
-every law has the form of the short shoe of the UWA notes (eq. 6a):
+The angle phi is measured at the drum's centre O from the hinge, in the shoe's own frame. Forces and
+moments of a shoe need only three integrals of f over the lining's arc, which are its `Load`. With
+these integrals every law has the form of the short shoe of the UWA notes (eq. 6a). Here M is the
+actuation moment about the hinge, T the torque, b the lining's width, R the drum's radius, a the
+hinge's radius, and dD a sign (see `Layout`):
 
     M = b R p_0 (M_N - dD mu M_F),   M_N = a Load.sin,   M_F = R Load.total - a Load.cos
     T = mu b R^2 p_0 Load.total,     mu_lock = M_N / (dD M_F)
 
-All formulas broadcast: a million brakes are one call.
+All formulas take arrays that broadcast, so that one call solves a million brakes.
 """
 
 from collections.abc import Callable
@@ -20,7 +22,14 @@ from drumlin.base.arrays import Floats, Values
 
 
 class Load(NamedTuple):
-    """Integrals over the arc of a pressure of amplitude 1: of f, f cos phi and f sin phi."""
+    """Integrals over the lining's arc of a pressure f(phi) of amplitude 1.
+
+    Attributes
+    ----------
+    total : integral of f, the sum of all normal forces
+    cos : integral of f cos phi, along the radius of the hinge
+    sin : integral of f sin phi, at right angles to the radius of the hinge
+    """
 
     total: Floats
     cos: Floats
@@ -28,11 +37,13 @@ class Load(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Angles and radii of a shoe on a drum that the formulas of a law take; entries broadcast.
+    """Angles and radii of a shoe on a drum that the formulas of a law need.
+
+    The attributes are numbers or arrays that broadcast, so that one call serves many shoes.
 
     Attributes
     ----------
-    phi_1, phi_2 : begin and end of the lining's arc, from the hinge [rad]
+    phi_1, phi_2 : angles of the lining's begin and end from the hinge [rad]
     R : radius of the drum [m]
     a : radius of the hinge [m]
     dD : double delta of the UWA notes: +1 for an external shoe whose lining the drum drags away
@@ -58,14 +69,14 @@ class Layout(NamedTuple):
 
 
 def moments_about(load: Load, R: Values, x: Values, y: Values = 0.0) -> tuple[Floats, Floats]:
-    """Moments M_N and M_F [m] of a load about a point of the shoe's frame, over b R p_0.
+    """Moments M_N and M_F [m] of a pressure about a point of the shoe's frame, over b R p_0.
 
-    The normal pressure resists the actuation with M_N. The friction helps it with M_F at
-    mu = dD = 1.
+    The moment M_N of the normal pressure opposes the actuation. The moment M_F is that of the
+    friction at mu = 1; with dD = 1 it helps the actuation.
 
     Parameters
     ----------
-    load : of the law
+    load : integrals of the pressure over the lining's arc
     R : radius of the drum [m]
     x, y : the point [m]; x = a and y = 0 for the hinge
     """
@@ -84,7 +95,10 @@ def sine_load(arc: Layout) -> Load:
 
 
 def cos_load(arc: Layout) -> Load:
-    """Integrals of f = cos phi, which with sin phi spans the pressures of a shoe with two modes."""
+    """Integrals of the pressure f = cos phi over the arc.
+
+    A shoe with two rigid-body modes has a mixture of the pressures cos phi and sin phi.
+    """
     phi_1, phi_2 = arc.phi_1, arc.phi_2
     Ic = np.sin(phi_2) - np.sin(phi_1)
     Icc = (phi_2 - phi_1) / 2 + (np.sin(2 * phi_2) - np.sin(2 * phi_1)) / 4
@@ -92,14 +106,14 @@ def cos_load(arc: Layout) -> Load:
 
 
 def cosine_load(arc: Layout) -> Load:
-    """Integrals of the pressure f = cos(phi - middle) over the arc."""
+    """Integrals of f = cos(phi - middle), where each element presses along its own radius."""
     # The resultant of the pressure lies along the middle radius.
     along = arc.half + np.sin(2 * arc.half) / 2
     return Load(2 * np.sin(arc.half), along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
 def uniform_load(arc: Layout) -> Load:
-    """Integrals of the even pressure f = 1, where each element presses along its own radius."""
+    """Integrals of the uniform pressure f = 1, where each element presses along its own radius."""
     along = 2 * np.sin(arc.half)
     return Load(2 * arc.half, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
@@ -111,47 +125,52 @@ def short_load(arc: Layout) -> Load:
 
 
 def block_load(arc: Layout) -> Load:
-    """Integrals of f = cos(phi - middle) whose force acts along the middle radius (NPTEL 12.1)."""
+    """Integrals of f = cos(phi - middle), lumped in one force along the middle radius.
+
+    The source is NPTEL lesson 12.1.
+    """
     along = arc.half + np.sin(2 * arc.half) / 2
     return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
 def equivalent_friction(theta_0: Values) -> Floats:
-    """Lumped friction T/R of a block over its normal force, relative to mu: mu'/mu.
+    """Ratio mu'/mu of a block's equivalent friction coefficient to the real one.
 
-    It is 4 sin theta_0 / (2 theta_0 + sin 2 theta_0) for p = p_0 cos over the half-arc theta_0
-    [rad] (NPTEL lesson 12.1).
+    The equivalent coefficient is mu' = T/(R N), with the torque T and the resultant normal force N.
+    For the pressure p_0 cos over the half-arc theta_0 [rad], the ratio is
+    4 sin theta_0 / (2 theta_0 + sin 2 theta_0) (NPTEL lesson 12.1).
     """
     return np.asarray(4 * np.sin(theta_0) / (2 * theta_0 + np.sin(2 * theta_0)))
 
 
 def pivot_radius(R: Values, theta_0: Values) -> Floats:
-    """Distance [m] from O at which a pivot leaves p = p_0 cos.
+    """Distance [m] from the drum's centre at which a pivot makes the pressure p = p_0 cos.
 
-    It is 4 R sin theta_0 / (2 theta_0 + sin 2 theta_0).
+    The pivot lies on the middle radius of a lining of the half-arc theta_0 [rad]. The distance is
+    4 R sin theta_0 / (2 theta_0 + sin 2 theta_0).
     """
     return np.asarray(R * equivalent_friction(theta_0))
 
 
 def _one(arc: Layout) -> Floats:
-    """The factor 1 on mu, for friction that is not lumped."""
+    """The factor 1 on mu, in the shape of the arc's angles: the law does not change friction."""
     return np.ones(np.shape(arc.half))
 
 
 @dataclass(frozen=True)
 class Law:
-    """A law p = p_0 f(phi) of a shoe that turns about its hinge.
+    """A law p = p_0 f(phi) for the pressure of a shoe that turns about its hinge on a drum.
 
     Attributes
     ----------
-    name : of the law
-    assumes : its assumptions, in words
-    load : integrals of f over an arc
-    pressure : f at angles phi
-    peak_at : angle phi of the largest f [rad]
-    lumped : whether all of the contact acts at the lining's middle
-    friction : factor on mu of a lumped friction
-    remark : note for readers of its numbers
+    name : name of the law
+    assumes : assumptions of the law, in words
+    load : function that returns the integrals of f over an arc
+    pressure : function that returns f at angles phi
+    peak_at : function that returns the angle phi [rad] of the largest f
+    lumped : whether the law lets the whole contact force act at the lining's middle
+    friction : function that returns the factor on mu, which is 1 unless the law lumps the forces
+    remark : note for the reader of the law's results
     """
 
     name: str
@@ -164,14 +183,17 @@ class Law:
     remark: str = ""
 
     def moments(self, arc: Layout) -> tuple[Floats, Floats]:
-        """Moments M_N and M_F [m] about the hinge over b R p_0, see `moments_about`."""
+        """Moments M_N of the pressure and M_F of the friction about the hinge, over b R p_0 [m].
+
+        Their signs are those of `moments_about`.
+        """
         M_N, M_F = moments_about(self.load(arc), arc.R, arc.a)
         return M_N, self.friction(arc) * M_F
 
     def resistance(self, mu: Values, arc: Layout) -> Floats:
-        """Actuation moment over b R p_0, M_N - dD mu M_F [m].
+        """Moment that the actuation needs over b R p_0: M_N - dD mu M_F [m].
 
-        It is not positive if the shoe locks itself.
+        The resistance is zero or negative if the shoe locks itself.
         """
         M_N, M_F = self.moments(arc)
         return M_N - arc.dD * mu * M_F
@@ -181,46 +203,61 @@ class Law:
 
         Parameters
         ----------
-        moment : of the actuation [N m]
-        width : of the lining [m]
+        moment : moment of the actuation about the hinge [N m]
+        width : width of the lining [m]
         mu : friction coefficient
-        arc : layout of the shoe
+        arc : angles and radii of the shoe
         """
         resistance = self.resistance(mu, arc)
         return moment / (width * arc.R * np.where(resistance > 0, resistance, np.nan))
 
     def torque(self, moment: Values, mu: Values, arc: Layout) -> Floats:
-        """Torque [N m] under an actuation moment [N m]; nan if the shoe locks itself."""
+        """Torque [N m] of a shoe under an actuation moment [N m]; nan if the shoe locks itself."""
         return moment * self.mechanical_advantage(mu, arc)
 
     def mechanical_advantage(self, mu: Values, arc: Layout) -> Floats:
-        """Ratio eta = T/M = 1/(m - dD n) (UWA, eq. 8); nan if the shoe locks itself."""
+        """Ratio eta = T/M = 1/(m - dD n) of torque to actuation moment (UWA notes, eq. 8).
+
+        It is nan if the shoe locks itself.
+        """
         resistance = self.resistance(mu, arc)
         effect = mu * self.friction(arc) * arc.R * self.load(arc).total
         return effect / np.where(resistance > 0, resistance, np.nan)
 
     def sensitivity(self, mu: Values, arc: Layout) -> Floats:
-        """Sensitivity S = (mu/eta) d eta/d mu = m eta (UWA, eq. 8); nan if self-locking."""
+        """Sensitivity S = (mu/T) dT/dmu = m eta at fixed actuation (UWA notes, eq. 8).
+
+        S is nan if the shoe locks itself.
+        """
         M_N, _ = self.moments(arc)
         resistance = self.resistance(mu, arc)
         return M_N / np.where(resistance > 0, resistance, np.nan)
 
     def locking_friction(self, arc: Layout) -> Floats:
-        """Friction mu_lock = M_N / (dD M_F) at which the torque becomes infinite.
+        """Friction coefficient mu_lock = M_N / (dD M_F) at which the torque becomes infinite.
 
         It is inf if friction does not help the actuation.
         """
         M_N, M_F = self.moments(arc)
         helps = arc.dD * M_F > 0
-        # Friction that passes almost through the hinge overflows to the right result, inf.
+        # If the friction force passes almost through the hinge, the quotient overflows to inf,
+        # which is right.
         with np.errstate(over="ignore"):
             return np.where(helps, M_N / np.where(helps, arc.dD * M_F, 1.0), np.inf)
 
 
 def m_and_n(mu: Values, theta_m: Values, r: Values, a: Values) -> tuple[Floats, Floats]:
-    """Figures m = (a/(mu r)) sin theta_m and n = 1 - (a/r) cos theta_m of a short shoe.
+    """Dimensionless moments m and n of the pressure and the friction on a short shoe.
 
-    The shoe stands at the angle theta_m [rad] (UWA, eq. 6a).
+    m is the moment about the hinge of the normal force over the torque, (a/(mu r)) sin theta_m. n
+    is that of the friction over the torque, 1 - (a/r) cos theta_m (UWA notes, eq. 6a).
+
+    Parameters
+    ----------
+    mu : friction coefficient
+    theta_m : angle of the shoe from the hinge [rad]
+    r : radius at which the friction acts [m]
+    a : radius of the hinge [m]
     """
     m = a / (mu * r) * np.sin(theta_m)
     n = 1 - a / r * np.cos(theta_m)
@@ -228,7 +265,7 @@ def m_and_n(mu: Values, theta_m: Values, r: Values, a: Values) -> tuple[Floats, 
 
 
 def _middle(arc: Layout) -> Floats:
-    """Angle phi [rad] of the lining's middle, where a pressure of this kind has its peak."""
+    """Angle phi [rad] of the lining's middle, where the peak pressure of a law may lie."""
     return arc.middle
 
 
@@ -238,7 +275,7 @@ def _cosine(phi: Floats, arc: Layout) -> Floats:
 
 
 def _constant(phi: Floats, arc: Layout) -> Floats:
-    """The even pressure f = 1, same shape as phi."""
+    """The uniform pressure f = 1, same shape as phi."""
     return np.ones(np.broadcast_shapes(np.shape(phi), np.shape(arc.middle)))
 
 
@@ -285,3 +322,4 @@ SHORT_LAW = Law(
     lumped=True,
 )
 LAWS = {law.name: law for law in (SINE, COSINE, BLOCK, UNIFORM, SHORT_LAW)}
+"""The laws p = p_0 f(phi) of hinged shoes on a drum, by their names."""

@@ -1,16 +1,18 @@
-"""The double-shoe brake block of Simscape Driveline, with the block's own parameters.
+"""The Double-Shoe Brake block of Simscape Driveline, with the parameters and formulas of the block.
 
-Two shoes, mirror images about the brake's symmetry axis, are each under the same force F. The sine
-law gives their torques from F c = M_N -+ M_F (leading, trailing). Three relations go beyond a brake
-file:
+The brake has two shoes, which are mirror images about the brake's symmetry axis. The same force F
+with the arm c presses each of them. The sine law gives the torques T_LS of the leading shoe, from
+F c = M_N - M_F, and T_TS of the trailing shoe, from F c = M_N + M_F. Three relations of the block
+cannot be stated in a brake file:
 
     mu = mu_Coulomb tanh(4 omega / omega_threshold)
-    T = T_LS + T_TS + mu_visc omega          (the block's page prints + mu_visc, which is no torque)
+    T = T_LS + T_TS + mu_visc omega
     T = 0 for F <= 0
 
-The page calls theta_s the shoe's span, with the default 130 deg. Its formulas use theta_s as the
-angle from the hinge at which the lining ends. Both readings are offered; the formulas' reading is
-the default.
+The block's documentation page prints + mu_visc in place of + mu_visc omega, which is not a torque.
+The page calls theta_s the span of the shoe, with the default 130 deg. Its formulas, however, use
+theta_s as the angle from the hinge at which the lining ends. `DoubleShoe.reading` chooses between
+the two meanings; the meaning in the formulas is the default.
 """
 
 import math
@@ -28,20 +30,23 @@ from drumlin.brake.units import deg, mm
 from drumlin.laws.shapes import SINE, Layout
 
 SIMSCAPE_LINING = Material(E=300e6, nu=0.25)
-"""Material of the lining if the user gives none. The sine law's torque does not depend on it."""
+"""Material of the lining in `DoubleShoe.brake` if the user gives none.
+
+The torque of the sine law does not depend on the material.
+"""
 
 
 @dataclass(frozen=True)
 class DoubleShoe:
-    """Parameters of the block with its defaults, in SI.
+    """The Simscape Double-Shoe Brake block: its parameters with their defaults, in SI units.
 
-    It raises BadInput outside the documented ranges.
+    BadInput is raised for a parameter outside the range that the block's page documents.
 
     Attributes
     ----------
     r_D : radius of the drum [m]
-    r_a : distance of the force line from the centre [m]
-    r_p : radius of the pin [m]
+    r_a : distance of the actuation force's line from the drum's centre [m]
+    r_p : distance of the pin from the drum's centre [m]
     theta_p : angle of the pin from the symmetry axis [rad]
     theta_sb : angle from the pin to the lining's beginning [rad]
     theta_s : span of the shoe or its end angle, according to `reading` [rad]
@@ -63,9 +68,11 @@ class DoubleShoe:
     reading: Literal["end", "span"] = "end"
 
     def __post_init__(self) -> None:
-        """Refuse parameters that the block's page does not allow."""
+        """Raise BadInput for parameters that the block's documentation page does not allow."""
+        # The symmetry axis, beyond which no lining may reach, is at this angle from the pin.
         widest = math.pi - self.theta_p
         least = self.theta_sb if self.reading == "end" else 0.0
+        # Each rule holds a parameter's name, its format for the message, the condition, and text.
         rules = (
             ("r_D", mm, self.r_D > 0, "must be greater than 0"),
             ("r_a", mm, self.r_a > 0, "must be greater than 0"),
@@ -102,12 +109,15 @@ class DoubleShoe:
 
     @property
     def arc(self) -> tuple[float, float]:
-        """Begin and end (phi_1, phi_2) [rad] of the lining from the pin, as `reading` says."""
+        """Angles (phi_1, phi_2) [rad] of the lining's begin and end from the pin.
+
+        The end depends on `reading`, the meaning of theta_s.
+        """
         return self.theta_sb, self.theta_s + (self.theta_sb if self.reading == "span" else 0.0)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Warnings of the block's page."""
+        """Warnings that the block's documentation page gives for these parameters."""
         phi_1, phi_2 = self.arc
         if phi_2 - phi_1 >= math.radians(45) - 1e-9:
             return ()
@@ -116,7 +126,7 @@ class DoubleShoe:
 
     @property
     def arm(self) -> float:
-        """Arm of the force about the pin, c = r_a + r_p cos theta_p [m]."""
+        """Arm of the actuation force about the pin, c = r_a + r_p cos theta_p [m]."""
         return self.r_a + self.r_p * math.cos(self.theta_p)
 
     @property
@@ -125,17 +135,18 @@ class DoubleShoe:
         return float(SINE.locking_friction(self._layout(1)))
 
     def _layout(self, dD: int) -> Layout:
-        """Layout of the leading shoe, dD = 1, or the trailing shoe, dD = -1."""
+        """Angles and radii for the sine law of the leading shoe (dD = 1) or the trailing (-1)."""
         return Layout(*self.arc, R=self.r_D, a=self.r_p, dD=dD)
 
     def friction(self, omega: Values) -> Floats:
-        """Friction coefficient at the speeds omega [rad/s], same shape and sign."""
+        """Friction coefficient at the speeds omega [rad/s], with their shape and sign."""
         return np.asarray(self.mu_Coulomb * np.tanh(4 * np.asarray(omega) / self.omega_threshold))
 
     def shoe_torques(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
-        """Torques T_LS and T_TS [N m] of the shoes that lead and trail at omega > 0.
+        """Torques T_LS and T_TS [N m] of the shoes that are leading and trailing at omega > 0.
 
-        The force [N] and omega [rad/s] broadcast. Raises NoAnswer if the block locks itself.
+        The arrays `force` [N] and `omega` [rad/s] broadcast. Raises NoAnswer if the leading shoe
+        locks itself.
         """
         if self.mu_Coulomb >= self.mu_lock:
             raise NoAnswer(
@@ -146,9 +157,9 @@ class DoubleShoe:
         return SINE.torque(moment, mu, self._layout(1)), SINE.torque(moment, mu, self._layout(-1))
 
     def line_pressures(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
-        """Largest line pressures p_a and p_b [N/m] of the leading and of the trailing shoe.
+        """Largest line loads [N/m] of the leading and the trailing shoe: pressure times width.
 
-        The force [N] and omega [rad/s] broadcast.
+        The arrays `force` [N] and `omega` [rad/s] broadcast.
         """
         moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
         leading, trailing = (
@@ -158,10 +169,11 @@ class DoubleShoe:
         return leading, trailing
 
     def torque(self, force: Values, omega: Values) -> Floats:
-        """Torque T [N m] against a rotation omega [rad/s], with its sign.
+        """Torque T [N m] of the block against the rotation, with the sign of omega.
 
-        The force [N] and omega broadcast. Without a pressing force nothing touches, so that the
-        viscous torque vanishes as well. Raises NoAnswer if the block locks itself.
+        The arrays `force` [N] and `omega` [rad/s] broadcast. Where the force is not positive the
+        shoes do not touch, so that the viscous torque is zero as well. Raises NoAnswer if the
+        leading shoe locks itself.
         """
         leading, trailing = self.shoe_torques(force, omega)
         total = leading + trailing + self.mu_visc * np.asarray(omega)
@@ -177,20 +189,21 @@ class DoubleShoe:
         thickness: float = 0.008,
         material: Material = SIMSCAPE_LINING,
     ) -> Brake:
-        """The block at full friction as a Brake, symmetric about the y axis, with its pins below.
+        """A Brake with the block's shoes and the friction mu_Coulomb of full speed.
 
-        The block knows no width, thickness and material of the lining. The sine law's torque does
-        not depend on them.
+        The brake is symmetric about the y axis, and its pins are at the bottom. The block has no
+        width, thickness and material of the lining. The torque of the sine law does not depend on
+        them.
 
         Parameters
         ----------
-        force : on each shoe [N]
-        rotation, side : as in a brake file
-        width, thickness : of the lining [m]
-        material : of the lining
+        force : actuation force on each shoe [N]
+        rotation, side : values of the keys in a brake file
+        width, thickness : width and thickness of the lining [m]
+        material : material of the lining
         """
         phi_1, phi_2 = self.arc
-        # The left shoe is the mirror image of the right one.
+        # The left shoe is the mirror image of the right shoe.
         layers = {"thickness": thickness, "width": width, "material": material}
         inwards = 180.0 if side == "external" else 0.0
         shoes = []

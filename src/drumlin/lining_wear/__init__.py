@@ -1,6 +1,7 @@
-"""Wear: Archard's law in implicit steps of contact problems, and the end of wear in a single step.
+"""Wear of linings: running a brake in by Archard's law, and solving a brake with worn-in linings.
 
-The package sets the linings of a brake up to be worn, runs a brake in, and finds the worn-in state
-directly. It stands on the finite elements, the foundation model and the laws. The models stand on
-it.
+The module `archard` wears linings in steps, each of which is a contact problem. The module
+`linings` makes these contact problems from a brake, by finite elements or the foundation model. The
+modules `run_in` and `whole_brake` run a brake in and report on the run. The module `worn_in` finds
+the state in which wear ends without the steps before.
 """

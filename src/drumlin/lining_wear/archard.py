@@ -1,33 +1,38 @@
-"""Archard wear of linings in full slip: contact problems, one after another, as the brake slides.
+"""Archard wear of linings over a sliding distance, as a sequence of contact problems.
 
-The depth h worn off the lining opens the gap. It grows where the lining is pressed:
+Every point of a lining slides on the drum and loses depth where it is pressed. The contact problem
+of the lining has the unknowns x, from which the pressure p = D x follows, and the rigid-body
+motions y of the shoe. A maps x, and B maps y, to the gap w between lining and drum. The gap of the
+unloaded lining is q, and C x = h_load are the equilibria of the shoe. G weighs the worn depth h,
+which opens the gap, and s is the sliding distance:
 
     w = q + A x + B y + G h,   p = D x >= 0,  w >= 0,  p w = 0,   C x = h_load,      dh/ds = rate(p)
 
-with rate(p) = k p for the exponent 1. In time these equations are stiff: ripples of one element
-settle some thousand times faster than the bending of the shoe. An implicit step makes the wear a
-compliance, A + gamma ds G k D, as a soft contact does. Each stage is one contact problem. The
-method is stable for any step and makes no checkerboard. The steps are those of the L-stable,
-stiffly accurate diagonally implicit Runge-Kutta method of order 2 with gamma = 1 - 1/sqrt(2)
-(Alexander 1977, SIAM J. Numer. Anal. 14, 1006), with the first order embedded in it as a measure of
-the error. The stages have p w = 0 exactly. Both weights are positive, so that h never shrinks and
-never grows where nothing presses.
+For the exponent 1 of the wear law the rate is k p. The equations are stiff: ripples of the pressure
+from element to element settle some thousand times faster than the bending of the shoe. In an
+implicit step the wear acts as an additional compliance of the lining, A + gamma ds G k D. Each
+stage of a step is therefore one contact problem. The method is the diagonally implicit Runge-Kutta
+method of order 2 with gamma = 1 - 1/sqrt(2), which is L-stable and stiffly accurate (Alexander
+1977, SIAM J. Numer. Anal. 14, 1006). It is stable for any step and makes no checkerboard. A
+first-order method embedded in it measures the error. All stages fulfil p w = 0 exactly. Both
+weights of the method are positive, so that h never shrinks, and does not grow where p is zero.
 
-Friction at a rough abutment opposes the slide of the foot one way or the other, or holds the foot.
-Each of these ways has a contact problem of its own, a `Footing`. Each stage of a step keeps the
-last footing while the stage's answer allows this footing, and takes another one if not.
+Friction at a rough abutment opposes the slide of the shoe's foot one way or the other, or it holds
+the foot. Each of the three cases has a contact problem of its own, which is called a `Footing`.
+Each stage of a step keeps the last footing as long as the solution agrees with it. Otherwise the
+stage takes another footing.
 
 Wear that goes on for ever becomes steady. The pressure then no longer changes, and every point of
-the lining wears as fast as the motions y' of the shoe close the gap at the point. With dp/ds = 0
-the equations above, differentiated by s, are
+the lining wears as fast as the rigid-body motions y' of the shoe close the gap at the point. With
+dp/ds = 0 the equations above, differentiated by s, are
 
     w' = B y' + G rate(p),   p >= 0,  w' >= 0,  p w' = 0,   C x = h_load
 
-They contain neither stiffness nor gap: they are those of a rigid shoe on a bed of springs. Their
-answer (`solve_steady_wear`) is the end of wear on the given mesh. As the mesh is refined it becomes
-the rigid-shoe law.
+They contain neither the stiffness of the brake nor the gap q: they are the equations of a rigid
+shoe on a bed of springs. Their solution, by `solve_steady_wear`, is the end of wear on the given
+mesh. As the mesh is refined this solution converges to the rigid-shoe law.
 
-The module knows nothing of brakes: `linings` makes its problems from them.
+The module knows nothing of brakes. The module `linings` makes contact problems from a brake.
 """
 
 import math
@@ -51,69 +56,86 @@ from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
 
 GAMMA = 1 - 1 / math.sqrt(2)
-"""Diagonal coefficient of the Runge-Kutta method; this value makes it L-stable (Alexander 1977)."""
+"""Coefficient gamma of the two implicit stages of a wear step, a Runge-Kutta method.
+
+This value makes the method L-stable (Alexander 1977)."""
 
 TOLERANCE = 1e-3
-"""Error of the pressure that a step may make where no tolerance is given: L2 norm, relative to the
-pressure. Steps above it are repeated with a shorter distance. A judgement."""
+"""Largest error of the pressure in a step of wear if the user gives no tolerance.
+
+The error is an L2 norm, relative to that of the pressure. A step with a larger error is repeated
+over a shorter distance. A judgement."""
 
 MAX_WEAR_STEPS = 20_000
-"""Largest number of steps. Runs that need more are refused; the example brakes take some 40."""
+"""Largest number of steps of a wear run. A run that needs more is refused.
+
+The example brakes take some 40 steps."""
 
 MAX_STEP_GROWTH = 4.0
-"""Largest factor from one step to the next. Larger ones risk a step that has to be repeated."""
+"""Largest ratio of a wear step's length to that of the step before.
+
+A larger ratio risks a step with too large an error, which has to be repeated."""
 
 ROUNDED_PRESSURE = 1e-3
-"""Pressure, relative to the mean one, below which a wear rate of exponent under 1 is rounded off.
+"""Pressure, relative to the mean pressure, below which a wear rate p^m with m < 1 is smoothed.
 
-Without the rounding the slope of the rate would be infinite at p = 0, and Newton's method would
-not converge there. A judgement."""
+Without the smoothing the slope of the rate is infinite at p = 0, and Newton's method does not
+converge there. A judgement."""
 
 NEWTON_TOLERANCE = 1e-11
-"""Largest change of the pressure, relative to its maximum, with which Newton's method ends. Smaller
-values are round-off."""
+"""Change of the pressure, relative to its maximum, below which Newton's method ends.
+
+Smaller changes are round-off."""
 
 MAX_NEWTON_STEPS = 60
-"""Newton steps after which a stage counts as not converged. A judgement."""
+"""Largest number of Newton steps in a stage of a wear step; beyond it the run is refused.
+
+A judgement."""
 
 SHORTEST_STEP = 1e-13
-"""Step, relative to the distance so far, below which the run gives up: round-off of the distance
-would swallow it."""
+"""Length of a wear step, relative to the distance so far, below which the run is refused.
+
+Adding a shorter step to the distance would be round-off."""
 
 STEADY_MOTION_RATIO = 1e9
-"""Ratio of a shoe's motion by steady wear to its elastic motion when the slide of its feet is
-judged.
+"""Ratio of a shoe's motion by wear to its elastic motion at which the slide of its foot is judged.
 
-Wear that goes on for ever makes this ratio infinite. At 1e9 the elastic motion changes the
-direction of a slide by as little as round-off does."""
+The direction of the slide tells which way friction acts at an abutment. Wear that goes on for ever
+makes this ratio infinite. At 1e9 the elastic motion changes the direction of the slide by as little
+as round-off does."""
 
 SOFTEST_COMPLIANCE = 1e3
-"""Compliance of the softest linings that a contact set is followed from, relative to the largest
-compliance of the brake. A larger value only costs time."""
+"""Compliance of the soft linings at which the search for a contact set begins.
+
+It is relative to the largest compliance of the brake. The nodes in contact are then followed as the
+linings become stiffer. A larger value only costs time."""
 
 SOFTENED_BY = 4.0
-"""Factor between the compliances of successive linings while a contact set is followed from soft
-linings. A smaller factor only costs time."""
+"""Factor by which the compliance of soft linings falls from step to step of the search.
+
+The search follows the nodes in contact from soft linings to the real ones. A smaller factor only
+costs time."""
 
 SOFTENINGS = 20
-"""Number of compliances while a contact set is followed from soft linings.
+"""Number of steps from soft linings to the real ones in the search for the nodes in contact.
 
-The last compliance is 4e-9 of the brake's own: without it the contact set hardly changes."""
+The last additional compliance is 4e-9 of the brake's own. Without it the nodes in contact hardly
+change."""
 
 
 def is_always_allowed(_: Contact) -> bool:
-    """Whether an answer allows the friction: always where no abutment is rough."""
+    """Whether a solution agrees with the friction at the abutments: always, if none is rough."""
     return True
 
 
 class Footing(NamedTuple):
-    """One way in which friction may act at the abutments of the shoes.
+    """One of the ways in which friction may act on the feet of shoes at their abutments.
 
     Attributes
     ----------
     problem : contact problem of the unworn linings under this friction
-    stands : whether an answer of `problem` allows this friction: it opposes the slide of each
-        foot, or holds the foot
+    stands : function that tells whether a solution of `problem` agrees with this friction, which
+        must oppose the slide of each foot or hold the foot
     """
 
     problem: ContactProblem
@@ -121,21 +143,24 @@ class Footing(NamedTuple):
 
 
 class WearInterface(NamedTuple):
-    """Linings that bear together, with n contact unknowns x: the terms of the equations above.
+    """The linings of a group of shoes that are coupled, as one contact problem for wear.
+
+    The problem has n contact unknowns x, which are nodal pressures or nodal forces.
 
     Attributes
     ----------
     problem : contact problem of the unworn linings
-    loaded : (n,), the part of the problem's q that the actuation makes
-    weight : G (n, n), weighted gap per depth
-    pressure : (n,), the diagonal of D: pressure [Pa] per unknown
-    area : (n,) [m^2], volume per depth, and normal force per pressure
+    loaded : (n,), opening of the gap by the actuation, as a part of the problem's q
+    weight : G (n, n), weighted gap per worn depth
+    pressure : (n,), diagonal of the matrix D: pressure [Pa] per contact unknown
+    area : (n,) [m^2], worn volume per depth, and normal force per pressure
     torque : (n,) [m^3], torque per pressure
-    stands : whether an answer of `problem` allows its friction, as in a Footing
-    others : the further footings
-    settle : settle(depth) finds the number of the footing and the contact set (n,) of linings worn
-        by a depth (n,) [m], without a first guess. It raises NoAnswer where these linings have no
-        equilibrium.
+    stands : function that tells whether a solution of `problem` agrees with its friction at the
+        abutments, as in a Footing
+    others : further footings: other ways in which friction may act at the abutments
+    settle : function settle(depth) that solves the contact of linings worn by a depth (n,) [m]
+        without a first guess. It returns the number of the footing and the mask (n,) of the
+        unknowns in contact. It raises NoAnswer if these linings have no equilibrium.
     """
 
     problem: ContactProblem
@@ -150,18 +175,18 @@ class WearInterface(NamedTuple):
 
     @property
     def footings(self) -> tuple[Footing, ...]:
-        """All footings, that of `problem` first."""
+        """All ways in which friction may act at the abutments; that of `problem` comes first."""
         return (Footing(self.problem, self.stands), *self.others)
 
 
 class WearLaw(NamedTuple):
-    """The wear law dh/ds = coefficient p (p/reference)^(exponent - 1).
+    """The wear law dh/ds = coefficient p (p/reference)^(exponent - 1) for the worn depth h.
 
     Attributes
     ----------
-    coefficient : [1/Pa], at the pressure `reference`
+    coefficient : wear per sliding distance and pressure [1/Pa], at the pressure `reference`
     exponent : power of the pressure; 1 is Archard's law
-    reference : pressure [Pa]; with the exponent 1 it has no effect
+    reference : pressure [Pa] to which the coefficient belongs; it has no effect with exponent 1
     """
 
     coefficient: float
@@ -169,16 +194,19 @@ class WearLaw(NamedTuple):
     reference: float = 1e6
 
     def rate(self, p: Floats, rounded: float) -> tuple[Floats, Floats]:
-        """The wear per distance, dh/ds (n,), and its slope (n,) [1/Pa] at pressures p (n,) [Pa].
+        """The wear per sliding distance (n,), and its derivative by the pressure (n,) [1/Pa].
 
-        `rounded` [Pa] is the pressure below which an exponent under 1 is rounded off, see
-        ROUNDED_PRESSURE.
+        Parameters
+        ----------
+        p : (n,) [Pa], pressures
+        rounded : pressure [Pa] below which the rate of an exponent under 1 is smoothed
         """
         if self.exponent == 1:
             return self.coefficient * p, np.full(p.shape, self.coefficient)
         k, m = self.coefficient / self.reference ** (self.exponent - 1), self.exponent
         if m > 1:
             return k * p**m, k * m * p ** (m - 1)
+        # In a rate with an exponent under 1, the root of `size` takes the place of p.
         size = p**2 + rounded**2
         rate = k * p * size ** ((m - 1) / 2)
         slope = k * size ** ((m - 3) / 2) * (m * p**2 + rounded**2)
@@ -187,21 +215,22 @@ class WearLaw(NamedTuple):
 
 @dataclass(frozen=True)
 class WearState:
-    """The linings after a sliding distance.
+    """The state of all linings after a sliding distance.
 
-    The integrals run from the start, by the quadrature of the method itself.
+    The arrays hold the n contact unknowns of all groups of linings, one group after the other. The
+    integrals over the sliding distance use the weights of the Runge-Kutta method.
 
     Attributes
     ----------
     s : sliding distance [m]
-    depth : (n,) [m], worn off at the contact unknowns of all interfaces, one after the other
-    pressure : (n,) [Pa], at the same unknowns
-    torque : [N m], of all linings
-    force : factor on the actuation
-    forward : whether the drum turns as the brake says
-    removed : [m^3], integral of the wear rate
-    pressed : [N m], integral of the normal force over s
-    work : [N m^2], integral of the torque over s
+    depth : (n,) [m], worn depth
+    pressure : (n,) [Pa]
+    torque : torque of all linings [N m]
+    force : factor on the actuation of the brake, 1 unless the torque is held
+    forward : whether the drum turns in the direction that the brake file states
+    removed : worn volume [m^3] as integral of the wear rate over area and distance
+    pressed : integral [N m] of the normal force over the distance
+    work : integral [N m^2] of the torque over the distance
     """
 
     s: float
@@ -216,7 +245,7 @@ class WearState:
 
 
 WearInterfaces = Sequence[WearInterface]
-"""The interfaces of a brake, each in equilibrium by itself."""
+"""The groups of linings of a brake; the groups do not influence each other."""
 
 
 def wear_linings(
@@ -230,26 +259,27 @@ def wear_linings(
     tolerance: float = TOLERANCE,
     until: Callable[[WearState], bool] = lambda _: False,
 ) -> list[WearState]:
-    """Wear linings over a sliding distance, or until a state is reached; returns all states.
+    """Wear linings over a sliding distance, or until a condition holds; returns all states.
 
     Parameters
     ----------
-    forward : the interfaces, each in equilibrium by itself
+    forward : groups of linings, which do not influence each other
     law : the wear law
-    backward : the same interfaces with the drum turning back
-    reverse : distance [m] after which the drum turns the other way, again and again; the state is
-        then there twice, before and after
-    torque : of all interfaces [N m], which the actuation holds; None: the actuation stays
+    backward : the same groups of linings with the drum turning the other way
+    reverse : distance [m] after which the drum turns the other way, again and again. At a reversal
+        the list has two states, one before and one after the reversal.
+    torque : torque of all linings [N m] that the actuation is adjusted to keep; None for a constant
+        actuation
     distance : sliding distance [m] at which the run ends
-    tolerance : error of p (L2, relative) that a step may make
-    until : whether the run ends with a state
+    tolerance : largest error of the pressure in a step (L2 norm, relative)
+    until : function that tells whether the run ends with a given state
 
     Raises
     ------
     BadInput
-        for options out of range
+        for an option out of range
     NoAnswer
-        where there is no equilibrium, the shoe locks itself, or the steps do not converge
+        if there is no equilibrium, a shoe locks itself, or the steps do not converge
     """
     if reverse < math.inf and not backward:
         raise BadInput(f"reverse = {reverse:g}: needs the interfaces of the drum turning backward")
@@ -271,7 +301,7 @@ def wear_linings(
 
 
 def _check_positive(values: Mapping[str, float]) -> None:
-    """Raise BadInput for an option that is not greater than 0."""
+    """Raise BadInput if one of the values, by the names of their options, is not above 0."""
     for name, value in values.items():
         if not value > 0:
             raise BadInput(f"{name} = {value:g}: must be greater than 0")
@@ -294,10 +324,10 @@ class _WearRunInProgress:
 
     Parameters
     ----------
-    forward, backward : the steppers of the linings for the two senses of rotation
+    forward, backward : solvers of a wear step for the two directions of rotation
     reverse : distance [m] after which the drum turns the other way
     distance : sliding distance [m] at which the run ends
-    tolerance : error of p (L2, relative) that a step may make
+    tolerance : largest error of the pressure in a step (L2 norm, relative)
     """
 
     def __init__(
@@ -308,33 +338,39 @@ class _WearRunInProgress:
         distance: float,
         tolerance: float,
     ) -> None:
+        # The solvers of a step, by whether the drum turns forward.
         self._steppers = {True: forward, False: backward}
         self._reverse, self._distance, self._tolerance = reverse, distance, tolerance
         self._forward = True
         self._next_turn = reverse
         self.states = [forward.initial_state()]
         self._step = forward.first_step_length(self.state, tolerance)
-        # A reversal begins with the step that the last reversal, or the start, could have taken.
+        # The first step after a reversal is as long as the first step after the last reversal, or
+        # after the start, could have been.
         self._opening_step = self._step
         self._just_turned = True
 
     @property
     def state(self) -> WearState:
-        """The last state of the run so far."""
+        """The last state of the wear run so far."""
         return self.states[-1]
 
     @property
     def has_reached_distance(self) -> bool:
-        """Whether the run has reached its sliding distance, apart from round-off."""
+        """Whether the wear run has reached its sliding distance, up to round-off."""
         return self.state.s >= self._distance * (1 - 1e-12)
 
     def take_step(self) -> None:
-        """Take a step, or shorten the step where its error is too large. Raises NoAnswer."""
+        """Append the state after the next step, or shorten the step if its error is too large.
+
+        Raises NoAnswer if the step has no solution or becomes too short.
+        """
+        # A step ends at the latest where the run ends or the drum is reversed.
         end = min(self._distance, self._next_turn)
         left = end - self.state.s
         size = self._size(left)
         after, error = self._steppers[self._forward].step(self.state, size)
-        # The error of the embedded first order grows with the square of the step.
+        # The error of the embedded first-order method grows with the square of the step.
         growth = 0.9 * math.sqrt(self._tolerance / max(error, 1e-30))
         factor = min(max(growth, 0.2), MAX_STEP_GROWTH)
         if error > self._tolerance:
@@ -344,16 +380,17 @@ class _WearRunInProgress:
         self.states.append(replace(after, s=end) if at_end else after)
         if self._just_turned:
             self._opening_step, self._just_turned = size * factor, False
-        # A step that the end cut short says nothing about the length of the next one.
+        # If the end has cut a step short, the next step may be as long as the uncut step.
         cut_short = at_end and size < self._step
         self._step = max(self._step, size) if cut_short else size * factor
         if at_end and end == self._next_turn and not self.has_reached_distance:
             self._reverse_drum()
 
     def _size(self, left: float) -> float:
-        """The length of the next step, with `left` [m] to go. Raises NoAnswer.
+        """The length [m] of the next step, with the distance `left` [m] to go.
 
-        The last two steps share the rest, so that no tiny step remains at the end.
+        The last two steps share the rest of the distance, so that the last step is not tiny. Raises
+        NoAnswer if the length is infinite, because no wear changes the pressure any more.
         """
         size = left if self._step > 0.999 * left else min(self._step, left / 2)
         if math.isinf(size):
@@ -361,26 +398,31 @@ class _WearRunInProgress:
         return size
 
     def _shorten_step(self, step: float) -> None:
-        """Shorten the next step. Raises NoAnswer where round-off would swallow the shorter step."""
+        """Set the length of the next step to `step` [m].
+
+        Raises NoAnswer if the step is below SHORTEST_STEP, relative to the distance so far.
+        """
         self._step = step
         s = self.state.s
         if step < SHORTEST_STEP * max(s, 1e-300) and s > 0:
             raise NoAnswer("not converged: the step of the wear shrinks to nothing")
 
     def _reverse_drum(self) -> None:
-        """Reverse the drum, and append the state of the linings after the reversal."""
+        """Let the drum turn the other way, and append the state after the reversal."""
         self._forward = not self._forward
         self._next_turn += self._reverse
-        self.states.append(
-            self._steppers[self._forward].state_after_reversal(self.state, self._forward)
-        )
+        stepper = self._steppers[self._forward]
+        self.states.append(stepper.state_after_reversal(self.state, self._forward))
         self._step, self._just_turned = self._opening_step, True
 
 
 def wear_linings_in_given_steps(
     interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]
 ) -> list[WearState]:
-    """Wear linings in steps that end at the distances `stations` [m], without error control."""
+    """Wear linings in steps that end at given distances [m], without error control.
+
+    Returns the states before the first step and after each step.
+    """
     stepper = _WearStepper(interfaces, law, None)
     states = [stepper.initial_state()]
     for s in stations:
@@ -390,7 +432,11 @@ def wear_linings_in_given_steps(
 
 
 def join_interfaces(interfaces: WearInterfaces) -> WearInterface:
-    """Join several interfaces into one, with every combination of their footings."""
+    """Several groups of linings as one group, with one common contact problem.
+
+    Each group may have several footings, the ways in which friction acts at its abutments. The
+    joint group has a footing for every combination of these.
+    """
     combinations = product(*(interface.footings for interface in interfaces))
     first, *others = map(_joint_footing, combinations)
     all_settle = all(map(attrgetter("settle"), interfaces))
@@ -408,12 +454,15 @@ def join_interfaces(interfaces: WearInterfaces) -> WearInterface:
 
 
 def _concatenate_attribute(owners: Iterable[Any], name: str) -> Floats:
-    """The arrays (n,) that some objects have as their attribute `name`, one after the other."""
+    """The arrays (n,) in the attribute `name` of several objects, concatenated to one array."""
     return np.concatenate(list(map(attrgetter(name), owners)))
 
 
 def _joint_footing(footings: Sequence[Footing]) -> Footing:
-    """The footing that holds where each of several interfaces has its own of these footings."""
+    """One footing of a joint group of linings, from a footing of each of its groups.
+
+    The matrices of the joint contact problem are block diagonal.
+    """
     problem = ContactProblem(
         A=block_diag(*map(attrgetter("problem.A"), footings)),
         q=_concatenate_attribute(footings, "problem.q"),
@@ -425,7 +474,10 @@ def _joint_footing(footings: Sequence[Footing]) -> Footing:
 
 
 def _allows_all_footings(footings: Sequence[Footing], contact: Contact) -> bool:
-    """Whether the common answer of several interfaces allows the footing of each of them."""
+    """Whether the solution of a joint contact problem agrees with the friction in all its groups.
+
+    `footings` are the ways in which friction acts at the abutments of each group of linings.
+    """
     unknowns = in_turn(len(footing.problem.q) for footing in footings)
     motions = in_turn(len(footing.problem.h) for footing in footings)
     for footing, unknown, motion in zip(footings, unknowns, motions, strict=True):
@@ -435,9 +487,10 @@ def _allows_all_footings(footings: Sequence[Footing], contact: Contact) -> bool:
 
 
 def _settle_all_interfaces(interfaces: WearInterfaces, depth: Floats) -> tuple[int, Bools]:
-    """The number of the combination of footings, and the contact set (n,) of all interfaces.
+    """Solve the contact of several groups of worn linings, each group without a first guess.
 
-    The linings are worn by a depth (n,) [m].
+    Returns the number of the combination of footings, and the mask (n,) of the unknowns in contact.
+    `depth` (n,) [m] is the worn depth. A footing is a way in which friction acts at the abutments.
     """
     number = 0
     active_sets: list[Bools] = []
@@ -445,19 +498,21 @@ def _settle_all_interfaces(interfaces: WearInterfaces, depth: Floats) -> tuple[i
     for interface, part in zip(interfaces, parts, strict=True):
         assert interface.settle is not None
         own_number, active = interface.settle(depth[part])
-        # `product` counts its combinations with the last interface changing first.
+        # `itertools.product` counts combinations like digits: the choice of the last group changes
+        # from each combination to the next.
         number = number * len(interface.footings) + own_number
         active_sets.append(active)
     return number, np.concatenate(active_sets)
 
 
 class SteadyWear(NamedTuple):
-    """Steady wear, the end of wear; see the head of this module.
+    """Steady wear, in which the pressure no longer changes: the state in which wear ends.
 
     Attributes
     ----------
-    footing : number of the footing
-    contact : its p are the contact unknowns x; its w and y are w' and y' under the rate p^exponent
+    footing : number of the footing, the way in which friction acts at the abutments
+    contact : the contact, whose p are the contact unknowns x. Its gap w and motions y are rates per
+        sliding distance under the wear rate p^exponent.
     """
 
     footing: int
@@ -465,11 +520,11 @@ class SteadyWear(NamedTuple):
 
 
 def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
-    """The steady wear that the wear of an interface ends with.
+    """The steady wear of a group of linings, in which the pressure no longer changes.
 
-    Steady wear depends on the exponent of the wear law, not on the coefficient. NoAnswer is raised
-    where a rigid shoe would lock itself, nothing balances the actuation, or a foot leaves its
-    abutment.
+    Steady wear depends on the exponent of the wear law, and not on its coefficient. NoAnswer is
+    raised if a rigid shoe would lock itself, if no pressure balances the actuation, or if a foot
+    leaves its abutment.
     """
     failure: NoAnswer | None = None
     compliance_of_wear = np.diagonal(interface.weight) * interface.pressure
@@ -479,7 +534,8 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
         except NoAnswer as error:
             failure = failure or error
             continue
-        # The motion by wear must exceed the elastic motion by far.
+        # Whether the friction opposes the slide of a foot is judged at motions by wear that exceed
+        # the elastic motions by the factor STEADY_MOTION_RATIO.
         elastic = float(np.abs(np.diagonal(footing.problem.A)).max())
         scale = STEADY_MOTION_RATIO * float(elastic / np.abs(compliance_of_wear).max())
         if footing.stands(replace(contact, y=scale * contact.y)):
@@ -490,10 +546,11 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
 def _solve_steady_wear_with_footing(
     interface: WearInterface, footing: Footing, law: WearLaw
 ) -> Contact:
-    """The steady wear with one footing. Raises NoAnswer.
+    """The steady wear of linings if friction acts at the abutments as in one `footing`.
 
-    For the exponent 1, steady wear is the answer of one contact problem with the compliance of
-    wear. For other exponents this answer is the first guess.
+    For the exponent 1, steady wear is the solution of one contact problem, in which the compliance
+    is that of wear. For other exponents this solution is the first guess. Raises NoAnswer if there
+    is no equilibrium.
     """
     _, q, B, C, h = footing.problem
     compliance = interface.weight * interface.pressure
@@ -508,41 +565,47 @@ def _solve_steady_wear_with_footing(
 def _solve_steady_power_law_wear(
     interface: WearInterface, problem: ContactProblem, exponent: float, linear: Contact
 ) -> Contact:
-    """The steady wear under the rate p^m. Raises NoAnswer.
+    """The steady wear of linings under a wear rate p^m with m other than 1.
 
-    For given motions the rate p^m answers a contact problem without equilibria. The motions whose
-    p balances the loads are found by Newton's method.
+    For given motions of the shoe, the rates p^m are the solution of a contact problem without
+    equilibria. A root finder seeks the motions whose pressure balances the loads.
 
     Parameters
     ----------
     interface : the linings
-    problem : their contact problem
-    exponent : m
-    linear : the steady wear for m = 1
+    problem : contact problem of the linings
+    exponent : the exponent m
+    linear : the steady wear for m = 1, as first guess
+
+    Raises
+    ------
+    NoAnswer
+        if the root finder does not converge
     """
     q, B, C, h = problem.q, problem.B, problem.C, problem.h
     no_equilibria = np.zeros((len(q), 0)), np.zeros((0, len(q))), np.zeros(0)
-    # Rates and motions are relative to the largest pressure.
+    # The rates below are relative to the rate at the largest pressure, so that they are about 1.
     top = float((interface.pressure * linear.p).max())
     motions = linear.y / top
 
     def rates(y: Floats) -> Contact:
-        """The contact whose p are the rates under motions y."""
+        """The contact whose p are the wear rates if the shoe moves by y per sliding distance."""
         return active_set.solve_contact_problem(
             ContactProblem(interface.weight, B @ y, *no_equilibria), linear.active
         )
 
     def unknowns(rate: Floats) -> Floats:
-        """The contact unknowns x (n,) that wear at a rate (n,)."""
+        """The contact unknowns x (n,) under which the lining wears at the rates (n,)."""
         return top * rate ** (1 / exponent) / interface.pressure
 
-    # Motions t times as large make p larger by t^(1/m). The first guess balances the largest load.
+    # Motions t times as large make the pressure t^(1/m) times as large. The first guess is scaled
+    # so that its pressure balances the largest load.
     load = np.abs(C @ unknowns(rates(motions).p)).max()
     guess = motions * float(np.abs(h).max() / load) ** exponent
     size = np.maximum(np.abs(guess), 1e-9 * np.abs(guess).max())
 
     def imbalance(z: Any) -> Floats:
-        """The loads that motions z, relative to `size`, leave unbalanced."""
+        """The unbalanced part of the loads, relative to the largest, for motions z times `size`."""
         return (C @ unknowns(rates(z * size).p) - h) / np.abs(h).max()
 
     root = scipy.optimize.root(imbalance, guess / size, tol=1e-13)
@@ -553,10 +616,16 @@ def _solve_steady_power_law_wear(
 
 
 def contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) -> Bools | None:
-    """The contact set (n,) of a problem, followed from that of far softer linings.
+    """The mask (n,) of the unknowns in contact, from a sequence of ever stiffer linings.
 
-    A soft lining lies on the drum as under a rigid shoe, and its contact set is found from any
-    guess. The matrix `weight` (n, n) weighs a gap. Returns None where the set is lost on the way.
+    A soft lining lies on the drum as under a rigid shoe, so that its contact is found from any
+    guess. The contact of each lining is the first guess for the next, stiffer one. The sequence
+    ends with the given problem. The result is None if a lining of the sequence has no solution.
+
+    Parameters
+    ----------
+    problem : contact problem of the linings
+    weight : (n, n), weighted gap per depth
     """
     A, q, B, C, h = problem
     compliance = float(np.abs(np.diagonal(A)).max() / np.abs(np.diagonal(weight)).max())
@@ -576,18 +645,18 @@ def contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) -> Bo
 def problem_at_given_torque(
     interface: WearInterface, torque: float, problem: ContactProblem | None = None
 ) -> ContactProblem:
-    """The contact problem with the torque [N m] given in place of the size f of the actuation.
+    """The contact problem of linings whose torque is given in place of their actuation.
 
-    The gap is q + (f - 1) loaded, and C x = f h balances the loads. The first row of C gives f =
-    (C x)_0 / h_0. Put into the other rows, f becomes part of A and C, and the torque's row takes
-    the place of the first row. It has the sign of the row that it replaces. "First" means the row
-    with the largest load.
+    Let f be the unknown factor on the actuation. The gap is then q + (f - 1) loaded, and the
+    equilibria are C x = f h. The row of C with the largest load, here row 0, gives
+    f = (C x)_0 / h_0. Put into the gap and the other rows, f becomes part of A and C. The equation
+    of the torque takes the place of row 0, with the sign of its load.
 
     Parameters
     ----------
     interface : the linings
-    torque : of all linings [N m]
-    problem : of one of the footings; None: of the first
+    torque : torque of all linings [N m]
+    problem : contact problem of one of the interface's footings; None for the first footing
     """
     A, q, B, C, h = interface.problem if problem is None else problem
     main = int(np.argmax(np.abs(h)))
@@ -602,17 +671,19 @@ def problem_at_given_torque(
 
 
 Tangent = Callable[[Floats], Floats]
-"""The change dx (n,) of the contact unknowns that a change dw (n,) of the weighted gap causes."""
+"""A function from a change (n,) of the weighted gap to the change (n,) of the contact unknowns.
+
+It is linear and holds as long as the same unknowns stay in contact."""
 
 
 class _WearIntegrals(NamedTuple):
-    """The integrals over the sliding distance that a WearState holds.
+    """The integrals over the sliding distance in a WearState.
 
     Attributes
     ----------
-    removed : [m^3], integral of the wear rate
-    pressed : [N m], integral of the normal force
-    work : [N m^2], integral of the torque
+    removed : worn volume [m^3], the integral of the wear rate over area and distance
+    pressed : integral [N m] of the normal force over the distance
+    work : integral [N m^2] of the torque over the distance
     """
 
     removed: float
@@ -621,13 +692,14 @@ class _WearIntegrals(NamedTuple):
 
 
 class _WornContact(NamedTuple):
-    """The answer for the linings of all interfaces in contact with the drum.
+    """The contact of all linings of a brake with the drum, at one stage of a wear step.
 
     Attributes
     ----------
-    p : pressure (n,) [Pa]
-    rate : wear per sliding distance, dh/ds (n,)
-    tangents : for each interface, the change of the contact unknowns by a change of the gap
+    p : (n,) [Pa], pressures
+    rate : (n,), wear per sliding distance, dh/ds
+    tangents : a function for each group of linings, which returns the change of the contact
+        unknowns by a change of the weighted gap
     """
 
     p: Floats
@@ -636,13 +708,13 @@ class _WornContact(NamedTuple):
 
 
 class _InterfaceContact(NamedTuple):
-    """The answer for the linings of one interface in contact with the drum.
+    """The contact of one group of linings with the drum, at one stage of a wear step.
 
     Attributes
     ----------
-    p : pressure (n,) [Pa]
-    rate : wear per sliding distance, dh/ds (n,)
-    contact : answer of the contact problem
+    p : (n,) [Pa], pressures
+    rate : (n,), wear per sliding distance, dh/ds
+    contact : solution of the contact problem
     """
 
     p: Floats
@@ -651,20 +723,23 @@ class _InterfaceContact(NamedTuple):
 
 
 class _WearStepper:
-    """A solver that wears the linings of some interfaces step by step, for one sense of rotation.
+    """A solver that wears the linings of a brake step by step, for one direction of rotation.
 
-    The last contact sets are first guesses, and the last footings are kept while they stand.
+    The unknowns in contact at the last stage are the first guess for the next one. The last footing
+    of each group of linings, the way in which friction acts at its abutments, is kept as long as
+    the solution agrees with it.
 
     Parameters
     ----------
-    interfaces : the linings
+    interfaces : groups of linings, which do not influence each other
     law : the wear law
-    torque : which the actuation holds [N m]; None: the actuation stays
+    torque : torque of all linings [N m] that the actuation is adjusted to keep; None for a constant
+        actuation
     """
 
     def __init__(self, interfaces: WearInterfaces, law: WearLaw, torque: float | None) -> None:
         self.law, self.held = law, torque
-        # A held torque is the sum of all linings, so that they have one common problem.
+        # A given torque is that of all linings together, which then have one contact problem.
         self.interfaces = list(interfaces) if torque is None else [join_interfaces(interfaces)]
         self.parts = in_turn(len(interface.area) for interface in self.interfaces)
         self.problems = list(map(self._problems_of, self.interfaces))
@@ -675,45 +750,53 @@ class _WearStepper:
         self.forward = True
 
     def _problems_of(self, interface: WearInterface) -> list[ContactProblem]:
-        """The contact problem of each footing of an interface."""
+        """The contact problems of a group of linings: one for each friction case at its abutments.
+
+        If the wear run keeps a given torque, the problems have this torque in place of a force.
+        """
         problems: list[ContactProblem] = list(map(attrgetter("problem"), interface.footings))
         if self.held is None:
             return problems
         return list(map(partial(problem_at_given_torque, interface, self.held), problems))
 
     def initial_state(self) -> WearState:
-        """The state of the unworn linings in contact. Raises NoAnswer."""
+        """The state of the unworn linings under load. Raises NoAnswer without an equilibrium."""
         depth = np.zeros(len(self.area))
-        return self._make_state(
-            0.0, depth, self._settled_pressure(depth), _WearIntegrals(0.0, 0.0, 0.0)
-        )
+        pressure = self._settled_pressure(depth)
+        return self._make_state(0.0, depth, pressure, _WearIntegrals(0.0, 0.0, 0.0))
 
     def state_after_reversal(self, state: WearState, forward: bool) -> WearState:
-        """The state of the same linings as the drum begins to turn forward or backward."""
+        """The state of linings, worn as in `state`, after the drum has begun to turn the other way.
+
+        `forward` tells whether the drum now turns in the direction that the brake file states.
+        """
         self.forward = forward
         integrals = _WearIntegrals(state.removed, state.pressed, state.work)
-        return self._make_state(
-            state.s, state.depth, self._settled_pressure(state.depth), integrals
-        )
+        pressure = self._settled_pressure(state.depth)
+        return self._make_state(state.s, state.depth, pressure, integrals)
 
     def _settled_pressure(self, depth: Floats) -> Floats:
-        """The pressure (n,) [Pa] of linings worn by a depth (n,) [m], without a first guess."""
+        """The pressure (n,) [Pa] of linings worn by a depth (n,) [m], found without a first guess.
+
+        The contact that is found is the first guess for the steps that follow.
+        """
         for i, (interface, part) in enumerate(zip(self.interfaces, self.parts, strict=True)):
             if interface.settle is None:
                 continue
-            # The force of the brake file may lock the brake although the force at the held torque
-            # does not.
+            # The force of the brake file may lock a brake that has an equilibrium at the held
+            # torque. In this case the last contact, if there is one, stays the first guess.
             with suppress(NoAnswer) if self.held is not None else nullcontext():
                 self.footing[i], self.sets[i] = interface.settle(depth[part])
         return self._solve_contact(depth, 0.0).p
 
     def first_step_length(self, state: WearState, tolerance: float) -> float:
-        """The length [m] of a first step, which is short even for the fastest ripple."""
+        """The length [m] of a first step, short enough for the fastest change of the pressure."""
         largest = state.pressure.max(initial=1.0)
         slope = float(self.law.rate(np.full(1, largest), 0.0)[1][0])
         if slope == 0:
             return math.inf
-        # The least ratio of a node's elastic compliance to its compliance of wear at a slope of 1.
+        # The stiffer a node is, the faster wear changes its pressure. The least ratio of a node's
+        # elastic compliance to its compliance by wear belongs to the fastest change.
         least = math.inf
         for interface in self.interfaces:
             of_wear = np.diagonal(interface.weight) * interface.pressure
@@ -722,17 +805,19 @@ class _WearStepper:
         return math.sqrt(tolerance) * least / slope
 
     def step(self, state: WearState, ds: float) -> tuple[WearState, float]:
-        """The state after a step of ds [m], and the relative L2 error of its pressure."""
+        """The state after a step of length ds [m], and the relative L2 error of its pressure."""
         footing = list(self.footing)
+        # The two stages of the Runge-Kutta method and its weights give the worn depth.
         first = self._solve_contact(state.depth, GAMMA * ds)
         second = self._solve_contact(state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds)
         depth = state.depth + ds * ((1 - GAMMA) * first.rate + GAMMA * second.rate)
-        # The embedded rule ds r1 misses the depth by GAMMA ds (r2 - r1). The tangent of the last
-        # stage gives the error of p that belongs to it.
-        error = self._size(
-            self._pressure_change(second.tangents, GAMMA * ds * (second.rate - first.rate))
-        )
-        # The tangent holds for one contact set and one footing.
+        # With the rates r1 and r2 of the stages, the embedded first-order method wears by ds r1.
+        # Its depth is wrong by GAMMA ds (r2 - r1). The tangent of the last stage turns this error
+        # of the depth into an error of the pressure.
+        depth_error = GAMMA * ds * (second.rate - first.rate)
+        error = self._size(self._pressure_change(second.tangents, depth_error))
+        # The tangent is right only if the same unknowns were in contact, with the same friction at
+        # the abutments, throughout the step.
         pressed = second.p > 0
         same_set = ((state.pressure > 0) == pressed).all() and ((first.p > 0) == pressed).all()
         if not same_set or self.footing != footing:
@@ -740,7 +825,7 @@ class _WearStepper:
         error /= self._size(second.p) or 1.0
 
         def integral_over_step(at_first: Floats, at_second: Floats, row: Floats) -> float:
-            """The integral of row . values over the step, by the method's quadrature."""
+            """The integral over the step of row . values, from the values at the two stages."""
             return ds * float(row @ ((1 - GAMMA) * at_first + GAMMA * at_second))
 
         integrals = _WearIntegrals(
@@ -751,18 +836,27 @@ class _WearStepper:
         return self._make_state(state.s + ds, depth, second.p, integrals), error
 
     def _pressure_change(self, tangents: Sequence[Tangent], depth: Floats) -> Floats:
-        """The change of p (n,) that a small change of depth (n,) [m] causes."""
+        """The change of the pressure (n,) [Pa] by a small change of the worn depth (n,) [m].
+
+        `tangents` are those of each group of linings, see _WornContact.
+        """
         changes = []
         for interface, part, tangent in zip(self.interfaces, self.parts, tangents, strict=True):
             changes.append(interface.pressure * tangent(interface.weight @ depth[part]))
         return np.concatenate(changes)
 
     def _euler_error(self, state: WearState, ds: float, p: Floats) -> float:
-        """The L2 distance of p (n,) after a step from the answer of one implicit Euler step.
+        """The L2 norm of the difference between p after a step and p of one implicit Euler step.
 
-        The tangent sees the last contact set only. Where one node presses, equilibrium fixes its
-        pressure and the tangent is zero. Over a step that changes the set, an implicit Euler step
-        of the same length is an independent answer of the first order.
+        It measures the error of a step over which the nodes in contact change. The tangent of the
+        last stage cannot: it belongs to the last nodes in contact only. If a single node is in
+        contact, equilibrium gives its pressure, and the tangent is zero.
+
+        Parameters
+        ----------
+        state : state before the step
+        ds : length of the step [m]
+        p : pressures (n,) [Pa] after the step
         """
         last = list(self.footing), list(self.sets)
         euler = self._solve_contact(state.depth, ds)
@@ -770,18 +864,24 @@ class _WearStepper:
         return self._size(euler.p - p)
 
     def _size(self, p: Floats) -> float:
-        """The L2 norm of p (n,) over the linings."""
+        """The L2 norm of a pressure (n,) [Pa] over the area of all linings."""
         return math.sqrt(float(np.abs(self.area) @ p**2))
 
     def _make_state(
         self, s: float, depth: Floats, p: Floats, integrals: _WearIntegrals
     ) -> WearState:
-        """The state at the distance s [m] with a depth (n,) [m], p (n,) [Pa] and the integrals."""
+        """The state at a distance s [m] with worn depth (n,) [m], pressure p (n,) and integrals."""
         force = self._actuation_factor(0, p)
         return WearState(s, depth, p, float(self.lever @ p), force, self.forward, *integrals)
 
     def _solve_contact(self, depth: Floats, ds: float) -> _WornContact:
-        """The linings in contact after a further wear of ds rate(p) on top of `depth` (n,) [m]."""
+        """Solve the contact of all linings at a stage of a wear step.
+
+        Parameters
+        ----------
+        depth : (n,) [m], worn depth before the wear of the stage
+        ds : distance [m] over which the stage wears the linings at its own rate, rate(p)
+        """
         bearings = [
             self._solve_interface_contact(i, depth[part], ds) for i, part in enumerate(self.parts)
         ]
@@ -792,9 +892,9 @@ class _WearStepper:
         )
 
     def _actuation_factor(self, i: int, p: Floats) -> float:
-        """The factor on the actuation that balances the pressures p (n,) of interface `i`.
+        """The factor on the actuation that balances pressures p (n,) of the linings' group `i`.
 
-        It is 1 unless the torque is held.
+        The factor is 1 unless the wear run keeps a given torque.
         """
         if self.held is None:
             return 1.0
@@ -804,11 +904,16 @@ class _WearStepper:
         return float(problem.C[main] @ (p / interface.pressure)) / float(problem.h[main])
 
     def _solve_interface_contact(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
-        """Interface `i` in contact, with the footing that stands in the answer. Raises NoAnswer."""
+        """Solve the contact of the linings' group `i` at a stage of a wear step.
+
+        The footing, the way in which friction acts at the abutments, is changed until the solution
+        agrees with it. Raises NoAnswer if there is no such footing. Other parameters are those of
+        `_solve_contact`.
+        """
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
         footings = self.interfaces[i].footings
-        # The last footing is tried first.
+        # The way in which friction acted at the abutments in the last solution is tried first.
         for number in sorted(range(len(footings)), key=lambda number: number != last_footing):
             self.footing[i], self.sets[i] = number, last_set
             try:
@@ -817,7 +922,8 @@ class _WearStepper:
                 failure = failure or error
                 continue
             force = self._actuation_factor(i, bearing.p)
-            # A footing judges the answer under the brake's own actuation.
+            # Whether the friction opposes the slide of the feet is judged under the actuation of
+            # the brake file, so the solution is scaled to it.
             contact = bearing.contact
             if force > 0:
                 contact = replace(contact, p=contact.p / force, y=contact.y / force)
@@ -827,10 +933,11 @@ class _WearStepper:
         raise failure or NoAnswer("no equilibrium, a foot leaves its abutment")
 
     def _solve_contact_with_footing(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
-        """Interface `i` in contact with its present footing. Raises NoAnswer.
+        """Solve the contact of the linings' group `i` with its present footing.
 
-        Newton's method makes the wear rate linear about the last p: the slope is a compliance, the
-        rest of the rate a gap.
+        Newton's method replaces the wear rate by its tangent at the last pressure. The slope of the
+        tangent acts as a compliance of the linings, and its constant part as a gap. Raises NoAnswer
+        for self-locking or no convergence. Parameters are those of `_solve_contact`.
         """
         interface, problem = self.interfaces[i], self.problems[i][self.footing[i]]
         A, q, B, C, h = problem._replace(q=problem.q + interface.weight @ depth)
@@ -857,7 +964,11 @@ class _WearStepper:
         )
 
     def _first_pressure_guess(self, i: int, problem: ContactProblem) -> Floats:
-        """The pressure (n,) with which Newton's method begins; a linear rate takes any pressure."""
+        """The pressure (n,) [Pa] from which Newton's method starts, for the linings' group `i`.
+
+        It is the pressure without wear in this stage. It is zero for a rate proportional to the
+        pressure, which needs no first guess.
+        """
         if self.law.exponent == 1:
             return np.zeros(len(problem.q))
         contact = active_set.solve_contact_problem(problem, self.sets[i])
@@ -868,16 +979,17 @@ class _WearStepper:
 def wear_linings_by_explicit_euler(
     interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int
 ) -> list[WearState]:
-    """Wear linings by explicit Euler steps on the nodal pressures.
+    """Wear linings by explicit Euler steps on the nodal pressures; returns the states.
 
-    This common method makes a checkerboard or very short steps; it stands here for comparison.
+    This common method needs very short steps, or else the pressure alternates from node to node. It
+    serves as a comparison with the implicit method.
 
     Parameters
     ----------
-    interfaces : the linings
+    interfaces : groups of linings, which do not influence each other
     law : the wear law
     ds : length of a step [m]
-    steps : their number
+    steps : number of steps
     """
     stepper = _WearStepper(interfaces, law, None)
     states = [stepper.initial_state()]
@@ -897,14 +1009,15 @@ def wear_linings_by_explicit_euler(
 
 
 def checkerboard_amplitude(p: Floats, margin: int = 5) -> float:
-    """Size of the checkerboard in nodal pressures p (n,): the part that alternates between nodes.
+    """The part of nodal pressures p (n,) that alternates from node to node, relative to p.
 
-    The fourth difference (1, -4, 6, -4, 1)/16 turns an alternation of size 1 into 1 and a smooth
-    pressure into the fourth power of the spacing. The result is its L2 norm relative to that of p.
-    It leaves out `margin` nodes at the ends of the lining and of the contact, and is nan where no
-    other node is left.
+    It is the norm of the fourth difference (1, -4, 6, -4, 1)/16 of p over the norm of p. The fourth
+    difference of an alternation +1, -1, +1 has the size 1, that of a smooth pressure the order of
+    the fourth power of the nodes' spacing. The nodes next to the ends of the lining and of the
+    contact do not count, `margin` of them at each end. The result is nan if no node is left.
     """
-    # A single node out of contact is the work of a checkerboard: it does not end the contact.
+    # An alternation may take single nodes out of contact. The contact therefore ends only at a node
+    # without pressure whose two neighbours have no pressure either.
     open_stretches = _erode_mask(p <= 0, 1, beyond=True)
     use = _erode_mask(~open_stretches, margin, beyond=False)
     if not use.any():
@@ -914,9 +1027,10 @@ def checkerboard_amplitude(p: Floats, margin: int = 5) -> float:
 
 
 def _erode_mask(where: Bools, margin: int, *, beyond: bool) -> Bools:
-    """Places (n,) around which `where` is true up to `margin` places to either side.
+    """The mask (n,) that is true at a place if `where` (n,) is true there and at its neighbours.
 
-    Places past the ends of the array count as `beyond`.
+    Neighbours are up to `margin` places away on either side. Places past the ends of the array
+    have the value `beyond`.
     """
     padded = np.pad(where, margin, constant_values=beyond)
     eroded: Bools = np.lib.stride_tricks.sliding_window_view(padded, 2 * margin + 1).min(axis=1)
@@ -924,8 +1038,8 @@ def _erode_mask(where: Bools, margin: int, *, beyond: bool) -> Bools:
 
 
 def interpolate_state(states: Sequence[WearState], s: float) -> WearState:
-    """The state at the sliding distance s [m], interpolated between two computed states."""
-    # After a reversal the same distance is there twice; the state before the reversal counts.
+    """The state at a sliding distance s [m], interpolated between the states before and after."""
+    # At a reversal two states have the same distance. The state before the reversal counts.
     after = min(bisect_left(states, s, key=attrgetter("s")), len(states) - 1)
     b = states[after]
     if after == 0 or b.s == s:
@@ -934,7 +1048,7 @@ def interpolate_state(states: Sequence[WearState], s: float) -> WearState:
     t = (s - a.s) / (b.s - a.s)
 
     def interpolate(x: float, y: float) -> float:
-        """The value at s on the straight line from x at the state a to y at b."""
+        """The value at the distance s, between x at the earlier state and y at the later one."""
         return (1 - t) * x + t * y
 
     return WearState(
@@ -951,13 +1065,16 @@ def interpolate_state(states: Sequence[WearState], s: float) -> WearState:
 
 
 def settling_distance(s: Sequence[float], values: Sequence[float], limit: float) -> float:
-    """The distance from which on |values| stay at or below a limit; inf where the last is above it.
+    """The distance [m] from which on the sizes of some values stay at or below a limit.
+
+    It is interpolated between two of the given distances. It is 0 if no value is above the limit,
+    and inf if the last value is above it.
 
     Parameters
     ----------
-    s : distances [m], growing
+    s : growing distances [m]
     values : a number at each distance
-    limit : on their sizes
+    limit : limit on the sizes of the values
     """
     above = np.flatnonzero(np.abs(values) > limit)
     if not len(above):

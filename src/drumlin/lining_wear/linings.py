@@ -1,7 +1,7 @@
-"""A brake as linings that wear: the contact problems of `archard` that belong to a brake.
+"""Make the contact problems of worn linings from a brake, for the wear steps of `archard`.
 
-They come from the finite elements or from the foundation model, for every way in which shoes may be
-held and pushed.
+The contact problems come from finite elements or from the foundation model. All supports and
+actuations of shoes are allowed.
 """
 
 import math
@@ -31,18 +31,21 @@ AnyBrake = TypeVar("AnyBrake", bound=Brake)
 
 
 class WornLining(NamedTuple):
-    """The lining of one shoe, with its place among the contact unknowns of a wear setup.
+    """The lining of one shoe, and the place of its contact unknowns in a wear setup.
+
+    An interface is a group of linings with one contact problem. The setup of a brake has one or
+    more interfaces.
 
     Attributes
     ----------
     shoe : position of the shoe in the brake
     name : name of the shoe
     interface : position of the lining's interface in the setup
-    part : place of the lining's unknowns among the unknowns of all interfaces
-    local : place of the lining's unknowns among the unknowns of its interface
-    theta : angles (n,) [rad] of the unknowns
-    forward : slice that sorts the unknowns by growing theta
-    order : degree of the interpolation between the nodes
+    part : slice of the lining's unknowns in the unknowns of all interfaces
+    local : slice of the lining's unknowns in the unknowns of its interface
+    theta : (n,) [rad], angles of the lining's unknowns
+    forward : slice that puts the unknowns in the order of growing theta
+    order : degree of the interpolation of pressure and depth between the nodes
     """
 
     shoe: int
@@ -55,24 +58,27 @@ class WornLining(NamedTuple):
     order: int
 
     def along(self, values: Floats) -> Floats:
-        """The values (n,) of this lining by growing theta, taken from values at all unknowns."""
+        """The values (n,) of this lining in the order of growing theta.
+
+        `values` holds those of all unknowns of the setup.
+        """
         return values[self.part][self.forward]
 
     @property
     def angles(self) -> Floats:
-        """The angles theta (n,) [rad] of the lining's unknowns in growing order."""
+        """The angles theta (n,) [rad] of the lining's contact unknowns in growing order."""
         return self.theta[self.forward]
 
 
 class WearSetup(NamedTuple):
-    """A brake ready to be worn.
+    """A brake with the contact problems of its linings, ready for steps of wear.
 
     Attributes
     ----------
     brake : the brake
-    model : the model that its contact problems come from, "fem" or "foundation"
-    interfaces : linings that bear together, each a contact problem
-    surfaces : the place of each lining in the interfaces
+    model : name of the model that the contact problems come from, "fem" or "foundation"
+    interfaces : groups of coupled linings; each group is one contact problem
+    surfaces : each lining with the place of its contact unknowns in the interfaces
     """
 
     brake: Brake
@@ -82,22 +88,23 @@ class WearSetup(NamedTuple):
 
     @property
     def stiffness(self) -> float:
-        """Stiffness K = E/t [Pa/m] of the first lining that touches, with E through its thickness.
+        """The stiffness K = E/t [Pa/m] of the first lining in contact: pressure per compression.
 
-        The unit of sliding distance is 1/(k K).
+        E is the modulus through the lining's thickness t. With the wear coefficient k, 1/(k K) is
+        the sliding distance over which wear changes the pressure by a factor e.
         """
         lining = self.brake.shoes[self.surfaces[0].shoe].lining
         return lining.material.E_through / lining.thickness
 
 
 class _PlacedLining(NamedTuple):
-    """A lining whose place among the unknowns is not known yet.
+    """A lining before the place of its contact unknowns in the wear setup is known.
 
     Attributes
     ----------
     shoe : position of the shoe in the brake
-    theta : angles (n,) [rad] of the lining's unknowns
-    order : degree of the interpolation between the nodes
+    theta : (n,) [rad], angles of the lining's contact unknowns
+    order : degree of the interpolation of pressure and depth between the nodes
     """
 
     shoe: int
@@ -106,9 +113,18 @@ class _PlacedLining(NamedTuple):
 
 
 def fem_wear_setup(scene: PreparedModel, brake: Brake, *, penalty: float = math.inf) -> WearSetup:
-    """The setup of a brake on a prepared model of finite elements.
+    """The wear setup of a brake from its finite elements.
 
-    Raises NoAnswer where no shoe touches the drum.
+    Parameters
+    ----------
+    scene : prepared finite elements of the brake
+    brake : the brake
+    penalty : factor alpha of the contact stiffness alpha E/t per area; inf for a rigid contact
+
+    Raises
+    ------
+    NoAnswer
+        if no shoe touches the drum
     """
     interfaces: list[WearInterface] = []
     surfaces: list[WornLining] = []
@@ -123,7 +139,10 @@ def fem_wear_setup(scene: PreparedModel, brake: Brake, *, penalty: float = math.
 
 
 def _wear_interface_of_group(group: ShoeGroup) -> WearInterface:
-    """The linings of a group of shoes, with all their footings."""
+    """The contact problem of a group of coupled shoes, for steps of wear.
+
+    It has a footing for each way in which friction may act at the abutments of the shoes.
+    """
     first, *others = group.groups_with_each_choice_of_senses()
     couplings = list(map(attrgetter("coupling"), group.bodies))
     gap = np.concatenate(group.initial_gaps)
@@ -145,26 +164,41 @@ def _wear_interface_of_group(group: ShoeGroup) -> WearInterface:
 
 
 def _settle_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int, Bools]:
-    """The number of the footing and the contact set (n,) of linings worn by a depth (n,) [m].
+    """Solve the contact of worn linings without a first guess.
 
-    The first of the `ways`, a group with each of its footings, begins.
+    Returns the number of the footing, the way in which friction acts at the abutments, and the mask
+    (n,) of the unknowns in contact.
+
+    Parameters
+    ----------
+    ways : the group of shoes with each of its footings; the search starts from the first
+    depth : worn depth (n,) [m] at the contact unknowns
+
+    Raises
+    ------
+    NoAnswer
+        if the worn linings have no equilibrium
     """
     worn = replace(ways[0], brake=_brake_of_group_with_wear(ways[0], depth))
     try:
         settled, contact = worn.solve_contact()
     except NoAnswer:
-        # A search without a first guess may miss an equilibrium. Softer linings lead to a guess.
+        # A search without a first guess may miss an equilibrium. The contact of ever stiffer
+        # linings, from very soft ones on, gives a first guess.
         active = contact_set_from_soft_linings(worn.problem, worn.gap_mass_matrix)
         if active is None:
             raise
         settled, contact = worn.solve_contact(active)
-    # The senses of friction tell which footing has been found.
+    # The senses of the friction at the abutments tell to which of the `ways` the solution belongs.
     senses = list(map(attrgetter("known_friction_senses"), ways))
     return senses.index(settled.known_friction_senses), contact.active
 
 
 def _brake_of_group_with_wear(group: ShoeGroup, depth: Floats) -> Brake:
-    """The brake of a group with its linings worn by a depth (n,) [m] at their unknowns."""
+    """The brake of a group of shoes with the linings of the group worn.
+
+    `depth` (n,) [m] is the worn depth at the contact unknowns of the group.
+    """
     depths = {}
     for k, part in enumerate(group.node_ranges):
         frame = group.shoes[k].frame
@@ -175,10 +209,10 @@ def _brake_of_group_with_wear(group: ShoeGroup, depth: Floats) -> Brake:
 
 
 def add_worn_depths(brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]) -> Brake:
-    """The brake with the depth worn off added to the clearance of its linings.
+    """The brake with worn linings: the worn depth is added to the clearance of each lining.
 
-    `depths` holds for each worn lining, by the position of its shoe, growing angles (n,) [rad] and
-    the depth (n,) [m] at these angles.
+    `depths` holds for each worn lining, by the position of its shoe in the brake, growing angles
+    (n,) [rad] and the worn depth (n,) [m] at these angles.
     """
     shoes = list(brake.shoes)
     for i, (theta, depth) in depths.items():
@@ -190,13 +224,16 @@ def add_worn_depths(brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]) -
 
 
 def _problem_in_newtons(group: ShoeGroup) -> ContactProblem:
-    """The contact problem of a group of shoes, scaled from unit forces to newtons."""
+    """The contact problem of a group of shoes in newtons, in place of the group's unit of force."""
     size, problem = group.unit_force, group.problem
     return problem._replace(q=size * problem.q, h=size * problem.h)
 
 
 def _allows_abutment_friction(group: ShoeGroup, contact: Contact) -> bool:
-    """Whether an answer in newtons allows the friction at the abutments of a group of shoes."""
+    """Whether a solution in newtons agrees with the friction at the abutments of a group of shoes.
+
+    The friction agrees if it opposes the slide of each foot, or holds the foot.
+    """
     unit = replace(contact, p=contact.p / group.unit_force, y=contact.y / group.unit_force)
     return all(group.is_foot_as_assumed(unit, k) for k in range(len(group.members)))
 
@@ -204,27 +241,27 @@ def _allows_abutment_friction(group: ShoeGroup, contact: Contact) -> bool:
 def foundation_wear_setup(
     brake: Brake, *, sections: int = foundation.RING_SECTIONS, lift: Iterable[str] = ()
 ) -> WearSetup:
-    """The setup of a post brake on the foundation model.
+    """The wear setup of a post brake from the foundation model.
 
     Parameters
     ----------
     brake : the brake
-    sections : along each lining
-    lift : simplifications that the model includes after all, as of foundation.solve
+    sections : number of divisions of each shoe's beam
+    lift : names in `foundation.LIFTS` of the effects that the model includes
 
     Raises
     ------
     BadInput
-        where the model does not apply to the brake, and for unknown simplifications
+        if the model does not apply to the brake, and for an unknown name in `lift`
     NoAnswer
-        where no shoe touches the drum
+        if no shoe touches the drum
     """
     reason = foundation.why_not(brake)
     if reason is not None:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
     names = foundation.included_effects(brake, lift)
     touching = [i for i, shoe in enumerate(brake.shoes) if pressing_moment(shoe) > 0]
-    # Shoes influence each other through an elastic ring that each shoe's own pressure deforms.
+    # Shoes influence each other only if the own pressure of each shoe loads an elastic ring.
     meet = brake.ring is not None and "own-pressure" in names
     groups = [touching] if meet and touching else [[i] for i in touching]
     interfaces: list[WearInterface] = []
@@ -239,7 +276,7 @@ def foundation_wear_setup(
             placed.append(_PlacedLining(i, shoe_angles(post.axis, shoe, post.theta), 1))
         surfaces += _worn_linings_of_interface(brake, surfaces, len(interfaces), placed)
         area = np.concatenate(areas)
-        # The unknowns are normal forces of the sections.
+        # The contact unknowns are the normal forces [N] on the sectors of the linings.
         interfaces.append(
             WearInterface(
                 problem=system.problem,
@@ -254,9 +291,9 @@ def foundation_wear_setup(
 
 
 def put_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
-    """The brake with its shoes on guides in place of hinges, pivots and abutments.
+    """The brake with each shoe on a guide in place of its hinge, pivot or abutment.
 
-    A guide lies along the middle radius of the lining, on a plane along its normal.
+    The guide lies along the middle radius of the lining, or on a plane along the plane's normal.
     """
     changes: dict[str, object] = {}
     for i, shoe in enumerate(brake.shoes):
@@ -269,14 +306,14 @@ def put_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
 def _worn_linings_of_interface(
     brake: Brake, before: Sequence[WornLining], interface: int, placed: Sequence[_PlacedLining]
 ) -> list[WornLining]:
-    """The linings of an interface with their places among the unknowns.
+    """The linings of one group with the places of their contact unknowns in the wear setup.
 
     Parameters
     ----------
     brake : the brake
-    before : linings of the earlier interfaces
-    interface : position of the interface in the setup
-    placed : linings of the interface, in the order of its unknowns
+    before : linings of the earlier groups
+    interface : position of the group in the setup
+    placed : linings of the group, in the order of its contact unknowns
     """
     offset = sum(len(surface.theta) for surface in before)
     first = 0
@@ -302,7 +339,15 @@ def _worn_linings_of_interface(
 def _make_wear_setup(
     brake: Brake, model: str, interfaces: list[WearInterface], surfaces: list[WornLining]
 ) -> WearSetup:
-    """The wear setup of interfaces and linings. Raises NoAnswer where no shoe touches the drum."""
+    """The wear setup from groups of linings. Raises NoAnswer if no shoe touches the drum.
+
+    Parameters
+    ----------
+    brake : the brake
+    model : name of the model, "fem" or "foundation"
+    interfaces : groups of coupled linings; each group is one contact problem
+    surfaces : each lining with the place of its contact unknowns
+    """
     if not interfaces:
         raise NoAnswer("no contact: no shoe is turned towards the drum, so that nothing wears")
     return WearSetup(brake, model, tuple(interfaces), tuple(surfaces))

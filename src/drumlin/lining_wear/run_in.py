@@ -1,11 +1,12 @@
-"""Running a brake in: wear takes its linings from the elastic pressure to the rigid-shoe law.
+"""Run a brake in: wear changes the pressure from the elastic one to that of the rigid-shoe law.
 
-Whatever the elasticity, wear ends where every point of the lining wears as fast as the rigid
-motions of the shoe close the gap: p ~ approach^(1/m) with the exponent m of the wear law. For m = 1
-this is sin(phi) of a hinged shoe, cos(phi) about the direction of a guided shoe, and A cos + B sin
-of a shoe on a pivot of a lever. What remains of elasticity then stands in the worn shape. The
-clearance of `brake_with_worn_linings` is this shape: every model solves the worn brake as it solves
-any other.
+Whatever the elasticity of the brake, wear ends when every point of the lining wears as fast as the
+rigid-body motion of the shoe brings the point nearer to the drum. The pressure is then proportional
+to approach^(1/m), where approach is this speed and m the exponent of the wear law. For m = 1 the
+pressure is sin(phi) on a hinged shoe, cos(phi) about the direction of a guided shoe, and
+A cos + B sin on a shoe with a pivot on a lever. The elasticity then shows only in the worn shape of
+the lining. `brake_with_worn_linings` returns the brake with this shape as clearance of its linings,
+which every model can solve.
 """
 
 import math
@@ -29,21 +30,29 @@ from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
 
 COEFFICIENT = 1e-14
-"""Wear coefficient k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings.
+"""Wear coefficient k [1/Pa] if the user gives none: 1e-5 mm^3/(N m), the order of organic linings.
 
-Results in units of the sliding distance 1/(k E/t) do not depend on it, nor do parts of a lining's
-life."""
+Distances in units of 1/(k E/t) do not depend on k, nor do fractions of a lining's life."""
 
 WORN_OUT = 0.8
-"""Part of the lining's thickness after which a lining counts as worn out. A judgement."""
+"""Fraction of a lining's thickness that is worn off when the lining counts as worn out.
+
+A judgement."""
 
 WEAR_SETTLED = 1e-3
-"""Largest relative distance of p and torque from the end of wear that counts as settled. It is the
-error that a step of the wear may make."""
+"""Relative distance of pressure and torque from the end of wear below which a run ends.
+
+It equals the largest error of a wear step, `archard.TOLERANCE`."""
 
 
 class WearTarget(NamedTuple):
-    """The end of wear: pressure (n,) [Pa] at all contact unknowns, and torque [N m]."""
+    """The state in which wear ends.
+
+    Attributes
+    ----------
+    pressure : (n,) [Pa], pressures at all contact unknowns of the setup
+    torque : torque of all linings [N m]
+    """
 
     pressure: Floats
     torque: float
@@ -52,23 +61,23 @@ class WearTarget(NamedTuple):
 def rigid_law_target(
     setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
 ) -> WearTarget:
-    """The law that wear tends to: p = (approach . y)^(1/m) >= 0 with motions y of the shoe.
+    """The pressure and the torque to which wear tends as the mesh is refined.
 
-    For finite elements and the exponent 1 it is the rigid-shoe law. For the foundation model and
-    other exponents it is `discrete_wear_target`.
+    For finite elements and the exponent 1 of the wear law, the pressure is that of the rigid-shoe
+    law. For the foundation model and for other exponents, the result is `discrete_wear_target`.
 
     Parameters
     ----------
-    setup : the linings
-    law : the wear law; None: Archard's
-    torque : which the actuation holds [N m]; None: the actuation stays
+    setup : the brake with the contact problems of its linings
+    law : the wear law; None for Archard's law
+    torque : torque [N m] that the actuation is adjusted to keep; None for a constant actuation
 
     Raises
     ------
     NoAnswer
-        where the rigid shoe has no equilibrium
+        if a rigid shoe has no equilibrium
     """
-    # The closed form holds for wear in proportion to the pressure.
+    # The rigid-shoe law holds only if wear is proportional to the pressure.
     if setup.model != "fem" or (law is not None and law.exponent != 1):
         return discrete_wear_target(setup, law, torque)
     forced = rigid.forced(setup.brake)
@@ -85,10 +94,10 @@ def rigid_law_target(
 def discrete_wear_target(
     setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
 ) -> WearTarget:
-    """The end of wear on the mesh or the sections of a setup.
+    """The pressure and the torque at the end of wear on the mesh, or the sectors, of a setup.
 
-    The end of wear on a mesh differs from the law where the law presses only a part of a lining,
-    because this part ends within an element. Parameters and errors are those of `rigid_law_target`.
+    They differ from the rigid-shoe law if by the law only a part of a lining is in contact, because
+    this part ends within an element. Parameters and errors are those of `rigid_law_target`.
     """
     law = law or WearLaw(COEFFICIENT)
     pressures = []
@@ -101,26 +110,42 @@ def discrete_wear_target(
 
 
 def _target_at_torque(p: Floats, total: float, torque: float | None) -> WearTarget:
-    """The end of wear with pressures p (n,) of the torque `total`, scaled to a held torque."""
+    """The end of wear with the pressures p (n,) [Pa], scaled to a held torque if there is one.
+
+    Parameters
+    ----------
+    p : (n,) [Pa], pressures under the actuation of the brake file
+    total : torque [N m] of these pressures
+    torque : torque [N m] that the actuation is adjusted to keep; None for a constant actuation
+    """
     return WearTarget(p, total) if torque is None else WearTarget(p * torque / total, torque)
 
 
 def _lining_torque_by_law(setup: WearSetup, surface: WornLining, pressed: PressedShoe) -> float:
-    """The torque [N m] of a lining by the law; on a plane the braking force [N]."""
+    """The torque [N m] of one lining by the rigid-shoe law; on a plane the braking force [N].
+
+    Parameters
+    ----------
+    setup : the brake with the contact problems of its linings
+    surface : the lining
+    pressed : contact of the rigid shoe
+    """
     brake, lining = setup.brake, setup.brake.shoes[surface.shoe].lining
     theta = rigid.nodes((lining.start, lining.end), pressed.arcs, rigid.PRESSURE_NODES - 1)
-    # Parabolas through the law's pressure are integrated exactly.
+    # The law's pressure is replaced by parabolas through its nodal values, which the Gauss rule
+    # integrates exactly.
     _, p, weight = gauss_points(theta, rigid.pressure(pressed, theta), 2)
     return float(brake.friction * lining.width * brake.scale_factor**2 * (p * weight).sum())
 
 
 class TargetDistance(NamedTuple):
-    """The relative distance of a state from the end of wear.
+    """The relative difference between a state of worn linings and the end of wear.
 
     Attributes
     ----------
-    pressure : distance of p in the L2 norm, without one element at each end, of the worst lining
-    torque : distance of the torque, positive where the state has more torque
+    pressure : L2 norm of the difference in pressure over that of the final pressure, of the lining
+        with the largest; one element at each end of a lining does not count
+    torque : difference in torque over the final torque, positive if the state has more torque
     """
 
     pressure: float
@@ -128,7 +153,7 @@ class TargetDistance(NamedTuple):
 
 
 def distance_from_target(setup: WearSetup, state: WearState, goal: WearTarget) -> TargetDistance:
-    """The relative distances of pressure and torque of a state from the end of wear `goal`."""
+    """The relative differences in pressure and torque of a state from the end of wear `goal`."""
     return TargetDistance(
         pressure=pressure_distance(setup, state.pressure, goal.pressure),
         torque=state.torque / goal.torque - 1 if goal.torque else 0.0,
@@ -136,18 +161,21 @@ def distance_from_target(setup: WearSetup, state: WearState, goal: WearTarget) -
 
 
 def pressure_distance(setup: WearSetup, p: Floats, goal: Floats) -> float:
-    """The relative L2 distance between pressures (n,) and others: the worst lining's."""
+    """The relative L2 distance of pressures p (n,) from pressures `goal` (n,).
+
+    It is that of the lining with the largest distance.
+    """
     distances = []
     for surface in setup.surfaces:
         size = lining_pressure_norm(surface, surface.along(goal))
-        # A lining that the target does not press has no relative distance.
+        # A lining without pressure at the end of wear has no relative distance.
         if size:
             distances.append(lining_pressure_norm(surface, surface.along(p - goal)) / size)
     return max(distances, default=0.0)
 
 
 def lining_pressure_norm(surface: WornLining, values: Floats) -> float:
-    """The L2 norm over theta of values (n,) along a lining, without one element at each end."""
+    """The L2 norm over theta of values (n,) on a lining, without one element at each end."""
     inner = slice(surface.order, len(values) - surface.order)
     _, at_points, weight = gauss_points(surface.angles[inner], values[inner], surface.order)
     return math.sqrt(float((at_points**2 * weight).sum()))
@@ -156,10 +184,14 @@ def lining_pressure_norm(surface: WornLining, values: Floats) -> float:
 def make_settled_test(
     setup: WearSetup, goal: WearTarget, within: float = WEAR_SETTLED
 ) -> Callable[[WearState], bool]:
-    """A function that tells whether p and torque of a state are within a fraction of the target.
+    """Make a function that tells whether a state of worn linings has reached the end of wear.
 
-    The target must be `discrete_wear_target`: wear on a mesh does not come nearer to the law than
-    that.
+    Parameters
+    ----------
+    setup : the brake with the contact problems of its linings
+    goal : end of wear on the mesh, by `discrete_wear_target`. The rigid-shoe law would not do,
+        because wear on a mesh does not reach it.
+    within : largest relative difference of pressure and torque from the end of wear
     """
     return lambda state: max(map(abs, distance_from_target(setup, state, goal))) <= within
 
@@ -172,22 +204,23 @@ def run_in(
     until: Callable[[WearState], bool] | None = None,
     **options: Any,
 ) -> list[WearState]:
-    """Wear a brake until it is settled, or over a `distance`; returns its states.
+    """Wear the linings of a brake until they are worn in, or over a `distance`; returns all states.
 
     Parameters
     ----------
-    setup : the linings
-    law : the wear law; None: Archard's with COEFFICIENT
+    setup : the brake with the contact problems of its linings
+    law : the wear law; None for Archard's law with COEFFICIENT
     backward : setup of the same brake with the drum turning the other way, for `reverse`
-    until : whether the run ends with a state; None: when p and torque are settled
+    until : function that tells whether the run ends with a given state; None to end the run when
+        pressure and torque have come within WEAR_SETTLED of the end of wear
     options : `distance`, `reverse`, `torque` and `tolerance` of `archard.wear_linings`
 
     Raises
     ------
     BadInput
-        for options out of range, and for linings of fewer than 3 elements
+        for an option out of range, and for a lining of fewer than 3 elements
     NoAnswer
-        for the reasons of archard.wear_linings
+        for the reasons of `archard.wear_linings`
     """
     _check_elements(setup)
     law = law or WearLaw(COEFFICIENT)
@@ -208,9 +241,9 @@ def run_in(
 
 
 def _check_elements(setup: WearSetup) -> None:
-    """Raise BadInput where a lining has fewer than 3 elements.
+    """Raise BadInput if a lining has fewer than 3 elements.
 
-    The comparison of pressures leaves out one element at each end.
+    A comparison of pressures leaves out one element at each end of a lining.
     """
     for surface in setup.surfaces:
         count = (len(surface.angles) - 1) // surface.order
@@ -222,15 +255,16 @@ def _check_elements(setup: WearSetup) -> None:
 
 
 def unit_sliding_distance(setup: WearSetup, law: WearLaw) -> float:
-    """The sliding distance 1/(k K) [m], inf where nothing wears.
+    """The unit of sliding distance 1/(k K) [m]; inf if the wear coefficient k is 0.
 
-    Over this distance a rigid shoe on a lining of springs forgets its shape by a factor e.
+    K is the stiffness E/t of the lining. Over this distance, wear reduces by a factor e the
+    difference of the pressure from its final value, if a rigid shoe stands on a lining of springs.
     """
     return 1 / (law.coefficient * setup.stiffness) if law.coefficient else math.inf
 
 
 def brake_with_worn_linings(setup: WearSetup, state: WearState) -> Brake:
-    """The brake with the depth worn off added to the clearance of its linings."""
+    """The brake with worn linings: the worn depth of a state is added to their clearance."""
     depths = {}
     for surface in setup.surfaces:
         depths[surface.shoe] = surface.angles, surface.along(state.depth)
@@ -238,19 +272,19 @@ def brake_with_worn_linings(setup: WearSetup, state: WearState) -> Brake:
 
 
 def _largest_worn_depths(surface: WornLining, states: Sequence[WearState]) -> list[float]:
-    """The largest depth [m] worn off a lining in each state."""
+    """The largest worn depth [m] of a lining in each of the states."""
     return [float(state.depth[surface.part].max()) for state in states]
 
 
 def check_worn_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
-    """Raise NoAnswer where a lining is worn through.
+    """Raise NoAnswer if a lining is worn through, that is, by more than its thickness.
 
     The message names the lining that is worn through first, and the sliding distance.
     """
     s = list(map(attrgetter("s"), states))
     worn_through = []
     for surface in setup.surfaces:
-        # The depth grows with the distance, so that the last state tells whether it is too much.
+        # The worn depth never shrinks, so that the last state tells whether it is too large.
         thickness = setup.brake.shoes[surface.shoe].lining.thickness
         deepest = _largest_worn_depths(surface, states)
         if deepest[-1] > thickness:
@@ -266,14 +300,14 @@ def check_worn_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
 
 
 class LiningLife(NamedTuple):
-    """The life of a brake's linings.
+    """The life of a brake's linings, and how much of it passes before they are worn in.
 
     Attributes
     ----------
     distance : sliding distance [m] at which the first lining is worn out
-    pressure : part of the life after which the pressure stays near the law; above 1 the linings
-        are worn out before
-    torque : part of the life after which the torque stays near the law
+    pressure : fraction of this distance after which the pressure stays near its final value; above
+        1, a lining is worn out before
+    torque : fraction of this distance after which the torque stays near its final value
     """
 
     distance: float
@@ -289,50 +323,52 @@ def lining_life(
     within: float = 0.01,
     part: float = WORN_OUT,
 ) -> LiningLife:
-    """The life of the linings, and how much of it is spent away from the law.
+    """The life of the linings in a wear run, and how much of it passes before they are worn in.
 
-    Beyond the last state all linings wear at the rate of the law. The loss of thickness does not
-    change the stiffness of the lining.
+    After the last state the linings are assumed to wear at the final rate. The stiffness of a
+    lining does not change with its thickness.
 
     Parameters
     ----------
-    setup : the linings
-    states : of a run
-    goal : the law
+    setup : the brake with the contact problems of its linings
+    states : states of a wear run
+    goal : pressure and torque to which wear tends
     law : the wear law
-    within : relative distance from the law up to which p and torque count as near
-    part : of a lining's thickness with which it is worn out at its deepest place
+    within : relative difference from the final pressure and torque that counts as near
+    part : worn depth at its deepest place, relative to its thickness, at which a lining is worn out
     """
     s = list(map(attrgetter("s"), states))
     end = math.inf
     for surface in setup.surfaces:
         allowed = part * setup.brake.shoes[surface.shoe].lining.thickness
         deepest = _largest_worn_depths(surface, states)
-        # The lining is worn out within the run, or later at the rate that the law has.
+        # The lining is worn out within the run, or after it at the rate of the final pressure.
         if deepest[-1] >= allowed:
             end = min(end, float(np.interp(allowed, deepest, s)))
         elif law.coefficient > 0:
             rate = float(law.rate(goal.pressure[surface.part], 0.0)[0].max())
             end = min(end, s[-1] + (allowed - deepest[-1]) / rate)
-    # A quantity is near the law from the last state on that is beyond the bound.
-    pressures, torques = np.array(
-        [distance_from_target(setup, state, goal) for state in states]
-    ).T.tolist()
+    # Pressure and torque count as worn in from where they stay within the bound.
+    distances = np.array([distance_from_target(setup, state, goal) for state in states])
+    pressures, torques = distances.T.tolist()
     pressure_near = archard.settling_distance(s, pressures, within)
     torque_near = archard.settling_distance(s, torques, within)
     return LiningLife(end, pressure_near / end, torque_near / end)
 
 
 class RunChecks(NamedTuple):
-    """The balances of a run, relative to the worn volume, and its checkerboard.
+    """Checks of a wear run: two balances of the worn volume, and the ripple of the pressure.
+
+    The balances are relative to the worn volume and vanish in an exact solution.
 
     Attributes
     ----------
-    volume : difference between the worn volume and the integral of the wear rate, k Int Int p dA ds
-    energy : difference between the volume of the worn shape over the round lining and the friction
-        energy, V = k W/mu; None without friction and for other exponents than 1
-    ripple : largest checkerboard of any state after the first, see
-        `archard.checkerboard_amplitude`; None where the linings have too few nodes
+    volume : difference between the worn volume and the integral of the wear rate over area and
+        sliding distance
+    energy : difference between the volume of the worn shape and k W/mu, with the friction energy W
+        and the wear coefficient k; None without friction and for other exponents than 1
+    ripple : largest part of the pressure that alternates from node to node, in any state after the
+        first, by `archard.checkerboard_amplitude`; None if the linings have too few nodes
     """
 
     volume: float
@@ -341,7 +377,7 @@ class RunChecks(NamedTuple):
 
 
 def compute_run_checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> RunChecks:
-    """The balances and the checkerboard of a run."""
+    """Compute the checks of a wear run: balances of the worn volume, and ripple of the pressure."""
     end = states[-1]
     area = np.concatenate(list(map(attrgetter("area"), setup.interfaces)))
     scale = end.removed or 1.0
@@ -350,7 +386,7 @@ def compute_run_checks(setup: WearSetup, states: Sequence[WearState], law: WearL
     for state in states[1:]:
         for surface in setup.surfaces:
             ripple = archard.checkerboard_amplitude(surface.along(state.pressure))
-            # A lining of few nodes has no ripple.
+            # A lining of few nodes has no value of the ripple.
             if not math.isnan(ripple):
                 ripples.append(ripple)
     return RunChecks(
@@ -361,18 +397,19 @@ def compute_run_checks(setup: WearSetup, states: Sequence[WearState], law: WearL
 
 
 def _energy_imbalance(setup: WearSetup, end: WearState, law: WearLaw, scale: float) -> float | None:
-    """The imbalance between worn volume and friction energy, see RunChecks.
+    """The difference between the worn volume and k W/mu with the friction energy W, see RunChecks.
 
     Parameters
     ----------
-    setup : the linings
-    end : last state of a run
+    setup : the brake with the contact problems of its linings
+    end : last state of a wear run
     law : the wear law
-    scale : volume [m^3] that the imbalance is relative to
+    scale : volume [m^3] to which the difference is relative
     """
     brake = setup.brake
     if not (brake.friction > 0 and law.exponent == 1):
         return None
+    # The volume of the worn shape is the integral of the depth over the round lining.
     volumes = []
     for surface in setup.surfaces:
         width = brake.shoes[surface.shoe].lining.width
@@ -383,13 +420,13 @@ def _energy_imbalance(setup: WearSetup, end: WearState, law: WearLaw, scale: flo
 
 
 def _integral_over_lining(surface: WornLining, values: Floats) -> float:
-    """The integral over theta of values (n,) by growing theta."""
+    """The integral over theta of values (n,) at the angles of a lining in growing order."""
     _, at_points, weight = gauss_points(surface.angles, values, surface.order)
     return float((at_points * weight).sum())
 
 
 def peak_nodal_pressure(setup: WearSetup, state: WearState) -> float:
-    """The largest nodal pressure [Pa] of a state outside the edge zones at the linings' ends."""
+    """The largest nodal pressure [Pa] on all linings, without the zones at the linings' ends."""
     peaks = []
     for surface in setup.surfaces:
         zone = edge_zone(setup.brake.shoes[surface.shoe], setup.brake.scale_factor)
@@ -400,22 +437,22 @@ def peak_nodal_pressure(setup: WearSetup, state: WearState) -> float:
 def wear_run_data(
     setup: WearSetup, states: Sequence[WearState], goal: WearTarget, law: WearLaw
 ) -> dict[str, Any]:
-    """A run as plain data for JSON: SI; values of each lining by growing theta.
+    """A wear run as plain data for JSON in SI units, with each lining's values by growing theta.
 
     Parameters
     ----------
-    setup : the linings
-    states : of the run
-    goal : the law that the wear tends to
+    setup : the brake with the contact problems of its linings
+    states : states of the run
+    goal : pressure and torque to which wear tends
     law : the wear law
     """
 
     def by_lining(values: Floats) -> list[list[float]]:
-        """Values (n,) at all unknowns, as a list for each lining."""
+        """Values (n,) at the contact unknowns of all linings, as a list for each lining."""
         return [surface.along(values).tolist() for surface in setup.surfaces]
 
     def state_data(state: WearState) -> dict[str, Any]:
-        """A wear state as plain data for JSON."""
+        """A state of the wear run as plain data for JSON."""
         off = distance_from_target(setup, state, goal)
         return {
             "distance": state.s,
@@ -450,15 +487,15 @@ def report_lines(
     law: WearLaw,
     lines: int = 24,
 ) -> list[str]:
-    """A run as lines of text: some of its states, evenly spread, then its result.
+    """A wear run as lines of text: a table of states, the life of the linings, and checks.
 
     Parameters
     ----------
-    setup : the linings
-    states : of the run
-    goal : the law that the wear tends to
+    setup : the brake with the contact problems of its linings
+    states : states of the run
+    goal : pressure and torque to which wear tends
     law : the wear law
-    lines : largest number of states that are shown
+    lines : largest number of states in the table, which are spread evenly over the run
     """
     surface = setup.brake.surface
     text = _heading_lines(setup, law)
@@ -485,7 +522,7 @@ def report_lines(
 
 
 def _heading_lines(setup: WearSetup, law: WearLaw) -> list[str]:
-    """The brake and the wear law, then the two lines that head the table of states."""
+    """A line of text on brake and wear law, and the two lines that head the table of states."""
     brake, surface = setup.brake, setup.brake.surface
     wears = ": nothing wears"
     if law.coefficient:
@@ -502,7 +539,7 @@ def _heading_lines(setup: WearSetup, law: WearLaw) -> list[str]:
 
 
 def _state_line(setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw) -> str:
-    """The line of a wear state in the table of states; parameters as of `report_lines`."""
+    """The line of one state in the table of a wear run; parameters as of `report_lines`."""
     off = distance_from_target(setup, state, goal)
     force = state.force * setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     peak = peak_nodal_pressure(setup, state) * 1e-6
@@ -514,9 +551,10 @@ def _state_line(setup: WearSetup, state: WearState, goal: WearTarget, law: WearL
 
 
 def _line_on_mesh_error(setup: WearSetup, goal: WearTarget, law: WearLaw) -> list[str]:
-    """A line of text on the distance between the end of wear on this mesh and the law.
+    """A line of text on how far the end of wear on this mesh is from the rigid-shoe law.
 
-    There is no line where the distance is at most WEAR_SETTLED.
+    The list is empty if the relative difference of the pressures is at most WEAR_SETTLED.
+    Parameters are those of `report_lines`.
     """
     end = discrete_wear_target(setup, law)
     factor = goal.torque / end.torque if end.torque else 1.0
@@ -531,7 +569,7 @@ def _line_on_mesh_error(setup: WearSetup, goal: WearTarget, law: WearLaw) -> lis
 
 
 def _life_fraction_text(share: float) -> str:
-    """A part of the life in words."""
+    """A fraction of the linings' life in words; inf if it has not passed within the run."""
     if math.isinf(share):
         return "all of this run"
     return formatted(share, ".1%") if share <= 1 else f"all of it ({share:.3g} lives)"

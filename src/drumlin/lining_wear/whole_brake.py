@@ -1,7 +1,8 @@
-"""Running in from a brake to its worn states: both ways of turning are set up, worn and reported.
+"""Run a whole brake in: check the options, set the brake up, wear its linings, report the run.
 
-`drumlin.wear` and the command `drumlin wear` call these steps in their order. The method itself is
-in `drumlin.lining_wear.run_in` and `drumlin.lining_wear.archard`.
+The function `drumlin.wear` and the command `drumlin wear` call the functions of this module one
+after the other. The method itself is in `drumlin.lining_wear.run_in` and
+`drumlin.lining_wear.archard`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,15 +31,15 @@ WEARING_MODELS = ("fem", "foundation")
 
 @dataclass(frozen=True)
 class WearRun:
-    """A brake that was run in.
+    """The result of running a brake in: the states of its linings, and the state wear tends to.
 
     Parameters
     ----------
-    setup : the brake, and where its linings lie among the unknowns
-    law : the law of wear
-    states : the states of the linings, from the unworn one on
-    target : pressure [Pa] and torque [N m] at the end of wear
-    notes : lines about the brake that was worn, such as its correction for finite width
+    setup : the brake with the contact problems of its linings
+    law : the wear law
+    states : states of the linings at growing sliding distances, the unworn state first
+    target : pressure [Pa] and torque [N m] to which wear tends
+    notes : lines of text about the brake, such as its correction for finite width
     """
 
     setup: WearSetup
@@ -52,12 +53,18 @@ class WearRun:
         return wear_run_data(self.setup, self.states, self.target, self.law)
 
     def lines(self) -> list[str]:
-        """The run as lines of text: the notes, some of the states, and the life of the linings."""
+        """The run as lines of text: notes, a table of some states, and the life of the linings."""
         return [*self.notes, *report_lines(self.setup, self.states, self.target, self.law)]
 
 
 class WearSetups(NamedTuple):
-    """The setup of a brake that turns as its file says, and of the same brake turning back."""
+    """The wear setups of a brake for both directions of rotation.
+
+    Attributes
+    ----------
+    forward : setup of the brake that turns as its file states
+    backward : setup of the brake that turns the other way; None if it never does
+    """
 
     forward: WearSetup
     backward: WearSetup | None
@@ -66,13 +73,13 @@ class WearSetups(NamedTuple):
 def check_wear_options(
     model: str, on_mesh: Mapping[str, Any], on_springs: Mapping[str, Any]
 ) -> None:
-    """Raise BadInput for a model that does not wear, or for an option of the other model.
+    """Raise BadInput for a model that cannot wear linings, or for options of another model.
 
     Parameters
     ----------
     model : name of the model
-    on_mesh : the options given that only finite elements take
-    on_springs : the options given that only the foundation model takes
+    on_mesh : given options that only finite elements have
+    on_springs : given options that only the foundation model has
     """
     if model not in WEARING_MODELS:
         allowed = ", ".join(WEARING_MODELS)
@@ -86,7 +93,10 @@ def check_wear_options(
 
 
 def make_wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
-    """Archard's law with a coefficient [1/Pa], or its text with a unit; by default COEFFICIENT."""
+    """The wear law with a coefficient and an exponent of the pressure.
+
+    The coefficient is a number [1/Pa] or a text with a unit. For None it is COEFFICIENT.
+    """
     if coefficient is None:
         return WearLaw(COEFFICIENT, exponent)
     if isinstance(coefficient, str):
@@ -95,28 +105,29 @@ def make_wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
 
 
 def wear_setups(brake: Brake, model: str, *, both_ways: bool, **options: Any) -> WearSetups:
-    """Set a brake up to be worn by a model, on one mesh for both ways of turning.
+    """The wear setups of a brake, on the same mesh for both directions of rotation.
 
     Parameters
     ----------
     brake : the brake
-    model : "fem" or "foundation"
-    both_ways : whether the drum also turns back
-    options : those of the model, see `prepare_finest_division` and `foundation_wear_setup`
+    model : name of the model, "fem" or "foundation"
+    both_ways : whether the drum also turns the other way
+    options : options of `prepare_finest_division` for "fem", of `foundation_wear_setup` for
+        "foundation"
 
     Raises
     ------
     BadInput
         for an option out of range
     NoAnswer
-        for a brake whose linings do not touch the drum, or that has no equilibrium
+        if the linings do not touch the drum, or if there is no equilibrium
     """
     turned_back = brake.reversed() if both_ways else None
     if model == "foundation":
         forward = foundation_wear_setup(brake, **options)
         backward = None if turned_back is None else foundation_wear_setup(turned_back, **options)
         return WearSetups(forward, backward)
-    # Only finite elements need this import, which takes longest.
+    # The import takes long, and only finite elements need it.
     from drumlin.fem.solve import prepare_finest_division  # noqa: PLC0415
 
     scene = prepare_finest_division(brake, **options)
@@ -126,11 +137,11 @@ def wear_setups(brake: Brake, model: str, *, both_ways: bool, **options: Any) ->
 
 
 def sliding_distance(option: str, given: float | str, unit: float) -> float:
-    """A sliding distance [m] from a number [m] or from a text.
+    """A sliding distance [m], from a number or a text.
 
     Parameters
     ----------
-    option : name of the option, for the message
+    option : name of the option in an error message
     given : number of metres, or a text such as "20 km"; a text without a unit is a multiple of
         `unit`
     unit : the distance 1/(k K) [m] over which wear changes the pressure by a factor e
@@ -158,24 +169,26 @@ def run_wear(
     tolerance: float | None = None,
     notes: Sequence[str] = (),
 ) -> WearRun:
-    """Wear a brake that is set up, over a distance or until it is settled.
+    """Wear the linings of a brake over a distance, or until they are worn in.
 
     Parameters
     ----------
-    setups : the brake, and with `reverse` the brake turning back
-    law : the law of wear
-    distance : sliding distance, see `sliding_distance`; None: until p and torque are settled
-    reverse : sliding distance after which the drum turns back, again and again
-    torque : torque [N m] that the actuation holds; None: the actuation stays
-    tolerance : relative error of p (L2) of a step
-    notes : lines that the run keeps for its report
+    setups : wear setups of the brake; with `reverse`, also for the other direction of rotation
+    law : the wear law
+    distance : sliding distance as of `sliding_distance`; None to wear until pressure and torque
+        hardly differ from the end of wear
+    reverse : sliding distance, as of `sliding_distance`, after which the drum turns the other way,
+        again and again; None for one direction
+    torque : torque [N m] that the actuation is adjusted to keep; None for a constant actuation
+    tolerance : largest error of the pressure in a step (L2 norm, relative); None for the default
+    notes : lines of text that the run keeps for its report
 
     Raises
     ------
     BadInput
         for an option out of range
     NoAnswer
-        for no equilibrium, no convergence, self-locking, a lining that is worn through
+        for no equilibrium, no convergence, self-locking, or a lining that is worn through
     """
     setup, backward = setups
     unit = unit_sliding_distance(setup, law)

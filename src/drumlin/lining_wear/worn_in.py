@@ -1,33 +1,35 @@
-"""The clearance of worn-in linings: they then bear by the rigid-shoe law on an elastic brake, too.
+"""Compute the clearance of worn-in linings, with which an elastic brake has the final pressure.
 
-Wear ends where all points of the lining wear as the shoe moves: p ~ sin(phi) about a hinge. On the
-mesh this is the pressure p of steady wear, see `archard.solve_steady_wear`. With the motions y' of
-the shoe it satisfies
+Wear ends when every point of the lining wears as fast as the motion of the shoe brings it nearer to
+the drum. On a hinged shoe the pressure p is then proportional to sin(phi). On a mesh, p is the
+pressure of steady wear, by `archard.solve_steady_wear`. With the rigid-body motions y' of the shoe
+per sliding distance, the opening w' of the gap and the loads h it satisfies
 
     w' = M p + B y' >= 0,   p >= 0,   p w' = 0,   C p = h
 
-where M weighs a gap (fem.substructure.interface), and friction at the abutments opposes y'. The
-brake bears by the same p under its load if, for some motions y, its unloaded linings have the gap g
-with
+M weighs a gap over the elements (fem.substructure.interface). Friction at the abutments opposes y'.
+This module seeks the gap g between the unloaded linings and the drum with which the brake has the
+same pressure p under its load. The gap g must satisfy, for some motions y of the shoe,
 
     w = M g + q + A p + B y >= 0,   p w = 0
 
-where the actuation opens the weighted gap q and the pressure the weighted gap A p. Let c = M^-1 (q
-+ A p) be both together as a gap. For any motions y0 of the shoe and any a >= 0 the choice
+The actuation opens the weighted gap q, and the pressure opens the weighted gap A p. Let
+c = M^-1 (q + A p) be both openings together. For any motions y0 of the shoe and any a >= 0 the
+choice
 
     g = a p - c - M^-1 B y0,   y = y0 + a y'   gives   w = a (M p + B y') = a w'
 
-This w is 0 where the law presses and not negative where the law lifts the lining: the brake bears
-by exactly p. The amounts a and y0 are free. The module chooses them by these rules:
+This w is 0 where the lining is in contact, and not negative elsewhere, so that the pressure is p.
+The factor a and the motions y0 are free. The module chooses them by these rules:
 
-- a > 0 is the depth of even wear per pressure. A negative a would push the lifted part into the
-  drum. A small depth is enough, see EVEN_WEAR.
+- a > 0 is the depth of even wear per pressure. A negative a would push the part of the lining that
+  is not in contact into the drum. A small depth is enough, see EVEN_WEAR.
 - y0 is the position in which the unloaded shoe rests. It does not move a foot on a rough abutment.
-  The foot then slides by a y' alone, and friction acts on it as in steady wear. y0 is the motion
-  nearest to c plus a part of the motion that closes the gap most evenly. This part is just large
-  enough that -c - M^-1 B y0 is nowhere negative, so that the unloaded lining does not lie in the
-  drum. The motion y' cannot take the place of the even motion: where the pressed part ends, y'
-  moves the lining along the drum, and no amount of y' keeps the drum free there.
+  The foot then slides by a y' alone, and friction acts on it as in steady wear. y0 is the sum of
+  two motions. The first opens the gap nearest to c. The second closes the gap most evenly, and it
+  is just large enough that -c - M^-1 B y0 is nowhere negative: the unloaded lining does not lie in
+  the drum. The motion y' cannot take the place of the second motion. Where the contact ends, y'
+  moves the lining along the drum, and no amount of y' keeps the lining out of the drum there.
 """
 
 from collections.abc import Iterable, Mapping
@@ -54,39 +56,49 @@ from drumlin.response import Response
 from drumlin.response.merit import with_merits
 
 LEAST_CLOSING = 0.01
-"""Closing of the gap by the most even motion, relative to the largest one along the lining, below
-which a node is left out when the unloaded lining is kept off the drum.
+"""Relative closing of the gap below which a node does not count in keeping a lining off the drum.
 
-Such nodes are near the line through hinge and drum's centre. Only a motion a hundred times as large
-would keep them off the drum. A judgement; the pressure does not depend on it."""
+An unloaded worn-in lining must not lie in the drum. The shoe is moved away from the drum until this
+holds at all nodes where the motion closes the gap by more than this fraction of the largest closing
+along the lining. The other nodes are near the line through the hinge and the drum's centre. Only a
+motion a hundred times as large would keep them off the drum. A judgement; the pressure does not
+depend on it."""
 
 EVEN_WEAR = 1e-3
-"""Largest depth of even wear a p relative to the largest elastic gap that the shoe's motions leave.
+"""Largest depth of even wear of a worn-in lining, relative to its largest elastic gap.
 
-It must be far above round-off, 1e-12, so that the lifted part stands off the drum and rough feet
-slide as in steady wear. A depth as large as the gap makes soft shoes turn further than they need
-to. A judgement; the pressure does not depend on it."""
+The elastic gap is the opening of the gap under load that no motion of the shoe can close. The depth
+must be far above round-off, 1e-12. The part of the lining that is not in contact then stands off
+the drum, and feet on rough abutments slide as in steady wear. A depth as large as the gap makes
+soft shoes turn further than they need to. A judgement; the pressure does not depend on it."""
 
 
 def solve_worn_in_brake(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response:
-    """Solve a brake with worn-in linings by finite elements; `options` as of `solve`."""
+    """Solve a brake by finite elements as if its linings were worn in.
+
+    Parameters
+    ----------
+    brake : the brake, whose clearances and misfit are replaced
+    penalty : factor alpha of the contact stiffness alpha E/t per area
+    options : options of `prepare_finest_division`
+    """
     scene = prepare_finest_division(brake, **options)
-    return with_merits(
-        brake, solve_prepared_model(scene, worn_in_brake(scene, brake), penalty=penalty)
-    )
+    worn = worn_in_brake(scene, brake)
+    return with_merits(brake, solve_prepared_model(scene, worn, penalty=penalty))
 
 
 def worn_in_brake(scene: PreparedModel, brake: Brake) -> Brake:
-    """The brake with the clearances that wear ends with, in place of its own and its misfit.
+    """The brake with the clearances of worn-in linings in place of its own clearances and misfit.
 
-    A drum that is not round stays so: as it turns it wears the lining evenly, as long as the whole
-    lining stays in contact. Raises NoAnswer for a self-locking shoe.
+    A drum that is out of round stays so: as the drum turns it wears the lining evenly, as long as
+    the whole lining stays in contact. Raises NoAnswer for a self-locking shoe. `scene` holds the
+    prepared finite elements of the brake.
     """
     setup = fem_wear_setup(scene, remove_misfit(brake, drum=True))
     gaps: dict[int, Rows] = {}
     for number, interface in enumerate(setup.interfaces):
         surfaces = [surface for surface in setup.surfaces if surface.interface == number]
-        # Shoes under a cam or behind a strut move together, so all their linings count as one.
+        # Shoes under a cam or behind a strut move together, so that their linings count as one.
         linings = [slice(None)]
         if brake.shares is None:
             linings = list(map(attrgetter("local"), surfaces))
@@ -98,29 +110,42 @@ def worn_in_brake(scene: PreparedModel, brake: Brake) -> Brake:
 
 
 def _worn_in_gap(interface: WearInterface, linings: list[slice]) -> Floats:
-    """The gap g (n,) [m] of the unloaded linings of an interface, see the head of this module.
+    """The gap (n,) [m] between the drum and the unloaded, worn-in linings of one contact problem.
 
-    `linings` are the unknowns of those linings that move each by itself. Raises NoAnswer.
+    The symbols are those at the head of this module.
+
+    Parameters
+    ----------
+    interface : contact problem of the linings
+    linings : slices of the contact unknowns that move independently of each other, one for each
+        lining or one for all
+
+    Raises
+    ------
+    NoAnswer
+        if there is no steady wear, or if friction at an abutment may act in more than one way
     """
     end = solve_steady_wear(interface, WearLaw(1.0))
     footing, M, p = interface.footings[end.footing], interface.weight, end.contact.p
     A, q, B, *_ = footing.problem
-    # The footing with the fewest motions is that in which each rough foot stays where it is.
+    # While the unloaded shoe rests, each foot on a rough abutment stays where it is. The footing
+    # of this case is the one with the fewest motions.
     resting = min(map(attrgetter("problem.B"), interface.footings), key=lambda B: B.shape[1])
     solved = scipy.linalg.solve(M, np.column_stack([q + A @ p, resting]), assume_a="pos")
-    # opened is c, and approach y closes the gap by a motion y.
+    # `opened` is the opening c, and approach @ y is the closing of the gap by motions y.
     opened, approach = solved[:, 0], -solved[:, 1:]
     motions = _resting_motions(interface, opened, approach)
     rest, bent = motions.nearest, opened - approach @ motions.nearest
     closing = approach @ motions.evenly
     for part in linings:
-        # The even motion keeps all nodes off the drum that it moves towards the drum.
+        # The even motion is just large enough to keep the lining out of the drum at all nodes that
+        # it moves by more than LEAST_CLOSING.
         moves = closing[part] >= LEAST_CLOSING * closing[part].max()
         amount = float((bent[part][moves] / closing[part][moves]).max())
         own_motions = np.any(resting[part] != 0, axis=0)
         rest[own_motions] += amount * motions.evenly[own_motions]
     depth_per_pressure = EVEN_WEAR * np.abs(bent).max() / p.max()
-    # The footing judges the slide by its own motions, among which are the slides of the feet.
+    # The friction of steady wear must agree with the motions of the loaded shoe, y = y0 + a y'.
     rest_among_all = np.linalg.lstsq(B, resting @ rest, rcond=None)[0]
     y = rest_among_all + depth_per_pressure * end.contact.y
     if not footing.stands(replace(end.contact, y=y)):
@@ -129,20 +154,28 @@ def _worn_in_gap(interface: WearInterface, linings: list[slice]) -> Floats:
 
 
 class _RestingMotions(NamedTuple):
-    """Motions (m,) of the shoes that come nearest to an opening, and that close the gap evenly."""
+    """Two motions of the shoes, as factors of their m rigid-body modes.
+
+    Attributes
+    ----------
+    nearest : (m,), the motion whose closing of the gap is nearest to the opening by the load
+    evenly : (m,), the motion that closes the gap most evenly
+    """
 
     nearest: Floats
     evenly: Floats
 
 
 def _resting_motions(interface: WearInterface, opened: Floats, approach: Floats) -> _RestingMotions:
-    """The motions y0 for which -M^-1 B y0 comes nearest to c and to 1, in least squares.
+    """The motions of the shoes whose closing of the gap is nearest to `opened` and to 1.
+
+    "Nearest" means the least sum of squares, weighted by the area of the nodes.
 
     Parameters
     ----------
-    interface : the linings
-    opened : c (n,) [m]
-    approach : -M^-1 B (n, m)
+    interface : contact problem of the linings
+    opened : (n,) [m], opening of the gap by the load
+    approach : (n, m), closing of the gap by each rigid-body mode
     """
     weight = np.sqrt(np.abs(interface.area))[:, None]
     wanted = np.column_stack([opened, np.ones(len(opened))])
@@ -153,17 +186,17 @@ def _resting_motions(interface: WearInterface, opened: Floats, approach: Floats)
 def remove_misfit(
     brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool = False
 ) -> Brake:
-    """The brake with linings that fit the drum, without misfit.
+    """The brake with linings that fit the drum: without misfit, with given clearances or none.
 
     Parameters
     ----------
     brake : the brake
-    gaps : clearances that some linings get nevertheless, by the position of the shoe
-    drum : whether the drum becomes round, too
+    gaps : clearances of some linings, by the position of the shoe in the brake
+    drum : whether a drum that is out of round becomes round, too
     """
 
     def fit(i: int, shoe: Shoe) -> Shoe:
-        """The shoe number i with a lining that fits the drum but for its clearance in `gaps`."""
+        """Shoe `i` of the brake without misfit, and with its clearance in `gaps` or none."""
         clearance = (gaps or {}).get(i, 0.0)
         no_misfit = type(shoe.lining.misfit)()
         lining = shoe.lining.model_copy(update={"clearance": clearance, "misfit": no_misfit})
@@ -176,15 +209,15 @@ def remove_misfit(
 def worn_in_foundation_brake(
     brake: Brake, *, sections: int = RING_SECTIONS, lift: Iterable[str] = ()
 ) -> Brake:
-    """The brake with the clearances at which the foundation model bears by the sine law.
+    """The brake with the clearances with which the foundation model has the sine law's pressure.
 
-    They replace every clearance and misfit.
+    These clearances replace all clearances and the misfit of the brake.
 
     Parameters
     ----------
-    brake : the brake
-    sections : along each lining
-    lift : simplifications that the model includes after all
+    brake : the brake, a post brake
+    sections : number of divisions of each shoe's beam
+    lift : names in `foundation.LIFTS` of the effects that the model includes
 
     Raises
     ------
@@ -195,20 +228,23 @@ def worn_in_foundation_brake(
     fitting = remove_misfit(brake, drum=True)
     shoes = list(range(len(brake.shoes)))
     gaps: dict[int, Rows] = {}
-    for group in [shoes] if "own-pressure" in names else [[i] for i in shoes]:
+    # Shoes influence each other only if the own pressure of each shoe loads the ring.
+    groups = [shoes] if "own-pressure" in names else [[i] for i in shoes]
+    for group in groups:
         model = system(fitting, group, sections, names)
+        # The pressure of the sine law as normal forces on the sectors of the linings.
         forces, angles = [], []
         for i, post in zip(group, model.posts, strict=True):
             theta = shoe_angles(post.axis, brake.shoes[i], post.theta)
             angles.append(theta)
             width = brake.shoes[i].lining.width
             forces.append(law.shoes[i].pressure_at(theta) * width * brake.size * post.sector)
-        # The clearance and the turn of the shoe must make up for this gap.
+        # Actuation and pressure open the gap. The clearance and a turn of the shoe must close it.
         opened = model.problem.q + model.problem.A @ np.concatenate(forces)
         parts = np.split(opened, np.cumsum(list(map(len, angles)))[:-1])
         for k, post in enumerate(model.posts):
             own, theta = parts[k], angles[k]
-            # A turn of the shoe closes the gap until it touches at one place.
+            # The turn is the smallest with which no clearance is negative: it is 0 at one place.
             gap = post.closing[0] * np.max(own / post.closing[0]) - own
             gaps[group[k]] = rows_of(theta[:: post.axis.sense], gap[:: post.axis.sense])
     return remove_misfit(fitting, gaps)

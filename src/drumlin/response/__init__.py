@@ -1,7 +1,7 @@
-"""The result of every model: a Response with a ShoeResponse for each shoe.
+"""The result of every model: a Response for the brake with a ShoeResponse for each shoe.
 
-The package also derives figures of merit, resultants, balances and distances from responses. It
-imports the brake and nothing that computes a response.
+Further modules derive figures of merit, resultants, imbalances and differences from responses. The
+package imports the brake, and no model that computes a response.
 """
 
 from drumlin.response.response import EDGE_ZONE, Balance, Response, ShoeResponse

@@ -1,4 +1,7 @@
-"""Check the equilibrium of a response: sums of forces and moments, relative to their largest."""
+"""Compute the imbalance of a response: sums of forces and of moments on each shoe.
+
+Each sum is relative to its largest member, and vanishes in equilibrium.
+"""
 
 import math
 from dataclasses import astuple
@@ -15,10 +18,10 @@ BrakeType = TypeVar("BrakeType", bound=Brake)
 
 
 def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
-    """The resultant of pressure and friction on shoe `index`.
+    """The resultant of pressure and friction on the lining of shoe `index`.
 
-    The resultant is the integral of the response's pressure, unless the model lumps the contact's
-    forces at one point or in sectors.
+    It is the integral of the pressure in the shoe's response, unless the model has lumped the
+    contact forces at one point or in sectors and states the resultant itself.
     """
     if response.lumped is not None:
         return response.lumped
@@ -36,7 +39,10 @@ def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resul
 
 
 def loaded(brake: BrakeType, response: Response) -> BrakeType:
-    """The brake with the actuation forces of a response, in which shoes may share forces."""
+    """The brake with the actuation forces that a model has found for its shoes.
+
+    Where a cam or a strut shares a force among shoes, the response states the part of each shoe.
+    """
     shoes = list(brake.shoes)
     for i, answer in enumerate(response.shoes):
         # The force is None for a shoe that keeps the force of the brake file.
@@ -47,11 +53,11 @@ def loaded(brake: BrakeType, response: Response) -> BrakeType:
 
 
 def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
-    """The imbalance of shoe `index` under actuation, support reaction and contact, about its hinge.
+    """The imbalance of shoe `index` under actuation, support reaction, pressure and friction.
 
-    The imbalance of a shoe that does not touch is 0.
+    Moments are about the shoe's hinge. The imbalance of a shoe that does not touch is 0.
     """
-    # Stops that no model has hold a shoe that does not touch.
+    # A shoe that does not touch rests on stops, whose forces no model computes.
     if not response.contact_arcs:
         return Balance(0.0, 0.0)
     shoe = brake.shoes[index]
@@ -70,18 +76,23 @@ def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
 
 
 def guide_moments(force: float, length: float) -> list[float]:
-    """Two opposite moments [N m] that set the scale of the moments on a guided shoe.
+    """Two opposite moments [N m] that give the moments on a guided shoe a scale.
 
-    All other moments on the shoe may vanish. The scale is the moment about the middle of a lining
-    of this length [m] of the actuation force [N], if the force acted at an end of the lining.
+    The real moments on a guided shoe may all vanish but for round-off. Their sum would then be
+    relative to round-off. The two moments are plus and minus force times half of the length.
+
+    Parameters
+    ----------
+    force : actuation force [N]
+    length : length of the lining [m]
     """
     return [0.5 * force * length, -0.5 * force * length]
 
 
 def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
-    """The sums of forces (2,) [N] and of moments [N m], each relative to its largest member.
+    """The sum of forces (2,) [N] and the sum of moments [N m], each relative to its largest member.
 
-    A relative sum is 0 if all its members are 0.
+    A sum counts as 0 if all its members are 0.
     """
     vectors = np.array(forces).reshape(-1, 2).tolist()
     largest_force = max((math.hypot(*vector) for vector in vectors), default=0.0)
@@ -95,6 +106,6 @@ def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
 
 
 def worst(balances: list[Balance]) -> Balance:
-    """The largest imbalance of forces and the largest imbalance of moments of several shoes."""
+    """The largest imbalance of forces, and the largest of moments, among the shoes of a brake."""
     forces, moments = zip(*map(astuple, balances), strict=True)
     return Balance(max(forces), max(moments))

@@ -9,28 +9,29 @@ from drumlin.brake.brake import Brake, Shoe
 LARGE_STRAIN = 0.05
 """Strain p/E of a lining through its thickness above which a note warns the reader.
 
-Models assume small displacements. At this strain their answers are wrong by about 5 % as well.
+All models assume small displacements. At a strain of 5 % their answers are wrong by about 5 %, too.
 """
 
 LARGEST_STRAIN = 10.0
 """Mean strain of a lining through its thickness above which a brake is refused.
 
-No real load presses a lining in so far: the force in the brake file or its unit is wrong.
+No real load compresses a lining by ten times its thickness: the force in the brake file or its unit
+must be wrong.
 """
 
 
 def check_strain(shoe: Shoe, scale_factor: float, force: float, contact: float) -> None:
-    """Raise NoAnswer if a force would press a lining in by many times its thickness.
+    """Raise NoAnswer if a force would strain a lining through its thickness beyond LARGEST_STRAIN.
 
     The strain is the mean over the contact, or over a length of one thickness if the contact is
-    shorter. The peak strain does not count: at a corner the peak only tells how fine the mesh is.
+    shorter. The peak strain is no measure: at a sharp corner it grows as the mesh is refined.
 
     Parameters
     ----------
     shoe : the shoe whose lining is pressed
     scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
     force : sum of the normal forces on the lining [N]
-    contact : length of the contact, in the surface's coordinate
+    contact : length of the contact in the surface's coordinate [rad, on a plane m]
     """
     lining = shoe.lining
     whole = scale_factor * (lining.end - lining.start)
@@ -45,7 +46,7 @@ def check_strain(shoe: Shoe, scale_factor: float, force: float, contact: float) 
 
 
 def warnings(brake: Brake, peaks: dict[str, float]) -> tuple[str, ...]:
-    """Lines that warn the reader of large strains and of linings that overlap.
+    """Lines for the reader that warn of strains beyond LARGE_STRAIN and of linings that overlap.
 
     `peaks` holds the peak pressure [Pa] of each shoe by its name.
     """
@@ -53,8 +54,9 @@ def warnings(brake: Brake, peaks: dict[str, float]) -> tuple[str, ...]:
 
 
 def _strain_warnings(brake: Brake, peaks: dict[str, float]) -> Iterator[str]:
-    """A warning for each lining that is strained beyond LARGE_STRAIN."""
+    """A line of text for each lining that is strained beyond LARGE_STRAIN at its peak pressure."""
     for shoe in brake.shoes:
+        # A lining without a material is rigid and has no strain.
         material = shoe.lining.material
         if material is None:
             continue
@@ -68,17 +70,17 @@ def _strain_warnings(brake: Brake, peaks: dict[str, float]) -> Iterator[str]:
 
 
 def _overlap_warnings(brake: Brake) -> Iterator[str]:
-    """A warning for each pair of linings that cover the same part of the drum or the plane."""
+    """A line of text for each pair of linings that cover the same part of the drum or the plane."""
     surface = brake.surface
     text = surface.place
     for one, other in combinations(brake.shoes, 2):
         if one.side != other.side:
             continue
         a, b = one.lining, other.lining
-        # Full turns that bring the second lining next to the first one.
+        # Full turns, on a drum, that bring the second lining next to the first one.
         turn = surface.turns(a.start + a.end - b.start - b.end)
         start, end = max(a.start, b.start + turn), min(a.end, b.end + turn)
-        # Linings that meet, to round-off, do not overlap.
+        # Linings that only meet at their ends, up to round-off, do not overlap.
         if end - start > 1e-9:
             yield (
                 f"warning: shoes {one.name!r} and {other.name!r}: their linings lie in each other "

@@ -1,10 +1,12 @@
-"""Figures of merit of a brake, from the pressure p(theta) of any model.
+"""Figures of merit of a brake, such as its shoe factors, from the pressure p(theta) of any model.
 
-Every pressure on an arc acts like a short shoe. The short shoe stands at the angle of the
-resultant, on a drum of the apparent friction radius psi R (Barecki & Scieszka 1987, eq. 22-26). The
-figures of the short shoe therefore hold for any pressure: eta = T/M = 1/(m - dD n) and S = m eta
-(UWA notes, eq. 8). Here m is the moment of the normal pressure about the hinge over the torque T,
-and n the moment of the friction about the hinge over T.
+Pressure and friction on an arc have the forces and the torque of a short shoe. This short shoe
+stands at the angle of the resultant, on a drum of the apparent friction radius psi R (Barecki &
+Scieszka 1987, eq. 22-26). The formulas of the short shoe therefore hold for any pressure (UWA
+notes, eq. 8): the ratio of torque T to actuation moment M is eta = T/M = 1/(m - dD n), and the
+sensitivity to the friction coefficient is S = m eta. Here m is the moment of the normal pressure
+about the hinge over T, n the moment of the friction about the hinge over T, and dD the sign
+`double_delta`.
 """
 
 import math
@@ -27,28 +29,28 @@ BrakeVar = TypeVar("BrakeVar", bound=Brake)
 
 
 def double_delta(brake: Brake, shoe: Shoe) -> int:
-    """The sign dD of the UWA notes, eq. 6: +1 or -1.
+    """The sign dD (double delta) of the friction's moment in the UWA notes, eq. 6: +1 or -1.
 
     The sign is +1 for an external shoe whose lining the drum drags away from the hinge, and for an
     internal shoe whose lining the drum drags towards the hinge. Otherwise the sign is -1. A lining
-    that begins beyond half a turn from its hinge is pressed by the opposite moment, and its sign is
-    the opposite one.
+    that lies beyond half a turn from its hinge is pressed by a moment of the opposite sense. Its
+    sign is the opposite one.
     """
-    # The moment of the actuation tells which sense presses the lining.
+    # If the lining reaches beyond half a turn, the actuation moment tells on which side it presses.
     M = shoe.actuation.moment_about(shoe.pin)
     beyond = shoe.arc[1] > math.pi and M * -shoe.sign * shoe.frame.sense < 0
     return shoe.sign * brake.spin * shoe.frame.sense * (1 if beyond else -1)
 
 
 def merit(brake: Brake, index: int, response: ShoeResponse, contact: Resultant) -> Merit:
-    """The figures of merit of a shoe on a drum.
+    """The figures of merit of one shoe on a drum.
 
     Parameters
     ----------
     brake : the brake with the actuation forces of the response
     index : position of the shoe in the brake
     response : the response of the shoe
-    contact : the `contact_resultant` of the shoe
+    contact : resultant of pressure and friction on the shoe
     """
     shoe = brake.shoes[index]
     R, b = brake.size, shoe.lining.width
@@ -58,7 +60,7 @@ def merit(brake: Brake, index: int, response: ShoeResponse, contact: Resultant) 
     M_N = float(cross(to_centre, contact.normal))
     M_F = contact.moment + float(cross(to_centre, contact.friction))
     N, T = float(np.linalg.norm(contact.normal)), response.torque
-    # The resultant pressure along e_r, on whichever side of the drum the shoe is.
+    # The normal force of an external shoe is turned round, so that its angle is that of the lining.
     outwards = -shoe.sign * contact.normal
     angle = math.atan2(outwards[1], outwards[0])
     sum_of_forces = b * R * integrate(response.theta, response.pressure, response.order)
@@ -75,28 +77,30 @@ def merit(brake: Brake, index: int, response: ShoeResponse, contact: Resultant) 
 
 
 def _turned_to_lining(angle: float, shoe: Shoe) -> float:
-    """The angle [rad] plus the full turns that bring it nearest to the middle of the lining."""
+    """An angle [rad] plus the full turns that bring it nearest to the middle of a shoe's lining."""
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
     return middle + math.remainder(angle - middle, 2 * math.pi)
 
 
 def _quotient(a: float, b: float) -> float | None:
-    """The quotient a / b; None if the quotient is undefined or too large for a number."""
+    """The quotient a / b; None if b is 0 or the quotient is not a finite number."""
     return a / b if b and math.isfinite(a / b) else None
 
 
 def barecki_shoe_factor(
     mu: Values, angle: Values, psi: Values, delta: Values, gamma: Values, sense: int
 ) -> Floats:
-    """The shoe factor S = T/(P R) by Barecki & Scieszka (1987), eq. 26.
+    """The shoe factor T/(P R), torque over actuation force times radius, of Barecki & Scieszka.
+
+    It is eq. 26 of their paper of 1987.
 
     Parameters
     ----------
     mu : friction coefficient
-    angle : angle of the resultant from the hinge's radius [rad]
-    psi : apparent friction radius over R
+    angle : angle of the normal force's resultant from the hinge's radius [rad]
+    psi : apparent friction radius over the drum's radius R
     delta : radius of the hinge over R
-    gamma : arm of the force P about the hinge over R
+    gamma : arm of the actuation force P about the hinge over R
     sense : +1 for a leading shoe of the paper, -1 for a trailing shoe, as `double_delta`. On a
         leading external shoe the friction points from the hinge to the loaded end.
     """
@@ -119,11 +123,11 @@ def flat_merit(brake: Brake, index: int, response: ShoeResponse) -> FlatMerit:
 
 
 def brake_factor(brake: Brake, response: Response) -> float | None:
-    """The brake factor T/(F R) of the whole brake, with the mean force F of its actuation.
+    """The brake factor T/(F R): torque of the whole brake over mean actuation force and radius.
 
     On a plane the brake factor is the braking force over F. For shoes with equal forces the brake
-    factor is the sum of the shoe factors. A force that a strut passes on is no actuation. Without
-    actuation the brake factor is None.
+    factor is the sum of the shoe factors. The force of a strut on a shoe does not count in the mean
+    F. Without actuation the brake factor is None.
     """
     pushed = {link.to for link in brake.links}
     shoes = loaded(brake, response).shoes
@@ -133,7 +137,7 @@ def brake_factor(brake: Brake, response: Response) -> float | None:
 
 
 def with_merits(brake: Brake, response: Response) -> Response:
-    """Add figures of merit, the load of the drum's bearings, and warnings to a response."""
+    """The response with figures of merit, the load on the drum's bearings, and warnings added."""
     shoes, brake = response.shoes, loaded(brake, response)
     peaks = {shoe.name: shoe.peak_pressure for shoe in shoes}
     notes = (*warnings(brake, peaks), *response.notes)
@@ -156,13 +160,25 @@ def with_merits(brake: Brake, response: Response) -> Response:
 
 
 def sensitivity(brake: Brake, solve: Callable[[Brake], Response], step: float = 1e-4) -> float:
-    """The sensitivity S = (mu/T) dT/dmu of the whole brake at fixed actuation, by differences.
+    """The sensitivity S = (mu/T) dT/dmu of a brake's torque to friction, at fixed actuation.
 
-    `solve` is any model. The two solves at mu (1 +- step) include the change of the pressure's
-    shape (UWA notes, eq. viii). Raises NoAnswer for a brake that does not brake.
+    S is the central difference of two solves at mu (1 - step) and mu (1 + step). It therefore
+    includes the change of the pressure's shape with mu (UWA notes, eq. viii).
+
+    Parameters
+    ----------
+    brake : the brake
+    solve : function that solves a brake by some model
+    step : relative change of the friction coefficient
+
+    Raises
+    ------
+    NoAnswer
+        if the brake has no torque
     """
 
     def at(friction: float) -> float:
+        """The torque [N m], or on a plane the braking force [N], at a friction coefficient."""
         varied = vary(brake, {"friction": friction})
         return with_merits(varied, solve(varied)).effect
 
@@ -175,10 +191,18 @@ def sensitivity(brake: Brake, solve: Callable[[Brake], Response], step: float = 
 
 
 def rated(brake: BrakeVar, solve: Callable[[BrakeVar], Response], peak_pressure: float) -> BrakeVar:
-    """Scale all actuation forces of a brake by one factor, for a given largest peak pressure [Pa].
+    """The brake with all actuation forces scaled by one factor to a given largest peak pressure.
 
-    The model `solve` must be one whose answer is proportional to the force. Raises NoAnswer if no
-    shoe presses on the drum.
+    Parameters
+    ----------
+    brake : the brake
+    solve : function that solves a brake by a model whose pressures are proportional to the forces
+    peak_pressure : peak pressure [Pa] of the shoe that has the largest one
+
+    Raises
+    ------
+    NoAnswer
+        if no shoe presses on the drum
     """
     largest = max(shoe.peak_pressure for shoe in solve(brake).shoes)
     if largest == 0:

@@ -1,4 +1,4 @@
-"""Distances between responses: between pressures in L2 over the lining, vectors and numbers."""
+"""Relative differences between two responses: pressures in the L2 norm, vectors and numbers."""
 
 import math
 from dataclasses import dataclass
@@ -13,15 +13,18 @@ from drumlin.response.resultants import GAUSS, WEIGHTS, edge_left_out
 
 @dataclass(frozen=True)
 class Difference:
-    """The difference p_a - p_b of the pressures of two responses of a shoe, at Gauss points.
+    """The difference p_a - p_b between the pressures of two responses a and b of the same shoe.
+
+    The lining is divided into pieces on which both pressures are polynomials. Each piece has the
+    points of a Gauss rule.
 
     Attributes
     ----------
     b : the response with the pressure p_b
-    theta : angles (pieces, points) [rad] of a Gauss rule on the pieces of both pressures
-    weight : weights (pieces, points) [rad] of the rule
-    off : differences p_a - p_b (pieces, points) [Pa]
-    pressure : pressures p_b (pieces, points) [Pa]
+    theta : (pieces, points) [rad], angles of the Gauss points
+    weight : (pieces, points) [rad], weights of the Gauss points
+    off : (pieces, points) [Pa], differences p_a - p_b
+    pressure : (pieces, points) [Pa], pressures p_b
     """
 
     b: ShoeResponse
@@ -32,15 +35,17 @@ class Difference:
 
     @classmethod
     def of(cls, a: ShoeResponse, b: ShoeResponse, *zones: float) -> Self:
-        """Evaluate the difference of two responses on pieces on which both are polynomials.
+        """Evaluate the difference between the pressures of two responses of the same shoe.
 
-        Pieces also end at the distances `zones` [rad] from the ends of the lining.
+        Parameters
+        ----------
+        a, b : the responses with the pressures p_a and p_b
+        zones : distances [rad] from the ends of the lining at which pieces must end as well
         """
         start, end, inner = b.theta[0], b.theta[-1], np.array(zones)
-        # Sorted knots may coincide: a piece of no length adds nothing.
-        knots = np.sort(
-            np.concatenate([start + inner, end - inner, a.theta[:: a.order], b.theta[:: b.order]])
-        )
+        # A knot is an end of a piece. Knots may coincide: a piece of no length adds nothing.
+        ends_of_pieces = a.theta[:: a.order], b.theta[:: b.order]
+        knots = np.sort(np.concatenate([start + inner, end - inner, *ends_of_pieces]))
         knots = knots[(knots >= start) & (knots <= end)]
         half = 0.5 * np.diff(knots)[:, None]
         theta = knots[:-1, None] + half * (1 + GAUSS)
@@ -49,15 +54,18 @@ class Difference:
         return cls(b, theta, half * WEIGHTS, off, pb.reshape(theta.shape))
 
     def inside(self, zone: float) -> Bools:
-        """Whether each piece (pieces,) is more than a zone [rad] away from the lining's ends."""
+        """Whether each piece of the lining is farther than a zone [rad] from both its ends.
+
+        The result is a mask (pieces,).
+        """
         middle, ends = self.theta.mean(axis=1), self.b.theta
         return np.asarray((middle > ends[0] + zone) & (middle < ends[-1] - zone))
 
     def distance(self, zone: float) -> float:
-        """The L2 norm of the difference relative to the L2 norm of p_b.
+        """The L2 norm of p_a - p_b relative to the L2 norm of p_b, outside the end zones [rad].
 
-        Zones [rad] at the ends of the lining do not count. If p_b vanishes outside the zones, the
-        distance is 0 for a vanishing p_a and infinite otherwise.
+        If p_b vanishes outside the zones at the lining's ends, the distance is 0 if p_a vanishes
+        there, too, and infinite otherwise.
         """
         inside = self.inside(zone)
         weight, off, p = self.weight[inside], self.off[inside], self.pressure[inside]
@@ -68,18 +76,22 @@ class Difference:
 
     @property
     def columns(self) -> Ints:
-        """The number (pieces,) of the element of response b in which each piece lies."""
+        """The numbers (pieces,) of the elements of response b that contain the pieces."""
         ends, starts = self.b.theta[:: self.b.order], self.theta[:, 0]
         return np.asarray(np.searchsorted(ends, starts, side="right") - 1)
 
     def by_chance(self) -> float:
-        """The relative change of the force of p_b if its elements changed with random signs."""
-        # Differences of random signs add up like the root of their squares.
+        """The force of p_a - p_b over that of p_b, if the elements' forces had random signs.
+
+        The differences in the elements' forces may cancel by accident. This measure does not see
+        the cancellation.
+        """
+        # The sum of numbers with random signs is the root of the sum of their squares.
         forces = np.bincount(self.columns, (self.weight * self.off).sum(axis=1))
         return float(np.linalg.norm(forces) / np.vdot(self.weight, self.pressure))
 
     def at_peak(self, zone: float) -> float:
-        """The largest difference in the element where p_b peaks, relative to the peak pressure.
+        """The largest |p_a - p_b| in the element in which p_b peaks, over the peak pressure of b.
 
         Zones [rad] at the ends of the lining do not count.
         """
@@ -90,21 +102,22 @@ class Difference:
 
 
 def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE) -> float:
-    """The L2 norm over theta of p_a - p_b, relative to the L2 norm of p_b.
+    """The relative L2 distance between the pressures p_a and p_b of two responses of a shoe.
 
-    Zones of `edge` [rad] at the lining's ends do not count, unless half of the force of p_b acts in
-    the zones. If p_b vanishes, the distance is 0 for a vanishing p_a and infinite otherwise.
+    It is the L2 norm of p_a - p_b over theta, divided by that of p_b. Zones of `edge` [rad] at the
+    lining's ends do not count, unless half of the force of p_b acts in the zones. If p_b vanishes,
+    the distance is 0 if p_a vanishes, too, and infinite otherwise.
     """
     edge = edge_left_out(b.theta, b.pressure, b.order, edge)
     return Difference.of(a, b, edge).distance(edge)
 
 
 def vector_distance(a: Floats, b: Floats) -> float:
-    """The length of a - b relative to the length of b; nan if b is zero."""
+    """The length of the vector a - b relative to the length of b; nan if b is zero."""
     size = float(np.linalg.norm(b))
     return float(np.linalg.norm(np.asarray(a) - b)) / size if size else math.nan
 
 
 def relative(value: float, true: float) -> float:
-    """The relative deviation (value - true) / true; nan if `true` is 0."""
+    """The relative error (value - true) / true, with its sign; nan if `true` is 0."""
     return (value - true) / true if true else math.nan

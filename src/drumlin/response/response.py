@@ -1,4 +1,4 @@
-"""The result of every model: one Response with one ShoeResponse per shoe."""
+"""The classes of the result of every model: Response for a brake, ShoeResponse for a shoe."""
 
 import math
 from collections.abc import Mapping
@@ -23,40 +23,47 @@ from drumlin.response.resultants import (
 from drumlin.response.show import as_html, as_text, plot
 
 EDGE_ZONE = math.radians(0.2)
-"""Zone [rad] at each end of a lining in which no pressures are compared.
+"""Length [rad] of the zone at each end of a lining in which pressures are not compared.
 
-The pressure is singular at a sharp elastic edge. Stated errors of the pressure, in README too, hold
-outside this zone.
+The pressure is singular at a sharp elastic edge. The stated error of a pressure therefore holds
+outside the zones at the lining's ends.
 """
 
 CURVE_SPACING = math.radians(0.2)
-"""Longest step [rad] between two points of a pressure curve that is drawn or written.
+"""Longest step [rad] between two points of a pressure curve that is drawn or written to a file.
 
-A lining of 100 degrees gets 500 points, as many as a picture has dots. The step changes no answer.
+With it a lining of 100 degrees has 500 points, as many as a picture has dots. The step does not
+change the answer of a model.
 """
 
 SMALLEST_CURVE_PIECE = 1e-9
-"""Distance [rad] from the lining's ends within which a curve leaves out ends of pieces.
+"""Distance [rad] from the lining's ends within which a pressure curve has no points.
 
-Angles that differ by less are the same number in a table. The pressure at a pressed corner has
-pieces down to 1e-12 rad. The pieces that are left out bear 1e-5 of the corner's force.
+Angles that differ by less are the same number in a table. The pressure at a corner that is pressed
+is a polynomial on pieces as short as 1e-12 rad. Pieces within this distance of the lining's ends
+are left out of a curve. They bear 1e-5 of the force on the corner.
 """
 
 NEITHER = 1e-9
-"""Work of the friction, relative to the work of the normal forces, that counts as round-off.
+"""Ratio of friction work to normal-force work below which friction is not self-energising.
 
-If its work is smaller, friction neither helps nor opposes the actuation.
+A smaller ratio is round-off: the friction then neither helps nor opposes the actuation.
 """
 
 NO_FORCE = 1e-6
-"""Fraction of the contact's force below which a support reaction counts as zero."""
+"""Fraction of the normal force on a lining below which a support reaction counts as zero."""
 
 
 @dataclass(frozen=True)
 class Balance:
-    """Imbalance of a shoe: the sum of its forces and the sum of its moments.
+    """The imbalance of a shoe: the sum of its forces and the sum of its moments.
 
-    Each sum is relative to its largest member.
+    Both sums vanish in equilibrium. Each sum is relative to its largest member.
+
+    Attributes
+    ----------
+    force : size of the sum of the forces over the largest force
+    moment : size of the sum of the moments over the largest moment
     """
 
     force: float
@@ -64,14 +71,14 @@ class Balance:
 
 
 class Deformation(NamedTuple):
-    """Deflections of a shoe's beam and of the drum's ring.
+    """The deflections of a post brake's beam and of its drum's ring, by the foundation model.
 
     Attributes
     ----------
-    x : stations (m,) [m] along the beam from the hinge
-    w : displacement (m,) [m] of the beam towards the drum
-    relative : displacement (m,) [m] of the beam beyond the straight line through the beam's ends
-    z : inward displacement (n,) [m] of the ring at the response's angles
+    x : (m,) [m], places along the beam from the hinge
+    w : (m,) [m], displacement of the beam towards the drum at x
+    relative : (m,) [m], displacement of the beam from the straight line through its displaced ends
+    z : (n,) [m], inward displacement of the ring at the angles `theta` of the shoe's response
     """
 
     x: Floats
@@ -81,14 +88,14 @@ class Deformation(NamedTuple):
 
 
 class ShoeChange(NamedTuple):
-    """Relative changes of a shoe's results by a cause such as the penalty.
+    """Relative changes of a shoe's results by one cause, such as the contact's penalty.
 
     Attributes
     ----------
-    pressure : change of the pressure in L2, outside EDGE_ZONE at the lining's ends
+    pressure : change of the pressure in the L2 norm, outside EDGE_ZONE at the lining's ends
     torque : change of the torque
     reaction : change of the support reaction
-    peak : change of the pressure near the peak
+    peak : largest change of the pressure near its peak, over the peak pressure
     """
 
     pressure: float
@@ -98,25 +105,27 @@ class ShoeChange(NamedTuple):
 
 
 NO_CHANGE = ShoeChange(0.0, 0.0, 0.0)
+"""The relative changes of a shoe's results without a cause: all are zero."""
 
 
 def reaction_size(reaction: Floats, normal_force: float) -> float:
     """The force [N] to which errors of a support reaction (2,) [N] are relative.
 
-    This force is the size of the reaction, and at least NO_FORCE of the contact's force.
+    It is the size of the reaction, and at least NO_FORCE times the normal force [N] on the lining.
     """
     return max(math.hypot(*reaction), NO_FORCE * normal_force) or 1.0
 
 
 class ModelError(NamedTuple):
-    """How far plane stress is estimated to be from the shoes with their widths.
+    """The estimated error of the assumption of plane stress, for shoes of finite width.
 
     Attributes
     ----------
-    brake : relative errors "torque", of the brake, and "pressure" (mean over the width, L2 outside
-        the edge zones) and "reaction" of the worst shoe; empty if they are not known
-    shoes : the same three errors of each shoe
-    unknown : why they are not known; empty if they are
+    brake : relative errors by their keys: "torque" of the brake, "pressure" of the worst shoe (of
+        the mean over the width, L2 norm outside the edge zones), and "reaction" of the worst shoe;
+        empty if the errors are not known
+    shoes : errors "torque", "pressure" and "reaction" of each shoe
+    unknown : reason why the errors are not known; empty if they are known
     """
 
     brake: Mapping[str, float]
@@ -124,20 +133,23 @@ class ModelError(NamedTuple):
     unknown: str = ""
 
     def as_dict(self) -> dict[str, Any]:
-        """The errors of the brake as plain data for JSON; that of the peak is not known."""
+        """The errors of the brake as plain data for JSON.
+
+        The error of the peak pressure is not known, and therefore None.
+        """
         if self.unknown:
             return {"unknown": self.unknown}
         return {**self.brake, "peak": None}
 
 
 class PressureOverWidth(NamedTuple):
-    """The pressure over the arc and the width of a lining.
+    """The pressure over the arc and the width of a lining, by a solid model.
 
     Attributes
     ----------
-    z : growing distances (m,) [m] from the mid-plane
-    pressure : pressures (n, m) [Pa] at the response's angles and at z; quadratic in z over every
-        two steps
+    z : (m,) [m], growing coordinates across the width, from the mid-plane of the shoe
+    pressure : (n, m) [Pa], pressures at the n angles `theta` of the shoe's response and at z; a
+        quadratic polynomial of z over every two steps
     """
 
     z: Floats
@@ -146,7 +158,7 @@ class PressureOverWidth(NamedTuple):
 
 @dataclass(frozen=True)
 class ShoeResponse:
-    """The forces, the pressure and the motion of one shoe, as a model answers.
+    """The forces on one shoe, the pressure on its lining, and its motion, as a model computes them.
 
     For a shoe on a plane, `theta` and `contact_arcs` are places x [m], and `torque` is 0, because
     the shoe brakes by a force.
@@ -154,30 +166,32 @@ class ShoeResponse:
     Attributes
     ----------
     name : name of the shoe
-    torque : size of the torque on the drum [N m], which opposes the rotation
+    torque : size of the shoe's torque on the drum [N m], which opposes the rotation
     normal_force : size of the vector sum of the normal forces [N]
     self_energising : whether friction helps the actuation
-    peak_pressure : largest pressure [Pa]. Elastic models leave out half a lining thickness at each
-        end of the lining, where the pressure at a sharp edge has no bound.
-    hinge_reaction : force (2,) [N] of the pin on the shoe
+    peak_pressure : largest pressure [Pa]. Elastic models do not count half a lining thickness at
+        each end of the lining, where the pressure at a sharp edge grows without bound.
+    hinge_reaction : (2,) [N], force of the pin, or of the abutment or guide, on the shoe
     contact_arcs : begin and end of each arc in contact [rad]
-    theta : growing nodes (n,) [rad] of a piecewise polynomial; consecutive pieces share an end
-    pressure : pressures (n,) [Pa] at the nodes
-    order : degree of the pieces
-    turn : rotation of the shoe about its pin [rad]; None if the model does not know the rotation
+    theta : (n,) [rad], growing angles of the nodes at which the pressure is given. Between the
+        nodes the pressure is a piecewise polynomial, whose neighbouring pieces share an end node.
+    pressure : (n,) [Pa], pressures at the nodes
+    order : degree of the polynomial pieces
+    turn : rotation of the shoe about its pin [rad]; None if the model does not compute it
     lumped : resultant of the contact, if a law lumps the forces at one point or a model in sectors;
-        otherwise the resultant is the integral of the pressure
-    pivot_reaction : force (2,) [N] of the pivot on the shoe; None without a pivot
-    reaction_moment : moment that a guide adds to its force, about `Held.pin` [N m]
-    force : actuation force [N], if shoes share forces
+        None if the resultant is the integral of the pressure
+    pivot_reaction : (2,) [N], force of the pivot on the shoe; None without a pivot
+    reaction_moment : moment [N m] of a guide on the shoe about `Held.pin`, besides its force
+    force : actuation force [N] on the shoe, if a cam or a strut shares it; otherwise None
     motion : dx, dy [m] at `Held.pin` and turn [rad] of a shoe without hinge, in the shoe's frame
-    deformation : deflections of beam and ring, from the foundation model
-    surface : pressure over the width of a solid; then `pressure` and `peak_pressure` are means over
-        the width
-    error : estimated relative errors "pressure" (L2 outside the edge zones), "torque", "peak" and
-        "reaction"; None if nothing was estimated
-    softness : relative change of the results by the contact's penalty
-    lost : known relative change of the results by the round-off of the elimination
+    deformation : deflections of beam and ring, by the foundation model only
+    surface : pressure over arc and width, by a solid model only; `pressure` and `peak_pressure` are
+        then means over the width
+    error : estimated relative errors by their keys "pressure" (L2 norm outside the edge zones),
+        "torque", "peak" and "reaction"; None if nothing was estimated
+    softness : relative changes of the results by the contact's penalty
+    lost : relative changes of the results by round-off in the elimination of unknowns, as far as
+        they are known
     """
 
     name: str
@@ -205,17 +219,19 @@ class ShoeResponse:
     def pressure_at(self, theta: Floats) -> Floats:
         """The pressure [Pa] at angles `theta` [rad] of any shape; 0 beyond the lining.
 
-        The pressure is Lagrange's interpolation of the nodal values in the piece of each angle.
+        In each polynomial piece the pressure is Lagrange's interpolation of the nodal values.
         """
         theta = np.asarray(theta, dtype=float)
         ends = self.theta[:: self.order]
         piece = np.clip(np.searchsorted(ends, theta, side="right") - 1, 0, len(ends) - 2)
         x, y = by_piece(self.theta, self.order), by_piece(self.pressure, self.order)
-        # Distances of the nodes of a piece from each other; the diagonal is set to 1.
+        # The denominators of Lagrange's polynomials are products of the distances between the nodes
+        # of a piece. Ones on the diagonal leave out the distance of a node from itself.
         apart = x[:, :, None] - x[:, None]  # (pieces, nodes, nodes)
         unit = np.eye(self.order + 1)
         factors = (y / (apart + unit).prod(axis=2))[piece]
-        # Products of the distances to all nodes before a node, and to all nodes behind the node.
+        # The numerator for a node is the product of the distances from the angle to all other
+        # nodes: to those before the node, and to those behind the node.
         off = theta[..., None] - x[piece]
         before, behind = np.ones(off.shape), np.ones(off.shape)
         np.cumprod(off[..., :-1], axis=-1, out=before[..., 1:])
@@ -225,15 +241,16 @@ class ShoeResponse:
         return np.where(on_lining, value, 0.0)
 
     def curve(self) -> tuple[Floats, Floats]:
-        """The pressure as a curve to draw or write: angles (m,) [rad] and pressures >= 0 (m,) [Pa].
+        """Points of the pressure curve for plots and tables.
 
-        Pieces up to degree 2 keep their own nodes. A piece of a higher degree is divided into an
-        even number of even steps. The steps are so short that straight lines or parabolas between
-        the points follow the polynomial.
+        The result is the angles (m,) [rad] and the pressures (m,) [Pa] of the points. No pressure
+        of the curve is negative. If the polynomial pieces have a degree up to 2, the points are the
+        nodes. A piece of a higher degree is divided into an even number of equal steps. The steps
+        are so short that straight lines or parabolas through the points follow the polynomial.
         """
         if self.order <= 2:
             return self.theta, self.pressure
-        # Pieces next to the lining's ends that are too short to show are joined.
+        # Ends of pieces that are hardly apart from the lining's ends are left out.
         ends = self.theta[:: self.order]
         apart = np.minimum(ends - ends[0], ends[-1] - ends) > SMALLEST_CURVE_PIECE
         ends = np.concatenate([ends[:1], ends[apart], ends[-1:]])
@@ -247,9 +264,9 @@ class ShoeResponse:
         return theta, np.maximum(self.pressure_at(theta), 0.0)
 
     def as_dict(self) -> dict[str, Any]:
-        """Convert the response of the shoe to plain data for JSON, in the units of the attributes.
+        """The response of the shoe as plain data for JSON, in the units of the attributes.
 
-        The angles and pressures are the points of `curve`.
+        The angles and pressures are the points that `curve` returns.
         """
         theta, pressure = self.curve()
         data: dict[str, Any] = {
@@ -263,7 +280,7 @@ class ShoeResponse:
             "theta": theta.tolist(),
             "pressure": pressure.tolist(),
         }
-        # Results that this shoe or its model does not have are no keys.
+        # Results that this shoe or its model does not have get no key.
         if self.error is not None:
             data["error"] = dict(self.error)
         if self.force is not None:
@@ -280,21 +297,23 @@ class ShoeResponse:
 
 
 class Merit(NamedTuple):
-    """The figures of merit of a shoe on a drum, from its pressure p(theta).
+    """The figures of merit of a shoe on a drum, such as its shoe factor.
 
-    A figure is None if its definition divides by 0.
+    A figure is None if its definition divides by 0. T is the torque of the shoe, F its actuation
+    force, M the moment of F about the hinge, and R the radius of the drum with the centre O.
 
     Attributes
     ----------
-    resultant_angle : angle [rad] of the normal pressure's resultant at the drum's centre O, counted
-        as the lining's angles
-    friction_radius : psi, the apparent radius of friction over R
+    resultant_angle : angle [rad] of the normal pressure's resultant at O, counted with the full
+        turns of the lining's angles
+    friction_radius : psi, apparent radius of the friction over R
     shoe_factor : T/(F R)
     mechanical_advantage : eta = T/M = 1/(m - double_delta n)
     m : moment of the normal pressure about the hinge over T
     n : moment of the friction about the hinge over the moment of the friction about O
-    double_delta : sign of n in eta
-    sensitivity_at_fixed_shape : m eta, the (mu/eta) d eta/d mu of a pressure of constant shape
+    double_delta : sign of n in the formula of eta
+    sensitivity_at_fixed_shape : sensitivity (mu/eta) d eta/d mu = m eta, if the shape of the
+        pressure did not change with mu
     """
 
     resultant_angle: float | None
@@ -307,7 +326,7 @@ class Merit(NamedTuple):
     sensitivity_at_fixed_shape: float | None
 
     def effect_of(self, shoe: ShoeResponse) -> float:
-        """The effect of the shoe on the drum, a torque [N m]."""
+        """The effect of a shoe on the drum, which is its torque [N m]."""
         return shoe.torque
 
 
@@ -318,7 +337,8 @@ class FlatMerit(NamedTuple):
     ----------
     braking_force : force of the shoe against the motion [N]
     braking_force_over_moment : braking force over the actuation's moment M [1/m]
-    sensitivity_at_fixed_shape : S, relative change of the braking force per relative change of mu
+    sensitivity_at_fixed_shape : relative change of the braking force per relative change of mu, if
+        the shape of the pressure did not change with mu
     """
 
     braking_force: float
@@ -326,30 +346,31 @@ class FlatMerit(NamedTuple):
     sensitivity_at_fixed_shape: float | None
 
     def effect_of(self, shoe: ShoeResponse) -> float:
-        """The effect of the shoe on the plane, a braking force [N]."""
+        """The effect of a shoe on the plane, which is its braking force [N]."""
         return self.braking_force
 
 
 @dataclass(frozen=True, repr=False)
 class Response:
-    """The answer of a model for a brake.
+    """The answer of a model for a brake: torque, pressures, reactions and contact of its shoes.
 
     Attributes
     ----------
     model : name of the model
     shoes : response of each shoe
-    balance : largest imbalance of the shoes
-    converged : whether the model has converged
-    iterations : number of the model's iterations
-    seconds : time of each phase of the solve [s]
-    left_out : effects that the model neglects, a line each
-    notes : lines for the reader
+    balance : largest imbalance of forces and of moments among the shoes
+    converged : whether the iterations of the model have converged
+    iterations : number of iterations of the model
+    seconds : time [s] of each phase of the solve, by the name of the phase
+    left_out : effects that the model neglects, a line of text for each
+    notes : lines of text for the reader, such as warnings
     merits : figures of merit of each shoe; empty until `with_merits` adds them
-    bearing_load : force (2,) [N] of all shoes on the drum, which the drum's bearings carry
-    error : estimated relative errors "pressure" (L2 outside the edge zones, the worst shoe's) and
-        "torque"; None if nothing was estimated
-    surface : surface on which the brake runs, known once the response has `merits`
-    plane_stress_error : estimated error of plane stress itself; None if it was not asked for
+    bearing_load : (2,) [N], force of all shoes on the drum, which the drum's bearings carry
+    error : estimated relative errors by their keys "pressure" (of the worst shoe, L2 norm outside
+        the edge zones) and "torque"; None if nothing was estimated
+    surface : kind of surface, drum or plane, right once `with_merits` has set it
+    plane_stress_error : estimated error of the assumption of plane stress; None if it was not asked
+        for
     """
 
     model: str
@@ -367,6 +388,7 @@ class Response:
     plane_stress_error: ModelError | None = None
 
     def __post_init__(self) -> None:
+        """Raise NoAnswer if a result of a shoe is infinite or not a number."""
         for shoe in self.shoes:
             numbers = shoe.torque, shoe.normal_force, shoe.peak_pressure, *shoe.hinge_reaction
             if not (all(map(math.isfinite, numbers)) and np.isfinite(shoe.pressure).all()):
@@ -394,20 +416,23 @@ class Response:
         return math.fsum(self.effects)
 
     def __repr__(self) -> str:
+        """The response as a table of text."""
         return as_text(self)
 
     def _repr_html_(self) -> str:
+        """The response as an HTML table, which notebooks display."""
         return as_html(self)
 
     def plot(self, axes: Any = None) -> Any:
-        """Draw p(theta) of every shoe, in MPa over degrees, and return the matplotlib axes.
+        """Draw the pressure of every shoe, in MPa over degrees, or over mm on a plane.
 
-        The curves are drawn into the given `axes`, or into new axes.
+        The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. The
+        method returns the axes.
         """
         return plot(self, axes)
 
     def as_dict(self) -> dict[str, Any]:
-        """Convert the response to plain data for JSON, in N m, N, Pa, rad and s."""
+        """The response as plain data for JSON, in N m, N, Pa, rad and s."""
         shoes = [shoe.as_dict() for shoe in self.shoes]
         for i, merit in enumerate(self.merits):
             shoes[i] |= merit._asdict()
@@ -433,7 +458,10 @@ class Response:
 
 
 def untouched(shoe: Shoe, hinge_reaction: Floats) -> ShoeResponse:
-    """The response of a shoe that does not touch the drum: no torque, no pressure."""
+    """The response of a shoe that does not touch the drum: torque and pressure are zero.
+
+    `hinge_reaction` (2,) [N] is the force of the support, which balances the actuation.
+    """
     theta = np.linspace(shoe.lining.start, shoe.lining.end, 3)
     return ShoeResponse(
         name=shoe.name,
@@ -461,20 +489,23 @@ def pressed_shoe(
     surface: PressureOverWidth | None = None,
     **results: Any,
 ) -> ShoeResponse:
-    """Make the response of a shoe whose elastic lining is pressed.
+    """The response of a shoe with an elastic lining that is in contact.
+
+    The function computes the peak pressure and the arcs in contact from the nodal pressures.
 
     Parameters
     ----------
     shoe : the shoe
     scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
-    theta : growing or falling nodes (n,) [rad]
-    pressure : pressures (n,) [Pa] at the nodes
-    order : degree of the pieces of the pressure
-    located : whether the ends of the contact and the peak are located within their elements
-    peak : peak pressure [Pa]; None if unknown
-    surface : pressure over the width, whose rows stand at theta
-    results : the attributes torque, normal_force, self_energising and hinge_reaction of
-        ShoeResponse, and optional attributes
+    theta : (n,) [rad], growing or falling angles of the nodes
+    pressure : (n,) [Pa], pressures at the nodes
+    order : degree of the polynomial pieces of the pressure
+    located : whether to locate the ends of the contact and the peak between the nodes; otherwise
+        they are at nodes
+    peak : peak pressure [Pa]; None if it is to be found from the nodal pressures
+    surface : pressure over the width, whose rows belong to the angles `theta`
+    results : values of the attributes torque, normal_force, self_energising and hinge_reaction of
+        ShoeResponse, and of optional attributes
 
     Raises
     ------
@@ -491,7 +522,8 @@ def pressed_shoe(
         else:
             peak = nodal_peak(theta, pressure, edge_left_out(theta, pressure, order, zone))
     arcs = contact_arcs(theta, pressure, order, located=located)
-    # Normal forces are summed by their sizes: in their resultant opposite sides would cancel.
+    # The sizes of the normal forces are summed. In their vector sum, forces on opposite sides of a
+    # long arc would cancel.
     force = shoe.lining.width * scale_factor * integrate(theta, pressure, order)
     check_strain(shoe, scale_factor, force, sum(end - start for start, end in arcs))
     if surface is not None:
@@ -509,10 +541,11 @@ def pressed_shoe(
 
 
 def edge_zone(shoe: Shoe, scale_factor: float) -> float:
-    """The zone at each end of a lining in which a sharp edge makes the pressure steep.
+    """The length of the zone at each end of a lining in which the peak pressure is not sought.
 
-    The zone is half the lining's thickness, or a quarter of the length of a short lining. It counts
-    in the coordinate of a surface with the scale factor [m/rad, on a plane 1].
+    In this zone a sharp edge makes the pressure steep. The zone is half the lining's thickness, or
+    a quarter of the length of a short lining. The result is in the surface's coordinate, rad on a
+    drum and m on a plane. `scale_factor` is the length per unit of this coordinate.
     """
     zone = (shoe.lining.thickness or 0.0) / (2 * scale_factor)
     length = shoe.lining.end - shoe.lining.start
@@ -520,26 +553,30 @@ def edge_zone(shoe: Shoe, scale_factor: float) -> float:
 
 
 def own_edge_zone(shoe: Shoe, size: float) -> float:
-    """The `edge_zone` of a lining in phi of the shoe's own frame, in a brake of a size [m]."""
+    """The `edge_zone` of a lining as an angle phi in the shoe's own frame.
+
+    `size` [m] is the size of the brake, on a drum its radius.
+    """
     unit = shoe.frame.unit
     return edge_zone(shoe, size / unit) / unit
 
 
 def singular_zone(length: float, unit: float = 1.0) -> float:
-    """The smaller of EDGE_ZONE and a quarter of a lining's length.
+    """The length of the zone at each end of a lining in which pressures are not compared.
 
-    The zone and the length count in a coordinate that grows by `unit` per radian of phi.
+    It is EDGE_ZONE, or a quarter of the length of a short lining. The zone and the length are in a
+    coordinate that grows by `unit` per radian.
     """
     return min(unit * EDGE_ZONE, 0.25 * length)
 
 
 class PeakPlace(NamedTuple):
-    """The place of a peak pressure, and the zone in which the peak was not sought.
+    """The place of a shoe's peak pressure, and the end zones in which the peak was not sought.
 
     Attributes
     ----------
     at : angle [rad] of the peak, on a plane its place x [m]
-    zone : zone [rad or m] at each of the lining's ends that was left out
+    zone : length [rad, on a plane m] of the zone at each end of the lining that did not count
     """
 
     at: float
@@ -547,14 +584,18 @@ class PeakPlace(NamedTuple):
 
 
 def peak_place(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | None:
-    """The place of the peak pressure of shoe `index`, to CURVE_SPACING; None without contact."""
+    """The place of the peak pressure of shoe `index`; None if the shoe does not touch.
+
+    The place is one of the points of the pressure curve, at most CURVE_SPACING apart.
+    """
     if not response.contact_arcs or not response.peak_pressure > 0:
         return None
     theta, pressure = response.curve()
     zone = edge_zone(brake.shoes[index], brake.scale_factor)
     inside = _is_outside_zones(theta, zone)
-    # The response does not tell whether its peak leaves out the zones at the ends. The curve's
-    # largest value outside the zones, or its largest value of all, comes nearest to the peak.
+    # A response does not tell whether its peak pressure was sought on the whole lining or outside
+    # the end zones. The largest value of the curve is known for both. The value that is nearer to
+    # the peak pressure decides.
     apart = abs(pressure[inside].max(initial=0.0) - response.peak_pressure)
     if abs(pressure.max() - response.peak_pressure) <= apart:
         inside, zone = np.ones(len(theta), dtype=bool), 0.0
@@ -563,14 +604,14 @@ def peak_place(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | 
 
 
 def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:
-    """The largest nodal pressure [Pa] more than `zone` [rad] away from the lining's ends.
+    """The largest nodal pressure [Pa] at nodes farther than `zone` [rad] from the lining's ends.
 
-    All nodes count if no node outside the zones presses.
+    If the pressure is zero at all these nodes, the largest of all nodal pressures is returned.
     """
     inside = _is_outside_zones(theta, zone)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())
 
 
 def _is_outside_zones(theta: Floats, zone: float) -> Bools:
-    """Whether angles (n,) are more than a zone away from the first angle and the last angle."""
+    """Whether angles (n,) are farther than a zone from both the first and the last angle."""
     return np.asarray((theta > theta[0] + zone) & (theta < theta[-1] - zone))

@@ -1,7 +1,8 @@
-"""Integrals, peaks and contact arcs of a pressure distribution.
+"""Integrals, largest values and contact arcs of a pressure distribution.
 
-A pressure distribution is a piecewise polynomial over the surface's coordinate. Its nodes are the
-Gauss-Lobatto points of each piece. Consecutive pieces share their end node.
+A pressure distribution is a piecewise polynomial over the surface's coordinate, the angle theta on
+a drum or x on a plane. It is given by its values at nodes, which are the Gauss-Lobatto points of
+each piece. Neighbouring pieces share an end node.
 """
 
 import math
@@ -15,20 +16,25 @@ from numpy.polynomial import legendre
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.surface import FrictionSurface
 
+# Points on [-1, 1] and weights of a Gauss rule that is exact up to degree 23.
 GAUSS, WEIGHTS = legendre.leggauss(12)
 
 PEAK_SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
-"""Points on [-1, 1] at which a piece is evaluated before a parabola gives its largest value."""
+"""Points at which a polynomial piece is evaluated to find its largest value.
+
+They are in the coordinate [-1, 1] of the piece. A parabola through the largest of these values and
+its two neighbours then gives the largest value of the piece.
+"""
 
 
 class Resultant(NamedTuple):
-    """Resultant of the contact on the lining.
+    """The resultant forces and the moment of pressure and friction on a lining.
 
     Attributes
     ----------
-    normal : force (2,) [N] of the pressure
-    friction : force (2,) [N] of the friction
-    moment : moment of pressure and friction about the origin [N m]
+    normal : (2,) [N], force of the pressure
+    friction : (2,) [N], force of the friction
+    moment : moment of pressure and friction together about the origin [N m]
     """
 
     normal: Floats
@@ -48,35 +54,41 @@ def cross(a: Floats, b: Floats) -> Floats:
 
 @cache
 def lobatto(order: int) -> Floats:
-    """The Gauss-Lobatto points (order + 1,) on [-1, 1], the nodes of a polynomial of this degree.
+    """The Gauss-Lobatto points (order + 1,) on [-1, 1]: nodes of a polynomial of degree `order`.
 
-    The points are evenly spaced up to degree 2.
+    Up to degree 2 the points are evenly spaced.
     """
     inner = np.zeros(0)
     if order > 1:
         # The inner points are the roots of the derivative of the Legendre polynomial.
         highest = np.eye(order + 1)[order]
         inner = np.sort(legendre.legroots(legendre.legder(highest)).real)
-    # Round-off makes the roots slightly unsymmetric.
+    # The points are symmetric about 0, but for round-off in the computed roots.
     symmetric = 0.5 * (inner - inner[::-1])
     return np.concatenate([[-1.0], symmetric, [1.0]])
 
 
 @cache
 def _coefficients(order: int) -> Floats:
-    """The Legendre coefficients (order + 1, order + 1) of the shape functions, a column each."""
+    """The Legendre coefficients (order + 1, order + 1) of the Lagrange shape functions.
+
+    A column belongs to each shape function.
+    """
     return np.asarray(np.linalg.inv(legendre.legvander(lobatto(order), order)), dtype=float)
 
 
 def shape(order: int, xi: Floats) -> Floats:
-    """The Lagrange shape functions on the nodes `lobatto` at points xi: (order + 1, *xi.shape)."""
+    """The values (order + 1, *xi.shape) of the Lagrange shape functions at points xi in [-1, 1].
+
+    Their nodes are the Gauss-Lobatto points.
+    """
     rows = _legendre_values(order, xi)
     return (_coefficients(order).T @ rows.reshape(order + 1, -1)).reshape(rows.shape)
 
 
 def _legendre_values(order: int, xi: Floats) -> Floats:
-    """The Legendre polynomials up to a degree at points xi, shaped (order + 1, *xi.shape)."""
-    # The recurrence gives each polynomial from the two polynomials before.
+    """The values (order + 1, *xi.shape) of the Legendre polynomials up to degree `order` at xi."""
+    # The recurrence gives each polynomial from the two polynomials of the next lower degrees.
     rows = np.ones((order + 1, *np.shape(xi)))
     if order > 0:
         rows[1] = xi
@@ -87,33 +99,40 @@ def _legendre_values(order: int, xi: Floats) -> Floats:
 
 @cache
 def _integral_coefficients(order: int) -> Floats:
-    """The Legendre coefficients (order + 1, order + 2) of the integrals of the shape functions.
+    """The Legendre coefficients (order + 1, order + 2) of the integrated Lagrange shape functions.
 
-    Each row is the integral of one shape function from -1 on.
+    Each row belongs to the integral of one shape function from -1 to x, as a function of x.
     """
     return np.ascontiguousarray(legendre.legint(_coefficients(order), lbnd=-1).T)
 
 
 def slopes(order: int, xi: Floats) -> Floats:
-    """The derivatives of the shape functions at points xi: (order + 1, *xi.shape)."""
+    """The derivatives (order + 1, *xi.shape) of the Lagrange shape functions at points xi."""
     derivative = legendre.legder(_coefficients(order))
     return np.moveaxis(legendre.legvander(xi, order - 1) @ derivative, -1, 0)
 
 
 @cache
 def at_gauss(order: int) -> tuple[Floats, Floats]:
-    """The shape functions and their derivatives (order + 1, q) at the points GAUSS."""
+    """The Lagrange shape functions and their derivatives (order + 1, q) at the q points GAUSS."""
     return shape(order, GAUSS), slopes(order, GAUSS)
 
 
 @cache
 def _piece_weights(order: int) -> Floats:
-    """The integrals (order + 1,) of the shape functions over a piece of length 1."""
+    """The integrals (order + 1,) of the Lagrange shape functions over a piece of length 1."""
     return np.asarray(at_gauss(order)[0] @ WEIGHTS / 2, dtype=float)
 
 
 class GaussValues(NamedTuple):
-    """The places, values and weights (pieces, points) of a Gauss rule on every piece."""
+    """A piecewise polynomial at the points of a Gauss rule, with the same rule on every piece.
+
+    Attributes
+    ----------
+    places : (pieces, points), the points in the surface's coordinate
+    values : (pieces, points), values of the polynomial
+    weights : (pieces, points), weights of the points in an integral over the coordinate
+    """
 
     places: Floats
     values: Floats
@@ -121,7 +140,7 @@ class GaussValues(NamedTuple):
 
 
 def gauss_points(theta: Floats, values: Floats, order: int) -> GaussValues:
-    """Evaluate a piecewise polynomial with nodal theta and values (n,) at Gauss points."""
+    """A piecewise polynomial, with values (n,) at nodes theta (n,), evaluated at Gauss points."""
     ends = theta[::order]
     half = 0.5 * (ends[1:] - ends[:-1])[:, None]
     return GaussValues(
@@ -132,7 +151,10 @@ def gauss_points(theta: Floats, values: Floats, order: int) -> GaussValues:
 
 
 def by_piece(values: Floats, order: int) -> Floats:
-    """Arrange the nodal values (n,) of a piecewise polynomial by pieces, (pieces, order + 1)."""
+    """The nodal values (n,) of a piecewise polynomial, as one row (order + 1,) for each piece.
+
+    A node that two pieces share is in the rows of both.
+    """
     count = (len(values) - 1) // order
     found = np.empty((count, order + 1))
     found[:, :-1] = values[: count * order].reshape(-1, order)
@@ -142,18 +164,21 @@ def by_piece(values: Floats, order: int) -> Floats:
 
 @cache
 def _at_samples(order: int) -> Floats:
-    """The shape functions (order + 1, s) at PEAK_SAMPLES."""
+    """The Lagrange shape functions (order + 1, s) at the s points PEAK_SAMPLES."""
     return shape(order, PEAK_SAMPLES)
 
 
 class _Samples(NamedTuple):
-    """Samples of the part of a line away from its ends, at which the largest value is sought.
+    """The points at which the largest pressure outside the end zones of a lining is sought.
+
+    Pieces of the pressure outside the end zones have the points PEAK_SAMPLES. A piece that an end
+    zone cuts has points on its uncut part only.
 
     Attributes
     ----------
-    pieces : the pieces of the line that lie in the part, wholly or in part
-    cut : numbers (c,), within `pieces`, of the pieces that the ends of the part cut
-    shapes : shape functions (c, order + 1, s) at samples of the inner part of the cut pieces
+    pieces : pieces that lie outside the end zones, or are cut by one
+    cut : (c,), numbers within `pieces` of the pieces that are cut
+    shapes : (c, order + 1, s), Lagrange shape functions at the s points of each cut piece
     """
 
     pieces: slice
@@ -163,10 +188,15 @@ class _Samples(NamedTuple):
 
 @dataclass(frozen=True)
 class InnerPart:
-    """The part of a line more than `zone` [rad] away from its ends.
+    """The part of a lining outside the zones at its ends, for integrals and peaks of pressures.
 
-    The same part serves all piecewise polynomials on the growing nodes theta (n,). The part is
-    empty if the zones cover the line.
+    It serves all pressures on the same nodes. The part is empty if the two zones cover the lining.
+
+    Attributes
+    ----------
+    theta : (n,), growing nodes of the pressures, from one end of the lining to the other
+    order : degree of the polynomial pieces of the pressures
+    zone : length of the zone at each end, in the coordinate of theta
     """
 
     theta: Floats
@@ -175,31 +205,42 @@ class InnerPart:
 
     @cached_property
     def weights(self) -> Floats:
-        """The weights (2, n) of nodal values in integrals over the whole line and over the part."""
+        """The weights (2, n) of nodal values in two integrals over theta.
+
+        The first row is for the integral over the whole lining, the second row for the integral
+        over the part outside the end zones.
+        """
         ends, order = self.theta[:: self.order], self.order
         zone = min(self.zone, 0.5 * float(ends[-1] - ends[0]))
         half = 0.5 * (ends[1:] - ends[:-1])
         limits = np.array([ends[0], ends[0] + zone, ends[-1] - zone, ends[-1]])
-        # The limits in the coordinate of each piece, [-1, 1].
+        # The limits of the two integrals in the coordinate [-1, 1] of each piece. A limit outside
+        # the piece becomes the nearer end of the piece.
         xi = np.minimum(np.maximum((limits[:, None] - ends[:-1]) / half - 1, -1.0), 1.0)
-        # Integrals of the shape functions of each piece from its begin up to the limits.
+        # Integrals of the shape functions of each piece from the begin of the piece up to a limit.
         integrals = _integral_coefficients(order) @ _legendre_values(order + 1, xi).swapaxes(0, 1)
         up_to = half[:, None] * integrals.swapaxes(1, 2)
         between = up_to[3:1:-1] - up_to[:2]
-        # A node between two pieces gets the weights of both pieces.
+        # A node that two pieces share gets the sum of the weights from both pieces.
         found = np.zeros((2, len(self.theta)))
         found[:, :-1] = between[:, :, :-1].reshape(2, -1)
         found[:, order::order] += between[:, :, -1]
         return found
 
     def part(self, values: Floats) -> float:
-        """The integral of nodal values (n,) over the part, relative to that over the whole line."""
+        """The fraction of the integral over the lining that lies outside the end zones.
+
+        `values` (n,) are the nodal values of a piecewise polynomial, such as pressures.
+        """
         whole, inside = (self.weights @ values).tolist()
         return float(inside / (whole or 1.0))
 
     @cached_property
     def samples(self) -> _Samples:
-        """The samples of the part; of the whole line if the part is empty."""
+        """The points at which the largest pressure on the lining is sought.
+
+        They lie outside the end zones, or on the whole lining if the end zones cover it.
+        """
         ends = self.theta[:: self.order]
         empty = 2 * self.zone >= self.theta[-1] - self.theta[0]
         zone = 0.0 if empty else self.zone
@@ -207,7 +248,7 @@ class InnerPart:
         low, high = np.maximum(start, ends[0] + zone), np.minimum(end, ends[-1] - zone)
         pieces = (low < high).nonzero()[0]
         cut = ((low > start) | (high < end))[pieces].nonzero()[0]
-        # The samples between low and high, in the coordinate of each cut piece.
+        # The points between low and high in the coordinate [-1, 1] of each cut piece.
         low, high = low[pieces[cut], None], high[pieces[cut], None]
         start, end = start[pieces[cut], None], end[pieces[cut], None]
         xi = (low + high - start - end + (high - low) * PEAK_SAMPLES) / (end - start)
@@ -215,7 +256,7 @@ class InnerPart:
         return _Samples(slice(int(pieces[0]), int(pieces[-1]) + 1), cut, shapes)
 
     def largest(self, values: Floats) -> float:
-        """The largest value in the part; in the whole line if the part is empty.
+        """The largest value outside the end zones; on the whole lining if the zones cover it.
 
         `values` (n,) are the nodal values of a piecewise polynomial.
         """
@@ -225,21 +266,27 @@ class InnerPart:
         if len(samples.cut):
             found[samples.cut] = (pieces[samples.cut, None] @ samples.shapes)[:, 0]
         piece, sample = divmod(int(found.argmax()), len(PEAK_SAMPLES))
-        # At the end of a piece there is no parabola through a neighbour on both sides.
+        # A parabola needs a sample on both sides, which the first and the last sample do not have.
         if sample in {0, len(PEAK_SAMPLES) - 1}:
             return float(found[piece, sample])
         x = PEAK_SAMPLES[sample - 1 : sample + 2].tolist()
         return _top_of_parabola(x, found[piece, sample - 1 : sample + 2].tolist())
 
     def peak(self, pressure: Floats) -> float:
-        """The largest pressure in the part; in the whole line if half of the force acts outside."""
+        """The largest pressure [Pa] outside the end zones, from nodal pressures (n,) [Pa].
+
+        If half of the force acts in the end zones, the largest pressure of all is returned.
+        """
         if self.part(pressure) > 0.5:
             return self.largest(pressure)
         return largest(self.theta, pressure, self.order)
 
 
 def _top_of_parabola(x: list[float], y: list[float]) -> float:
-    """The largest value of a parabola through three points whose middle one is highest."""
+    """The largest value of a parabola through three points (x, y), of which the middle is highest.
+
+    If the points lie on a line, the highest y is returned.
+    """
     before, at, after = x
     below, top, beyond = y
     left, right = (top - below) / (at - before), (beyond - top) / (after - at)
@@ -249,20 +296,20 @@ def _top_of_parabola(x: list[float], y: list[float]) -> float:
 
 
 def largest(theta: Floats, values: Floats, order: int) -> float:
-    """The largest value of a piecewise polynomial with nodal theta and values (n,)."""
+    """The largest value of a piecewise polynomial with values (n,) at the nodes theta (n,)."""
     return InnerPart(theta, order, 0.0).largest(values)
 
 
 def edge_left_out(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
-    """The zone [rad] at each end of a lining that does not count in a judgement of p(theta).
+    """The length [rad] of the zone at each end of a lining in which pressure errors do not count.
 
-    The zone is `zone`, or 0 if half of the force acts in the zones.
+    It is `zone`, or 0 if half of the force on the lining acts in the two zones.
     """
     return zone if InnerPart(theta, order, zone).part(pressure) > 0.5 else 0.0
 
 
 def integrate(theta: Floats, values: Floats, order: int) -> float:
-    """The integral over theta of a piecewise polynomial with nodal theta and values (n,)."""
+    """The integral over theta of a piecewise polynomial with values (n,) at nodes theta (n,)."""
     rule = gauss_points(theta, values, order)
     return float(np.sum(rule.values * rule.weights))
 
@@ -278,17 +325,18 @@ def resultant(
     sign: int,
     drag: float,
 ) -> Resultant:
-    """The resultant on the lining of the traction -p n + drag p t.
+    """The resultant on a lining of the pressure and the friction that is proportional to it.
 
-    The normal n points out of the lining, t along the surface.
+    The traction on the lining is -p n + drag p t. The normal n points out of the lining, and t
+    along the surface towards the growing coordinate.
 
     Parameters
     ----------
-    surface : surface on which the lining lies
-    theta : nodes (n,) of the pressure in the surface's coordinate
-    pressure : pressures (n,) [Pa] at the nodes
-    order : degree of the pieces
-    size : size of the brake [m]
+    surface : surface on which the lining lies, drum or plane
+    theta : (n,), nodes of the pressure in the surface's coordinate
+    pressure : (n,) [Pa], pressures at the nodes
+    order : degree of the polynomial pieces of the pressure
+    size : size of the brake [m], on a drum its radius
     per_place : area of the lining per unit of the coordinate
     sign : +1 for an internal lining, -1 for an external lining
     drag : friction per pressure along the growing coordinate, mu or -mu
@@ -308,19 +356,18 @@ def resultant(
 def contact_arcs(
     theta: Floats, pressure: Floats, order: int, *, located: bool = True
 ) -> tuple[tuple[float, float], ...]:
-    """The arcs [rad], begin and end of each, in which the lining is pressed.
-
-    Nodes next to a pressed node belong to the arc of the pressed node.
+    """The arcs of a lining in contact with the drum: begin and end of each [rad].
 
     Parameters
     ----------
-    theta : growing nodes (n,) [rad]
-    pressure : nodal pressures (n,) [Pa]
-    order : degree of the pieces
-    located : whether an end of the contact is located within its element
+    theta : (n,) [rad], growing nodes of the pressure
+    pressure : (n,) [Pa], pressures at the nodes
+    order : degree of the polynomial pieces of the pressure
+    located : whether to locate an end of the contact between two nodes; otherwise an arc ends at
+        the first node without pressure
     """
     pressed = pressure > 0
-    # A step between two nodes belongs to an arc if one of the nodes is pressed.
+    # A step between two nodes belongs to an arc if the pressure is positive at one of the nodes.
     steps = np.zeros(len(theta) + 1, dtype=bool)
     steps[1:-1] = pressed[:-1] | pressed[1:]
     edges = (steps[1:] != steps[:-1]).nonzero()[0].tolist()
@@ -330,7 +377,7 @@ def contact_arcs(
         if located and not pressed[first]:
             start = _locate_end(theta, pressure, first, order)
         if located and not pressed[last]:
-            # The other end is found from behind, in the mirror image of the pressure.
+            # The far end of an arc is the near end in the mirror image of the pressure.
             mirrored = len(theta) - 1 - last
             end = -_locate_end(-theta[::-1], pressure[::-1], mirrored, order)
         arcs.append((start, end))
@@ -338,16 +385,16 @@ def contact_arcs(
 
 
 def _locate_end(theta: Floats, pressure: Floats, node: int, order: int) -> float:
-    """Locate the end of a contact arc [rad] between an unpressed `node` and the next node.
+    """The angle [rad] at which a contact arc begins, between an unpressed `node` and the next node.
 
-    The pressure of a smooth contact falls to its end e as sqrt(theta - e). The force from the end
-    on, F = Int_e p dtheta, therefore has F^(2/3) linear in theta. The line through the values of
-    F^(2/3) at the ends of the first two elements gives e. Integrals of the pressure scatter far
-    less than nodal pressures.
+    The pressure of a smooth contact falls towards the begin e of the contact as sqrt(theta - e).
+    For the force F = Int_e p dtheta from e up to theta, F^(2/3) is therefore linear in theta. The
+    line through the values of F^(2/3) at the ends of the first two elements gives e. Integrals of
+    the pressure scatter far less than nodal pressures.
     """
     begin = node // order * order
     near, far = begin + order, begin + 2 * order
-    # An arc of less than two elements ends at its node.
+    # If there are no two elements up to the end of the lining, the contact begins at the node.
     if far >= len(theta):
         return float(theta[node])
     means = by_piece(pressure[begin : far + 1], order) @ _piece_weights(order)

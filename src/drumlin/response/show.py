@@ -1,4 +1,4 @@
-"""Show a response to a person: a short table as text or HTML, and the pressure as a plot."""
+"""Show a response to the reader: a short table as text or HTML, and a plot of the pressure."""
 
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -11,18 +11,21 @@ if TYPE_CHECKING:
     from drumlin.response.response import Response, ShoeResponse
 
 POINTS_PER_PIECE = 20
-"""Points of a drawn curve in each piece of the pressure; more do not show in a small plot."""
+"""Number of points at which each polynomial piece of the pressure is drawn.
+
+More points do not change a small plot.
+"""
 
 
 def arcs_text(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
-    """The contact arcs of a shoe as text, in degrees, or in mm on a plane."""
+    """The arcs of a shoe in contact as text, in degrees, or in mm on a plane; "none" without."""
     factor = surface.shown
     arcs = [f"{start * factor:.1f} to {end * factor:.1f}" for start, end in shoe.contact_arcs]
     return ", ".join(arcs) or "none"
 
 
 def rows_of(response: "Response") -> list[tuple[str, ...]]:
-    """The rows of a response's table: the head, a row per shoe, and a row of the whole brake."""
+    """The cells of a response's table: a head, a row for each shoe, and a row for the brake."""
     surface, effects = response.surface, response.effects
     head = (
         "shoe",
@@ -47,7 +50,7 @@ def rows_of(response: "Response") -> list[tuple[str, ...]]:
 
 
 def as_text(response: "Response") -> str:
-    """The table of a response as text with aligned columns, under a line with model and effect."""
+    """A response as text: a line with model and torque, and a table with aligned columns."""
     table = rows_of(response)
     widths = np.char.str_len(table).max(axis=0).tolist()
     lines = [_title(response)]
@@ -58,12 +61,12 @@ def as_text(response: "Response") -> str:
 
 
 def as_html(response: "Response") -> str:
-    """The table of a response as HTML, for notebooks."""
-    # The module brings a table of all entities, and only notebooks need the module.
+    """A response as an HTML table, which notebooks display."""
+    # The standard module `html` loads a table of all entities, and only notebooks need it.
     from html import escape  # noqa: PLC0415
 
     def row(cells: tuple[str, ...], tag: str) -> str:
-        """A row of the table whose cells have the given tag."""
+        """The HTML of a row whose cells have the given tag, "td" or "th"."""
         return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
 
     head, *rest = rows_of(response)
@@ -74,7 +77,8 @@ def as_html(response: "Response") -> str:
 def plot(response: "Response", axes: Any = None) -> Any:
     """Draw the pressure of every shoe, in MPa over degrees, or over mm on a plane.
 
-    The curves are drawn into the given matplotlib `axes`, or into new axes, which are returned.
+    The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. The
+    function returns the axes.
     """
     if axes is None:
         # matplotlib is loaded only when something is drawn.
@@ -93,7 +97,7 @@ def plot(response: "Response", axes: Any = None) -> Any:
 
 
 def _title(response: "Response") -> str:
-    """One line with the model of a response and the torque or the braking force."""
+    """A line of text with the model of a response and the torque, on a plane the braking force."""
     surface = response.surface
     unconverged = "" if response.converged else ", not converged"
     effect = f"{response.effect:.6g} {surface.effect_unit}"
