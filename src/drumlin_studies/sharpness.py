@@ -1,10 +1,11 @@
-"""Whether the stated errors of brakes with stored truths are large enough and not needlessly large.
+"""Sharpness: whether the errors that drumlin states are large enough and not needlessly large.
 
-A stated error that is too small is a wrong number. A stated error that is ten times too large costs
-a level of hp elements that nobody needed. The ratio of stated to true error shows both.
-`judge_stored_truth` takes one brake through all levels once and reads from the levels which errors
-a solve states by default and at two tolerances. `error_ratio_spreads` reduces the ratios of each
-quantity to two numbers. The command
+The stated errors are compared with the true errors of brakes whose far finer solutions are stored
+as files (`stored_truth`). A stated error that is too small is a wrong number. A stated error that
+is ten times too large costs a level of hp elements that nobody needed. The ratio of stated to true
+error shows both. `judge_stored_truth` solves one brake on all levels of refinement once, and finds
+the errors that a solve states by default and at two tolerances. `error_ratio_spreads` reduces the
+ratios of each quantity to two numbers. The command
 
     python -m drumlin_studies.sharpness FOLDER
 
@@ -40,25 +41,28 @@ ASKED = {"default": DEFAULT_TOLERANCE, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": To
 """The tolerances that a solve is asked for: the default one and two others, by name."""
 
 PROMISED = 0.01
-"""Largest share of stated errors that are smaller than the true ones, as README promises."""
+"""Largest share of stated errors that may be smaller than the true errors, as README promises."""
 
 SURE = 0.95
-"""Probability with which a test passes while the promise is kept. If a share PROMISED of all stated
-errors is too small, the number of too small ones among those judged stays within the allowed number
-with this probability. Without such an allowance few judged errors would fail a test by chance."""
+"""Probability with which the test passes if exactly the share PROMISED of all stated errors is too
+small. It gives the number of errors that may be too small among those that are judged. Without this
+allowance a test on few errors would fail by chance although the promise is kept."""
 
 ALLOWED_DRIFT = 0.3
-"""Largest relative difference between the median or the smallest tenth of the ratios and its value
-in FILE. A change of the levels alone can move these numbers by half of ALLOWED_DRIFT. With twice
-ALLOWED_DRIFT a test would overlook a factor of two."""
+"""Largest relative difference between a number of `Spread` and its value in FILE.
+
+A change of the levels of refinement alone can move these numbers by half of ALLOWED_DRIFT. With
+twice ALLOWED_DRIFT a test would overlook a factor of two. ALLOWED_DRIFT also limits the growth of
+the median true errors."""
 
 MORE = 0.1
-"""Fraction by which the number of unknowns of all answers together may grow. The time of a solve
-grows a little faster than its unknowns, and a user would just notice a tenth more time."""
+"""Fraction by which the number of unknowns of all answers together may grow since the last fit. The
+time of a solve grows a little faster than its unknowns; a user would just notice a tenth more
+time."""
 
 MUCH_MORE = 1.4
-"""Factor by which the number of unknowns of a single brake may grow. An end of the contact that
-round-off moves costs one further pass on a level, in addition to four or more passes."""
+"""Factor by which the number of unknowns of a single brake may grow since the last fit. A change in
+round-off can cost one more solve on a level of refinement, in addition to four or more solves."""
 
 FILE = "sharpness.json"
 """Name of the file with the numbers of the last fit, in the folder of the stored truths."""
@@ -71,10 +75,10 @@ class StatedTrueErrors(NamedTuple):
     ----------
     name : name of the brake
     asked : name of the tolerance
-    stated : stated errors, by QUANTITIES
-    true : true errors
-    unsure : uncertainties of the true errors
-    unknowns : number of unknowns, summed over all divisions that were solved up to the answer
+    stated : relative errors that the solve states, by QUANTITIES
+    true : relative errors against the stored far finer solution, by QUANTITIES
+    unsure : uncertainties of the true errors, by QUANTITIES
+    unknowns : number of unknowns, summed over all meshes that were solved up to the answer
     """
 
     name: str
@@ -96,15 +100,21 @@ class StatedTrueErrors(NamedTuple):
         )
 
     def certain(self, quantity: str) -> bool:
-        """Whether the true error is certain enough for the ratio of stated to true error.
+        """Whether the true error of a quantity is known well enough to judge its stated error.
 
-        A stated error of 1 means that the quantity is not known. It is no estimate of an error.
+        A stated error of 1 means that the quantity is not known. It is not judged.
         """
         return self.true[quantity] > CERTAIN * self.unsure[quantity] and self.stated[quantity] < 1.0
 
 
 class Spread(NamedTuple):
-    """Median of the ratios of stated to true error, and the value below which a tenth lies."""
+    """Two numbers on the ratios of stated to true error of a quantity.
+
+    Attributes
+    ----------
+    median : median of the ratios
+    tenth : ratio below which a tenth of the ratios lies
+    """
 
     median: float
     tenth: float
@@ -116,8 +126,8 @@ class AccuracyAndCost(NamedTuple):
     Attributes
     ----------
     answers : number of brakes that reach the tolerance
-    pressure, torque : median true errors of p and of the torque
-    unknowns : number of unknowns of all divisions that were solved, by the brake's name
+    pressure, torque : median true errors of the pressure and of the torque
+    unknowns : number of unknowns of all meshes that were solved, by the brake's name
     """
 
     answers: int
@@ -127,7 +137,10 @@ class AccuracyAndCost(NamedTuple):
 
 
 def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]:
-    """Stated and true errors of a brake with a stored truth, for each tolerance that it reaches."""
+    """Stated and true errors of a brake with a stored truth, for each tolerance that it reaches.
+
+    Each level of refinement is solved once and used for all tolerances.
+    """
     brake = stored.brake
     solved: list[int] = []
 
@@ -152,7 +165,10 @@ def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]
 def _solve_to_tolerance(
     brake: Brake, tolerance: Tolerance, sequence: Iterable[SolvedLevel]
 ) -> Response | None:
-    """The answer that a solve would give, or None where the solve would miss the tolerance."""
+    """The response of a brake to a tolerance, or None where no level reaches the tolerance.
+
+    sequence : the solved levels of refinement, from coarse to fine.
+    """
     try:
         return solve_to_tolerance(
             brake,
@@ -189,7 +205,7 @@ def error_ratio_spreads(rows: Sequence[StatedTrueErrors]) -> dict[str, Spread]:
 
 
 def accuracy_and_costs(rows: Sequence[StatedTrueErrors]) -> dict[str, AccuracyAndCost]:
-    """Accuracy and cost of the answers, for each tolerance of ASKED."""
+    """Accuracy and cost of the answers of all brakes, for each tolerance of ASKED."""
     found = {}
     for asked, tolerance in ASKED.items():
         own = [one for one in rows if one.asked == asked]
@@ -205,9 +221,9 @@ def accuracy_and_costs(rows: Sequence[StatedTrueErrors]) -> dict[str, AccuracyAn
 def lines_on_losses(
     rows: Sequence[StatedTrueErrors], written: Mapping[str, AccuracyAndCost]
 ) -> list[str]:
-    """Lines that say what has become worse for a user since the last fit; empty if nothing has.
+    """Lines of text, one for each accuracy or cost that has become worse since the last fit.
 
-    written : accuracy and cost of the answers at the last fit, by ASKED
+    written : accuracy and cost of the answers at the last fit, by the keys of ASKED
     """
     found = []
     for asked, now in accuracy_and_costs(rows).items():
@@ -232,9 +248,12 @@ def lines_on_losses(
 def lines_on_stated_errors(
     rows: Sequence[StatedTrueErrors], written: Mapping[str, Spread]
 ) -> list[str]:
-    """Lines that say what is wrong with the stated errors of `rows`; empty if nothing is.
+    """Lines of text, one for each fault of the stated errors.
 
-    written : median and smallest tenth of the ratios at the last fit, by quantity
+    A fault is a quantity with too many stated errors below the true ones, or a number of `Spread`
+    that differs from the last fit by more than ALLOWED_DRIFT.
+
+    rows : stated and true errors of all brakes; written : `Spread` at the last fit, by quantity
     """
     found = []
     for quantity, spread in error_ratio_spreads(rows).items():
@@ -264,7 +283,7 @@ def scale_stated_errors(
 
 
 class Written(NamedTuple):
-    """The contents of FILE: spreads by quantity, and accuracy and cost by tolerance of ASKED."""
+    """The contents of FILE: `Spread` by quantity, `AccuracyAndCost` by the keys of ASKED."""
 
     spreads: dict[str, Spread]
     worths: dict[str, AccuracyAndCost]
@@ -280,7 +299,7 @@ def read_sharpness(folder: Path) -> Written:
 
 
 def main(folder: str) -> None:
-    """Write the sharpness and the worth of the stored truths of a folder into its FILE."""
+    """Judge all stored truths of a folder, and write FILE with spreads, accuracy and cost there."""
     rows = judge_folder(Path(folder))
     spreads = {
         quantity: {which: round(value, 2) for which, value in spread._asdict().items()}

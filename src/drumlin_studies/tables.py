@@ -1,4 +1,4 @@
-"""Selections from tables of results, which are sequences of rows with a value for each key."""
+"""Selections from tables of results: sequences of rows, each with a value for each key."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
@@ -7,7 +7,7 @@ RowType = TypeVar("RowType", bound=Mapping[str, Any])
 
 
 def values_of_key(rows: Sequence[Mapping[str, Any]], key: str) -> list[Any]:
-    """The value of a key in each row. Every row must have the key."""
+    """The list of the values of a key, one for each row. Every row must have the key."""
     return [row[key] for row in rows]
 
 
