@@ -175,6 +175,7 @@ def error_maps_of_law(
     dict
         The arrays of the given shape under the keys "torque" and "peak_pressure".
     """
+    # A map holds the relative difference of a quantity from its value by the law.
     nominal = response_row(brake, law)
     maps = {}
     for name in ("torque", "peak_pressure"):
@@ -257,6 +258,7 @@ def spread_rows(drawn: DrawnBrakes) -> list[dict[str, Any]]:
             values[title, state] = drawn.sample(state, name)
     for state in STATES:
         values["torque over the sine law's of the same brake", state] = drawn.off_law(state)
+    # A row for each sample: mean, standard deviation, their ratio, and the percentiles.
     rows = []
     for (quantity, state), sample in values.items():
         found = sample_spread(sample)

@@ -133,6 +133,7 @@ def brake_with_clearance(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake
 
     gap : returns the clearances [m] at angles [rad] from the normal of the beam.
     """
+    # Each lining gets a table of 181 rows, an angle and the clearance there.
     changes = {}
     for i, shoe in enumerate(brake.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 181)
@@ -150,6 +151,7 @@ def brake_with_other_lining_radius(brake: Brake, larger: float) -> Brake:
 
     larger : radius of the lining less that of the drum [m].
     """
+    # The gap is zero in the middle of a larger lining, at the ends of a smaller one.
     end = math.cos(0.5 * (brake.shoes[0].lining.end - brake.shoes[0].lining.start))
     zero_at = 1.0 if larger > 0 else end
     return brake_with_clearance(brake, lambda theta: larger * (zero_at - np.cos(theta)))
@@ -258,6 +260,7 @@ def merits_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -
     for name, solver in solvers.items():
         for mu in friction.tolist():
             varied = vary(brake, {"friction": mu})
+            # NoAnswer means self-locking: at larger friction the model has no answer either.
             try:
                 response = solver(varied)
             except NoAnswer:
@@ -309,6 +312,7 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
         | lining_arc_changes(brake, 40),
         "the brake of this study": brake.model_dump(by_alias=True),
     }
+    # Each brake is solved by finite elements, against which the models are judged.
     rows = []
     for case, changes in cases.items():
         varied = brake if case == "the brake of this study" else vary(base, changes)
@@ -462,6 +466,7 @@ def beam_deflections(
     responses : mapping
         Responses by the models "foundation" and "lifted".
     """
+    # The line through both ends of the beam is subtracted from the deflection by finite elements.
     made, fem = [], solve_prepared_model(scene, brake)
     for i in range(len(brake.shoes)):
         x, w = deflection_along_beam(scene, brake, fem, i)

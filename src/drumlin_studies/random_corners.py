@@ -271,6 +271,7 @@ def _scale_to_contact_length(
     presses : str
         The part of the lining that bears the force, as in `CornerKind.presses`.
     """
+    # The wanted length of the contact is uniform in its logarithm; the first factor is 3.
     low, high = SHORT_CONTACT if rng.random() < SHORT_SHARE else LONG_CONTACT
     wanted, factor = math.exp(rng.uniform(math.log(low), math.log(high))), 3.0
     for _ in range(MOST_SCALINGS):
@@ -310,6 +311,7 @@ def _does_press_as_drawn(brake: Brake, found: Response, presses: str) -> bool:
     more = solve(vary(brake, {"friction": MORE_FRICTION * brake.friction}), elements=16)
     if not all(shoe.contact_arcs for shoe in (*found.shoes, *more.shoes)):
         return False
+    # At least one shoe must press with its corner or under its tip, as its kind says.
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
     corner = any(touches_corner(shoe, response) for shoe, response in pairs)
     tip = any(touches_tip(shoe, response) for shoe, response in pairs)
@@ -318,6 +320,7 @@ def _does_press_as_drawn(brake: Brake, found: Response, presses: str) -> bool:
 
 def touches_corner(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether the contact of a shoe reaches an end of its lining."""
+    # Distances of all ends of contact arcs from both ends of the lining.
     ends = np.array(found.contact_arcs).ravel()
     corners = np.array([shoe.lining.start, shoe.lining.end])
     distances = np.abs(ends[:, None] - corners)

@@ -265,7 +265,7 @@ def _draw_cam_brake(rng: Rng) -> dict[str, Any]:
         return _draw_shoe_on_abutment(rng, R, rough=bool(rng.random() < 0.5))
 
     data = _drum_brake_data(rng, lambda rng, R: [make(rng, R), mirror_to_other_side(make(rng, R))])
-    # The cam pushes both shoes. Its force replaces their own forces.
+    # The force of the cam replaces the forces that were drawn for the shoes.
     force = 2 * min(shoe["actuation"]["force"] for shoe in data["shoe"])
     shoes = [_remove_force(shoe) for shoe in data["shoe"]]
     return data | {"shoe": shoes, "actuation": {"force": force}}
@@ -283,6 +283,7 @@ def _draw_cylinder_brake(rng: Rng) -> dict[str, Any]:
             mirror_to_other_side(_draw_hinged_shoe(rng, R)),
         ],
     )
+    # The pressure in the cylinder gives both shoes the smaller of the forces that were drawn.
     force = min(shoe["actuation"]["force"] for shoe in data["shoe"])
     bore, efficiency = data["drum"]["radius"] / 5, 0.95
     drive = {
@@ -298,6 +299,7 @@ def _draw_strut_brake(rng: Rng) -> dict[str, Any]:
 
     def shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
         """The data of both shoes, for the radius R of the drum [m]."""
+        # The actuation that is drawn for the second shoe is removed again: the strut pushes it.
         u, second = rng.uniform, _draw_lining(rng, R)
         second |= {
             "hinge": _scaled_point(R, u(0.05, 0.3), u(0.65, 0.85)),
@@ -370,6 +372,7 @@ def _draw_chain_of_blocks(rng: Rng) -> dict[str, Any]:
         blocks: list[dict[str, Any]] = []
         for name in names:
             block, end = _draw_block_of_chain(rng, R, name, angle, strap)
+            # The first block is pulled at its start by a force along the strap.
             if not blocks:
                 pulled = angle
                 point = strap * math.cos(pulled), strap * math.sin(pulled)
@@ -567,6 +570,7 @@ def _place_shoe_data(
             moved["misfit"] = part["misfit"] | {"offset": offset}
         return moved
 
+    # How each part of a shoe is moved: as a point, as a direction with a point, or as an arc.
     moves = {
         "hinge": placed_point,
         "pivot": placed_point,
@@ -647,6 +651,7 @@ def scale_brake(brake: Brake, length: float, modulus: float) -> Brake:
 
     def scaled_value(key: str, value: Any) -> Any:
         """The value of a key, multiplied by the factor that belongs to the key's unit."""
+        # Rows of a table have an angle, on a plane a length, and a clearance or depth.
         if key in {"clearance", "blocks"} and isinstance(value, list | tuple):
             return [[place * along, size * length] for place, size in value]
         if isinstance(value, bool | str) or value is None or not isinstance(value, int | float):

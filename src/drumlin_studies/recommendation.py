@@ -136,6 +136,7 @@ def recommendation_matrices(best: Sequence[Row]) -> list[Matrix]:
         for row in best:
             if row["quantity"] == TARGET_NAMES[key]:
                 lines.setdefault(row["brake"], []).append(_matrix_cell(row))
+        # Number of brakes for each target on which a law is recommended.
         by_law = []
         for k in range(len(targets)):
             by_law.append(sum(cells[k].sort == "law" for cells in lines.values()))
@@ -231,6 +232,7 @@ def _compare_with_peers_on_brake(name: str, rows: Sequence[Row], floors: Floors)
     name : name of the brake; rows : rows of the brake; floors : floors of the brake.
     """
     own = rows_to_recommend(rows)
+    # The fastest solve of each peer and of drumlin for each error; uniform meshes are left out.
     times = []
     for peer, aims in AIMS.items():
         theirs = [row for row in rows if row["family"] == peer and not row.get("even")]
@@ -254,6 +256,7 @@ def _pairs_on_same_mesh(of_peers: Sequence[Row], own: Sequence[Row]) -> list[tup
 
     Rows of peers with an error of the pressure above HALF_PERCENT are left out.
     """
+    # Rows of drumlin on graded meshes, by kind and number of elements.
     meshes = {(row["kind"], row["elements"]): row for row in own if row["family"] == "graded mesh"}
     pairs = []
     for row in of_peers:

@@ -219,10 +219,12 @@ def run_row(one: Run) -> dict[str, Any]:
     the lining's life, and the errors of the balances of volume and energy.
     """
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
+    # Distances of pressure and torque from the law, with new linings and after the last state.
     new, end = (
         distance_from_target(setup, states[0], goal),
         distance_from_target(setup, states[-1], goal),
     )
+    # Shares of the lining's life that are spent more than 1 %, and more than 0.1 %, off the law.
     spent = lining_life(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
     close = lining_life(setup, states, goal, ARCHARD, within=TORQUE_AT_LAW)
     balance = compute_run_checks(setup, states, ARCHARD)
@@ -365,6 +367,7 @@ def run_with_reversals(scene: PreparedModel, brake: Brake, every: float, turns: 
     turns : int
         Number of stretches between reversals.
     """
+    # Linings and rigid-shoe law for each sense of rotation; True is the first sense.
     setups = {
         True: fem_wear_setup(scene, brake),
         False: fem_wear_setup(scene, reversed_brake(brake)),
@@ -432,6 +435,7 @@ def step_rows(
     steps : sequence of float
         Sizes of the steps, in units of 1/(k K).
     """
+    # The reference: a run over the same distance with steps of small estimated error.
     length = end * one.unit
     exact = interpolate_state(run_in(one.setup, ARCHARD, distance=length, tolerance=1e-4), length)
     rows, boards = list[dict[str, Any]](), list[EqualStepsEnd]()
@@ -506,6 +510,7 @@ def run_frames(scene: PreparedModel, one: Run, count: int) -> list[RunFrame]:
     count : int
         Number of moments.
     """
+    # At each moment the brake with worn linings is solved and the stresses are computed.
     end = one.states[-1].s
     moments = []
     for s in [0.0, *np.geomspace(3e-4 * end, end, count - 1)]:

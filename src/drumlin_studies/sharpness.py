@@ -149,6 +149,7 @@ def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]
         solved.append(sum(body.unknowns for body in scene.bodies))
         return solve_prepared_model(scene, brake, start=start)
 
+    # The tolerances read the same sequence of levels, so that each level is solved once.
     sequences: tuple[Iterable[SolvedLevel], ...] = tee(solved_levels(brake, counted), len(ASKED))
     found = []
     for (asked, tolerance), sequence in zip(ASKED.items(), sequences, strict=True):
@@ -227,6 +228,7 @@ def lines_on_losses(
     """
     found = []
     for asked, now in accuracy_and_costs(rows).items():
+        # First loss: fewer brakes reach the tolerance. Second loss: larger true errors.
         before = written[asked]
         if now.answers < before.answers:
             found.append(f"{asked}: {now.answers} brakes reach it, {before.answers} did")
@@ -234,6 +236,7 @@ def lines_on_losses(
             error, known = getattr(now, quantity), getattr(before, quantity)
             if error > (1 + ALLOWED_DRIFT) * known:
                 found.append(f"{asked}: true error of {quantity} {error:.1e}, was {known:.1e}")
+        # Third loss: more unknowns, of all brakes together or of a single brake.
         both = now.unknowns.keys() & before.unknowns.keys()
         more, most = (sum(of.unknowns[name] for name in both) for of in (now, before))
         if more > (1 + MORE) * most:
@@ -260,11 +263,13 @@ def lines_on_stated_errors(
         ratios = [(one.ratio(quantity), one) for one in rows]
         known = [(value, one) for value, one in ratios if not math.isnan(value)]
         small = [f"{one.name} at {one.asked} ({value:.2f})" for value, one in known if value < 1]
+        # The number of errors that may be too small is a quantile of the binomial distribution.
         if len(small) > binom.ppf(SURE, len(known), PROMISED):
             found.append(
                 f"{quantity}: {len(small)} of {len(known)} stated errors are too small: "
                 f"{', '.join(small)}"
             )
+        # Median and smallest tenth of the ratios must stay near their values at the last fit.
         for which, value, before in zip(Spread._fields, spread, written[quantity], strict=True):
             if abs(value / before - 1) > ALLOWED_DRIFT:
                 found.append(

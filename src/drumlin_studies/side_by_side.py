@@ -44,6 +44,7 @@ def compute_and_keep_cases(
     what : str
         Word for the cases in the text on the progress.
     """
+    # Only cases that the journal lacks are computed; their results are added to the journal.
     left = [case for case in cases if case not in journal]
     with (
         ProcessPoolExecutor(processes, mp_context=get_context("spawn"))

@@ -72,6 +72,7 @@ def _brake_data_with_clearances(rng: Rng, data: dict[str, Any]) -> dict[str, Any
     The two shoes of a cam become mirror images of each other. A cam moves the tips of both shoes by
     the same distance, so that of two shoes with different clearances only one would touch the drum.
     """
+    # All forces of the brake are divided by the same number.
     divisor = draw_log_uniform(rng, *FORCE_DIVISORS)
     shoes = [
         _shoe_data_with_clearance(rng, shoe, data.get("drum"), divisor) for shoe in data["shoe"]

@@ -61,6 +61,7 @@ def _draw_points(axes: Any, rows: Sequence[Mapping[str, Any]], name: str) -> boo
     tolerances = sorted({row["tolerance"] for row in rows}, reverse=True)
     drawn = False
     for tolerance, (mark, color) in zip(tolerances, PANEL_MARKS, strict=False):
+        # Well known errors are drawn in full colour and get a label, the others are drawn pale.
         own = [row for row in rows if row["tolerance"] == tolerance]
         for known in (True, False):
             points = [point for row in own if (point := _error_point(row, name, known)) is not None]
@@ -106,6 +107,7 @@ def draw_ratio_shares(ratios: Mapping[str, Floats]) -> Figure:
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         axes = figure.subplots()
         for (name, values), (_, color) in zip(ratios.items(), PANEL_MARKS, strict=True):
+            # The sorted ratios over their rank are the cumulative distribution.
             percent = np.linspace(0, 100, len(values))
             axes.semilogx(np.sort(values), percent, color=color, label=PANEL_TITLES[name])
         axes.axvline(1.0, color=INK, lw=1)

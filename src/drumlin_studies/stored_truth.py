@@ -274,6 +274,7 @@ def make_stored_truth(name: str) -> StoredTruth:
     brake = drawn.brake()
     if drawn.kind in CORNERS:
         return StoredTruth(drawn.covers, brake, "deep triangles", solve_by_deep_triangles(brake))
+    # Triangles are preferred, because they share no part of the method with the hp elements.
     try:
         if brake.surface.straight:
             raise BadInput("triangles have no brakes on a plane")
@@ -301,6 +302,7 @@ def solve_by_deep_triangles(brake: Brake) -> Truth:
     uncertainty. Raises BadInput and NoAnswer as `triangles.solve` does.
     """
     begin = time.process_time()
+    # An AssertionError means that round-off has turned triangles of DEEPEST inside out.
     try:
         sharp = any(clearance.tips(shoe.lining) for shoe in brake.shoes)
         meshes = triangles.solve_sequence(brake, DEEPEST if sharp else DEEP)
@@ -319,6 +321,7 @@ def _add_corner_power_law(brake: Brake, index: int, found: ShoeSolution) -> Shoe
 
     Only corners with an unbounded pressure are changed.
     """
+    # The power law reaches over a fixed fraction of the contact arc that ends at the corner.
     for corner in unbounded_corners(brake, index, found):
         at_corner = found.theta[0 if corner.at_start else -1]
         arc = next((float(b - a) for a, b in found.arcs if at_corner in {a, b}), 0.0)

@@ -160,6 +160,7 @@ def _time_sweep(by: str, cases: Sequence[SweepCase], found: Workers, start: floa
     start : float
         Clock reading at which the start of the workers began [s].
     """
+    # Twenty cheap cases for each worker make all of them load the modules before the clock starts.
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
     solve_cases(warm, executor=found.executor, workers=found.workers)
     ready = time.perf_counter()
@@ -176,6 +177,7 @@ def rate_rows(measured: Sequence[Throughput]) -> list[Row]:
     """
     found = []
     for one in measured:
+        # The first measurement with the same kind of workers has one worker.
         alone = next(other for other in measured if other.by == one.by)
         row = {key: value for key, value in one._asdict().items() if key != "rows"}
         found.append(row | {"rate": one.rate, "gain": one.rate / alone.rate})
@@ -201,6 +203,7 @@ def coarser_mesh_rows(
     fine : int
         Elements along each lining of the mesh against which errors are taken.
     """
+    # Torques on the fine mesh, against which the errors of the coarser meshes are taken.
     true = solved_torques(
         solve_cases([case._replace(options={"elements": fine}) for case in cases])
     )
@@ -278,6 +281,7 @@ def kill_and_finish_sweep(
     NoAnswer
         A run ends before it is killed.
     """
+    # A run is killed when the journal has this number of rows: between 5 % and 90 % of the cases.
     at = sorted(random.Random(seed).sample(range(len(cases) // 20, 9 * len(cases) // 10), kills))
     spawn = multiprocessing.get_context("spawn")
     done = []
@@ -297,6 +301,7 @@ def kill_and_finish_sweep(
             if process.exitcode != -signal.SIGKILL:
                 raise NoAnswer("killed: the run ended before it could be killed; take more cases")
         done.append(Kill(found, _count_journal_rows(path)))
+    # The last run is not killed and finishes the sweep from the journal.
     with Journal(path) as journal:
         return done, solve_cases(cases, journal=journal)
 

@@ -92,6 +92,7 @@ def try_case(case: KnobCase) -> dict[str, Any]:
     if response is not None:
         assert brake is not None and scene is not None
         row |= _judged_row(row, scene, brake, response, case.penalty)
+    # The pointwise penalty is tried as well, unless its system would be too large.
     if brake is not None and scene is not None:
         too_large = max(body.unknowns for body in scene.bodies) > LARGEST_POINTWISE
         not_tried = {"pointwise": "not tried: too large"}
@@ -186,6 +187,7 @@ def answer_accuracy(
     worst: dict[str, Any] = {
         key: max(row[key] for row in rows) for key in ("condition", "seconds_whole")
     }
+    # If the refined solution of one group failed, nothing is known about the digits of the answer.
     known = [row for row in rows if row["digits"] is not None]
     if len(known) < len(rows):
         failure = next(row["whole"] for row in rows if row["whole"])
@@ -208,6 +210,7 @@ def _group_accuracy(response: Response, group: ShoeGroup) -> dict[str, Any]:
     `whole` is the reason why the refined solution of the group failed, or empty.
     """
     group, _ = group.solve_contact()
+    # The group and the refined solution have a unit actuation force; `size` is the real force [N].
     size, shoes = group.unit_force, [response.shoes[i] for i in group.members]
     # The answer's pressures per unit of the actuation force, in the order of the group's nodes.
     pairs = zip(shoes, group.shoes, strict=True)
@@ -221,7 +224,7 @@ def _group_accuracy(response: Response, group: ShoeGroup) -> dict[str, Any]:
     except NoAnswer as error:
         return row | {"whole": str(error), "seconds_whole": time.perf_counter() - start}
     row["seconds_whole"] = time.perf_counter() - start
-    # The refined solution is for a unit actuation force, and so is the torque compared with it.
+    # Both torques are for a unit actuation force.
     torque = sum(shoe.torque for shoe in shoes) / size
     off = abs(torque - refined.torque) / refined.torque if refined.torque else 0.0
     exact = np.concatenate(refined.p)

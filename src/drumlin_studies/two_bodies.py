@@ -69,6 +69,7 @@ def sector_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any
     sign : int
         1 where the body lies outside the contact surface, -1 inside.
     """
+    # A rectangular grid of depth and angle is bent to the sector; boundaries are found by depth.
     grid = skfem.MeshQuad.init_tensor(depths, angles)
     middle = grid.p[:, grid.facets].mean(axis=1)
     mesh = skfem.MeshQuad2.from_mesh(grid)

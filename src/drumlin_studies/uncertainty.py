@@ -74,6 +74,7 @@ def grid_convergence(
         raise ValueError(
             f"no order: the differences {far:g} and {near:g} do not shrink with one sign"
         )
+    # Richardson extrapolation gives the order and the limit; the indices follow from its error.
     limit = extrapolate(coarse, medium, fine, ratio)
     growth = ratio**limit.order
     fine_index = safety * limit.uncertainty / abs(fine)

@@ -179,6 +179,7 @@ def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> L
         Elements through the lining.
     """
     (start, end), zone = shoe.arc, shoe.lining.thickness / radius
+    # The number of inner elements follows from the longest allowed element and the grading.
     fineness = max(1.0, elements / GRADED_FROM)
     half, smallest = (end - start) / 2, EDGE_SIZE / fineness
     step = (end - start) / elements
@@ -325,6 +326,7 @@ def relative_errors(brake: Brake, response: Response, truth: Response) -> dict[s
 
     brake : the brake; response : the response that is judged; truth : the far finer response.
     """
+    # Errors of each shoe; the torque, the first key, is an error of the whole brake.
     by_key: dict[str, list[float]] = {key: [] for key in ERROR_KEYS[1:]}
     for spec, a, b in zip(brake.shoes, response.shoes, truth.shoes, strict=True):
         edge = edge_zone(spec, brake.scale_factor)
@@ -389,6 +391,7 @@ def time_call(call: Callable[[], object], unit: Callable[[], object], first: flo
     first : float
         Time [s] of a first call. It decides how many calls a repeat has.
     """
+    # A repeat has so many calls that it takes at least LEAST_SAMPLE.
     loops = max(1, math.ceil(LEAST_SAMPLE / max(first, 1e-6)))
     samples: list[float] = []
     ratios: list[float] = []
@@ -628,6 +631,7 @@ def rows_within_error(
         # Of a series only the meshes count that are finer than the last mesh above the target.
         above = [k for k, row in enumerate(members) if row[key] > target]
         enough_rows += members[above[-1] + 1 if above else 0 :]
+    # Of the rows that are about as fast as the fastest one, the most exact one comes first.
     enough_rows.sort(key=lambda row: row["ratio"])
     ties = [row for row in enough_rows if row["ratio"] <= EQUAL_TIMES * enough_rows[0]["ratio"]]
     return sorted(ties, key=lambda row: row[key]) + enough_rows[len(ties) :]

@@ -121,6 +121,7 @@ def printed_and_computed_row(
     remark : str
         Text for the `status` of a row that does not agree; by default "differs".
     """
+    # Half a unit of the last printed digit, with a margin for binary round-off.
     decimals = len(given.partition(".")[2])
     agrees = abs(value - float(given)) <= 0.5 * 10.0**-decimals * (1 + 1e-6)
     return {
@@ -150,6 +151,7 @@ def simscape_double_shoe_rows() -> list[Row]:
         source = f"Simscape defaults, theta_s as {reading}"
         leading, trailing = (float(T) for T in block.shoe_torques(1.0, 1.0))
         p_a, p_b = block.line_pressures(1.0, 1.0)
+        # Torques of single shoes and the ratio of pressures are compared for one reading only.
         if reading == "end":
             rows.append(
                 printed_and_computed_row(
