@@ -358,7 +358,7 @@ class TimeAndErrors(NamedTuple):
 
 
 class ModelOnBrake(NamedTuple):
-    """Name and setting of a model, and the function that solves the brake by the model."""
+    """A model with its setting, and a function that returns the response of a brake by the model."""
 
     method: str
     setting: str

@@ -24,10 +24,10 @@ FRICTIONLESS_ELEMENTS = 4
 SHAPE_TRIAL_ELEMENTS = 16
 """Elements along a lining of the mesh on which a draw is tested for contact with friction."""
 BELOW_LOCKING = 0.7
-"""Largest friction of a random brake, as a fraction of the friction at which the sine law locks.
+"""Largest friction of a random brake over the friction at which it locks itself by the sine law.
 
-A judgement: closer to the limit the torque grows without bound, and a small error of the friction
-becomes a large error of the torque.
+The value is a judgement: nearer to self-locking the torque grows without bound, and a small error
+of the friction causes a large error of the torque.
 """
 SHAPE_FRICTION_MARGIN = 1.2
 """Factor on the friction of a random brake with which its shoes must press by finite elements too.

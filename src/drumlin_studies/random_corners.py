@@ -58,7 +58,7 @@ LONG_CONTACT = math.radians(0.8), math.radians(8.0)
 SHORT_SHARE = 0.7
 """Probability with which a brake gets a short contact rather than a long one."""
 END_ANGLE = 1e-9
-"""Distance from the lining's end [rad] below which a contact counts as reaching the end."""
+"""Angle [rad] between contact and lining's end below which the contact reaches the end."""
 
 Rng = np.random.Generator
 """The generator from which random numbers are drawn."""

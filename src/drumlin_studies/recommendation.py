@@ -145,7 +145,7 @@ def recommendation_matrices(best: Sequence[Row]) -> list[Matrix]:
 
 
 def _matrix_cell(row: Row) -> Cell:
-    """The cell of the matrix for a row of `fastest_rows`."""
+    """The cell of a `Matrix` with the recommended method in a row of `fastest_rows`."""
     family, method = row["family"], row.get("method")
     if method is None:
         return Cell(family, "none", row)

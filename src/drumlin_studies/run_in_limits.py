@@ -64,7 +64,8 @@ SPENT_WITHIN = 0.01
 AT_LAW = "at the law"
 """Status of a brake whose pressure and torque end at its rigid-shoe law."""
 PRESSURE_AT_LAW, TORQUE_AT_LAW = 0.01, 0.001
-"""Largest relative differences of pressure and torque from the law after running in."""
+"""Largest relative differences of pressure and of torque from the rigid-shoe law with which a
+worn-in brake counts as "at the law"."""
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ BEYOND_LIMIT = (1 + 1e-6, 1.01, 1.1, 1.5, 2.0, 3.0)
 RANDOM_STARTS = 5
 """Number of random contact sets from which the contact iteration is started."""
 LOCKING_ELEMENTS = 16
-"""Elements along a lining of the random brakes."""
+"""Elements along a lining of the random brakes whose answers are checked for uniqueness."""
 ALL_SETS_ELEMENTS = 4
 """Elements along a lining of the brakes for which all possible contact sets are tried."""
 START_SEED = 7

@@ -38,7 +38,7 @@ from drumlin_studies.stated_true import stated_over_true, true_errors
 from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read_stored_truth
 
 ASKED = {"default": DEFAULT_TOLERANCE, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": Tolerance(1e-4, 1e-4)}
-"""The tolerances that a solve is asked for: the default one and two others, by name."""
+"""The tolerances to which the brakes are solved, by name: the default one and two smaller ones."""
 
 PROMISED = 0.01
 """Largest share of stated errors that may be smaller than the true errors, as README promises."""
@@ -65,7 +65,10 @@ MUCH_MORE = 1.4
 round-off can cost one more solve on a level of refinement, in addition to four or more solves."""
 
 FILE = "sharpness.json"
-"""Name of the file with the numbers of the last fit, in the folder of the stored truths."""
+"""Name of the file with `Spread` and `AccuracyAndCost` at the last fit of the error estimate.
+
+The file is in the folder of the stored truths.
+"""
 
 
 class StatedTrueErrors(NamedTuple):
@@ -197,7 +200,10 @@ def truth_files(folder: Path) -> list[Path]:
 
 
 def error_ratio_spreads(rows: Sequence[StatedTrueErrors]) -> dict[str, Spread]:
-    """Median and smallest tenth of the ratios of stated to true error, for each quantity."""
+    """The `Spread` of the ratios of stated to true error over all brakes, for each quantity.
+
+    Only ratios count whose true error is certain.
+    """
     found = {}
     for quantity in QUANTITIES:
         seen = [one.stated[quantity] / one.true[quantity] for one in rows if one.certain(quantity)]

@@ -26,7 +26,7 @@ LINING_MODULI = 3e8, 1e11
 CLEARANCE_FRACTIONS = 1e-4, 1 / 300
 """Smallest and largest clearance, as a fraction of the drum's radius or of a pad's length."""
 FORCE_DIVISORS = 1.0, 300.0
-"""Smallest and largest divisor of the force that `random_kinds` draws."""
+"""Smallest and largest number by which the force of a brake of `random_kinds` is divided."""
 
 
 def draw_brake_with_clearances(seed: int, kind: str | None = None) -> Brake:

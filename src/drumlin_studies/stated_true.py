@@ -47,7 +47,7 @@ The calibration fits no factor to smaller errors: nobody asks for so small an er
 and a difference of this size may be due to the truth or to round-off.
 """
 JUDGED_TOLERANCES = (1e-2, 1e-3, 1e-4)
-"""Relative tolerances to which each brake is solved."""
+"""Relative tolerances to which each brake is solved before its stated errors are judged."""
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 """Gauss points in [-1, 1] and their weights, for integrals between two nodes of a pressure."""
 TRUTH_FINENESS = 0.1
@@ -60,7 +60,7 @@ PEAK_ANGLES = 4001
 
 
 class PressureField(NodalPressure, Protocol):
-    """A pressure at nodes that can be evaluated between them."""
+    """A pressure that is given at nodes and can be computed at any angle."""
 
     def pressure_at(self, theta: Floats) -> Floats:
         """The pressure [Pa] at angles theta [rad]."""
@@ -75,7 +75,7 @@ class TrueShoe(PressureField, Protocol):
 
     @property
     def normal_force(self) -> float:
-        """Resultant of the normal pressure [N]."""
+        """Size of the resultant force of the normal pressure on the drum [N]."""
 
     @property
     def hinge_reaction(self) -> Floats:

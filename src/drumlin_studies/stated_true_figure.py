@@ -30,6 +30,7 @@ PALE_POINTS_NOTE = (
     f"pale: the true error is less than {WELL_KNOWN:g} times the uncertainty of what stands for "
     "the truth"
 )
+"""Note above a figure that explains its pale points."""
 
 
 def draw_error_cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:

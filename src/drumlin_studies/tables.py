@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 RowType = TypeVar("RowType", bound=Mapping[str, Any])
+"""The type of the rows, which a selection of rows keeps."""
 
 
 def values_of_key(rows: Sequence[Mapping[str, Any]], key: str) -> list[Any]:

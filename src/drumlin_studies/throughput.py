@@ -308,7 +308,7 @@ def kill_and_finish_sweep(
 
 @contextmanager
 def _start_process(process: Any) -> Iterator[Any]:
-    """Provide a started process while a block runs, then kill the process."""
+    """Start a process, provide it to a block of code, and kill it at the end of the block."""
     process.start()
     try:
         yield process

@@ -42,7 +42,7 @@ REFUSALS = {
 TRIAL_FAULTS = ("not converged", "traceback", "inaccurate")
 """Outcomes of a trial that are faults of drumlin and must not occur."""
 TRIAL_OUTCOMES = (*ANSWERS, *dict.fromkeys(REFUSALS.values()), "bad input", *TRIAL_FAULTS)
-"""All outcomes of a trial."""
+"""All outcomes of a trial: answers, refusals with a reason, bad input, and faults."""
 LARGEST_RESIDUAL = 1e-8
 """Largest relative residual of the balances and of pressure times gap in a right answer."""
 TORQUE_DIGITS = 6

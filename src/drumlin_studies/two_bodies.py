@@ -260,7 +260,7 @@ class BodyPair:
 
     @property
     def angle(self) -> Floats:
-        """Angles of the contact nodes (n,) [rad]."""
+        """Angles (n,) of the inner body's contact nodes [rad]."""
         return self.inner.line.phi
 
 

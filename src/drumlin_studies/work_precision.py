@@ -71,7 +71,7 @@ With these layers the error of backing and body stays below that of the lining, 
 studied.
 """
 ERROR_KEYS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
-"""Keys of a row that hold relative errors."""
+"""Keys of a row that hold relative errors: of torque, peak pressure, pressure, hinge reaction."""
 
 
 class Method(NamedTuple):
@@ -93,7 +93,7 @@ class Method(NamedTuple):
 
     @property
     def case(self) -> dict[str, Any]:
-        """The method as the key of a journal."""
+        """The method as plain data, under which a journal stores its row."""
         return {"family": self.family, "method": self.name, **self.options}
 
 
