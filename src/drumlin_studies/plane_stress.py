@@ -358,7 +358,7 @@ class TimeAndErrors(NamedTuple):
 
 
 class ModelOnBrake(NamedTuple):
-    """A model with its setting, and a function that returns the response of a brake by the model."""
+    """A model with its setting, and a function that returns its response to the brake."""
 
     method: str
     setting: str
