@@ -38,7 +38,7 @@ def all_methods(brake: Brake, *, peers: bool = False, short: bool = False) -> li
 
 
 def _foundation_methods() -> Iterator[Method]:
-    """The foundation model with several numbers of sections along the lining.
+    """Methods that solve a brake by the foundation model, with 20 to 180 sections along a lining.
 
     Each number of sections gives two methods: the model as published, and the model that includes
     all effects which the published model neglects ("lifted").
@@ -50,7 +50,7 @@ def _foundation_methods() -> Iterator[Method]:
 
 
 def _mesh_methods(brake: Brake, *, short: bool) -> Iterator[Method]:
-    """Finite elements on meshes with a fixed number of elements along each lining.
+    """Methods that solve a brake by finite elements with a fixed number of elements per lining.
 
     The meshes have elements of equal length ("even mesh") or elements that shrink towards the
     lining's ends ("graded mesh").
@@ -68,7 +68,11 @@ def _mesh_methods(brake: Brake, *, short: bool) -> Iterator[Method]:
 
 
 def _level_methods(*, short: bool) -> Iterator[Method]:
-    """Hp elements on a fixed level of refinement, and hp elements refined up to a tolerance."""
+    """Methods that solve a brake by hp elements, which are of high degree and graded.
+
+    Some methods use one fixed level of refinement. The others refine until the estimated error is
+    below a tolerance.
+    """
     for level in range(2 if short else 5):
         yield Method("columns", f"level {level + 1}", {"level": level})
     for tolerance in (5e-3,) if short else (5e-3, 1e-3, 1e-4, 1e-5):
@@ -77,7 +81,7 @@ def _level_methods(*, short: bool) -> Iterator[Method]:
 
 
 def _penalty_methods(*, short: bool) -> Iterator[Method]:
-    """Contact by a penalty of several stiffnesses.
+    """Methods that solve a brake with penalty contact, for several penalty stiffnesses.
 
     The penalty acts on the nodes of the lining ("weak penalty") or on the quadrature points of its
     edges ("pointwise penalty").
@@ -91,7 +95,10 @@ def _penalty_methods(*, short: bool) -> Iterator[Method]:
 
 
 def _peer_methods() -> Iterator[Method]:
-    """The peers GetFEM and CalculiX on meshes of several sizes, and drumlin on two of them."""
+    """Methods that solve a brake by the programs GetFEM and CalculiX on several meshes.
+
+    Two methods solve the brake by drumlin on the same meshes.
+    """
     # The two methods of drumlin: on both meshes the pressure p has an error of half a percent.
     yield _mesh_method("graded mesh", "quad2", 56)
     yield _mesh_method("graded mesh", "quad1", 112)
@@ -111,7 +118,7 @@ def _peer_methods() -> Iterator[Method]:
 
 
 def _mesh_method(family: str, kind: str, elements: int, **more: bool) -> Method:
-    """The method of a family on one mesh.
+    """The method that solves a brake on one mesh.
 
     Parameters
     ----------

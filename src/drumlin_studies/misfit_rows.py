@@ -201,25 +201,36 @@ class DrawnBrakes:
     n: int
 
     def sample(self, state: str, name: str) -> Floats:
-        """The values (2 n,) of a quantity in a state; the peak pressure in MPa, others in SI units.
+        """The values (2 n,) of a quantity of the random brakes.
 
-        state : a key of `rows`; name : a key of DRAWN_QUANTITIES.
+        The peak pressure is in MPa, the other quantities are in SI units.
+
+        state : a key of `rows`, for example "new"; name : a key of DRAWN_QUANTITIES.
         """
         values = values_of_rows(self.rows[state][: 2 * self.n], name)
         return values * 1e-6 if name == "peak_pressure" else values
 
     def off_law(self, state: str) -> Floats:
-        """Torque of each random brake in a state over its torque by the sine law (2 n,)."""
+        """Torque of each random brake over its torque by the sine law (2 n,).
+
+        state : "new" or "worn in", the state of the linings.
+        """
         ratio: Floats = self.sample(state, "torque") / self.sample("law", "torque")
         return ratio
 
     def law_error(self, state: str) -> tuple[float, float]:
-        """5th and 95th percentile of the relative error that the law's torque has in a state."""
+        """5th and 95th percentile of the relative error of the torque by the sine law.
+
+        state : "new" or "worn in", the state of the linings of the random brakes.
+        """
         low, high = np.percentile(1 / self.off_law(state), (5, 95))
         return low - 1, high - 1
 
     def relative_spread(self, state: str) -> float:
-        """Standard deviation of the torque in a state over the mean torque."""
+        """Standard deviation of the torque of the random brakes over their mean torque.
+
+        state : a key of `rows`, for example "new" for new linings.
+        """
         return sample_spread(self.sample(state, "torque")).relative
 
     def peaks_over(self, pressure: float) -> tuple[float, float]:

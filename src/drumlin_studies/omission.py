@@ -150,7 +150,7 @@ def _pressure_change(a: ShoeResponse, b: ShoeResponse) -> float:
 
 
 def parts_present(brake: Brake) -> list[str]:
-    """The names of those OMISSIONS that a brake has."""
+    """The names of those OMISSIONS whose part or effect a brake has."""
     return [name for name, part in OMISSIONS.items() if part.in_brake(brake)]
 
 

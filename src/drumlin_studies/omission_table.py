@@ -162,7 +162,7 @@ class _OmissionRow(NamedTuple):
     part, instead : str
         The neglected part or effect, and the model that replaces it, in words.
     names : list of str or None
-        Names of OMISSIONS; None for an exact omission.
+        Names of OMISSIONS; None for one of EXACT_OMISSIONS, which change no number.
     """
 
     part: str
@@ -171,9 +171,9 @@ class _OmissionRow(NamedTuple):
 
 
 def _omission_rows(brake: Brake) -> list[_OmissionRow]:
-    """The rows of a brake before they are computed.
+    """The omissions for which a brake gets a row in the table, in the order of the rows.
 
-    They are the EXACT_OMISSIONS, each of OMISSIONS alone, and the OMISSIONS together.
+    First stand the EXACT_OMISSIONS, then each of OMISSIONS alone, then the OMISSIONS together.
     """
     rows = [_OmissionRow(part, instead, None) for part, instead in EXACT_OMISSIONS.items()]
     names = parts_present(brake)
@@ -192,7 +192,10 @@ def _omission_rows(brake: Brake) -> list[_OmissionRow]:
 
 
 def _change_row(found: OmissionChange, prefix: str) -> dict[str, float]:
-    """The attributes of a change as a part of a row; the prefix is put before each key."""
+    """The attributes of `found`, relative changes by an omission, as keys and values of a row.
+
+    prefix : text before each key.
+    """
     return {prefix + key: value for key, value in found._asdict().items()}
 
 
@@ -211,14 +214,14 @@ def saved_time_and_memory(pair: WholeAndSimple, repeats: int) -> dict[str, float
 
 
 def _solve_seconds(solve: Callable[[], object]) -> float:
-    """Processor time of a solve [s]."""
+    """The processor time of one call of a function that solves a brake [s]."""
     start = time.process_time()
     solve()
     return time.process_time() - start
 
 
 def _solve_peak_memory(solve: Callable[[], object]) -> int:
-    """Peak memory of Python and NumPy during a solve [bytes]."""
+    """The peak memory [bytes] of Python and NumPy in one call of a function that solves a brake."""
     tracemalloc.start()
     try:
         solve()
@@ -250,7 +253,7 @@ def _exact_omission_solves(brake: Brake, part: str, elements: int) -> WholeAndSi
     make = partial(prepare, elements=elements)
 
     def solve_without_part() -> Response:
-        """The response by the usual solve, which leaves out the computation."""
+        """The response by the usual solve, which leaves out the computation `part`."""
         return solve_prepared_model(make(brake), brake)
 
     if part == "interior fields":

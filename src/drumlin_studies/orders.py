@@ -272,7 +272,9 @@ def rigid_limit_rows(brake: Brake, elements: int) -> list[Row]:
 
 
 def sine_amplitude(phi: Floats, shoe: ShoeResponse, edge: float) -> Floats:
-    """The ratio p/sin(phi) [Pa] at the nodes of a lining that lie off its ends.
+    """The ratio p/sin(phi) [Pa] at the nodes in the inner part of a lining.
+
+    By the sine law the ratio is the same at all nodes.
 
     phi : angles of all nodes from the hinge [rad]; edge : smallest distance of a node from an end
     of the lining at which it counts [rad].

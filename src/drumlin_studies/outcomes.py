@@ -44,7 +44,7 @@ def rows_of_fewest_digits(rows: Sequence[Row], count: int = 10) -> list[Row]:
 
 
 def _rows_by_knob(rows: Sequence[Row]) -> dict[str, list[Row]]:
-    """The rows in groups: those of each knob under its name, and all rows under "all"."""
+    """The rows in groups: those of each varied quantity (knob) under its name, all under "all"."""
     groups: dict[str, list[Row]] = {}
     for row in rows:
         groups.setdefault(row["knob"], []).append(row)
@@ -52,7 +52,9 @@ def _rows_by_knob(rows: Sequence[Row]) -> dict[str, list[Row]]:
 
 
 def count_values_by_knob(rows: Sequence[Row], key: str, names: Sequence[str]) -> list[Row]:
-    """A row for each knob, and a last row for all trials, with counts of the values of a key.
+    """A row for each varied quantity (knob) with counts of the values of a key.
+
+    The last row counts over all trials.
 
     A row has None under the name of a value that does not occur.
 
@@ -69,7 +71,10 @@ def count_values_by_knob(rows: Sequence[Row], key: str, names: Sequence[str]) ->
 
 
 def time_rows_by_knob(rows: Sequence[Row]) -> list[Row]:
-    """A row for each knob, and a last row for all trials, with medians and maxima of TIME_KEYS."""
+    """A row for each varied quantity (knob) with median and largest value of each of TIME_KEYS.
+
+    The last row is for all trials.
+    """
     table = []
     for knob, own in _rows_by_knob(rows).items():
         line: Row = {"knob": knob, "cases": len(own)}

@@ -51,7 +51,10 @@ TILT_AND_MODELS: dict[str, Solver] = {
     "tilt": partial(foundation.solve, lift=("tilt",)),
     **POST_MODELS,
 }
-"""POST_MODELS, and the foundation model that includes only the tilt of the beam's sections."""
+"""Solvers of a post brake by name: POST_MODELS and a further foundation model.
+
+"tilt" includes the tilt of the beam's sections and neglects all else that the paper neglects.
+"""
 MATCHED_ASSUMPTIONS = {
     "drum.ring": None,
     "shoe.lining.material": {"E": 2e6, "nu": 0.0},

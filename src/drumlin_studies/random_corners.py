@@ -137,8 +137,9 @@ def random_corner(seed: int, kind: str | None = None) -> Brake:
 
 
 def _draw_scalable_brake(rng: Rng, kind: str, seed: int) -> Callable[[float], Brake]:
-    """A function that returns a random brake with its gaps multiplied by a given factor.
+    """A random brake whose gaps are not scaled yet: a function from a factor to the brake.
 
+    The function returns the brake with all gaps between linings and drum multiplied by the factor.
     Each shoe of the brake has a random line of force and a random gap.
 
     kind : one of CORNER_KINDS; seed : seed of the brake, for its title.
@@ -174,9 +175,10 @@ def _turn_force_randomly(rng: Rng, shoe: dict[str, Any]) -> dict[str, Any]:
 def _draw_gap(
     rng: Rng, shoe: Mapping[str, Any], radius: float, presses: str
 ) -> Callable[[float], Gap]:
-    """A function that returns the random gap of a lining, multiplied by a given factor.
+    """A random gap of a lining that is not scaled yet: a function from a factor to the gap.
 
-    At a factor of 1 the gap is about as large as the compression of the lining by the force.
+    The function returns the gap, multiplied by the factor, as data of a lining. At a factor of 1
+    the gap is about as large as the compression of the lining by the force.
 
     Parameters
     ----------
@@ -202,9 +204,10 @@ def _draw_gap(
 def _draw_gap_to_corner(
     rng: Rng, lining: Mapping[str, Any], radius: float, size: float
 ) -> Callable[[float], Gap]:
-    """A function of a factor that returns a gap which is smallest at a corner of the lining.
+    """A random gap that is smallest at a corner of the lining, as a function of a factor on it.
 
-    The gap is a taper, another radius, an even clearance or a table of clearances.
+    The function returns the data of a lining with a taper, another radius, an even clearance or a
+    table of clearances.
 
     lining : data of the lining; radius : of the drum [m]; size : of the gap at a factor of 1 [m].
     """
@@ -222,7 +225,9 @@ def _draw_gap_to_corner(
 
 
 def _draw_gap_to_tip(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
-    """A function of a factor that returns a gap with a tip: it opens to both sides of one angle.
+    """A random gap with a tip, as a function of a factor on the gap.
+
+    At the tip the gap is zero; it opens to both sides. The function returns data of a lining.
 
     lining : data of the lining; size : largest gap at a factor of 1 [m].
     """
@@ -235,7 +240,9 @@ def _draw_gap_to_tip(rng: Rng, lining: Mapping[str, Any], size: float) -> Callab
 
 
 def _draw_gap_of_rows(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
-    """A function of a factor that returns a table of three to seven random clearances as a gap.
+    """A random gap by a table of three to seven clearances, as a function of a factor on the gap.
+
+    The function returns data of a lining.
 
     lining : data of the lining; size : largest gap at a factor of 1 [m].
     """

@@ -218,7 +218,10 @@ class AgainstPeers(NamedTuple):
 
 
 def compare_with_peers(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[AgainstPeers]:
-    """The comparison with the peers for each brake that a peer has solved."""
+    """The comparison of drumlin with the peers for each brake that a peer has solved.
+
+    rows : rows of all methods and brakes; floors : floors of each brake, by its name.
+    """
     names = dict.fromkeys(row["brake"] for row in rows if row["family"] in PEER_FAMILIES)
     return [
         _compare_with_peers_on_brake(name, rows_of_brake(rows, name), floors[name])
@@ -227,7 +230,7 @@ def compare_with_peers(rows: Sequence[Row], floors: Mapping[str, Floors]) -> lis
 
 
 def _compare_with_peers_on_brake(name: str, rows: Sequence[Row], floors: Floors) -> AgainstPeers:
-    """The comparison with the peers on one brake.
+    """The comparison of drumlin with the peers, other finite element programs, on one brake.
 
     name : name of the brake; rows : rows of the brake; floors : floors of the brake.
     """

@@ -77,19 +77,19 @@ SECTION_SHEAR_FACTOR = 6 / 5
 
 
 def surrogate_maker(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], PreparedModel]:
-    """A function that returns the surrogate of a brake.
+    """A function that returns the surrogate of a brake, a coarse model that is solved quickly.
 
-    The function keeps its meshes: brakes that differ in shoes and ring only are meshed once. It
-    raises BadInput for a brake that finite elements do not cover.
+    The function keeps its meshes: brakes that differ only in shoes and ring share one mesh of the
+    linings. It raises BadInput for a brake that finite elements do not cover.
 
     elements : number of elements along each lining.
     """
     meshed: dict[Brake, PreparedModel] = {}
 
     def prepare_surrogate(brake: Brake) -> PreparedModel:
-        """The surrogate of a brake, a prepared model.
+        """The surrogate of a brake: a coarse prepared model with shoes and ring as formulas.
 
-        The mesh of its linings on rigid shoes is made once for all brakes with these linings.
+        The linings are meshed once for all brakes with the same linings.
         """
         reason = (
             reason_why_not_modelled(brake)

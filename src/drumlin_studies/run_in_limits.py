@@ -213,7 +213,7 @@ def brake_row(
 
 
 def run_row(one: Run) -> dict[str, Any]:
-    """The table row of a run.
+    """The table row of a run, in which a brake wears until its pressure no longer changes.
 
     The row has the distances of pressure and torque from the law for new linings ("new_") and after
     the last state ("end_"), the sliding distances after which they are near the law, the shares of
@@ -344,7 +344,7 @@ class Reversals:
 
     @property
     def row(self) -> dict[str, float]:
-        """The table row of the run.
+        """The table row of a run with reversals of the drum.
 
         `after` is the largest distance of the pressure from its law, reached right after a
         reversal; `before` is the smallest distance, reached right before one. Both are taken over
@@ -461,7 +461,7 @@ def _stepping_methods(
 ) -> Iterator[tuple[str, float, Callable[[], list[WearState]]]]:
     """For each size of steps an implicit and an explicit run: name, size, function that runs it.
 
-    one, end, steps : as of `step_rows`.
+    one, end, steps : the parameters of `step_rows`.
     """
     for size in steps:
         count, ds = round(end / size), size * one.unit

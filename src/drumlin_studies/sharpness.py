@@ -140,9 +140,11 @@ class AccuracyAndCost(NamedTuple):
 
 
 def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]:
-    """Stated and true errors of a brake with a stored truth, for each tolerance that it reaches.
+    """Stated and true errors of a brake, for each tolerance of ASKED that it reaches.
 
     Each level of refinement is solved once and used for all tolerances.
+
+    name : name of the brake; stored : the brake with its far finer solution, the truth.
     """
     brake = stored.brake
     solved: list[int] = []
@@ -186,7 +188,7 @@ def _solve_to_tolerance(
 
 
 def judge_folder(folder: Path) -> list[StatedTrueErrors]:
-    """Stated and true errors of all brakes with stored truths in a folder."""
+    """Stated and true errors of all brakes whose far finer solutions are files of a folder."""
     return [
         one
         for path in truth_files(folder)
@@ -195,7 +197,7 @@ def judge_folder(folder: Path) -> list[StatedTrueErrors]:
 
 
 def truth_files(folder: Path) -> list[Path]:
-    """The files of the stored truths of a folder, in the order of their names."""
+    """The files of far finer solutions in a folder, in the order of their names."""
     return sorted(path for path in folder.glob("*.json") if path.name != FILE)
 
 
@@ -228,7 +230,9 @@ def accuracy_and_costs(rows: Sequence[StatedTrueErrors]) -> dict[str, AccuracyAn
 def lines_on_losses(
     rows: Sequence[StatedTrueErrors], written: Mapping[str, AccuracyAndCost]
 ) -> list[str]:
-    """Lines of text, one for each accuracy or cost that has become worse since the last fit.
+    """Lines of text, one for each accuracy or cost that has become worse.
+
+    It is compared with its value at the last fit of the error estimate's factors.
 
     written : accuracy and cost of the answers at the last fit, by the keys of ASKED
     """
@@ -301,7 +305,7 @@ class Written(NamedTuple):
 
 
 def read_sharpness(folder: Path) -> Written:
-    """The contents of FILE in a folder of stored truths."""
+    """The contents of FILE, the numbers at the last fit, in a folder of far finer solutions."""
     data = json.loads((folder / FILE).read_text(encoding="utf-8"))
     spreads = {quantity: Spread(**values) for quantity, values in data["sharpness"].items()}
     return Written(
@@ -310,7 +314,7 @@ def read_sharpness(folder: Path) -> Written:
 
 
 def main(folder: str) -> None:
-    """Judge all stored truths of a folder, and write FILE with spreads, accuracy and cost there."""
+    """Compare the stated errors of all brakes in a folder with true errors, and write FILE there."""
     rows = judge_folder(Path(folder))
     spreads = {
         quantity: {which: round(value, 2) for which, value in spread._asdict().items()}

@@ -65,7 +65,7 @@ def ring_sector_mesh(radii: Floats, angles: Floats, z: Floats) -> Solid:
 
 
 def contact_face_of(solid: Solid) -> ContactFace:
-    """The contact face of a solid on a cylinder, with angles measured from the x axis."""
+    """The contact face of a ring sector, on which angles are measured from the x axis."""
     return contact_face(
         make_contact_line(solid.plane, solid.section.boundaries["contact"], 0.0),
         solid.node,

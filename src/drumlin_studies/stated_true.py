@@ -152,7 +152,9 @@ def round_off_errors(shoes: Sequence[ShoeResponse]) -> ShoeChange:
 def truth_of_last_three(
     brake: Brake, last: Sequence[Sequence[TrueShoe]], begin: float, lost: ShoeChange = NO_CHANGE
 ) -> Truth:
-    """The far finer solution of a brake, with an uncertainty from the last three of a sequence.
+    """The last solution of a sequence of finer and finer meshes, with its uncertainty.
+
+    The uncertainty follows from the last three solutions.
 
     Parameters
     ----------
@@ -219,7 +221,7 @@ def _reaction_error(found: Any, true: TrueShoe) -> float:
 
 
 def pressure_error(found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE) -> float:
-    """L2 norm of the error of a shoe's pressure over its angles, relative to the L2 norm of it.
+    """L2 norm of the error of a shoe's pressure, relative to the L2 norm of the pressure.
 
     Zones at both ends of the lining are left out unless half of the force acts there. The result is
     nan where the shoe does not press.

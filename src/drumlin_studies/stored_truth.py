@@ -124,7 +124,7 @@ class StoredTruth(NamedTuple):
 
 
 class DrawnBrake(NamedTuple):
-    """How the brake of a stored truth is drawn.
+    """How a brake is drawn whose far finer solution is stored in a file.
 
     Attributes
     ----------
@@ -260,7 +260,7 @@ STORED_BRAKES: dict[str, DrawnBrake] = {
         "short contact under a tip of the gap", "tip of a rigid shoe", SEED + 1
     ),
 }
-"""The brakes with a stored truth, by the name of the file."""
+"""The brakes whose far finer solutions are stored, by the name of the file without its suffix."""
 
 
 def make_stored_truth(name: str) -> StoredTruth:
@@ -350,7 +350,10 @@ def solve_by_finer_divisions(brake: Brake) -> Truth:
 
 
 def stored_truth_as_text(stored: StoredTruth) -> str:
-    """A stored truth as JSON in SI units, with pressures of STORED_DIGITS significant digits."""
+    """A brake and its far finer solution as the text of a JSON file.
+
+    Numbers are in SI units, pressures have STORED_DIGITS significant digits.
+    """
     data = {
         "covers": stored.covers,
         "by": stored.by,
@@ -375,7 +378,7 @@ def _shoe_data(shoe: Solved) -> dict[str, Any]:
 
 
 def read_stored_truth(path: Path) -> StoredTruth:
-    """The stored truth in a file that `main` wrote."""
+    """The brake and its far finer solution in a file that `main` wrote."""
     data = json.loads(path.read_text(encoding="utf-8"))
     shoes = [_shoe_from_data(shoe) for shoe in data["shoes"]]
     true = Truth(shoes, data["uncertainty"], data["seconds"])
@@ -400,7 +403,10 @@ def _shoe_from_data(data: Mapping[str, Any]) -> ShoeSolution:
 
 
 def main(folder: str, *names: str) -> None:
-    """Solve brakes of STORED_BRAKES, and write a file with the stored truth of each into a folder.
+    """Solve brakes of STORED_BRAKES far finer than a solve does, and write a file of each brake.
+
+    folder : folder of the files.
+
 
     names : names of the brakes; without names all brakes of STORED_BRAKES are solved.
     """

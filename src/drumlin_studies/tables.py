@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 RowType = TypeVar("RowType", bound=Mapping[str, Any])
-"""The type of the rows, which a selection of rows keeps."""
+"""Stands for the type of a row: a selection of rows has rows of the same type."""
 
 
 def values_of_key(rows: Sequence[Mapping[str, Any]], key: str) -> list[Any]:
@@ -13,7 +13,10 @@ def values_of_key(rows: Sequence[Mapping[str, Any]], key: str) -> list[Any]:
 
 
 def matching_rows(rows: Sequence[RowType], **values: Any) -> list[RowType]:
-    """The rows that have the given value for each given key."""
+    """The rows that have the given value for each given key.
+
+    **values : the values by key, for example `knob="penalty"`.
+    """
     return [row for row in rows if all(row.get(key) == value for key, value in values.items())]
 
 

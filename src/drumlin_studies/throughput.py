@@ -170,7 +170,7 @@ def _time_sweep(by: str, cases: Sequence[SweepCase], found: Workers, start: floa
 
 
 def rate_rows(measured: Sequence[Throughput]) -> list[Row]:
-    """A table row for each measurement.
+    """A table row for each measured sweep, with the speed of its workers.
 
     `rate` is the number of cases per second, `gain` the rate over that of the first measurement
     with the same kind of workers.

@@ -48,7 +48,7 @@ LARGEST_RESIDUAL = 1e-8
 TORQUE_DIGITS = 6
 """Number of digits of the torque that must agree with the refined solution."""
 OTHER_ORDER = "MMD_AT_PLUS_A"
-"""Name of the order of elimination that SuperLU uses for the refined solution.
+"""Order in which the library SuperLU eliminates the unknowns of the refined solution, by its name.
 
 It differs from the order that the model uses, so that both solutions have different round-off.
 """

@@ -122,7 +122,7 @@ def _brake_of_further_case(brake: Brake) -> Brake:
 
 
 def _solve_by_model(brake: Brake, *, model: str, **options: Any) -> ColdSolve:
-    """The cold solve of a brake by a law or by the foundation model.
+    """The result of solving a brake by a law or by the foundation model.
 
     model : name of the law or model; **options : options of its solver.
     """
@@ -202,7 +202,7 @@ def _solve_on_mesh(
     even: bool = False,
     penalty: float = math.inf,
 ) -> ColdSolve:
-    """The cold solve of a brake by finite elements on one mesh.
+    """The result of meshing and solving a brake by finite elements on one mesh.
 
     Parameters
     ----------
@@ -227,9 +227,7 @@ def _solve_on_mesh(
 def _cold_solve_of_scene(
     brake: Brake, scene: PreparedModel, response: Response, penalty: float
 ) -> ColdSolve:
-    """The cold solve of a brake by finite elements.
-
-    The further load case reuses the prepared model.
+    """The result of solving a brake by finite elements, whose further case reuses the model.
 
     scene : the prepared model; response : its response; penalty : penalty factor of the contact.
     """
@@ -253,7 +251,7 @@ def _count_unknowns(scene: PreparedModel) -> int:
 
 
 def _solve_on_level(brake: Brake, *, level: int) -> ColdSolve:
-    """The cold solve of a brake by hp elements on one level of LEVELS, without an error estimate.
+    """The result of solving a brake by hp elements on one level of LEVELS, without error estimate.
 
     The coarsest level is solved before, because the elements are graded to the contact's ends.
     """
@@ -265,7 +263,7 @@ def _solve_on_level(brake: Brake, *, level: int) -> ColdSolve:
 
 
 def _solve_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
-    """The cold solve of a brake by hp elements, refined until the estimated error is small enough.
+    """The result of solving a brake by hp elements that are refined to an estimated error.
 
     tolerance : largest relative error of the pressure. The torque keeps the default tolerance where
     that is smaller.
@@ -278,7 +276,7 @@ def _solve_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
 
 
 def _solve_by_pointwise_penalty(brake: Brake, *, elements: int, penalty: float) -> ColdSolve:
-    """The cold solve of a brake by the pointwise penalty, the contact method of textbooks.
+    """The result of solving a brake by the pointwise penalty, the contact method of textbooks.
 
     elements : number of elements along each lining; penalty : penalty factor.
     """
@@ -305,13 +303,13 @@ METHOD_FAMILIES: Mapping[str, Callable[..., ColdSolve]] = {
     "weak penalty": _solve_on_mesh,
     "pointwise penalty": _solve_by_pointwise_penalty,
 }
-"""Function that returns the cold solve of a brake, for each family of drumlin's own methods."""
+"""Function that solves a brake and returns a `ColdSolve`, for each family of drumlin's methods."""
 PEER_FAMILIES = {written: name for name, written in peers.PEERS.items()}
 """Key of each peer in `drumlin.peers`, by its name in tables, for example "CalculiX"."""
 
 
 def solve_cold(brake: Brake, method: Method) -> ColdSolve:
-    """The cold solve of a brake by one of drumlin's methods.
+    """The result of solving a brake by one of drumlin's methods, from its data to the response.
 
     Raises BadInput where the method does not apply to the brake, NoAnswer where it has no answer.
     """
@@ -475,7 +473,7 @@ def _refusal_reason(error: DrumlinError) -> str:
 
 
 def solve_peak_memory(brake: Brake, method: Method) -> int:
-    """The peak memory of a cold solve [bytes], less the memory of the loaded program.
+    """The peak memory of a whole solve by a method [bytes], less that of the loaded program.
 
     The solve runs in a process of its own.
     """
@@ -498,7 +496,7 @@ def _process_context() -> Any:
 
 
 def _memory_of_solve(brake: Brake, method: Method) -> int:
-    """The growth of this process's peak memory [bytes] by a cold solve."""
+    """The growth of this process's peak memory [bytes] by a whole solve of a brake by a method."""
     before = peak_memory()
     solve_cold(brake, method)
     return peak_memory() - before
