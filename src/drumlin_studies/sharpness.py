@@ -314,7 +314,7 @@ def read_sharpness(folder: Path) -> Written:
 
 
 def main(folder: str) -> None:
-    """Compare the stated errors of all brakes in a folder with true errors, and write FILE there."""
+    """Judge the stated errors of all brakes in a folder by true errors, and write FILE there."""
     rows = judge_folder(Path(folder))
     spreads = {
         quantity: {which: round(value, 2) for which, value in spread._asdict().items()}

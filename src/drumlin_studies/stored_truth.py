@@ -405,10 +405,7 @@ def _shoe_from_data(data: Mapping[str, Any]) -> ShoeSolution:
 def main(folder: str, *names: str) -> None:
     """Solve brakes of STORED_BRAKES far finer than a solve does, and write a file of each brake.
 
-    folder : folder of the files.
-
-
-    names : names of the brakes; without names all brakes of STORED_BRAKES are solved.
+    folder : folder of the files; names : names of the brakes, by default all of STORED_BRAKES.
     """
     for name in names or STORED_BRAKES:
         stored = make_stored_truth(name)
