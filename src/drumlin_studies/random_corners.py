@@ -150,17 +150,14 @@ def _draw_scalable_brake(rng: Rng, kind: str, seed: int) -> Callable[[float], Br
     friction = 0.0 if rng.random() < 0.12 else float(f"{rng.uniform(0.01, 0.6):.4g}")
     data |= {"title": f"random {kind} {seed}", "rotation": rotation, "friction": friction}
     data["shoe"] = [_turn_force_randomly(rng, shoe) for shoe in data["shoe"]]
-    gaps = [
-        _draw_gap(rng, shoe, data["drum"]["radius"], CORNER_KINDS[kind].presses)
-        for shoe in data["shoe"]
-    ]
+    radius, presses = data["drum"]["radius"], CORNER_KINDS[kind].presses
+    gaps = [_draw_gap(rng, shoe, radius, presses) for shoe in data["shoe"]]
 
     def brake_with_scaled_gaps(factor: float) -> Brake:
         """The brake with the gaps of all linings multiplied by a factor."""
-        shoes = [
-            shoe | {"lining": shoe["lining"] | gap(factor)}
-            for shoe, gap in zip(data["shoe"], gaps, strict=True)
-        ]
+        shoes = []
+        for shoe, gap in zip(data["shoe"], gaps, strict=True):
+            shoes.append(shoe | {"lining": shoe["lining"] | gap(factor)})
         return brake_from(data | {"shoe": shoes})
 
     return brake_with_scaled_gaps

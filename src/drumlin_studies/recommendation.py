@@ -223,10 +223,11 @@ def compare_with_peers(rows: Sequence[Row], floors: Mapping[str, Floors]) -> lis
     rows : rows of all methods and brakes; floors : floors of each brake, by its name.
     """
     names = dict.fromkeys(row["brake"] for row in rows if row["family"] in PEER_FAMILIES)
-    return [
-        _compare_with_peers_on_brake(name, rows_of_brake(rows, name), floors[name])
-        for name in names
-    ]
+    comparisons = []
+    for name in names:
+        own = rows_of_brake(rows, name)
+        comparisons.append(_compare_with_peers_on_brake(name, own, floors[name]))
+    return comparisons
 
 
 def _compare_with_peers_on_brake(name: str, rows: Sequence[Row], floors: Floors) -> AgainstPeers:

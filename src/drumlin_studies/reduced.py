@@ -101,9 +101,8 @@ def surrogate_maker(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], Prepar
         bare = _rigid_brake(brake)
         if bare not in meshed:
             meshed[bare] = prepare(bare, elements=elements, kind=DEFAULT_KIND)
-        return _with_closed_forms(
-            meshed[bare], brake, min(end - start for start, end in (s.arc for s in brake.shoes))
-        )
+        shortest_arc = min(shoe.arc[1] - shoe.arc[0] for shoe in brake.shoes)
+        return _with_closed_forms(meshed[bare], brake, shortest_arc)
 
     return prepare_surrogate
 

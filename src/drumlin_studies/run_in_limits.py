@@ -394,10 +394,11 @@ def run_with_reversals(scene: PreparedModel, brake: Brake, every: float, turns: 
     worn_off = turned[-1].depth - turned[-3].depth
     law = ARCHARD.coefficient * size * (goals[True].pressure + goals[False].pressure)
     surfaces = setups[True].surfaces
-    mean = max(
-        lining_pressure_norm(s, s.along(worn_off - law)) / lining_pressure_norm(s, s.along(law))
-        for s in surfaces
-    )
+    distances = []
+    for surface in surfaces:
+        difference = lining_pressure_norm(surface, surface.along(worn_off - law))
+        distances.append(difference / lining_pressure_norm(surface, surface.along(law)))
+    mean = max(distances)
     return Reversals(every, states, far, mean)
 
 

@@ -168,12 +168,11 @@ def uniqueness_row(seed: int, way: str) -> Row:
     beyond = answered = None
     if end.friction <= 10:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
-        beyond = sum(
-            compare_answers_from_start_sets(
-                problems.problem_at(mu), end.last_contact, starts, 0.0
-            ).others
-            for mu in mu_beyond
-        )
+        beyond = 0
+        for mu in mu_beyond:
+            problem = problems.problem_at(mu)
+            comparison = compare_answers_from_start_sets(problem, end.last_contact, starts, 0.0)
+            beyond += comparison.others
         answered = sum(_has_answer(scene, vary(brake, {"friction": mu})) for mu in mu_beyond)
     # A coarse mesh has few contact sets, so that all are tried. `any_set` is the lowest friction at
     # which the equations of one of them become singular.

@@ -189,11 +189,10 @@ def _solve_to_tolerance(
 
 def judge_folder(folder: Path) -> list[StatedTrueErrors]:
     """Stated and true errors of all brakes whose far finer solutions are files of a folder."""
-    return [
-        one
-        for path in truth_files(folder)
-        for one in judge_stored_truth(path.stem, read_stored_truth(path))
-    ]
+    rows = []
+    for path in truth_files(folder):
+        rows += judge_stored_truth(path.stem, read_stored_truth(path))
+    return rows
 
 
 def truth_files(folder: Path) -> list[Path]:
@@ -219,9 +218,8 @@ def accuracy_and_costs(rows: Sequence[StatedTrueErrors]) -> dict[str, AccuracyAn
     for asked, tolerance in ASKED.items():
         own = [one for one in rows if one.asked == asked]
         reached = [one for one in own if one.stated["pressure"] <= tolerance.pressure]
-        pressure, torque = (
-            float(np.median([one.true[name] for one in own])) for name in ("pressure", "torque")
-        )
+        pressure = float(np.median([one.true["pressure"] for one in own]))
+        torque = float(np.median([one.true["torque"] for one in own]))
         unknowns = {one.name: one.unknowns for one in own}
         found[asked] = AccuracyAndCost(len(reached), pressure, torque, unknowns)
     return found
@@ -248,7 +246,8 @@ def lines_on_losses(
                 found.append(f"{asked}: true error of {quantity} {error:.1e}, was {known:.1e}")
         # Third loss: more unknowns, of all brakes together or of a single brake.
         both = now.unknowns.keys() & before.unknowns.keys()
-        more, most = (sum(of.unknowns[name] for name in both) for of in (now, before))
+        more = sum(now.unknowns[name] for name in both)
+        most = sum(before.unknowns[name] for name in both)
         if more > (1 + MORE) * most:
             found.append(f"{asked}: {more} unknowns in all, were {most}")
         for name in sorted(both):
@@ -316,19 +315,17 @@ def read_sharpness(folder: Path) -> Written:
 def main(folder: str) -> None:
     """Judge the stated errors of all brakes in a folder by true errors, and write FILE there."""
     rows = judge_folder(Path(folder))
-    spreads = {
-        quantity: {which: round(value, 2) for which, value in spread._asdict().items()}
-        for quantity, spread in error_ratio_spreads(rows).items()
-    }
-    worth = {
-        asked: {
-            "answers": of.answers,
-            "pressure": float(f"{of.pressure:.3g}"),
-            "torque": float(f"{of.torque:.3g}"),
-            "unknowns": of.unknowns,
+    spreads = {}
+    for quantity, spread in error_ratio_spreads(rows).items():
+        spreads[quantity] = {which: round(value, 2) for which, value in spread._asdict().items()}
+    worth = {}
+    for asked, found in accuracy_and_costs(rows).items():
+        worth[asked] = {
+            "answers": found.answers,
+            "pressure": float(f"{found.pressure:.3g}"),
+            "torque": float(f"{found.torque:.3g}"),
+            "unknowns": found.unknowns,
         }
-        for asked, of in accuracy_and_costs(rows).items()
-    }
     data = {"sharpness": spreads, "worth": worth}
     write_text(Path(folder) / FILE, json.dumps(data, indent=1) + "\n")
     sys.stdout.write(f"{json.dumps(spreads)}\n")

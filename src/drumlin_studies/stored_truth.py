@@ -308,9 +308,10 @@ def solve_by_deep_triangles(brake: Brake) -> Truth:
         meshes = triangles.solve_sequence(brake, DEEPEST if sharp else DEEP)
     except AssertionError:
         meshes = triangles.solve_sequence(brake, DEEP)
-    found = [
-        [_add_corner_power_law(brake, i, one) for i, one in enumerate(each)] for each in meshes
-    ]
+    found = []
+    for solutions in meshes:
+        corrected = [_add_corner_power_law(brake, i, one) for i, one in enumerate(solutions)]
+        found.append(corrected)
     true = truth_of_last_three(brake, found, begin)
     left = max(pressure_error_at_corners(brake, i, one) for i, one in enumerate(found[-1]))
     return replace(true, unsure={**true.unsure, "pressure": true.unsure["pressure"] + left})

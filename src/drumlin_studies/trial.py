@@ -180,12 +180,11 @@ def answer_accuracy(
     the refinement tried; `seconds_whole`, the time of the refined solution. Where the refined
     solution failed, `digits` is None and `whole` gives the reason.
     """
-    rows = [
-        _group_accuracy(response, group)
-        for group in divide_pressed_shoes_into_groups(scene, brake, penalty)
-    ]
+    groups = divide_pressed_shoes_into_groups(scene, brake, penalty)
+    rows = [_group_accuracy(response, group) for group in groups]
     worst: dict[str, Any] = {
-        key: max(row[key] for row in rows) for key in ("condition", "seconds_whole")
+        "condition": max(row["condition"] for row in rows),
+        "seconds_whole": max(row["seconds_whole"] for row in rows),
     }
     # If the refined solution of one group failed, nothing is known about the digits of the answer.
     known = [row for row in rows if row["digits"] is not None]

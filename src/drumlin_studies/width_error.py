@@ -132,11 +132,11 @@ def main() -> None:
             sys.stdout.write(f"{row}\n")
             continue
         rows.append(row)
-        errors = ", ".join(
-            f"{name} {row.true[name]:.1e} x {row.estimated[name] / (row.true[name] or 1):.2f}"
-            for name in JUDGED
-        )
-        sys.stdout.write(f"{row.title} ({row.widths}): {errors}\n")
+        errors = []
+        for name in JUDGED:
+            ratio = row.estimated[name] / (row.true[name] or 1)
+            errors.append(f"{name} {row.true[name]:.1e} x {ratio:.2f}")
+        sys.stdout.write(f"{row.title} ({row.widths}): {', '.join(errors)}\n")
         sys.stdout.flush()
     sys.stdout.write("\n".join(table_of(rows)) + "\n")
 

@@ -81,18 +81,11 @@ def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
         brake = rated(brake, solve, to_si(example["peak"], "Pa", unit_required=True))
     response = solve(brake)
     origin, remark = example["origin"], example.get("remark", "")
-    return [
-        printed_and_computed_row(
-            law,
-            source,
-            quantity,
-            text,
-            PRINTED_QUANTITIES[quantity](brake, response),
-            origin,
-            remark,
-        )
-        for quantity, text in example["given"].items()
-    ]
+    rows = []
+    for quantity, text in example["given"].items():
+        value = PRINTED_QUANTITIES[quantity](brake, response)
+        rows.append(printed_and_computed_row(law, source, quantity, text, value, origin, remark))
+    return rows
 
 
 def printed_and_computed_row(
@@ -177,13 +170,10 @@ def equivalent_friction_rows() -> list[Row]:
     The equivalent friction mu' is that of a short block with the same normal force and torque.
     """
     printed = {15: "1.011408", 30: "1.045356", 45: "1.100214", 60: "1.170138", 90: "1.273240"}
-    return [
-        printed_and_computed_row(
-            "block",
-            "mu'/mu",
-            f"half-arc {angle} deg",
-            text,
-            float(equivalent_friction(math.radians(angle))),
+    rows = []
+    for angle, text in printed.items():
+        value = float(equivalent_friction(math.radians(angle)))
+        rows.append(
+            printed_and_computed_row("block", "mu'/mu", f"half-arc {angle} deg", text, value)
         )
-        for angle, text in printed.items()
-    ]
+    return rows
