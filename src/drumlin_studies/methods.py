@@ -1,4 +1,7 @@
-"""The methods that are held against each other in error and run time (see `work_precision`)."""
+"""The list of solution methods whose error and run time the study of methods compares.
+
+A method is a law, a model or a mesh with its options: see `work_precision.Method`.
+"""
 
 from collections.abc import Iterator
 
@@ -9,17 +12,21 @@ from drumlin_studies.work_precision import Method
 
 
 def all_methods(brake: Brake, *, peers: bool = False, short: bool = False) -> list[Method]:
-    """Laws, foundation model, finite elements of all kinds and sizes, and textbook contact.
+    """The list of all methods that are compared on a brake.
+
+    The list holds the laws, the foundation model, finite elements on meshes of all element kinds
+    and sizes, hp elements, and penalty contact as textbooks describe it.
 
     Parameters
     ----------
     brake : Brake
-        The brake to be solved. It decides whether the foundation model applies and how fine the
-        meshes are.
+        The brake to be solved. It decides whether the foundation model applies, and how fine the
+        finest mesh is.
     peers : bool
-        Whether other programs are included, with the meshes that they are held against.
+        Whether the list includes the peers, which are other finite element programs, and drumlin
+        on the meshes that the peers use.
     short : bool
-        Whether fewer kinds and sizes are enough.
+        Whether the list has fewer element kinds and fewer mesh sizes, for a quick run.
     """
     result = [Method("law", law, {"model": law}) for law in ("sine", "cosine", "uniform")]
     if "foundation" not in refusals(brake):
@@ -31,7 +38,11 @@ def all_methods(brake: Brake, *, peers: bool = False, short: bool = False) -> li
 
 
 def _foundation_methods() -> Iterator[Method]:
-    """The foundation model as published and with all simplifications lifted."""
+    """Methods that solve a brake by the foundation model, with 20 to 180 sections along a lining.
+
+    Each number of sections gives two methods: the model as published, and the model that includes
+    all effects which the published model neglects ("lifted").
+    """
     for sections in (20, 60, 180):
         options = {"model": "foundation", "sections": sections}
         yield Method("foundation", f"{sections} sections", options)
@@ -39,9 +50,13 @@ def _foundation_methods() -> Iterator[Method]:
 
 
 def _mesh_methods(brake: Brake, *, short: bool) -> Iterator[Method]:
-    """Uniform and graded meshes of several kinds and sizes."""
+    """Methods that solve a brake by finite elements with a fixed number of elements per lining.
+
+    The meshes have elements of equal length ("even mesh") or elements that shrink towards the
+    lining's ends ("graded mesh").
+    """
     sizes = (20, 40) if short else (20, 40, 80)
-    # An elastic ring makes a fine mesh cost much more.
+    # The mesh of 160 elements is left out on an elastic drum ring, where it would take far longer.
     if not short and brake.ring is None and any(shoe.body is not None for shoe in brake.shoes):
         sizes = (*sizes, 160)
     for kind in ("quad2", "tri1"):
@@ -53,7 +68,11 @@ def _mesh_methods(brake: Brake, *, short: bool) -> Iterator[Method]:
 
 
 def _level_methods(*, short: bool) -> Iterator[Method]:
-    """Hp elements of fixed levels, and to tolerances."""
+    """Methods that solve a brake by hp elements, which are of high degree and graded.
+
+    Some methods use one fixed level of refinement. The others refine until the estimated error is
+    below a tolerance.
+    """
     for level in range(2 if short else 5):
         yield Method("columns", f"level {level + 1}", {"level": level})
     for tolerance in (5e-3,) if short else (5e-3, 1e-3, 1e-4, 1e-5):
@@ -62,7 +81,11 @@ def _level_methods(*, short: bool) -> Iterator[Method]:
 
 
 def _penalty_methods(*, short: bool) -> Iterator[Method]:
-    """Penalty contact of several stiffnesses, at nodes and at quadrature points."""
+    """Methods that solve a brake with penalty contact, for several penalty stiffnesses.
+
+    The penalty acts on the nodes of the lining ("weak penalty") or on the quadrature points of its
+    edges ("pointwise penalty").
+    """
     elements = 40 if short else 80
     penalties = (1e3, 1e6) if short else (1e1, 1e3, 1e6)
     for family in ("weak penalty", "pointwise penalty"):
@@ -72,15 +95,18 @@ def _penalty_methods(*, short: bool) -> Iterator[Method]:
 
 
 def _peer_methods() -> Iterator[Method]:
-    """The peers on meshes of several sizes, and drumlin on two of these meshes."""
-    # On these two meshes the error of p is half a percent.
+    """Methods that solve a brake by the programs GetFEM and CalculiX on several meshes.
+
+    Two methods solve the brake by drumlin on the same meshes.
+    """
+    # The two methods of drumlin: on both meshes the pressure p has an error of half a percent.
     yield _mesh_method("graded mesh", "quad2", 56)
     yield _mesh_method("graded mesh", "quad1", 112)
     for elements in (20, 40, 56, 80, 112):
         yield _mesh_method("GetFEM", "quad2", elements)
     for elements in (40, 80, 112):
         yield _mesh_method("GetFEM", "quad1", elements)
-    # The error of p on these meshes falls from half a percent to a hundredth of a percent.
+    # On these four refined meshes the error of the pressure p falls from 0.5 % to 0.01 %.
     for elements, layers in ((42, 5), (62, 6), (81, 7), (144, 9)):
         options = {"kind": "quad2", "elements": elements, "layers": layers}
         yield Method("GetFEM", f"refined, quad2, {elements} elements", options)
@@ -92,6 +118,18 @@ def _peer_methods() -> Iterator[Method]:
 
 
 def _mesh_method(family: str, kind: str, elements: int, **more: bool) -> Method:
-    """A method on a mesh of a kind, with a number of elements along each lining."""
+    """The method that solves a brake on one mesh.
+
+    Parameters
+    ----------
+    family : str
+        Key of the method's family.
+    kind : str
+        Kind of the elements, for example "quad2" for quadratic quadrilaterals.
+    elements : int
+        Number of elements along each lining.
+    **more : bool
+        Further options of the family's solver.
+    """
     name = f"{kind}, {elements} elements"
     return Method(family, name, {"kind": kind, "elements": elements, **more})

@@ -1,4 +1,8 @@
-"""Rows on misfit: single misfits, a turn of an uneven drum, and brakes drawn from tolerances."""
+"""Table rows on misfit, which is any deviation of lining or drum from a lining that fits the drum.
+
+The rows show the effect of one misfit at a time, of a turn of a drum with lobes, and of random
+misfits within manufacturing tolerances.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,28 +31,31 @@ DRAWN_QUANTITIES = {
     "brake_factor": "brake factor T/(F R)",
     "peak_pressure": "peak pressure [MPa]",
 }
-"""Quantities whose distributions are shown, with their names in tables."""
+"""Quantities whose distribution over the random brakes is shown: key of a row, name in tables."""
 STATES = ("new", "worn in")
-"""States of the linings."""
+"""The two states of the linings in which the random brakes are solved."""
 LOBES = {"run-out": 1, "oval": 2, "three lobes": 3, "five lobes": 5}
-"""Orders of the drum's lobes, by name."""
+"""Number of lobes around the drum, by the name of the out-of-roundness. Run-out has one lobe."""
 EXPANSION, WARMING = 11e-6, 100.0
-"""Thermal expansion of the drum [1/K], and how much hotter than the shoes it is [K]."""
+"""Coefficient of thermal expansion of the drum [1/K]; temperature of the drum minus that of the
+shoes [K]."""
 
 
 def single_rows(
     brake: Brake, law: Response, solve: Callable[[Brake], Response]
 ) -> list[dict[str, Any]]:
-    """A row for each of several misfits, against a lining that fits and against the law.
+    """A row for each single misfit, with the changes of torque and peak pressure that it causes.
+
+    The changes are relative to the brake with linings that fit, and relative to the law.
 
     Parameters
     ----------
     brake : Brake
         The brake without misfit.
     law : Response
-        Its response by the law.
+        The response of the brake without misfit by the law.
     solve : function
-        Solves a brake.
+        Returns the response of a brake.
     """
     fits = solve(brake)
     law_peak = _peak_pressure(law)
@@ -74,18 +81,21 @@ def _peak_pressure(response: Response) -> float:
 
 
 def _single_misfits(brake: Brake) -> Mapping[str, Mapping[str, Any]]:
-    """Changes of the brake file for each single misfit, by its name in the table."""
+    """The changes of the brake file that cause each misfit, by the misfit's name in the table."""
     growth = clearance.thermal_growth(brake.size, EXPANSION, WARMING)
 
     def stepped(depth: float) -> dict[str, Any]:
-        """Changes by which each lining has a step in its middle [m], lower away from the pin."""
+        """The changes of the brake file that give each lining a step of `depth` [m] in its middle.
+
+        A positive depth lowers the half of the lining that lies away from the pin.
+        """
         changes = {}
         for i, shoe in enumerate(brake.shoes):
             step = [[shoe.lining.middle, depth * shoe.frame.sense]]
             changes[f"shoe[{i}].lining.misfit.blocks"] = step
         return changes
 
-    # A drum that grows evenly is a lobe of order zero.
+    # The hot drum has a larger radius all around. A lobe of order zero describes this growth.
     hot = {"drum.out_of_round": [{"order": 0, "amplitude": growth}]}
     return {
         "fits": {},
@@ -102,7 +112,7 @@ def _single_misfits(brake: Brake) -> Mapping[str, Mapping[str, Any]]:
 
 
 def contact_fraction(brake: Brake, response: Response) -> float:
-    """Fraction of the arc of all linings that is in contact."""
+    """Contact arcs of all shoes in a response over the arcs of all linings, from 0 to 1."""
     arcs: float = 0
     for shoe in response.shoes:
         for start, end in shoe.contact_arcs:
@@ -113,18 +123,23 @@ def contact_fraction(brake: Brake, response: Response) -> float:
 def torques_over_turn(
     brake: Brake, solve: Callable[[Brake], Response], amplitude: float, angles: Sequence[float]
 ) -> dict[str, Floats]:
-    """Torque (angles,) [N m] over the angle of a drum with lobes, by the name of the lobes.
+    """Torque of a brake at several angles of its out-of-round drum, for each entry of LOBES.
 
     Parameters
     ----------
     brake : Brake
         The brake with a round drum.
     solve : function
-        Solves a brake.
+        Returns the response of a brake.
     amplitude : float
         Amplitude of the lobes [m].
     angles : sequence of float
-        Angles of the drum [rad].
+        Angles [rad] by which the drum has turned.
+
+    Returns
+    -------
+    dict
+        Arrays (angles,) of torques [N m] by the keys of LOBES.
     """
     found = {}
     for name, order in LOBES.items():
@@ -135,26 +150,32 @@ def torques_over_turn(
 
 
 def relative_torque_ranges(torques: Mapping[str, Floats]) -> dict[str, float]:
-    """Range over mean of each torque, by name."""
+    """Largest minus smallest torque over the mean torque, by the keys of `torques`."""
     return {name: float(np.ptp(torque) / np.mean(torque)) for name, torque in torques.items()}
 
 
 def error_maps_of_law(
     rows: Sequence[Row], brake: Brake, law: Response, shape: tuple[int, int]
 ) -> dict[str, Floats]:
-    """Relative errors of the law's torque and peak pressure as maps: value over law, minus 1.
+    """Maps of torque and peak pressure of a sweep, over their values by the law, minus 1.
 
     Parameters
     ----------
     rows : sequence of mappings
-        Rows of a sweep.
+        Rows of a sweep over two quantities, in the order of the maps.
     brake : Brake
-        The brake.
+        The brake without the changes of the sweep.
     law : Response
-        Its response by the law.
+        The response of that brake by the law.
     shape : tuple of two int
-        Shape of the maps.
+        Shape of each map.
+
+    Returns
+    -------
+    dict
+        The arrays of the given shape under the keys "torque" and "peak_pressure".
     """
+    # A map holds the relative difference of a quantity from its value by the law.
     nominal = response_row(brake, law)
     maps = {}
     for name in ("torque", "peak_pressure"):
@@ -164,48 +185,63 @@ def error_maps_of_law(
 
 @dataclass(frozen=True)
 class DrawnBrakes:
-    """Brakes drawn from tolerances.
+    """Results of brakes whose dimensions were drawn at random from manufacturing tolerances.
 
     Attributes
     ----------
     rows : mapping
-        Rows by state: "new" and "worn in" by finite elements, "law" by the sine law. The first 2 n
-        rows of each state are the independent samples A and B of `tolerances.draw_deviates`.
+        The rows of the brakes by state: "new" and "worn in" were solved by finite elements, "law"
+        by the sine law. The first 2 n rows of each state are the two independent samples A and B of
+        `tolerances.draw_deviates`.
     n : int
-        Size of each of the two samples.
+        Number of brakes in each of the two samples.
     """
 
     rows: Mapping[str, Sequence[Row]]
     n: int
 
     def sample(self, state: str, name: str) -> Floats:
-        """A quantity of the independent samples (2 n,); the peak pressure in MPa."""
+        """The values (2 n,) of a quantity of the random brakes.
+
+        The peak pressure is in MPa, the other quantities are in SI units.
+
+        state : a key of `rows`, for example "new"; name : a key of DRAWN_QUANTITIES.
+        """
         values = values_of_rows(self.rows[state][: 2 * self.n], name)
         return values * 1e-6 if name == "peak_pressure" else values
 
     def off_law(self, state: str) -> Floats:
-        """Torque of each drawn brake over its torque by the sine law (2 n,)."""
+        """Torque of each random brake over its torque by the sine law (2 n,).
+
+        state : "new" or "worn in", the state of the linings.
+        """
         ratio: Floats = self.sample(state, "torque") / self.sample("law", "torque")
         return ratio
 
     def law_error(self, state: str) -> tuple[float, float]:
-        """5th and 95th percentile of the relative error of the law's torque."""
+        """5th and 95th percentile of the relative error of the torque by the sine law.
+
+        state : "new" or "worn in", the state of the linings of the random brakes.
+        """
         low, high = np.percentile(1 / self.off_law(state), (5, 95))
         return low - 1, high - 1
 
     def relative_spread(self, state: str) -> float:
-        """Standard deviation of the torque over its mean."""
+        """Standard deviation of the torque of the random brakes over their mean torque.
+
+        state : a key of `rows`, for example "new" for new linings.
+        """
         return sample_spread(self.sample(state, "torque")).relative
 
     def peaks_over(self, pressure: float) -> tuple[float, float]:
-        """Mean and 95th percentile of the peak pressure of new brakes, over a pressure [MPa]."""
+        """Mean and 95th percentile of the peak pressures of new brakes, over `pressure` [MPa]."""
         peaks = self.sample("new", "peak_pressure") / pressure
         return float(peaks.mean()), float(np.percentile(peaks, 95))
 
     def healed_variance(self) -> float:
-        """Fraction of the torque's variance that run-in removes.
+        """Fraction of the torque's variance that disappears as the linings run in.
 
-        What remains comes from friction, force, levers and the drum.
+        The variance that remains comes from tolerances of friction, force, levers and drum.
         """
         new = sample_spread(self.sample("new", "torque")).deviation
         worn = sample_spread(self.sample("worn in", "torque")).deviation
@@ -213,16 +249,19 @@ class DrawnBrakes:
 
 
 def nominal_quantities(brake: Brake, law: Response) -> dict[str, float]:
-    """DRAWN_QUANTITIES of the nominal brake by the law; the peak pressure in MPa."""
+    """The values of DRAWN_QUANTITIES by the law, for the brake without tolerances.
+
+    The peak pressure is in MPa, the other quantities are in SI units.
+    """
     row = response_row(brake, law)
     row["peak_pressure"] *= 1e-6
     return {name: row[name] for name in DRAWN_QUANTITIES}
 
 
 def spread_rows(drawn: DrawnBrakes) -> list[dict[str, Any]]:
-    """A row for the distribution of each quantity in each state.
+    """A row for each quantity in each state: mean, standard deviation and percentiles.
 
-    The last rows are on the torque over that of the sine law of the same brake.
+    The last rows treat the ratio of the torque to the torque by the sine law of the same brake.
     """
     values: dict[tuple[str, str], Floats] = {}
     for name, title in DRAWN_QUANTITIES.items():
@@ -230,6 +269,7 @@ def spread_rows(drawn: DrawnBrakes) -> list[dict[str, Any]]:
             values[title, state] = drawn.sample(state, name)
     for state in STATES:
         values["torque over the sine law's of the same brake", state] = drawn.off_law(state)
+    # A row for each sample: mean, standard deviation, their ratio, and the percentiles.
     rows = []
     for (quantity, state), sample in values.items():
         found = sample_spread(sample)
@@ -250,7 +290,10 @@ def share_rows(
 ) -> list[dict[str, Any]]:
     """A row for each tolerance with its total Sobol indices.
 
-    shares : by state and quantity, in the order of the tolerances.
+    A total Sobol index is the share of a quantity's variance in which the tolerance takes part.
+
+    tolerances : the tolerances; shares : Sobol indices in the order of the tolerances, by state and
+    by quantity of DRAWN_QUANTITIES.
     """
     rows = []
     for i, tolerance in enumerate(tolerances):
@@ -265,6 +308,8 @@ def share_rows(
 def torque_settling_distance(distances: Sequence[float], torque: Floats, within: float) -> float:
     """The sliding distance [m] after which the distribution of the torque has settled.
 
+    The distribution has settled where its 5th, 50th and 95th percentile keep their last values.
+
     Parameters
     ----------
     distances : sequence of float
@@ -272,9 +317,9 @@ def torque_settling_distance(distances: Sequence[float], torque: Floats, within:
     torque : array (brakes, distances)
         Torque of each brake [N m].
     within : float
-        Fraction of their last values within which the 5th, 50th and 95th percentile must stay.
+        Largest relative difference of a percentile from its last value.
     """
-    # Distance of each percentile from its last value, the largest of the three.
+    # At each distance: the largest relative difference of the three percentiles from their ends.
     ends = np.percentile(torque, (5, 50, 95), axis=0)
     off = np.abs(ends / ends[:, -1:] - 1).max(axis=0)
     return next(s for k, s in enumerate(distances) if off[k:].max() < within)

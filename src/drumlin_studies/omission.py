@@ -1,11 +1,14 @@
-"""What can be neglected in a brake, and the change that this makes, predicted on a sketch.
+"""Omissions: parts of a brake that a simpler model neglects, and the change of the answer by this.
 
-A solve neglects nothing: with hp elements the whole brake takes no longer than the decision what
-may be neglected. A sketch is a coarse model of the brake (`reduced`). The prediction is the
-difference between the sketches of the whole brake and of the simpler brake. To first order it is
-the response of the pressure to the gap F p that the neglected flexibility F would open, so that it
-grows with the ratio of stiffnesses. Contact may open or close in the sketches as well, and no
-factor is calibrated.
+An omission replaces for example the elastic drum ring by a rigid drum. `omission_change` compares
+the answers of the simpler and of the whole brake. `predict_omission_change` predicts the same
+change on two surrogates, which are coarse models of the whole and of the simpler brake (`reduced`).
+To first order the change is the response of the pressure p to the gap F p that the neglected
+flexibility F would open. The change grows with the ratio of the stiffnesses. Contact may open or
+close in the surrogates as well, and no factor is calibrated.
+
+A solve of drumlin neglects nothing: with hp elements the whole brake takes no longer than the
+decision on an omission.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -27,28 +30,39 @@ from drumlin.response.response import Response, ShoeResponse
 from drumlin_studies.reduced import surrogate_maker
 
 Make = Callable[[Brake], PreparedModel]
-"""A function that prepares a brake."""
+"""A function that returns the prepared model of a brake: meshed and condensed, not yet solved."""
 
 
 class Omission(NamedTuple):
-    """A part that can be neglected: the model in its place, and whether a brake has the part."""
+    """A part or effect that can be neglected.
+
+    Attributes
+    ----------
+    instead : str
+        The simpler model in place of the part, in words.
+    in_brake : function
+        Returns whether a brake has the part.
+    """
 
     instead: str
     in_brake: Callable[[Brake], bool]
 
 
 def _body_follows_drum(shoe: Shoe) -> bool:
-    """Whether the body of a shoe follows the drum: neither a mesh of its own nor a beam."""
+    """Whether the body of a shoe is an arc along the drum, no straight beam and no user's mesh."""
     return shoe.mesh is None and not isinstance(shoe.body, Beam)
 
 
 def _has_elastic_bar(brake: Brake) -> bool:
-    """Whether a shoe of the brake has an elastic body that follows the drum."""
+    """Whether a shoe of the brake has an elastic body in the form of an arc along the drum."""
     return any(isinstance(shoe.body, Bar) and _body_follows_drum(shoe) for shoe in brake.shoes)
 
 
 def _has_backing(brake: Brake) -> bool:
-    """Whether a shoe of the brake that follows the drum has a backing."""
+    """Whether a shoe of the brake has a backing behind its lining and no straight beam.
+
+    Shoes on a mesh of the user do not count.
+    """
     return any(shoe.backing is not None and _body_follows_drum(shoe) for shoe in brake.shoes)
 
 
@@ -69,28 +83,31 @@ OMISSIONS = {
         lambda brake: all(shoe.mesh is None for shoe in brake.shoes),
     ),
 }
-"""The parts whose neglect changes the answer, by name.
+"""Parts and effects whose neglect changes the answer, by name.
 
-The beam and the block of a post cannot be neglected, because the beam ends where the block begins.
+"drag" is the deformation of the elastic bodies by friction. The beam and the block of a post cannot
+be neglected, because the beam ends where the block begins.
 """
 
 
 class OmissionChange(NamedTuple):
-    """Relative changes by an omission; of several shoes the largest change counts.
+    """Relative changes of an answer by an omission.
+
+    Pressure, reaction, peak and `each` are the largest change among the shoes.
 
     Attributes
     ----------
     torque : float
         Change of the brake's torque.
     pressure : float
-        L2 change of p outside the edge zones.
+        L2 norm of the change of the pressure p, outside the zones at the lining's ends.
     shoes : float
-        Sum of the absolute changes of the shoes' torques over the brake's torque. It bounds
-        `torque`, in which they partly cancel.
+        Sum of the absolute changes of the shoes' torques, over the brake's torque. The sum is an
+        upper bound of `torque`, in which changes of opposite sign cancel.
     reaction, peak : float
         Change of the hinge reaction and of the peak pressure.
     each : float
-        Change of a shoe's torque over this torque.
+        Change of the torque of a shoe, over the torque of the same shoe.
     """
 
     torque: float
@@ -102,9 +119,10 @@ class OmissionChange(NamedTuple):
 
 
 def omission_change(simple: Response, whole: Response) -> OmissionChange:
-    """The change from the response of the whole brake to that of the simpler brake."""
+    """The relative changes from the response of the whole brake to that of the simpler brake."""
     torques, pressures, reactions, peaks, each = [], [], [], [], []
-    # Where the shoe of the whole brake has no torque, peak or reaction, the change itself counts.
+    # A change is not divided by zero: where the whole brake has no torque, peak or reaction, the
+    # absolute change counts.
     for a, b in zip(simple.shoes, whole.shoes, strict=True):
         torques.append(a.torque - b.torque)
         each.append(abs(a.torque - b.torque) / (b.torque or 1.0))
@@ -124,19 +142,23 @@ def omission_change(simple: Response, whole: Response) -> OmissionChange:
 
 
 def _pressure_change(a: ShoeResponse, b: ShoeResponse) -> float:
-    """Relative L2 change of p from shoe b to shoe a; 1 where only shoe a presses."""
+    """L2 distance between the pressures of responses a and b of a shoe, relative to b.
+
+    The result is 1 where the shoe presses in response a only.
+    """
     return pressure_distance(a, b) if b.pressure.any() else float(a.pressure.any())
 
 
 def parts_present(brake: Brake) -> list[str]:
-    """Names of the parts of a brake that can be neglected."""
+    """The names of those OMISSIONS whose part or effect a brake has."""
     return [name for name, part in OMISSIONS.items() if part.in_brake(brake)]
 
 
 def simplified_brake(brake: Brake, names: Iterable[str]) -> Brake:
-    """The brake without some of the parts ring, shoe and backing.
+    """The brake without those of the parts "ring", "shoe" and "backing" that `names` contains.
 
-    The other parts of OMISSIONS are no parts of a brake file: see `scene_without`.
+    The other names of OMISSIONS change no brake file; `scene_without` takes them into account.
+    Raises BadInput where OMISSIONS does not have a name.
     """
     names = set(names)
     if unknown := sorted(names - set(OMISSIONS)):
@@ -148,7 +170,7 @@ def simplified_brake(brake: Brake, names: Iterable[str]) -> Brake:
         gone["backing"] = None
     shoes = []
     for shoe in brake.shoes:
-        # A mesh of its own and the beam of a post cannot do without these parts.
+        # A shoe on a mesh of the user or with a straight beam keeps its body and its backing.
         shoes.append(shoe.model_copy(update=gone) if _body_follows_drum(shoe) else shoe)
     left = brake.without_ring() if "ring" in names else brake
     return left.model_copy(update={"shoes": tuple(shoes)})
@@ -164,13 +186,15 @@ def scene_without(
     brake : Brake
         The whole brake.
     names : iterable of str
-        Names of OMISSIONS. "curvature" is a matter of the mesh: see `prepare_straight`.
+        Names of OMISSIONS. The name "curvature" has no effect here: `make` must be
+        `prepare_straight` for elements with straight edges.
     make : function
-        Prepares a brake.
+        Returns the prepared model of a brake.
     """
     names = set(names)
     simple = simplified_brake(brake, names)
-    # A model without friction has no friction to deform it.
+    # Without "drag" friction deforms no body: the model is prepared without friction, and friction
+    # is added to the balance of moments alone.
     if "drag" in names and brake.friction > 0:
         scene = _scene_without_friction(make(simple.model_copy(update={"friction": 0.0})), simple)
     else:
@@ -179,9 +203,11 @@ def scene_without(
 
 
 def _scene_without_friction(scene: PreparedModel, brake: Brake) -> PreparedModel:
-    """A model that is prepared without friction, for a brake with friction.
+    """A prepared model for a brake with friction in which friction causes no deformation.
 
-    Friction then acts on the balance of moments and causes no deformation.
+    Friction acts on the balance of forces and moments of each shoe only.
+
+    scene : the prepared model of the same brake without friction; brake : the brake with friction.
     """
     made: dict[int, ShoeSubstructure] = {}
     bodies = []
@@ -196,7 +222,7 @@ def _scene_without_friction(scene: PreparedModel, brake: Brake) -> PreparedModel
                 closure_by_friction=np.zeros_like(body.closure_by_pressure),
                 reaction_to_friction=-rigid @ body.coupling.T.T,
             )
-        # Shoes that share a body go on sharing it.
+        # Shoes of equal shape share one condensed body before and after this change.
         bodies.append(made[id(body)])
     ring = scene.ring
     if ring is not None:
@@ -208,11 +234,14 @@ def _scene_without_friction(scene: PreparedModel, brake: Brake) -> PreparedModel
 
 
 def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:
-    """The prepared model of a brake on quadratic quadrilaterals with straight edges."""
+    """The prepared model of a brake whose quadratic elements have straight edges.
+
+    elements : number of elements along each lining.
+    """
     import skfem  # noqa: PLC0415  (meshes alone load it)
 
     def mesh_with_straight_edges(shoe: Shoe, radius: float) -> Any:
-        """The mesh of a shoe with straight edges between its corners."""
+        """The mesh of a shoe with straight lines between the corners of each element."""
         mesh = shoe_mesh(shoe, radius, elements)
         corners = skfem.MeshQuad(
             np.ascontiguousarray(mesh.p[:, : mesh.nvertices]), mesh.t, validate=False
@@ -226,7 +255,7 @@ def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:
 def predict_omission_change(
     brake: Brake, names: Sequence[str], respond: ResponseFunction, sketch: Make | None = None
 ) -> OmissionChange:
-    """The change by an omission, predicted on sketches in some milliseconds.
+    """The change of the answer by an omission, predicted on two surrogates in some milliseconds.
 
     Parameters
     ----------
@@ -235,14 +264,15 @@ def predict_omission_change(
     names : sequence of str
         Names of OMISSIONS.
     respond : function
-        The response of a prepared model.
+        Returns the response of a prepared model and a brake.
     sketch : function, optional
-        A sketcher, which may have meshed the linings already.
+        Returns the surrogate of a brake, as a function of `reduced.surrogate_maker`. A function
+        that is used again keeps the meshes of its linings.
 
     Raises
     ------
     NoAnswer
-        One of the two sketches has no equilibrium.
+        The surrogate of the whole or of the simpler brake has no equilibrium.
     """
     sketch = sketch or surrogate_maker()
     whole = respond(sketch(brake), brake)

@@ -1,4 +1,8 @@
-"""The table of omissions: the change by each, the predicted change, and the saved time."""
+"""The table of omissions, which are parts of a brake that a simpler model neglects.
+
+For each omission the table has the change of the answer, the predicted change, and the fractions of
+time and memory that the omission saves.
+"""
 
 import math
 import time
@@ -40,11 +44,18 @@ EXACT_OMISSIONS = {
     "second of equal shoes": "condensed once",
     "flexibility under drag, mu = 0": "symmetric part only",
 }
-"""Omissions that change no number, and what replaces each."""
+"""Computations that a solve leaves out without any change of the answer.
+
+Each key names the computation, each value how the solve avoids it. The last one leaves out the
+deformation by friction where the coefficient of friction mu is zero.
+"""
 
 
 class WholeAndSimple(NamedTuple):
-    """Functions that solve the whole brake and the simpler brake, each from the start."""
+    """Two functions: one solves the whole brake, the other the brake with an omission.
+
+    Each function prepares its model anew, so that it can be timed.
+    """
 
     whole: Callable[[], Response]
     simple: Callable[[], Response]
@@ -53,22 +64,25 @@ class WholeAndSimple(NamedTuple):
 def omission_rows(
     brake: Brake, name: str, *, elements: int = ELEMENTS, repeats: int = 5
 ) -> list[dict[str, Any]]:
-    """A row for each omission of a brake: the exact omissions, each other alone, all together.
+    """A row for each omission that a brake allows.
 
-    The keys of a change are those of `OmissionChange`; the predicted change has the same keys after
-    "predicted_". `seconds` and `memory` are the saved fractions of the whole solve. An omission
-    without an answer has a row with its reason.
+    The first rows are on EXACT_OMISSIONS, the next on each of OMISSIONS alone, the last on all
+    OMISSIONS together. A row has the changes under the names of `OmissionChange`, and the predicted
+    changes under the same names after "predicted_". `seconds` and `memory` are the fractions that
+    the omission saves of the time and of the memory of the whole solve. Where one of the two solves
+    has no answer, the `status` of the row gives the reason.
 
     Parameters
     ----------
     brake : Brake
         The brake.
     name : str
-        Its name in the rows.
+        Name of the brake in the rows.
     elements : int
         Elements along each lining.
     repeats : int
-        Timings of each solve, whose median counts. With 0 nothing is timed.
+        Number of timings of each solve; their median counts. With 0 the rows have no `seconds` and
+        no `memory`.
     """
     rows: list[dict[str, Any]] = []
     for part, instead, names in _omission_rows(brake):
@@ -96,9 +110,11 @@ def omission_rows(
 
 
 def prediction_ratios(rows: Sequence[Mapping[str, Any]], key: str) -> list[float]:
-    """Predicted over true changes, where the true change lies between 0.01 % and 30 %.
+    """Predicted change over true change, for each row whose true change lies in 0.01 % to 30 %.
 
-    Exact omissions and curvature do not count. key : attribute of `OmissionChange`.
+    Exact omissions, the curvature of the elements, and all omissions with curvature are left out.
+
+    rows : rows of `omission_rows`; key : attribute of `OmissionChange` that is compared.
     """
     ratios = []
     for row in rows:
@@ -111,9 +127,10 @@ def prediction_ratios(rows: Sequence[Mapping[str, Any]], key: str) -> list[float
 def saved_time_range(
     rows: Sequence[Mapping[str, Any]], least: float
 ) -> dict[str, tuple[float, float]]:
-    """Smallest and largest saved fraction of time by each omission alone.
+    """Smallest and largest fraction of the time that each omission alone saves, by its name.
 
-    least : an omission that never saves more is left out.
+    rows : rows of `omission_rows`; least : fraction of the time that an omission must save on at
+    least one brake. Other omissions are left out of the result.
     """
     saving: dict[str, list[float]] = {}
     for row in rows:
@@ -127,22 +144,25 @@ def saved_time_range(
 
 
 def row_of_worst_straight_edges(rows: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
-    """The row in which straight edges change p most, or None."""
+    """The row in which elements with straight edges change the pressure most.
+
+    The result is None where no row has such a change.
+    """
     straight = matching_rows(rows, part="curvature")
-    # A row without an answer has no change of p.
+    # A row whose solve failed has no key "pressure" and counts as no change.
     worst = max(straight, key=lambda row: row.get("pressure") or 0.0, default=None)
     return worst if worst and worst.get("pressure") else None
 
 
 class _OmissionRow(NamedTuple):
-    """A row of the table before it is computed.
+    """A row of the table of omissions before its changes are computed.
 
     Attributes
     ----------
     part, instead : str
-        What is neglected, and what replaces it.
+        The neglected part or effect, and the model that replaces it, in words.
     names : list of str or None
-        Names of OMISSIONS; None for an exact omission.
+        Names of OMISSIONS; None for one of EXACT_OMISSIONS, which change no number.
     """
 
     part: str
@@ -151,13 +171,16 @@ class _OmissionRow(NamedTuple):
 
 
 def _omission_rows(brake: Brake) -> list[_OmissionRow]:
-    """The omissions of a brake: the exact ones, each other alone, and all together."""
+    """The omissions for which a brake gets a row in the table, in the order of the rows.
+
+    First stand the EXACT_OMISSIONS, then each of OMISSIONS alone, then the OMISSIONS together.
+    """
     rows = [_OmissionRow(part, instead, None) for part, instead in EXACT_OMISSIONS.items()]
     names = parts_present(brake)
     together = []
     for part in names:
         rows.append(_OmissionRow(part, OMISSIONS[part].instead, [part]))
-        # An omitted ring already removes the coupling of the shoes.
+        # A rigid drum couples no shoes: with the ring gone the coupling is not neglected twice.
         if part != "curvature" and not (part == "coupling" and "ring" in names):
             together.append(part)
     if len(together) > 1:
@@ -169,14 +192,19 @@ def _omission_rows(brake: Brake) -> list[_OmissionRow]:
 
 
 def _change_row(found: OmissionChange, prefix: str) -> dict[str, float]:
-    """The attributes of a change as keys of a row, with a prefix."""
+    """The attributes of `found`, relative changes by an omission, as keys and values of a row.
+
+    prefix : text before each key.
+    """
     return {prefix + key: value for key, value in found._asdict().items()}
 
 
 def saved_time_and_memory(pair: WholeAndSimple, repeats: int) -> dict[str, float]:
-    """Fractions of time and of peak memory that the simpler solve saves.
+    """Fractions of the time and of the peak memory of the whole solve that the simpler solve saves.
 
-    The time is the median of the ratios of several runs, which alternate with whole solves.
+    Simpler and whole solves alternate. The saved time follows from the median ratio of the pairs.
+
+    pair : functions that run the two solves; repeats : number of timed pairs.
     """
     ratios = [_solve_seconds(pair.simple) / _solve_seconds(pair.whole) for _ in range(repeats)]
     return {
@@ -186,14 +214,14 @@ def saved_time_and_memory(pair: WholeAndSimple, repeats: int) -> dict[str, float
 
 
 def _solve_seconds(solve: Callable[[], object]) -> float:
-    """Processor time of a solve [s]."""
+    """The processor time of one call of a function that solves a brake [s]."""
     start = time.process_time()
     solve()
     return time.process_time() - start
 
 
 def _solve_peak_memory(solve: Callable[[], object]) -> int:
-    """Peak memory of Python and NumPy during a solve [bytes]."""
+    """The peak memory [bytes] of Python and NumPy in one call of a function that solves a brake."""
     tracemalloc.start()
     try:
         solve()
@@ -203,7 +231,10 @@ def _solve_peak_memory(solve: Callable[[], object]) -> int:
 
 
 def _whole_and_simple_solves(brake: Brake, names: list[str], elements: int) -> WholeAndSimple:
-    """The solves of the whole brake and of the brake without some of OMISSIONS."""
+    """Functions that solve the whole brake and the brake without the OMISSIONS in `names`.
+
+    elements : number of elements along each lining.
+    """
     whole = partial(prepare, elements=elements)
     make = partial(prepare_straight, elements=elements) if "curvature" in names else whole
     return WholeAndSimple(
@@ -213,17 +244,22 @@ def _whole_and_simple_solves(brake: Brake, names: list[str], elements: int) -> W
 
 
 def _exact_omission_solves(brake: Brake, part: str, elements: int) -> WholeAndSimple | None:
-    """The solves with and without an exact omission; None where a brake does not have the part."""
+    """Functions that solve a brake with and without one of EXACT_OMISSIONS.
+
+    The result is None where the omission does not apply to the brake.
+
+    part : a key of EXACT_OMISSIONS; elements : number of elements along each lining.
+    """
     make = partial(prepare, elements=elements)
 
     def solve_without_part() -> Response:
-        """The response of the prepared model without the part."""
+        """The response by the usual solve, which leaves out the computation `part`."""
         return solve_prepared_model(make(brake), brake)
 
     if part == "interior fields":
 
         def solve_with_fields() -> Response:
-            """The response after the fields of stress have been recovered as well."""
+            """The response after the stresses inside all shoes have been computed as well."""
             scene = make(brake)
             response = solve_prepared_model(scene, brake)
             for i in range(len(brake.shoes)):
@@ -233,7 +269,8 @@ def _exact_omission_solves(brake: Brake, part: str, elements: int) -> WholeAndSi
         return WholeAndSimple(solve_with_fields, solve_without_part)
     if part == "second of equal shoes":
         shapes = {shape_key_of_shoe(brake, shoe) for shoe in brake.shoes}
-        # A model without its other shoes would lack their share of the ring.
+        # The omission does not apply where all shoes differ. Neither is it shown on an elastic
+        # ring, because the shoes are prepared one by one here and the ring belongs to all of them.
         if len(shapes) == len(brake.shoes) or brake.ring is not None:
             return None
         return WholeAndSimple(
@@ -249,7 +286,10 @@ def _exact_omission_solves(brake: Brake, part: str, elements: int) -> WholeAndSi
 def _scene_without_shared_bodies(
     brake: Brake, make: Callable[[Brake], PreparedModel]
 ) -> PreparedModel:
-    """The prepared model of a brake whose shoes are all condensed, even equal shoes."""
+    """The prepared model of a brake in which each shoe is condensed by itself.
+
+    An ordinary prepared model condenses shoes of equal shape only once.
+    """
     bodies: list[Any] = []
     for shoe in brake.shoes:
         alone = make(brake.model_copy(update={"shoes": (shoe,)}))
@@ -258,22 +298,24 @@ def _scene_without_shared_bodies(
 
 
 def _predicted_change(brake: Brake, names: Iterable[str], elements: int) -> OmissionChange:
-    """The predicted change; the part of "curvature" is in closed form.
+    """The predicted change of the answer by some of OMISSIONS.
 
-    The effect of straight edges depends on the number of elements of the mesh.
+    The surrogate predicts all omissions but "curvature". The effect of straight edges depends on
+    the number of elements along a lining and is predicted in closed form.
     """
     names = list(names)
     if "curvature" not in names:
         return predict_omission_change(brake, names, solve_prepared_model)
     sketch = surrogate_maker()
     whole = solve_prepared_model(sketch(brake), brake)
-    # The other omissions are predicted on a sketch whose linings have the mean gap of the chords.
+    # The other omissions are predicted on a surrogate. The mean gap between the chords of the
+    # elements and the arc of the drum is added to the surrogate as a clearance.
     scene, simple = scene_without(brake, set(names) - {"curvature"}, sketch)
     rest = solve_prepared_model(scene, simple)
     straightened = tuple(_shoe_with_chord_gap(brake, shoe, elements) for shoe in simple.shoes)
     straight = simple.model_copy(update={"shoes": straightened})
     found = omission_change(solve_prepared_model(scene, straight), whole)
-    # The sketch does not see the waves of p within an element: a closed form adds them.
+    # The mean gap leaves out the waves of the pressure within an element: a closed form adds them.
     waves = []
     for shoe, answer in zip(brake.shoes, rest.shoes, strict=True):
         size = _root_mean_square(answer.theta, answer.pressure)
@@ -282,15 +324,21 @@ def _predicted_change(brake: Brake, names: Iterable[str], elements: int) -> Omis
 
 
 def _sagittas(brake: Brake, shoe: Shoe, elements: int) -> tuple[Floats, Floats]:
-    """Ends (m + 1,) [rad] of the elements along a lining, and sagittas (m,) [m] of their chords."""
+    """Ends (m + 1,) [rad] of the elements along a lining, and sagittas (m,) [m] of their chords.
+
+    A sagitta is the largest distance of the straight edge of an element from the arc.
+    """
     angles = divide_lining(shoe, brake.size, elements).angles
     return angles, brake.size * (1 - np.cos(np.diff(angles) / 2))
 
 
 def _shoe_with_chord_gap(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
-    """The shoe with the mean gap of its straight edges, 2/3 of the sagitta, as a clearance."""
+    """The shoe with a clearance like the mean gap between straight element edges and the arc.
+
+    The mean gap of an element is 2/3 of its sagitta.
+    """
     angles, height = _sagittas(brake, shoe, elements)
-    # Angles of the shoe's frame fall with theta where the frame is turned over.
+    # In a mirrored frame the shoe's own angles fall as the brake's angles theta grow.
     middle = np.sort(shoe.frame.theta((angles[:-1] + angles[1:]) / 2))
     height = height[:: shoe.frame.sense]
     gap = shoe.sign * 2 / 3 * height + shoe.lining.clearance_at(middle)
@@ -299,13 +347,14 @@ def _shoe_with_chord_gap(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
 
 
 def straight_edge_pressure(brake: Brake, shoe: Shoe, elements: int) -> float:
-    """Root mean square over the lining of the pressure waves [Pa] by straight edges.
+    """Root mean square over the lining of the pressure waves [Pa] by straight element edges.
 
-    A chord of length h has the sagitta s = R (1 - cos(dphi/2)). It leaves a periodic gap
-    s (1 - (2 x/h)^2), whose waves k = 2 pi m/h have the amplitudes 4 s/(pi m)^2. The lining is a
-    layer of thickness t on a rigid base in plane stress, without friction. It responds to a wave w
-    with the pressure below. In the limits the stiffness is E k/2 for a half-plane and
-    E/((1 - nu^2) t) for a thin layer.
+    A straight edge is a chord of length h with the sagitta s = R (1 - cos(dphi/2)). It leaves the
+    periodic gap s (1 - (2 x/h)^2) to the drum. The waves of this gap have the wave numbers
+    k = 2 pi m/h and the amplitudes 4 s/(pi m)^2, m = 1, 2, ... The lining is taken as a layer of
+    thickness t on a rigid base in plane stress, without friction. A wave of amplitude w in the gap
+    causes the wave p of the pressure below. The ratio p/w tends to E k/2 for a thick layer
+    (half-plane) and to E/((1 - nu^2) t) for a thin layer.
 
         p = w 4 G k/(kappa + 1) (2 kappa cosh 2kt + 1 + kappa^2 + (2kt)^2)/(2 kappa sinh 2kt - 4kt).
     """
@@ -315,7 +364,7 @@ def straight_edge_pressure(brake: Brake, shoe: Shoe, elements: int) -> float:
     kappa, G = (3 - nu) / (1 + nu), E / (2 * (1 + nu))
     h, m = brake.size * np.diff(angles)[:, None], np.arange(1, 9)
     k = 2 * math.pi * m / h
-    # Above 50 the layer is a half-plane, and larger values would overflow.
+    # From 2 k t = 50 on the layer acts as a half-plane. The limit keeps cosh from overflow.
     a = np.minimum(2 * k * lining.thickness, 50.0)
     stiff = (2 * kappa * np.cosh(a) + 1 + kappa**2 + a**2) / (2 * kappa * np.sinh(a) - 2 * a)
     p = 4 * height[:, None] / (math.pi * m) ** 2 * 4 * G * k / (kappa + 1) * stiff
@@ -325,5 +374,5 @@ def straight_edge_pressure(brake: Brake, shoe: Shoe, elements: int) -> float:
 
 
 def _root_mean_square(theta: Floats, p: Floats) -> float:
-    """Root mean square of p over theta, by the trapezoidal rule."""
+    """Root mean square of the pressures p at the angles theta, by the trapezoidal rule."""
     return math.sqrt(float(np.trapezoid(p**2, theta)) / float(theta[-1] - theta[0]))

@@ -1,4 +1,8 @@
-"""Orders of convergence, error estimates against true errors, and the limit of a rigid shoe."""
+"""Table rows on the convergence of finite elements.
+
+The rows show orders of convergence, estimated beside true errors, and how a nearly rigid shoe tends
+to the sine law.
+"""
 
 import math
 import time
@@ -25,32 +29,42 @@ from drumlin.verification.reference import Refinement, solve_reference_responses
 from drumlin_studies.tables import values_of_key
 
 RIGID_CHANGES = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}
-"""Changes that make a shoe nearly rigid: E of steel times 1e4, and a lining of R/50."""
+"""Changes of a brake file that make a shoe nearly rigid.
+
+Its body has 1e4 times Young's modulus of steel, its lining a thickness of 3 mm, R/50 in the brake
+of the study.
+"""
 Row = dict[str, Any]
+"""A row of a table: its values by key."""
 
 
 def largest_pressure_distance(response: Response, reference: Response) -> float:
-    """Relative L2 distance of p outside the edge zones, the largest of all shoes."""
+    """Relative L2 distance of the pressures of a response from a reference.
+
+    The largest distance of all shoes counts. The zones at the ends of the linings, in which the
+    pressure is singular, are left out.
+    """
     return max(map(pressure_distance, response.shoes, reference.shoes))
 
 
 def order_rows(
     brake: Brake, case: str, kind: str, sizes: Sequence[int], reference: Response
 ) -> list[Row]:
-    """Errors on meshes that double, with exact contact.
+    """A row for each of several meshes: the errors of pressure and torque, with exact contact.
 
-    `order` is the observed order between a mesh and the one before.
+    From the second row on, `order` is the observed order of convergence of the pressure between a
+    mesh and the next coarser mesh.
 
     Parameters
     ----------
     brake : Brake
         The brake.
     case : str
-        Its name in the rows.
+        Name of the brake in the rows.
     kind : str
-        Kind of the elements.
+        Kind of the elements, for example "quad2".
     sizes : sequence of int
-        Elements along a lining of each mesh.
+        Number of elements along each lining on each mesh, in growing order.
     reference : Response
         The response against which errors are taken.
     """
@@ -73,7 +87,7 @@ def order_rows(
 
 
 COARSE_LEVEL = Level(2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1)
-"""The first and coarsest level of `level_rows`. Its errors are some percent."""
+"""The first and coarsest hp mesh of `level_rows`. The errors on it are some percent."""
 
 LEVEL_REFERENCE = Refinement(
     3,
@@ -83,16 +97,20 @@ LEVEL_REFERENCE = Refinement(
     ),
     (),
 )
-"""The reference of `level_rows`. With it the errors of four levels are known to within a half."""
+"""Two fine hp meshes on which the reference of `level_rows` is solved.
+
+They are fine enough that the errors of four coarser levels are known to within a half.
+"""
 
 
 def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[Row]:
-    """Errors of hp elements, a row for each level, with exact contact.
+    """A row for each level of hp elements: the errors of pressure and torque, with exact contact.
 
-    The ends of the contact are those of the reference. `root` is the cube root of the unknowns of a
-    shoe. Over it the logarithm of the error falls along a straight line where all singular points
-    are graded (Babuska & Guo 1986). The rows end at twice the distance between both divisions of
-    the reference. Above this floor an error is known to within a half.
+    The elements are refined towards the ends of the contact in the reference. `root` is the cube
+    root of the number of unknowns of a shoe. The logarithm of the error falls along a straight line
+    over `root` if the elements are graded to all singular points (Babuska & Guo 1986). The rows end
+    where the error falls below twice the distance between the two hp meshes of the reference. Above
+    this floor an error is known to within a half.
     """
     reference = solve_reference_responses(brake, refinement)
     true, places = reference.value, singular_points_of(brake, reference.value)
@@ -100,12 +118,12 @@ def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[R
     rows = []
     for level in (COARSE_LEVEL, *LEVELS):
         made = prepare(brake, level, places)
-        # Exact contact, from the contact set of the reference.
+        # An infinite penalty asks for exact contact; the contact set of the reference is the start.
         response = solve_prepared_model(made, brake, penalty=math.inf, start=true)
         unknowns = max(body.unknowns for body in made.bodies)
         error = largest_pressure_distance(response, true)
         torque = abs(relative(response.torque, true.torque))
-        # Below the floor an error is not known to within a half.
+        # Below the floor the error of the reference is too large a part of the difference.
         if error < floor:
             break
         rows.append(
@@ -121,16 +139,16 @@ def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[R
 
 
 class FittedLine(NamedTuple):
-    """The fit log10(error) = a - fall (unknowns)^(1/3).
+    """The fit log10(error) = a - fall n^(1/3) to the errors of hp meshes with n unknowns.
 
     Attributes
     ----------
     fall : float
-        Decades of the error per cube root of the unknowns.
+        Powers of ten by which the error falls per unit of n^(1/3).
     correlation : float
-        Correlation of both sides.
+        Correlation of -log10(error) with n^(1/3); near 1 the errors lie on a straight line.
     decades : float
-        Decades of the error that the rows span.
+        Powers of ten between the largest and the smallest error.
     """
 
     fall: float
@@ -139,7 +157,7 @@ class FittedLine(NamedTuple):
 
 
 def fit_error_line(rows: Sequence[Row]) -> FittedLine:
-    """The straight line through `level_rows`."""
+    """The straight line through the errors of the pressure in the rows of `level_rows`."""
     x = np.array(values_of_key(rows, "root"))
     y = np.array(list(map(math.log10, values_of_key(rows, "pressure"))))
     return FittedLine(
@@ -150,20 +168,21 @@ def fit_error_line(rows: Sequence[Row]) -> FittedLine:
 def estimate_row(
     brake: Brake, case: str, tolerance: float, reference: Response, floor: float
 ) -> Row:
-    """Estimated and true errors of a solve to a tolerance, with its time.
+    """A row with the estimated and the true errors of a solve to a tolerance, and the wall time.
 
     Parameters
     ----------
     brake : Brake
         The brake.
     case : str
-        Its name in the row.
+        Name of the brake in the row.
     tolerance : float
         Relative tolerance of the solve.
     reference : Response
-        The response that serves as truth.
+        The far finer response against which true errors are taken.
     floor : float
-        Uncertainty of the reference.
+        Relative uncertainty of the reference. The `status` of the row says so where the true error
+        of the pressure is smaller.
     """
     start = time.perf_counter()
     row: Row = {"case": case, "tolerance": tolerance}
@@ -189,10 +208,11 @@ def estimate_row(
 
 
 def convergence_rows(convergence: Convergence) -> list[Row]:
-    """A row for each of several meshes that double.
+    """A row for each of several meshes, each twice as fine as the one before.
 
-    It has the torque [N m], its relative distance from the limit, and under the name of each shoe
-    the relative change of p to the next finer mesh (None for the finest).
+    A row has the torque [N m], the relative distance of the torque from its limit, and under the
+    name of each shoe the relative change of the pressure to the next finer mesh. The finest mesh
+    has None in place of this change.
     """
     limit = convergence.torque.value
     rows: list[Row] = []
@@ -204,7 +224,7 @@ def convergence_rows(convergence: Convergence) -> list[Row]:
         }
         rows.append(row)
     for i, shoe in enumerate(convergence.responses[0].shoes):
-        # The finest mesh has no next finer one.
+        # Changes of the pressure from one mesh to the next; the finest mesh has no next mesh.
         steps: list[float | None] = [*convergence.pressure_steps(i), None]
         for row, change in zip(rows, steps, strict=True):
             row[shoe.name] = change
@@ -214,16 +234,19 @@ def convergence_rows(convergence: Convergence) -> list[Row]:
 
 
 def rigid_limit_rows(brake: Brake, elements: int) -> list[Row]:
-    """The sine law against finite elements with a nearly rigid shoe and a thin lining.
+    """Rows that compare the sine law with finite elements on nearly rigid shoes with thin linings.
 
-    `spread` is the range of p/sin(phi) over its mean; by the law it is zero. The last row has the
-    torques of the whole brake.
+    A row has the torques of a shoe [N m], the last row the torques of the whole brake. `spread` is
+    the range of p/sin(phi) over its mean, for the pressure p by finite elements at the angle phi
+    from the hinge. By the sine law `spread` is zero.
+
+    brake : the brake, before RIGID_CHANGES; elements : number of elements along each lining.
     """
     rigid = vary(brake, RIGID_CHANGES)
     law, fem = sine(rigid), solve(rigid, elements=elements)
     rows: list[Row] = []
     for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):
-        # Five thicknesses from an end, p of an elastic lining is as inside.
+        # The ends of an elastic lining disturb its pressure up to some five thicknesses inwards.
         edge = 5 * spec.lining.thickness / rigid.size
         ratio = sine_amplitude(spec.frame.phi(b.theta), b, edge)
         rows.append(
@@ -249,13 +272,22 @@ def rigid_limit_rows(brake: Brake, elements: int) -> list[Row]:
 
 
 def sine_amplitude(phi: Floats, shoe: ShoeResponse, edge: float) -> Floats:
-    """p/sin(phi) [Pa] at the nodes that are farther than `edge` [rad] from both ends."""
+    """The ratio p/sin(phi) [Pa] at the nodes in the inner part of a lining.
+
+    By the sine law the ratio is the same at all nodes.
+
+    phi : angles of all nodes from the hinge [rad]; edge : smallest distance of a node from an end
+    of the lining at which it counts [rad].
+    """
     inside = (phi > phi.min() + edge) & (phi < phi.max() - edge)
     return np.asarray(shoe.pressure[inside] / np.sin(phi[inside]))
 
 
 def largest_residual(responses: Sequence[Response]) -> float:
-    """The largest relative residual of forces or moments of the responses that have a balance."""
+    """The largest relative residual in the balances of forces and moments of several responses.
+
+    Responses without a balance, whose residual is nan, are left out.
+    """
     residuals: list[float] = []
     for response in responses:
         if not math.isnan(response.balance.force):

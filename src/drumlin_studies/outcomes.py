@@ -1,4 +1,8 @@
-"""Tables of many trials (see `trial`): faults, counts, worst answers, times and penalties."""
+"""Tables of many trials, which are solves of extreme brakes (see `trial`).
+
+The tables show faults, counts of outcomes, the least exact answers, times, and the effect of the
+penalty of the contact. A knob is a quantity of the brake that the trials vary.
+"""
 
 import math
 import statistics
@@ -10,6 +14,7 @@ from drumlin_studies.tables import matching_rows, rows_with_value, values_of_key
 from drumlin_studies.trial import TRIAL_FAULTS
 
 Row = dict[str, Any]
+"""A row of a table: the values of a trial by key."""
 POINTWISE_OUTCOMES = (
     "agrees",
     "differs",
@@ -20,23 +25,26 @@ POINTWISE_OUTCOMES = (
     "not for rings",
     "not tried: too large",
 )
-"""What can become of a case by the pointwise penalty."""
+"""All outcomes of a trial by the pointwise penalty, the contact method of textbooks.
+
+"a number where there is none": the method gives an answer to a case that drumlin refuses.
+"""
 TIME_KEYS = ("seconds", "seconds_whole", "pointwise_seconds", "steps", "pointwise_steps")
-"""Keys of a row that hold times [s] and numbers of steps."""
+"""Keys of a row that hold times [s] and numbers of iterations."""
 
 
 def fault_rows(rows: Sequence[Row]) -> list[Row]:
-    """The rows that are neither right nor refused for a physical reason."""
+    """The rows whose outcome is a fault: neither a right answer nor a refusal with a reason."""
     return [row for row in rows if row["outcome"] in TRIAL_FAULTS]
 
 
 def rows_of_fewest_digits(rows: Sequence[Row], count: int = 10) -> list[Row]:
-    """The rows whose answers have the fewest correct digits."""
+    """The `count` rows whose torques have the fewest correct digits, fewest first."""
     return sorted(rows_with_value(rows, "digits"), key=lambda row: row["digits"])[:count]
 
 
 def _rows_by_knob(rows: Sequence[Row]) -> dict[str, list[Row]]:
-    """The rows of each knob by its name, and all rows under the name "all"."""
+    """The rows in groups: those of each varied quantity (knob) under its name, all under "all"."""
     groups: dict[str, list[Row]] = {}
     for row in rows:
         groups.setdefault(row["knob"], []).append(row)
@@ -44,9 +52,13 @@ def _rows_by_knob(rows: Sequence[Row]) -> dict[str, list[Row]]:
 
 
 def count_values_by_knob(rows: Sequence[Row], key: str, names: Sequence[str]) -> list[Row]:
-    """How often each value of a key occurs, in a row for each knob and a row for all.
+    """A row for each varied quantity (knob) with counts of the values of a key.
 
-    key : key of the rows; names : the values that are counted, None where there are none.
+    The last row counts over all trials.
+
+    A row has None under the name of a value that does not occur.
+
+    rows : the rows of the trials; key : key of these rows; names : the values that are counted.
     """
     table = []
     for knob, own in _rows_by_knob(rows).items():
@@ -59,12 +71,15 @@ def count_values_by_knob(rows: Sequence[Row], key: str, names: Sequence[str]) ->
 
 
 def time_rows_by_knob(rows: Sequence[Row]) -> list[Row]:
-    """Medians and largest values of TIME_KEYS, in a row for each knob and a row for all."""
+    """A row for each varied quantity (knob) with median and largest value of each of TIME_KEYS.
+
+    The last row is for all trials.
+    """
     table = []
     for knob, own in _rows_by_knob(rows).items():
         line: Row = {"knob": knob, "cases": len(own)}
         for key in TIME_KEYS:
-            # A case that is refused early has no times.
+            # A trial that is refused before its solve has no times and is left out here.
             values = values_of_key(rows_with_value(own, key), key)
             line[key] = statistics.median(values) if values else None
             line[f"most_{key}"] = max(values) if values else None
@@ -73,9 +88,10 @@ def time_rows_by_knob(rows: Sequence[Row]) -> list[Row]:
 
 
 def torque_change_by_penalty(rows: Sequence[Row]) -> dict[str, list[tuple[float, float]]]:
-    """The relative change of the torque by a finite penalty, for each sweep of the penalty.
+    """The relative change of the torque that a finite penalty causes.
 
-    A sweep is a list of penalty factors and changes, by its name.
+    The result has a list of pairs (penalty factor, change) for each of two brakes: one with its
+    whole lining in contact, the other with a part of it.
     """
     found: dict[str, list[tuple[float, float]]] = {}
     swept = matching_rows(rows, knob="penalty", outcome="answer")
@@ -87,7 +103,7 @@ def torque_change_by_penalty(rows: Sequence[Row]) -> dict[str, list[tuple[float,
         for row in swept:
             if row["knobs"]["clearance"] == clearance:
                 torque[row["knobs"]["penalty"]] = row["torque"]
-        # Changes are relative to exact contact, which an infinite penalty stands for.
+        # An infinite penalty stands for exact contact, to which the changes are relative.
         if math.inf not in torque:
             continue
         exact = torque.pop(math.inf)
@@ -96,9 +112,10 @@ def torque_change_by_penalty(rows: Sequence[Row]) -> dict[str, list[tuple[float,
 
 
 def penalty_rows(rows: Sequence[Row]) -> list[Row]:
-    """The rows of the penalty sweep with the whole lining in contact.
+    """The rows of the trials in which the penalty varies and the whole lining is in contact.
 
-    They are given the `penalty` and the relative `change` of the torque by it.
+    To each row the penalty factor is added as `penalty`, and as `change` the relative change of the
+    torque against exact contact.
     """
     swept = []
     for row in matching_rows(rows, knob="penalty"):
@@ -113,6 +130,9 @@ def penalty_rows(rows: Sequence[Row]) -> list[Row]:
 def penalty_error_slope(
     values: Sequence[tuple[float, float]], low: float = 1e2, high: float = 1e6
 ) -> float:
-    """Slope of log error over log penalty between two penalties `low` and `high`."""
+    """Slope of the logarithm of the error over the logarithm of the penalty factor.
+
+    values : pairs of a penalty factor and an error; low, high : range of factors that is used.
+    """
     inside = [(math.log(a), math.log(e)) for a, e in values if low <= a <= high and e > 0]
     return (inside[-1][1] - inside[0][1]) / (inside[-1][0] - inside[0][0])

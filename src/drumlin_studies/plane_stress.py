@@ -1,7 +1,8 @@
-"""Errors of plane stress against a solid shoe: rows, maps, and wear across the width.
+"""Errors of the plane-stress model against solid shoes, which are meshed in three dimensions.
 
-Both models share the mesh of the section, so that its error nearly cancels in their difference.
-Meshes that double show what remains of it.
+There are tables, maps of the errors over two quantities, and the wear of solid linings across their
+width. Both models use the same mesh of the shoe's section, so that the error of this mesh nearly
+cancels in their difference. A comparison on three meshes shows the error that remains.
 """
 
 import time
@@ -40,17 +41,20 @@ WIDTH_QUANTITIES = {
     "corrected_torque": "torque, corrected",
     "corrected_pressure": "mean p, corrected",
 }
-"""Quantities of a row, with their names in tables."""
+"""Errors in a row of `plane_error_rows`: key of the row, name in tables.
+
+"corrected" stands for plane stress with the correction for the finite width of the shoe.
+"""
 SAID = {"torque": "the torque of each shoe", "pressure": "its mean pressure"}
-"""Quantities in sentences."""
+"""Words for two of these quantities in sentences of the report, by key."""
 READER_LIMITS = (0.01, 0.05, 0.20)
-"""Relative errors for which the range of plane stress is told."""
+"""Relative errors for which the report says in which range plane stress is that exact."""
 
 
 class SolidAndPlane(NamedTuple):
-    """The responses of a brake by solid shoes, plane stress, and plane stress with a correction.
+    """A brake with its responses by solid shoes, by plane stress, and by corrected plane stress.
 
-    The correction is for the finite width.
+    The correction takes the finite width of the shoe into account.
     """
 
     brake: Brake
@@ -60,7 +64,7 @@ class SolidAndPlane(NamedTuple):
 
 
 def solve_by_three_models(brake: Brake, elements: int, across: int | None = None) -> SolidAndPlane:
-    """A brake by all three models, on one mesh of the section.
+    """The responses of a brake by the three models of `SolidAndPlane`, on one mesh of the section.
 
     Parameters
     ----------
@@ -69,7 +73,7 @@ def solve_by_three_models(brake: Brake, elements: int, across: int | None = None
     elements : int
         Elements along a lining.
     across : int, optional
-        Elements across the width of the solid.
+        Elements across half the width of the solid shoes; by default the solid model chooses.
     """
     other = correct_for_finite_width(brake)
     return SolidAndPlane(
@@ -81,15 +85,18 @@ def solve_by_three_models(brake: Brake, elements: int, across: int | None = None
 
 
 def pressure_unevenness(shoe: ShoeResponse, zone: float) -> float:
-    """How uneven p is across the width: its standard deviation over its mean.
+    """Standard deviation of the pressure of a solid shoe across the width, over its mean.
 
-    Both are root mean squares over the lining. A zone [rad] at each end of the lining is left out.
+    Both are taken as root mean squares along the lining. 0 means an even pressure across the width.
+
+    shoe : the response of a solid shoe; zone : angle [rad] at each end of the lining that is left
+    out.
     """
     theta, surface = shoe.theta, solid_face_pressure(shoe)
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
     weights = np.gradient(theta)[inside]
     z = surface.z
-    # Weights of Simpson's rule across the width.
+    # Weights of Simpson's rule across the width, for elements of three nodes each.
     across = np.zeros(len(z))
     for k in range(0, len(z) - 2, 2):
         across[k : k + 3] += (z[k + 2] - z[k]) / 6 * np.array([1, 4, 1])
@@ -101,26 +108,33 @@ def pressure_unevenness(shoe: ShoeResponse, zone: float) -> float:
 
 
 def solid_face_pressure(shoe: ShoeResponse) -> PressureOverWidth:
-    """The pressure of a solid shoe on its face."""
+    """The pressure on the whole friction face of a solid shoe, along and across."""
     assert shoe.surface is not None
     return shoe.surface
 
 
 def largest_face_pressure(shoe: ShoeResponse, zone: float) -> float:
-    """The largest pressure on the face [Pa], without a zone [rad] at each end of the lining."""
+    """The largest pressure on the friction face of a solid shoe [Pa].
+
+    zone : angle [rad] at each end of the lining that is left out.
+    """
     inside = (shoe.theta > shoe.theta[0] + zone) & (shoe.theta < shoe.theta[-1] - zone)
     return float(solid_face_pressure(shoe).pressure[inside].max())
 
 
 def plane_error_rows(three: SolidAndPlane, case: str = "") -> list[dict[str, Any]]:
-    """A row for each shoe: relative errors of plane stress against the solid.
+    """A row for each shoe with the relative errors of plane stress against the solid shoe.
 
-    Keys: `torque`; `pressure`, the L2 error of the mean over the width; `peak`, plane stress
-    against the largest pressure on the face; `reaction`; each also with "corrected_", for plane
-    stress with the correction for the width; `uneven`; `mid_over_side`.
+    Keys: `torque`; `pressure`, the L2 error of the mean pressure over the width; `peak`, the peak
+    pressure by plane stress against the largest pressure on the face; `reaction`, the hinge
+    reaction. The same four keys with "corrected_" before them are for plane stress with the
+    correction for the width. `uneven` is the result of `pressure_unevenness`, `mid_over_side` of
+    `middle_over_side_pressure`.
+
+    three : the responses of the brake; case : name of the brake in the rows.
     """
     table = []
-    # The edge zones, in which p is singular, count in no comparison of pressures.
+    # The zones at the lining's ends, where the pressure is singular, count in no pressure error.
     for i, (true, plane, other) in enumerate(
         zip(three.solid.shoes, three.plane.shoes, three.corrected.shoes, strict=True)
     ):
@@ -145,9 +159,12 @@ def plane_error_rows(three: SolidAndPlane, case: str = "") -> list[dict[str, Any
 
 
 def middle_over_side_pressure(shoe: ShoeResponse) -> float:
-    """Pressure at the mid-plane over the pressure at the sides, in the middle of the contact."""
+    """Pressure of a solid shoe in its mid-plane over the pressure at its side.
+
+    It is taken at the middle of the contact; inf where no row of nodes touches over its width.
+    """
     p = solid_face_pressure(shoe).pressure
-    # Rows of nodes across the width that touch the drum with all nodes.
+    # Indices of the rows of nodes across the width whose nodes all touch the drum.
     pressed = np.flatnonzero((p > 0).all(axis=1))
     if not len(pressed):
         return float("inf")
@@ -156,24 +173,25 @@ def middle_over_side_pressure(shoe: ShoeResponse) -> float:
 
 
 def largest_of_shoes(table: Sequence[dict[str, Any]], key: str) -> float:
-    """The value of largest size among the rows of all shoes."""
+    """The value of a key with the largest absolute value among the rows, with its sign."""
     return float(max(values_of_key(table, key), key=abs))
 
 
 @dataclass(frozen=True)
 class PlaneErrorMap:
-    """Relative errors of plane stress over two quantities.
+    """Map of the relative errors of plane stress over two quantities that are varied.
 
     Attributes
     ----------
     name : str
         Title of the map.
     axes : tuple of two str
-        Names of the quantities.
+        Names of the two quantities.
     x, y : array (n,), array (m,)
-        Their values.
+        Values of the first and of the second quantity.
     errors : dict
-        By key of a row the errors (m, n), of the shoe with the largest error.
+        Arrays (m, n) of errors, by key of `plane_error_rows`. The shoe with the largest error
+        counts.
     """
 
     name: str
@@ -183,18 +201,19 @@ class PlaneErrorMap:
     errors: dict[str, Floats]
 
     def share_within(self, limit: float, key: str = "torque") -> float:
-        """Fraction of the brakes whose error is within a limit."""
+        """Fraction of the brakes of the map whose error `key` is at most `limit` in size."""
         return float(np.mean(np.abs(self.errors[key]) <= limit))
 
     def where_within(self, limit: float, key: str = "torque") -> str:
-        """The range of each quantity in which all errors are within a limit, in words."""
+        """The range of each quantity in which all errors `key` are at most `limit`, in words."""
         within = np.abs(self.errors[key]) <= limit
         if within.all():
             return "everywhere"
         found = []
         for name, values, along in zip(self.axes, (self.x, self.y), (0, 1), strict=True):
             lines = np.asarray(within.all(axis=along))
-            # Numbers of whole rows or columns within the limit, from the last and from the first.
+            # How many whole rows or columns stay within the limit without a gap, counted from the
+            # last value of the quantity and from its first value.
             from_last, from_first = int(np.cumprod(lines[::-1]).sum()), int(np.cumprod(lines).sum())
             if from_last:
                 found.append(f"{name} from {values[-from_last]:g} on")
@@ -212,20 +231,20 @@ def map_plane_errors(
     elements: int,
     say: Callable[[str], None],
 ) -> PlaneErrorMap:
-    """The errors over a grid of brakes.
+    """The map of the errors of plane stress over a grid of brakes.
 
     Parameters
     ----------
     name, axes : str, tuple of two str
-        As of `PlaneErrorMap`.
+        Title of the map and names of its two quantities, as in `PlaneErrorMap`.
     brake_at : function
-        The brake for a value of each quantity.
+        Returns the brake for a value of each quantity.
     x, y : sequence of float
-        Values of both quantities.
+        Values of the first and of the second quantity.
     elements : int
         Elements along a lining.
     say : function
-        Is told how far the work is.
+        Is called with a line of text on the progress.
     """
     keys = [*WIDTH_QUANTITIES, "mid_over_side"]
     errors = {key: np.full((len(y), len(x)), np.nan) for key in keys}
@@ -239,7 +258,10 @@ def map_plane_errors(
 
 
 def share_rows(charts: Sequence[PlaneErrorMap]) -> list[dict[str, Any]]:
-    """A row for each quantity of each map: its largest error and the share within READER_LIMITS."""
+    """A row for each map and quantity: the largest error, and the shares within READER_LIMITS.
+
+    A share is the fraction of the brakes of the map whose error is within a limit.
+    """
     table = []
     for chart in charts:
         for key, name in WIDTH_QUANTITIES.items():
@@ -252,16 +274,17 @@ def share_rows(charts: Sequence[PlaneErrorMap]) -> list[dict[str, Any]]:
 
 
 class TorqueOnThreeMeshes(NamedTuple):
-    """A torque on three meshes, each twice as fine as the one before.
+    """The torque of a brake on three meshes, each twice as fine as the one before.
 
     Attributes
     ----------
     elements : tuple of int
-        Elements along a lining.
+        Elements along a lining on each mesh, coarse to fine.
     values : tuple of float
         Torque on each mesh [N m].
     found : Index or None
-        Grid convergence index; None where no order shows.
+        Grid convergence index of the torque; None where the three values show no order of
+        convergence.
     """
 
     elements: tuple[int, ...]
@@ -270,7 +293,10 @@ class TorqueOnThreeMeshes(NamedTuple):
 
     @property
     def uncertainty(self) -> float:
-        """Uncertainty of the finest value [N m]: by its index, or the range of all three values."""
+        """Uncertainty of the torque on the finest mesh [N m].
+
+        It follows from the grid convergence index; without an index it is the range of the values.
+        """
         fine = self.values[-1]
         return self.found.fine * abs(fine) if self.found else float(np.ptp(self.values))
 
@@ -278,9 +304,13 @@ class TorqueOnThreeMeshes(NamedTuple):
 def torque_on_three_meshes(
     torque: Callable[[int], float], elements: Sequence[int]
 ) -> TorqueOnThreeMeshes:
-    """The torque on three meshes, coarse to fine, by a function of the number of elements."""
+    """The torque of a brake on three meshes with its grid convergence index.
+
+    torque : returns the torque [N m] for a number of elements along a lining; elements : these
+    numbers, coarse to fine.
+    """
     values = tuple(map(torque, elements))
-    # Without an order of convergence, the range of the values is the uncertainty.
+    # The three torques may show no order of convergence; they then have no index.
     try:
         index = grid_convergence(*values[::-1])
     except ValueError:
@@ -289,7 +319,12 @@ def torque_on_three_meshes(
 
 
 def validate_plane_stress(plane: TorqueOnThreeMeshes, true: TorqueOnThreeMeshes) -> Validation:
-    """The error of plane stress against the solid, with the uncertainty of both meshes."""
+    """The error of the torque by plane stress against the solid shoe, with its uncertainty.
+
+    The uncertainty is due to the meshes of both models.
+
+    plane, true : torque by plane stress and by solid shoes, each on three meshes.
+    """
     return compare_with_data(
         plane.values[-1], true.values[-1], numerical=plane.uncertainty, of_data=true.uncertainty
     )
@@ -298,8 +333,8 @@ def validate_plane_stress(plane: TorqueOnThreeMeshes, true: TorqueOnThreeMeshes)
 class TimeAndErrors(NamedTuple):
     """Time and errors of a model on a brake.
 
-    Errors are relative and of the shoe with the largest error. That of the pressure is the L2 error
-    of the mean over the width.
+    The errors are relative, and the shoe with the largest error counts. The error of the pressure
+    is the L2 error of the mean pressure over the width.
 
     Attributes
     ----------
@@ -308,9 +343,9 @@ class TimeAndErrors(NamedTuple):
     seconds : float
         Processor time [s].
     torque, pressure : float
-        Errors against the solid truth.
+        Errors against a fine solution with solid shoes.
     plane_torque, plane_pressure : float
-        Errors against the truth in plane stress.
+        Errors against a fine solution in plane stress.
     """
 
     method: str
@@ -323,7 +358,7 @@ class TimeAndErrors(NamedTuple):
 
 
 class ModelOnBrake(NamedTuple):
-    """Name and setting of a model, and the function that solves the brake by the model."""
+    """A model with its setting, and a function that returns its response to the brake."""
 
     method: str
     setting: str
@@ -333,26 +368,29 @@ class ModelOnBrake(NamedTuple):
 def time_and_errors_of_models(
     brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]
 ) -> list[TimeAndErrors]:
-    """Time and errors of laws, foundation model, plane stress and solids on a brake.
+    """Time and errors of laws, foundation model, plane stress and solid shoes on a brake.
 
-    The truths are a fine solid, and plane stress to 1e-4.
+    Errors are taken against solid shoes on a fine mesh, and against the default solve in plane
+    stress.
 
     Parameters
     ----------
     brake : Brake
         The brake.
     fine : int
-        Elements along a lining of the solid that serves as truth.
+        Elements along a lining of the solid shoes that serve as the truth.
     meshes : sequence of int
-        Elements along a lining in plane stress, with and without the correction for the width.
+        Elements along a lining of each solve in plane stress. Each mesh is used with and without
+        the correction for the width.
     solids : sequence of int
-        Elements along a lining of the solids.
+        Elements along a lining of each timed solve with solid shoes.
     """
     truths = _solve_solid(brake, fine), by_elements(brake)
     rungs = []
     for method, setting, solve_once in _models_on(brake, meshes, solids):
         seconds = []
-        # The first of several calls loads and caches and is not counted. Solids run only once.
+        # The first of four calls loads modules and fills caches and is not counted. Solid shoes
+        # take so long that their only call counts.
         for _ in range(1 if method == "solid" else 4):
             start = time.process_time()
             response = solve_once()
@@ -367,7 +405,7 @@ def time_and_errors_of_models(
 
 
 def _models_on(brake: Brake, meshes: Sequence[int], solids: Sequence[int]) -> list[ModelOnBrake]:
-    """The models of `time_and_errors_of_models`, from the laws to the finest solid."""
+    """The models of `time_and_errors_of_models`, from the laws to the finest solid shoes."""
     models = []
     for name in ("sine", "cosine", "uniform"):
         models.append(ModelOnBrake(name, "", partial(hinged.solve, LAWS[name], brake)))
@@ -387,7 +425,7 @@ def _models_on(brake: Brake, meshes: Sequence[int], solids: Sequence[int]) -> li
 
 
 def _largest_errors(brake: Brake, response: Response, truth: Response) -> tuple[float, float]:
-    """The largest relative errors of the torque and of p among the shoes of a response."""
+    """The largest relative error of the shoes' torques, and the largest of their pressures."""
     torque, pressure = 0.0, 0.0
     for found, true, shoe in zip(response.shoes, truth.shoes, brake.shoes, strict=True):
         torque = max(torque, abs(relative(found.torque, true.torque)))
@@ -397,26 +435,31 @@ def _largest_errors(brake: Brake, response: Response, truth: Response) -> tuple[
 
 
 def _solve_plane_stress(brake: Brake, elements: int) -> Response:
-    """The response of a brake in plane stress, on a mesh."""
+    """The response of a brake in plane stress, with `elements` elements along each lining."""
     return solve_prepared_model(prepare(brake, elements=elements), brake)
 
 
 def _solve_solid(brake: Brake, elements: int, across: int | None = None) -> Response:
-    """The response of a brake with solid shoes, on a mesh."""
+    """The response of a brake with solid shoes.
+
+    elements, across : number of elements along each lining and across half its width.
+    """
     return solve_prepared_model(solid.prepare(brake, elements=elements, across=across), brake)
 
 
 class WornSolid(NamedTuple):
-    """A solid lining over the sliding distance.
+    """The pressures of solid linings that wear, over the sliding distance.
 
     Attributes
     ----------
     distance : tuple of float
-        Sliding distances [1/(k K)].
+        Sliding distances in units of 1/(k K), with the wear coefficient k and the stiffness K of
+        the lining.
     uneven : tuple of tuples
-        By shoe and distance, how uneven p is across the width.
+        For each shoe and distance the `pressure_unevenness` across the width.
     from_law : tuple of tuples
-        By shoe and distance, the relative L2 distance of the mean of p from the sine law.
+        For each shoe and distance the relative L2 distance of the pressure from the sine law. The
+        pressure is the mean over the width.
     last : tuple of ShoeResponse
         The shoes at the last distance.
     """
@@ -430,23 +473,23 @@ class WornSolid(NamedTuple):
 def wear_solid_linings(
     brake: Brake, elements: int, distances: Sequence[float], across: int | None = None
 ) -> WornSolid:
-    """Run the solid linings of a brake in by Archard's law of wear.
+    """The pressures of a brake's solid linings as they wear by Archard's law.
 
     Parameters
     ----------
     brake : Brake
-        The brake.
+        The brake with new linings.
     elements : int
         Elements along a lining.
     distances : sequence of float
-        Sliding distances [1/(k K)]; the first is 0.
+        Sliding distances in units of 1/(k K), as in `WornSolid`; the first is 0.
     across : int, optional
-        Elements across the width.
+        Elements across half the width; by default the solid model chooses.
     """
     scene = solid.prepare(brake, elements=elements, across=across)
     start, law = solve_prepared_model(scene, brake), sine(brake)
     setup = fem_wear_setup(scene, brake)
-    # With a wear coefficient of 1/Pa this is the distance 1/(k K).
+    # The sliding distance 1/(k K) for a wear coefficient k of 1/Pa.
     unit = 1 / setup.stiffness
     states = wear_linings_in_given_steps(
         setup.interfaces, WearLaw(1.0), [s * unit for s in distances[1:]]
@@ -467,18 +510,18 @@ def wear_solid_linings(
 
 
 def _worn_shoe_response(line: Any, first: ShoeResponse, forward: slice, p: Floats) -> ShoeResponse:
-    """The response of a worn shoe.
+    """The response of a shoe before wear, with the pressure of the worn lining in its place.
 
     Parameters
     ----------
     line : ContactFace
-        Face of the lining.
+        Friction face of the lining.
     first : ShoeResponse
         The response of the shoe before wear.
     forward : slice
-        Order of the lining's unknowns along growing angles.
+        Slice that sorts the lining's nodes along growing angles.
     p : array
-        Pressures of the lining's unknowns [Pa].
+        Pressures at the nodes of the worn lining's face [Pa].
     """
     assert isinstance(line, ContactFace)
     _, mean = line.along(p)
@@ -488,7 +531,10 @@ def _worn_shoe_response(line: Any, first: ShoeResponse, forward: slice, p: Float
 
 
 def plain_brake(brake: Brake, width: float, modulus: float) -> Brake:
-    """The brake with one width [m] and no table, its lining of this modulus [Pa]."""
+    """The brake with shoes of one width, without backing, and with another lining modulus.
+
+    width : width of linings and bodies [m]; modulus : Young's modulus of the linings [Pa].
+    """
     return vary(
         brake,
         {
@@ -503,15 +549,16 @@ def plain_brake(brake: Brake, width: float, modulus: float) -> Brake:
 def sentences_on_curves(
     curves: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]],
 ) -> list[str]:
-    """Sentences on where plane stress has its largest errors, one for each quantity that varies.
+    """A sentence for each varied quantity: the largest errors of plane stress and where they occur.
 
-    curves : by name of the quantity its values, each with the rows of the brake.
+    curves : for the name of each quantity a sequence of its values, each with the rows of
+    `plane_error_rows` for the brake.
     """
     lines = []
     for name, points in curves.items():
         largest = []
         for key, said in SAID.items():
-            # Of equal errors, that at the largest value of the quantity is told.
+            # `max` compares errors first; of equal errors it takes the largest value `at`.
             error, at = max((abs(largest_of_shoes(table, key)), at) for at, table in points)
             largest.append(f"{said} by {formatted(error, '.1%')} (at {at:g})")
         values = f"{name} from {points[0][0]:g} to {points[-1][0]:g}"
@@ -520,7 +567,7 @@ def sentences_on_curves(
 
 
 def sentences_on_maps(charts: Sequence[PlaneErrorMap]) -> list[str]:
-    """Sentences on the ranges in which plane stress is within READER_LIMITS, for each map."""
+    """Sentences on each map: the ranges in which the errors are within READER_LIMITS."""
     lines = []
     for chart in charts:
         torque = chart.errors["torque"]
@@ -533,7 +580,10 @@ def sentences_on_maps(charts: Sequence[PlaneErrorMap]) -> list[str]:
 
 
 def _range_within_limits(chart: PlaneErrorMap, key: str) -> list[str]:
-    """The range of a map within each of READER_LIMITS, up to the first that holds everywhere."""
+    """For each of READER_LIMITS the range of a map in which the errors are within it, in words.
+
+    The list ends with the first limit that holds on the whole map.
+    """
     parts = []
     for limit in READER_LIMITS:
         where = chart.where_within(limit, key)

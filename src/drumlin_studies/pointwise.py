@@ -1,13 +1,16 @@
-"""Textbook contact as a baseline: a penalty at quadrature points, solved by Newton's method.
+"""The pointwise penalty: contact as in textbooks, solved by Newton's method, for comparison only.
 
-At the q Gauss points of an edge (q = order + 1) the pressure is p = eps <-g>, where g is the gap of
-the deformed lining. The drum drags the lining by mu p. Newton's method switches points on and off
-until no point changes:
+At the Gauss points of each element edge on the lining (order + 1 points) the pressure is
+p = eps max(-g, 0), with the penalty stiffness eps and the gap g of the deformed lining. The drum
+drags the lining by mu p. Newton's method solves the system below for the displacements u. It
+repeats this with other touching points until no point changes between touching and open:
 
-    [K + sum_on w eps psi_a psi_b (n - mu s e) n^T] u = f + sum_on w eps psi_a (n - mu s e) g0
+    [K + sum w eps psi_a psi_b (n - mu s e) n^T] u = f + sum w eps psi_a (n - mu s e) g0
 
-Each step factorises the whole sparse system. The method uses no static condensation and reuses
-nothing. It does not detect that friction has locked the shoe.
+The sums are over the touching points, with the weight w, the shape functions psi, the normal n, the
+tangent e, the sense s of the sliding, and the gap g0 of the unloaded lining; K is the stiffness
+matrix, f the load. Each step factorises the whole sparse system, without static condensation and
+without reuse of earlier factors. The method does not detect that friction has locked the shoe.
 """
 
 import math
@@ -35,12 +38,13 @@ from drumlin.response.response import Balance, Response, ShoeResponse, pressed_s
 from drumlin.response.resultants import cross
 
 POINTWISE_PENALTY = 1e3
-"""Default penalty factor alpha in eps = alpha E/t.
+"""Default penalty factor alpha in the penalty stiffness eps = alpha E/t [Pa/m].
 
-There are more points than nodes. With a larger factor they over-constrain the nodes (locking).
+E and t are Young's modulus and thickness of the lining. There are more Gauss points than nodes.
+With a much larger factor the contact conditions at the points over-constrain the nodes.
 """
 MOST_POINT_STEPS = 60
-"""Newton steps after which the contact counts as not converged."""
+"""Number of Newton steps after which the method gives up and the contact is not converged."""
 
 
 def solve_by_pointwise_penalty(
@@ -51,9 +55,9 @@ def solve_by_pointwise_penalty(
     penalty: float = POINTWISE_PENALTY,
     mesher: Mesher | None = None,
 ) -> Response:
-    """The response of a brake with a rigid drum, each shoe by itself.
+    """The response of a brake with a rigid drum by the pointwise penalty.
 
-    The pressure of the response is linear between the Gauss points.
+    Each shoe is solved by itself. The pressure of the response is linear between the Gauss points.
 
     Parameters
     ----------
@@ -64,14 +68,15 @@ def solve_by_pointwise_penalty(
     kind : str
         Kind of the elements.
     penalty : float
-        Penalty factor alpha in eps = alpha E/t.
+        Penalty factor alpha in the penalty stiffness eps = alpha E/t.
     mesher : function, optional
-        Meshes a shoe for a drum's radius [m], in place of `elements` and `kind`.
+        Returns the mesh of a shoe for the radius of the drum [m], in place of `elements` and
+        `kind`.
 
     Raises
     ------
     NoAnswer
-        The set of touching points repeats itself or does not settle.
+        The set of touching points repeats itself or still changes after MOST_POINT_STEPS.
     BadInput
         The brake has an elastic ring, or the penalty is infinite.
     """
@@ -100,18 +105,18 @@ def solve_by_pointwise_penalty(
 
 @dataclass(frozen=True)
 class _ContactPoints:
-    """Quadrature points of the contact.
+    """The quadrature points of a shoe's friction face, at which the contact is enforced.
 
     Attributes
     ----------
     weight : array (q,)
-        Width times length of the lining at each point [m^2].
+        Area of the lining that each of the q points represents [m^2].
     phi, radius, gap : array (q,)
-        Angle in the shoe's frame [rad], radius [m] and gap [m].
+        Angle in the shoe's frame [rad], radius [m] and gap of the unloaded lining [m].
     closing : sparse matrix (q, unknowns)
-        From displacements to the closure n . u of the gap.
+        Maps the displacements to the closure n . u of the gap at each point.
     pushing : sparse matrix (q, unknowns)
-        Nodal forces of a unit normal force at each point with its friction.
+        In each row the nodal forces of a unit normal force at a point, with its friction force.
     """
 
     weight: Floats
@@ -133,18 +138,18 @@ class PointwiseAnswer(NamedTuple):
 def _solve_shoe(
     brake: Brake, shoe: Shoe, mesher: Mesher, penalty: float, seconds: Seconds
 ) -> PointwiseAnswer:
-    """The answer of one shoe.
+    """The response of one shoe with its balance and number of Newton steps.
 
     Parameters
     ----------
     brake, shoe : Brake, Shoe
-        The brake, and its shoe.
+        The brake, and the shoe that is solved.
     mesher : function
-        Meshes the shoe for a drum's radius [m].
+        Returns the mesh of the shoe for the radius of the drum [m].
     penalty : float
-        Penalty factor alpha in eps = alpha E/t.
+        Penalty factor alpha in the penalty stiffness eps = alpha E/t.
     seconds : dict
-        The times of the steps [s] are added to these.
+        Times [s] of the steps of the solve, by name; the times of this shoe are added.
     """
     parts = assemble_shoe(brake, shoe, mesher, seconds)
     drag = brake.drag_on(shoe)
@@ -153,13 +158,13 @@ def _solve_shoe(
     with add_elapsed_time(seconds, "contact"):
         A = (parts.constraints.matrix.T @ parts.K @ parts.constraints.matrix).tocsc()
         points = _contact_points(parts, brake, shoe, drag)
-        # Displacements of all unknowns as the shoe turns about its pin by 1 rad.
+        # Displacements of all unknowns while the shoe turns as a rigid body about its pin by 1 rad.
         turned = np.zeros(A.shape[0])
         turned[2 * -len(parts.line.nodes) - FRAME : -FRAME] = _displacement_per_turn(parts, shoe)
         turned[-1] = 1.0
         if force == 0 or not (moment * (points.closing @ turned) > 0).any():
             return PointwiseAnswer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0)
-        # The pin holds both displacements of the shoe's frame.
+        # The pin fixes the two displacements of the shoe's frame; all other unknowns are free.
         free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])
         load = force * (parts.loads[ACTUATION] @ parts.columns.factors_of(ACTUATION, unit))
         stiffness = contact_stiffness(shoe, penalty)
@@ -167,7 +172,7 @@ def _solve_shoe(
         u, on = contact_state.u, contact_state.touching
         p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
         nodal = points.pushing.T @ (points.weight * p)
-        # The pin carries the residual at the two unknowns that it holds.
+        # The hinge reaction is the residual of the equations of these two fixed displacements.
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
     given = force * parts.columns.factors_of(ACTUATION, unit)
@@ -180,7 +185,8 @@ def _solve_shoe(
             float(cross(shoe.own_pin, given[:2])),
         ],
     )
-    # Pushing plus closing leaves the forces of friction alone.
+    # `pushing` has normal and friction forces, `closing` the normal forces with the other sign, so
+    # that their sum is friction. Friction assists where its work on a turn has the moment's sign.
     friction_work = float((points.weight * p) @ ((points.pushing + points.closing) @ turned))
     to_brake, turn = shoe.frame.to_brake(reaction), float(u[-1])
     assists = friction_work * moment > 0
@@ -189,7 +195,10 @@ def _solve_shoe(
 
 
 def _contact_points(parts: AssembledShoe, brake: Brake, shoe: Shoe, drag: float) -> _ContactPoints:
-    """The quadrature points of a shoe, with the drag of friction along growing angles."""
+    """The quadrature points of a shoe's friction face.
+
+    drag : friction force over normal force, positive where the drum drags towards growing angles.
+    """
     line = parts.line
     at, weights = np.polynomial.legendre.leggauss(line.order + 1)
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces], at, weights)
@@ -200,7 +209,10 @@ def _contact_points(parts: AssembledShoe, brake: Brake, shoe: Shoe, drag: float)
     first = unknowns - FRAME - 2 * len(line.nodes)
 
     def spread(vectors: Floats) -> Any:
-        """Shape functions times vectors (2, edges, q), as a sparse matrix (points, unknowns)."""
+        """The nodal forces of a vector at each point, as a sparse matrix (points, unknowns).
+
+        vectors : array (2, edges, points on an edge) of unit forces at the points.
+        """
         edges, q = x.shape[1:]
         rows = np.broadcast_to(np.arange(edges * q).reshape(edges, q), (2, len(psi), edges, q))
         columns = np.broadcast_to(
@@ -223,13 +235,16 @@ def _contact_points(parts: AssembledShoe, brake: Brake, shoe: Shoe, drag: float)
 
 
 def _displacement_per_turn(parts: AssembledShoe, shoe: Shoe) -> Floats:
-    """Displacement (2n,) of the contact nodes per angle of turn about the pin [m/rad]."""
+    """Displacements (2 n,) of the n contact nodes per angle of a turn about the pin [m/rad]."""
     x, y = parts.line.xy - shoe.own_pin[:, None]
     return np.column_stack([-y, x]).ravel()
 
 
 class _PointContact(NamedTuple):
-    """Displacements (unknowns,), touching points (q,), and Newton steps that led to them."""
+    """Contact state of a shoe: displacements (unknowns,), flags (q,), number of Newton steps.
+
+    A flag of `touching` tells whether a quadrature point touches the drum.
+    """
 
     u: Floats
     touching: Bools
@@ -239,22 +254,22 @@ class _PointContact(NamedTuple):
 def _find_states_by_newton(
     A: Any, load: Floats, points: _ContactPoints, stiffness: float, free: Ints, name: str
 ) -> _PointContact:
-    """The contact by Newton's method, which starts with all points touching.
+    """The contact state of a shoe by Newton's method, which starts with all points touching.
 
     Parameters
     ----------
     A : sparse matrix (unknowns, unknowns)
-        Stiffness of the shoe.
+        Stiffness matrix of the shoe.
     load : array (unknowns,)
         Nodal forces of the actuation [N].
-    points : _Points
-        Quadrature points.
+    points : _ContactPoints
+        Quadrature points of the shoe's friction face.
     stiffness : float
-        Penalty eps [Pa/m].
+        Penalty stiffness eps [Pa/m].
     free : array of int
-        Unknowns that the pin does not hold.
+        Indices of the unknowns that the pin does not fix.
     name : str
-        Name of the shoe, for messages.
+        Name of the shoe, for error messages.
     """
     u, on = np.zeros(A.shape[0]), np.ones(len(points.gap), dtype=bool)
     K = A[free][:, free].tocsc()
@@ -274,7 +289,7 @@ def _find_states_by_newton(
                 f"shoe {name!r}: the pointwise contact has a singular tangent in step {step}"
             ) from error
         u[free] = factors.solve(load[free] - pushing @ points.gap)
-        # A point touches where the displacement closes its gap.
+        # In the next step those points touch whose gap is closed by the displacements of this step.
         touching = points.closing @ u > points.gap
         if (touching == on).all():
             return _PointContact(u, on, step)
@@ -300,16 +315,17 @@ def _shoe_response(
     assists: bool,
     turn: float,
 ) -> ShoeResponse:
-    """The response of a shoe.
+    """The response of a shoe from the pressures at its quadrature points.
 
-    The pressure is linear between the Gauss points and constant beyond the outermost points.
+    The pressure is linear between the points, and constant from the outermost points to the
+    lining's ends.
 
     Parameters
     ----------
     shoe : Shoe
         The shoe.
-    points : _Points
-        Quadrature points.
+    points : _ContactPoints
+        Quadrature points of the shoe's friction face.
     p : array (q,)
         Pressure at the points [Pa].
     friction : float
@@ -319,7 +335,7 @@ def _shoe_response(
     assists : bool
         Whether friction presses the shoe to the drum.
     turn : float
-        Turn of the shoe about its pin [rad].
+        Angle by which the shoe turns about its pin [rad].
     """
     frame, by_angle = shoe.frame, np.argsort(points.phi)
     phi, q = points.phi[by_angle], p[by_angle]

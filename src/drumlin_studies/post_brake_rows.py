@@ -1,7 +1,8 @@
-"""Rows, curves and maps on a post brake by sine law, foundation model and finite elements.
+"""Table rows, curves and maps on a post brake by sine law, foundation model and finite elements.
 
-They show the error of each simplification of the foundation model, the effect of clearances and
-friction, the range of the model's assumptions, and the convergence of its grids.
+A post brake presses blocks on straight beams ("posts") against a drum. The results show the error
+of each simplification of the foundation model, the effect of clearances and friction, the brakes
+for which the model's assumptions hold, and the convergence of the model's grids.
 """
 
 import math
@@ -30,12 +31,14 @@ from drumlin.response.norms import relative
 from drumlin.response.response import Merit, Response
 
 ALL_LIFTS = ("all",)
-"""The option that lifts all simplifications of the foundation model."""
+"""Value of the option `lift` with which the foundation model includes all neglected effects."""
 Solver = Callable[[Brake], Response]
+"""A function that returns the response of a brake by one model."""
 Offsets = dict[str, dict[str, list[tuple[float, float]]]]
-"""By shoe and model: error of the lining's radius [m], and relative change of the torque."""
+"""For each shoe and model a list of pairs: radius of the lining less that of the drum [m], and
+relative change of the shoe's torque."""
 Merits = dict[str, dict[str, list[tuple[float, Merit]]]]
-"""By shoe and model: friction, and figures of merit."""
+"""For each shoe and model a list of pairs: coefficient of friction, and figures of merit."""
 Curve = tuple[Floats, Floats]
 """Abscissas (n,) and ordinates (n,) of a curve."""
 POST_MODELS: dict[str, Solver] = {
@@ -43,45 +46,51 @@ POST_MODELS: dict[str, Solver] = {
     "lifted": partial(foundation.solve, lift=ALL_LIFTS),
     "sine": sine,
 }
+"""Solvers of a post brake by name. "lifted" is the foundation model with all neglected effects."""
 TILT_AND_MODELS: dict[str, Solver] = {
     "tilt": partial(foundation.solve, lift=("tilt",)),
     **POST_MODELS,
 }
+"""Solvers of a post brake by name: POST_MODELS and a further foundation model.
+
+"tilt" includes the tilt of the beam's sections and neglects all else that the paper neglects.
+"""
 MATCHED_ASSUMPTIONS = {
     "drum.ring": None,
     "shoe.lining.material": {"E": 2e6, "nu": 0.0},
     "shoe.backing.material": {"E": 5e8, "nu": 0.0},
     "shoe.body.material.nu": 0.0,
 }
-"""Changes by which a brake meets the assumptions of the foundation model.
+"""Changes of a brake file after which the brake meets the assumptions of the foundation model.
 
-The lining is soft, the block stiff against it, the drum rigid, and nothing contracts laterally.
+The lining is soft, the block is stiff compared with the lining, the drum is rigid, and Poisson's
+ratio is zero.
 """
 COMPARED_MODELS = ("foundation", "tilt", "lifted", "sine")
-"""The models in the table of violated assumptions, names of TILT_AND_MODELS."""
+"""The models in the table of violated assumptions, by their names in TILT_AND_MODELS."""
 MAPPED_MODELS = ("sine", "foundation", "lifted")
-"""The models with a map of their errors, names of POST_MODELS."""
+"""The models whose errors are shown as maps, by their names in POST_MODELS."""
 MODEL_NAMES = {
     "fem": "finite elements",
     "sine": "sine law",
     "foundation": "foundation, as printed",
     "lifted": "foundation, all lifted",
 }
-"""Names of the models in tables and figures."""
+"""Words for the models in tables and figures, by key."""
 
 
 @dataclass(frozen=True)
 class ErrorMap:
-    """The relative error of a model over two dimensionless groups.
+    """Map of the relative error of a model's torque over two dimensionless groups.
 
     Attributes
     ----------
     title : str
         Title of the map.
     x, y : array (n,), array (m,)
-        Values of the groups k R^4/EI of beam and ring.
+        Values of the group k R^4/EI of the beam and of the ring, as in `dimensionless_groups`.
     error : array (m, n)
-        Relative errors, nan where a model has no answer.
+        Relative errors, nan where the model or the finite elements have no answer.
     """
 
     title: str
@@ -91,20 +100,26 @@ class ErrorMap:
 
 
 def shoe_torques(response: Response) -> Floats:
-    """Torque of each shoe (shoes,) [N m]."""
+    """The torques (shoes,) of all shoes of a response [N m]."""
     return np.array([shoe.torque for shoe in response.shoes])
 
 
 def largest_torque_error(response: Response, true: Response) -> float:
-    """The relative error of largest size among the torques of the shoes."""
+    """The relative error, with its sign, of the shoe whose torque has the largest error.
+
+    response : the response that is judged; true : the response that serves as the truth.
+    """
     errors = shoe_torques(response) / shoe_torques(true) - 1
     return float(errors[np.argmax(np.abs(errors))])
 
 
 def lift_rows(brake: Brake, fem: Response) -> list[dict[str, Any]]:
-    """Rows of the paper's model against finite elements.
+    """Rows with the relative errors of the foundation model's torque against finite elements.
 
-    The simplifications of the model are lifted one at a time, and all together in the last row.
+    The first row has the model of the paper. In each further row the model includes one more effect
+    that the paper neglects, without the others; in the last row it includes all effects.
+
+    brake : the post brake; fem : its response by finite elements.
     """
     rows = []
     for lift in ((), *((name,) for name in foundation.LIFTS), ALL_LIFTS):
@@ -117,10 +132,11 @@ def lift_rows(brake: Brake, fem: Response) -> list[dict[str, Any]]:
 
 
 def brake_with_clearance(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
-    """The brake with a clearance on every lining.
+    """The brake with a table of clearances on every lining.
 
-    gap : clearance [m] over the angle from the beam's normal [rad].
+    gap : returns the clearances [m] at angles [rad] from the normal of the beam.
     """
+    # Each lining gets a table of 181 rows, an angle and the clearance there.
     changes = {}
     for i, shoe in enumerate(brake.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 181)
@@ -131,18 +147,26 @@ def brake_with_clearance(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake
 
 
 def brake_with_other_lining_radius(brake: Brake, larger: float) -> Brake:
-    """The brake with linings of another radius, which touch the drum in one place.
+    """The brake with linings whose radius differs from that of the drum.
 
-    larger : radius of the lining less that of the drum [m]. A larger lining touches with its
-    middle, a smaller one with its ends.
+    The unloaded lining touches the drum with its middle if its radius is larger, with its ends if
+    its radius is smaller.
+
+    larger : radius of the lining less that of the drum [m].
     """
+    # The gap is zero in the middle of a larger lining, at the ends of a smaller one.
     end = math.cos(0.5 * (brake.shoes[0].lining.end - brake.shoes[0].lining.start))
     zero_at = 1.0 if larger > 0 else end
     return brake_with_clearance(brake, lambda theta: larger * (zero_at - np.cos(theta)))
 
 
 def clearance_rows(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
-    """Rows on clearances: linings that fit, of another radius, displaced, and worn in."""
+    """A row for each clearance, model and shoe: torque, peak pressure, figures of merit, contact.
+
+    The clearances are those of linings that fit, have another radius, are displaced or worn in.
+
+    brake : the post brake with linings that fit; scene : its prepared model by finite elements.
+    """
     cases = {
         "fits": brake,
         "new lining, radius 1 mm larger": brake_with_other_lining_radius(brake, 1e-3),
@@ -170,7 +194,13 @@ def clearance_rows(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
 def _shoe_rows_of_clearance(
     brake: Brake, response: Response, law: Response
 ) -> list[dict[str, Any]]:
-    """A row for each shoe of a response, against the sine law of the brake that fits."""
+    """A row for each shoe of a response.
+
+    `from_nominal` is the relative difference of the torque from that by the sine law.
+
+    brake : the brake with clearances; response : its response; law : the response by the sine law
+    of the brake with linings that fit.
+    """
     rows = []
     merits = with_merits(brake, response).merits
     for shoe, merit, by_law in zip(response.shoes, merits, law.shoes, strict=True):
@@ -191,13 +221,22 @@ def _shoe_rows_of_clearance(
 
 
 def torque_over_radius_error(brake: Brake, scene: PreparedModel, errors: Floats) -> Offsets:
-    """Torques over the radius of the lining, relative to the sine law, minus 1.
+    """Torques of each shoe and model for linings of another radius.
 
-    errors : radius of the lining less that of the drum (n,) [m].
+    The torques are divided by the torque of the sine law, minus 1.
+
+    Parameters
+    ----------
+    brake : Brake
+        The post brake.
+    scene : PreparedModel
+        The model of the brake that is prepared for finite elements.
+    errors : array (n,)
+        Radius of the lining less that of the drum [m].
     """
     nominal = shoe_torques(sine(brake))
     found: Offsets = {}
-    # The sine law knows no clearance and is the measure here.
+    # The sine law does not depend on clearances. Its torque is the reference of all models.
     solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(solve_prepared_model, scene)}
     del solvers["sine"]
     for larger in errors.tolist():
@@ -211,12 +250,20 @@ def torque_over_radius_error(brake: Brake, scene: PreparedModel, errors: Floats)
 
 
 def merits_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -> Merits:
-    """Figures of merit over friction (n,). The values of a model end where it locks."""
+    """Figures of merit of each shoe and model over the coefficient of friction.
+
+    The list of a model ends before the first friction at which the model has no answer, because
+    the shoe locks.
+
+    brake : the post brake; scene : its prepared model by finite elements; friction : coefficients
+    (n,) in growing order.
+    """
     found: Merits = {}
     solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(solve_prepared_model, scene)}
     for name, solver in solvers.items():
         for mu in friction.tolist():
             varied = vary(brake, {"friction": mu})
+            # NoAnswer means self-locking: at larger friction the model has no answer either.
             try:
                 response = solver(varied)
             except NoAnswer:
@@ -229,7 +276,7 @@ def merits_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -
 
 
 def lining_arc_changes(brake: Brake, half: float) -> dict[str, float]:
-    """Changes by which each lining has an arc of +-half [deg] about its middle."""
+    """The changes of a brake file that give each lining an arc of +-`half` [deg] at its middle."""
     changes = {}
     for i, shoe in enumerate(brake.shoes):
         middle = 0.5 * (shoe.lining.start + shoe.lining.end)
@@ -239,10 +286,13 @@ def lining_arc_changes(brake: Brake, half: float) -> dict[str, float]:
 
 
 def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
-    """Rows of brakes that violate the assumptions of the model one by one.
+    """A row for each of several brakes that violate assumptions of the foundation model.
 
-    The first brake meets all assumptions. Each row has the relative errors of the torque by
-    COMPARED_MODELS, of the shoe with the largest error.
+    The first brake meets all assumptions, the last is the brake itself. A row has the relative
+    error of the torque by each of COMPARED_MODELS against finite elements. The shoe with the
+    largest error counts.
+
+    brake : the post brake; elements : number of elements along each lining.
     """
     base = vary(brake, MATCHED_ASSUMPTIONS | lining_arc_changes(brake, 15))
     ring = brake.ring
@@ -265,6 +315,7 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
         | lining_arc_changes(brake, 40),
         "the brake of this study": brake.model_dump(by_alias=True),
     }
+    # Each brake is solved by finite elements, against which the models are judged.
     rows = []
     for case, changes in cases.items():
         varied = brake if case == "the brake of this study" else vary(base, changes)
@@ -277,7 +328,11 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
 
 
 def dimensionless_groups(brake: Brake) -> tuple[float, float]:
-    """The groups k R^4/EI of beam and ring, where k is the layers' stiffness per length of arc."""
+    """The dimensionless groups k R^4/EI of the beam and of the ring of a post brake.
+
+    k is the stiffness of lining and block in series per length of the arc, R the radius of the
+    drum, EI the bending stiffness of the beam or of the ring.
+    """
     shoe, ring, R = brake.shoes[0], brake.ring, brake.size
     assert shoe.backing is not None and shoe.body is not None and ring is not None
     lining = shoe.lining
@@ -291,10 +346,11 @@ def dimensionless_groups(brake: Brake) -> tuple[float, float]:
 def error_maps(
     brake: Brake, points: int, elements: int
 ) -> tuple[list[list[ErrorMap]], list[tuple[float, float]]]:
-    """Maps of the error of each model, and the groups of the brake itself.
+    """Maps of the torque's error over the groups of beam and ring, for each of MAPPED_MODELS.
 
-    A row of maps is for a lining that is soft against its block, another for a wooden block. The
-    error is that of the torque, of the shoe with the largest error.
+    The first row of maps has a lining that is soft compared with its block, the second row a wooden
+    block. The error is against finite elements, and the shoe with the largest error counts. The
+    second result has for each row the groups of the brake itself.
 
     Parameters
     ----------
@@ -320,9 +376,12 @@ def error_maps(
 
 
 def _errors_over_groups(brake: Brake, x: Floats, y: Floats, elements: int) -> dict[str, Floats]:
-    """Errors (m, n) of each model over the groups of the beam (n,) and of the ring (m,).
+    """Relative errors (m, n) of the torque by each of POST_MODELS, over two dimensionless groups.
 
-    An error is nan where a model has no answer.
+    An error is nan where a model or the finite elements have no answer.
+
+    x, y : values (n,) of the group of the beam and (m,) of the group of the ring; elements : number
+    of elements along each lining.
     """
     beam, ring = dimensionless_groups(brake)
     body = brake.shoes[0].body
@@ -347,7 +406,14 @@ def _errors_over_groups(brake: Brake, x: Floats, y: Floats, elements: int) -> di
 
 
 def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
-    """Rows of grids of the foundation model: errors against a far finer grid, steps and time."""
+    """A row for each of several grids of the foundation model: errors, iterations and time.
+
+    The errors of torque, normal force and friction radius are against a grid of 2880 sections. They
+    are taken on a changed brake, whose whole linings are in contact. Iterations and time are those
+    of the given brake.
+
+    brake : the post brake; repeats : number of timings.
+    """
     fixed = vary(
         brake,
         {
@@ -359,7 +425,7 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
     )
 
     def numbers(response: Response) -> Floats:
-        """Torque, normal force and friction radius of the first shoe."""
+        """The torque of the brake, and the normal force and friction radius of its first shoe."""
         merit = response.merits[0]
         assert isinstance(merit, Merit)
         return np.array(
@@ -376,7 +442,7 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
             "steps": outcome.response.iterations,
             "seconds": outcome.seconds,
         }
-        # The grid of 1440 is too near to the reference of 2880 for an error.
+        # The errors of 1440 sections are not shown: the reference of 2880 is too close to them.
         if n <= 720:
             names = ("torque", "N", "psi")
             row |= dict(zip(names, errors.tolist(), strict=True))
@@ -390,10 +456,20 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
 def beam_deflections(
     scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> list[dict[str, Curve]]:
-    """Deflection [m] along the beam [m] of each shoe, by model.
+    """For each shoe the deflection of its beam [m] over the length of the beam [m], by model.
 
-    It is taken from the line through both ends of the beam.
+    The deflection is measured from the straight line through both ends of the beam.
+
+    Parameters
+    ----------
+    scene : PreparedModel
+        The model of the brake that is prepared for finite elements.
+    brake : Brake
+        The post brake.
+    responses : mapping
+        Responses by the models "foundation" and "lifted".
     """
+    # The line through both ends of the beam is subtracted from the deflection by finite elements.
     made, fem = [], solve_prepared_model(scene, brake)
     for i in range(len(brake.shoes)):
         x, w = deflection_along_beam(scene, brake, fem, i)
@@ -409,16 +485,26 @@ def beam_deflections(
 def rim_displacements(
     scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> tuple[dict[str, Curve], dict[str, Curve]]:
-    """Radial displacement [m] of the rim over the angle [rad].
+    """Radial displacement [m] of the drum's rim over the angle [rad].
 
-    The first result has a rim for each shoe, as in the paper. The second has the rim under all
-    shoes, by the foundation model with all simplifications lifted and by finite elements.
+    The first result has for each shoe the displacement by this shoe alone, by the model of the
+    paper. The second result has the displacement by all shoes, by the foundation model with all
+    neglected effects and by finite elements.
+
+    Parameters
+    ----------
+    scene : PreparedModel
+        The model of the brake that is prepared for finite elements.
+    brake : Brake
+        The post brake.
+    responses : mapping
+        Responses by the models "foundation" and "lifted".
     """
     turn = np.linspace(0, 2 * np.pi, 400)
     printed = foundation.rim(brake, responses["foundation"], turn)
     lifted = foundation.rim(brake, responses["lifted"], turn, ALL_LIFTS).sum(axis=0)
     theta, z = inward_displacement_of_rim(scene, brake, solve_prepared_model(scene, brake))
-    # The curve by finite elements is closed by its first point.
+    # The first point of the curve by finite elements is repeated at its end, to close the curve.
     fem = np.append(theta, theta[0]), np.append(z, z[0])
     own = {shoe.name: (turn, z) for shoe, z in zip(brake.shoes, printed, strict=True)}
     return own, {"lifted": (turn, lifted), "fem": fem}

@@ -1,9 +1,10 @@
-"""Random brakes of every shape that a brake file can express, drawn from a seed.
+"""Random brakes of every shape that a brake file can express.
 
-Sizes are drawn on logarithmic scales: drums of 20 mm to 3 m, linings of R/1000 to R/3 and of 1 to
-170 degrees, moduli over decades. Forces follow from the pressures for which linings are made.
-Clearances and misfits follow from the compression that these forces cause, so that some contacts
-are whole and others partial.
+A seed determines a brake. Sizes are drawn on logarithmic scales: drums of radius R = 20 mm to 3 m,
+linings with thicknesses of R/1000 to R/3 and arcs of 1 to 170 degrees, moduli over several powers
+of ten. The actuation forces follow from usual pressures of linings. Clearances and misfits follow
+from the compression that the forces cause, so that in some brakes the whole lining touches the drum
+and in others a part of it.
 """
 
 import math
@@ -19,22 +20,26 @@ from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, sine
 
 FRICTIONLESS_ELEMENTS = 4
-"""Elements along a lining of the mesh that shows whether a brake has an answer without friction."""
+"""Elements along a lining of the mesh on which a draw is tested for contact without friction."""
 SHAPE_TRIAL_ELEMENTS = 16
-"""Elements along a lining of the mesh that shows whether all shoes press with friction."""
+"""Elements along a lining of the mesh on which a draw is tested for contact with friction."""
 BELOW_LOCKING = 0.7
-"""Largest friction of a random brake, as a fraction of the friction at which the sine law locks.
+"""Largest friction of a random brake over the friction at which it locks itself by the sine law.
 
-A judgement: closer to the limit the torque grows without bound, and a small error of the friction
-becomes a large error of the torque.
+The value is a judgement: nearer to self-locking the torque grows without bound, and a small error
+of the friction causes a large error of the torque.
 """
 SHAPE_FRICTION_MARGIN = 1.2
-"""Factor on the friction of a random brake up to which the elastic brake must have an answer.
+"""Factor on the friction of a random brake with which its shoes must press by finite elements too.
 
-The elastic brake may lock before its law does. A brake that fails this test is drawn again.
+The elastic brake may lock itself at a lower friction than the sine law. A brake that fails this
+test is drawn again.
 """
 SHAPE_ATTEMPTS = 400
-"""Draws for one seed before the generator gives up. Extreme sizes make many brakes impossible."""
+"""Number of draws for one seed after which NoAnswer is raised.
+
+Extreme sizes make many draws impossible.
+"""
 SENSES = ("clockwise", "counter-clockwise")
 """Senses of rotation, in the order in which they are drawn."""
 
@@ -43,11 +48,12 @@ Draw = Callable[[np.random.Generator], dict[str, Any]]
 
 
 def random_brake(seed: int, kind: str | None = None) -> Brake:
-    """The brake of a seed.
+    """The random brake of a seed.
 
-    All shoes of a brake of SHAPE_KINDS press, and its friction is zero or below the friction that
-    locks it. A brake of LOCKING_KINDS has one shoe; its friction is left to the caller. The sine
-    law of a "locking" brake locks below mu = 1.5, that of an "opposed" brake never does.
+    All shoes of a brake of SHAPE_KINDS press on the drum, and its friction is zero or below the
+    friction at which it locks itself. A brake of LOCKING_KINDS has one shoe, and its friction is
+    0.3, which the caller replaces. By the sine law a "locking" brake locks itself at a friction
+    below 1.5, an "opposed" brake at no friction.
 
     Parameters
     ----------
@@ -75,7 +81,10 @@ def random_brake(seed: int, kind: str | None = None) -> Brake:
 
 
 def _try_drawing_brake(rng: np.random.Generator, kind: str, title: str) -> Brake | None:
-    """A brake of a kind, or None where the draw makes no brake whose shoes all press."""
+    """A random brake of a kind, or None if it is impossible or one of its shoes does not press.
+
+    rng : generator of the random numbers; kind : one of SHAPE_KINDS; title : title of the brake.
+    """
     data = SHAPE_KINDS[kind](rng)
     drawn_friction, rotation = rng.uniform(0.02, 0.6), str(rng.choice(SENSES))
     data |= {"title": title, "rotation": rotation, "friction": 0.1}
@@ -94,24 +103,24 @@ def _try_drawing_brake(rng: np.random.Generator, kind: str, title: str) -> Brake
 
 
 def _do_all_shoes_press(brake: Brake, factor: float) -> bool:
-    """Whether all shoes touch the drum when the friction is multiplied by a factor."""
+    """Whether all shoes of a brake touch the drum if its friction is multiplied by a factor."""
     varied = vary(brake, {"friction": factor * brake.friction})
     response = solve(varied, elements=SHAPE_TRIAL_ELEMENTS)
     return all(shoe.contact_arcs for shoe in response.shoes)
 
 
 def _draw_log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
-    """A number between 10^low and 10^high, even on a logarithmic scale, of four digits."""
+    """A random number between 10^low and 10^high, uniform in its logarithm, of four digits."""
     return float(f"{10 ** rng.uniform(low, high):.4g}")
 
 
 def _draw_material(rng: np.random.Generator, low: float, high: float) -> dict[str, float]:
-    """A material whose Young's modulus lies between 10^low and 10^high Pa."""
+    """A random material whose Young's modulus lies between 10^low and 10^high Pa."""
     return {"E": _draw_log_uniform(rng, low, high), "nu": round(float(rng.uniform(0.0, 0.45)), 3)}
 
 
 class ShoeOnArc(NamedTuple):
-    """What may be drawn of a shoe whose body follows the drum.
+    """Ranges from which a shoe is drawn whose body is an arc along the drum.
 
     Attributes
     ----------
@@ -120,9 +129,10 @@ class ShoeOnArc(NamedTuple):
     arc : tuple of float
         Smallest and largest arc of the lining [rad].
     thickness, body_thickness : tuple of float
-        Thickness of the lining and of the body over the drum's radius, as powers of ten.
+        Smallest and largest power of ten of the lining's and of the body's thickness over the
+        drum's radius.
     modulus, body_modulus : tuple of float
-        Young's modulus [Pa] of the lining and of the body, as powers of ten.
+        Smallest and largest power of ten of Young's modulus [Pa] of the lining and of the body.
     largest_angle : float
         Largest angle [rad] from the hinge to the far end of the lining.
     """
@@ -138,18 +148,21 @@ class ShoeOnArc(NamedTuple):
 
 
 def _draw_arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dict[str, Any]:
-    """A shoe whose lining lies on an arc, from its hinge at a random angle."""
+    """The data of a random hinged shoe whose body is an arc along the drum.
+
+    R : radius of the drum [m]; ranges : ranges of the shoe's sizes.
+    """
     u = rng.uniform
     inside = bool(rng.random() < 0.6)
     hinge_angle = u(-3, 3)
-    # The lining lies on the side of growing (1) or falling angles (-1) of the hinge.
+    # Seen from the hinge the lining lies towards growing angles (1) or towards falling angles (-1).
     hand = int(rng.choice([-1, 1]))
     gap = u(0.05, 0.35)
     span = math.exp(u(*np.log(ranges.arc)))
     span = min(span, ranges.largest_angle - gap)
     start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + span)])
     far = hinge_angle + hand * (gap + span)
-    # Width and thickness of the lining follow the radius of the drum.
+    # Width and thickness of the lining are random fractions of the drum's radius.
     width = R * _draw_log_uniform(rng, -0.9, -0.2)
     thickness = R * _draw_log_uniform(rng, *ranges.thickness)
     shoe: dict[str, Any] = {
@@ -177,7 +190,8 @@ def _draw_arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dic
             "material": _draw_material(rng, 8.7, 11.3),
         }
     if ranges.body:
-        # The body reaches beyond the lining, at the hinge by a part of the gap.
+        # The body is longer than the lining at both ends. Towards the hinge it covers a random part
+        # of the angle between hinge and lining.
         overhang = [gap * u(0.1, 0.9), u(0.005, 0.12)][::hand]
         shoe["body"] = {
             "thickness": R * _draw_log_uniform(rng, *ranges.body_thickness),
@@ -191,9 +205,10 @@ def _draw_arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dic
 
 
 def _draw_force(rng: np.random.Generator, shoe: dict[str, Any], R: float) -> float:
-    """A force [N] whose mean pressure is 1e-4 to 1e-2 of the lining's modulus.
+    """A random actuation force [N] for the data of a shoe on a drum of radius R [m].
 
-    The mean is taken over a third of the lining.
+    On a third of the lining the force would cause a mean pressure of 1e-4 to 1e-2 of the lining's
+    modulus.
     """
     lining = shoe["lining"]
     pressure = lining["material"]["E"] * _draw_log_uniform(rng, -4, -2)
@@ -201,16 +216,23 @@ def _draw_force(rng: np.random.Generator, shoe: dict[str, Any], R: float) -> flo
 
 
 def _mean_lining_compression(shoe: dict[str, Any], R: float) -> float:
-    """By how much the shoe's force compresses its lining [m], as a mean over the lining."""
+    """The mean compression [m] of a lining of thickness t by the actuation force F: F t/(E area).
+
+    shoe : data of the shoe; R : radius of the drum [m].
+    """
     lining = shoe["lining"]
     area = R * (lining["end"] - lining["start"]) * lining["width"]
     return shoe["actuation"]["force"] / area * lining["thickness"] / lining["material"]["E"]
 
 
 def _draw_post(rng: np.random.Generator, R: float) -> dict[str, Any]:
-    """A straight beam outside the drum, with a block between the beam and the lining."""
+    """The data of a random post: a straight beam outside the drum, with a block on the lining.
+
+    R : radius of the drum [m].
+    """
     u = rng.uniform
-    # The beam's normal through the drum's centre has the angle `turn`; the hinge lies at its foot.
+    # `turn` is the angle of the beam's normal through the centre of the drum. Distances along the
+    # beam are taken from the foot of this normal: hinge at -foot, actuation at far.
     turn, hand = u(-math.pi, math.pi), int(rng.choice([-1, 1]))
     thickness, depth = (
         R * _draw_log_uniform(rng, -2.2, -1.1),
@@ -224,11 +246,11 @@ def _draw_post(rng: np.random.Generator, R: float) -> dict[str, Any]:
     far = back * math.sin(last) + R * u(0.15, 0.8)
 
     def point(along: float) -> dict[str, float]:
-        """The point at a distance [m] along the beam from the foot of the drum's normal."""
+        """The point of the beam at a distance [m] from the foot of the normal."""
         c, s = math.cos(turn), math.sin(turn)
         return {"x": distance * c - hand * along * s, "y": distance * s + hand * along * c}
 
-    # The lining lies about the foot of the normal.
+    # The arc of the lining contains the angle of the beam's normal.
     start, end = sorted([turn + hand * first, turn + hand * last])
     width = R * _draw_log_uniform(rng, -0.9, -0.3)
     shoe: dict[str, Any] = {
@@ -256,17 +278,20 @@ def _draw_post(rng: np.random.Generator, R: float) -> dict[str, Any]:
 
 
 def _mirror_shoe(shoe: dict[str, Any], about: float) -> dict[str, Any]:
-    """The mirror image of a shoe about the line through the drum's centre at an angle [rad]."""
+    """The data of the mirror image of a shoe.
+
+    about : angle [rad] of the mirror line, which goes through the centre of the drum.
+    """
     c, s = math.cos(2 * about), math.sin(2 * about)
 
     def mirrored_point(point: dict[str, float]) -> dict[str, float]:
-        """The mirror image of a point."""
+        """The mirror image of a point, in polar or in Cartesian coordinates as the point."""
         if "radius" in point:
             return {"radius": point["radius"], "angle": 2 * about - point["angle"]}
         return {"x": c * point["x"] + s * point["y"], "y": s * point["x"] - c * point["y"]}
 
     def mirrored_arc(part: dict[str, Any]) -> dict[str, Any]:
-        """The part with its arc mirrored."""
+        """The data of a lining or body with its start and end angles mirrored."""
         if "start" not in part:
             return part
         return part | {"start": 2 * about - part["end"], "end": 2 * about - part["start"]}
@@ -286,7 +311,7 @@ def _mirror_shoe(shoe: dict[str, Any], about: float) -> dict[str, Any]:
 
 
 def _draw_ring(rng: np.random.Generator, R: float, width: float) -> dict[str, Any]:
-    """An elastic drum ring beside a lining of a width [m]."""
+    """The data of a random elastic drum ring, for a drum radius R [m] and a lining width [m]."""
     return {
         "thickness": R * _draw_log_uniform(rng, -1.5, -0.7),
         "width": width * _draw_log_uniform(rng, -0.2, 0.3),
@@ -296,37 +321,37 @@ def _draw_ring(rng: np.random.Generator, R: float, width: float) -> dict[str, An
 
 
 def _draw_radius(rng: np.random.Generator) -> float:
-    """A drum's radius between 20 mm and 2.8 m [m]."""
+    """A random radius of a drum [m], between 20 mm and 2.8 m."""
     return _draw_log_uniform(rng, -1.7, 0.45)
 
 
 def _draw_arc_brake(rng: np.random.Generator) -> dict[str, Any]:
-    """The data of a brake with one shoe on an arc."""
+    """The data of a brake with one hinged shoe whose elastic body is an arc along the drum."""
     R = _draw_radius(rng)
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ShoeOnArc())]}
 
 
 def _draw_backed_brake(rng: np.random.Generator) -> dict[str, Any]:
-    """The data of a brake with one shoe on an arc, with a backing."""
+    """The data of a brake with one shoe that has a backing and an elastic body along the drum."""
     R = _draw_radius(rng)
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ShoeOnArc(backing=True))]}
 
 
 def _draw_rigid_brake(rng: np.random.Generator) -> dict[str, Any]:
-    """The data of a brake with one rigid shoe."""
+    """The data of a brake with one rigid shoe; half of the shoes have a backing."""
     R = _draw_radius(rng)
     ranges = ShoeOnArc(body=False, backing=rng.random() < 0.5)
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ranges)]}
 
 
 def _draw_post_brake(rng: np.random.Generator) -> dict[str, Any]:
-    """The data of a brake with one straight beam."""
+    """The data of a brake with one post, a straight beam with a block."""
     R = _draw_radius(rng)
     return {"drum": {"radius": R}, "shoe": [_draw_post(rng, R)]}
 
 
 def _draw_posts_on_ring(rng: np.random.Generator) -> dict[str, Any]:
-    """One post on a ring, or two that face each other."""
+    """The data of a brake with one post, or two opposite posts, on an elastic drum ring."""
     R = _draw_radius(rng)
     shoe = _draw_post(rng, R)
     middle = 0.5 * (shoe["lining"]["start"] + shoe["lining"]["end"])
@@ -338,7 +363,7 @@ def _draw_posts_on_ring(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _draw_arc_shoe_on_ring(rng: np.random.Generator) -> dict[str, Any]:
-    """The data of a brake with one shoe on an elastic ring."""
+    """The data of a brake with one elastic shoe along an elastic drum ring."""
     R = _draw_radius(rng)
     shoe = _draw_arc_shoe(rng, R, ShoeOnArc())
     return {
@@ -348,7 +373,10 @@ def _draw_arc_shoe_on_ring(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _draw_two_shoes_on_ring(rng: np.random.Generator) -> dict[str, Any]:
-    """Two shoes on a ring, mirror images about their common hinge."""
+    """The data of a brake with two shoes on an elastic drum ring.
+
+    The shoes share their hinge and are mirror images of each other.
+    """
     R = _draw_radius(rng)
     shoe = _draw_arc_shoe(rng, R, ShoeOnArc(arc=(0.3, 2.2), largest_angle=2.6))
     shoes = [shoe, _mirror_shoe(shoe, shoe["hinge"]["angle"])]
@@ -359,12 +387,16 @@ def _draw_two_shoes_on_ring(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _draw_maybe_backed_shoe(rng: np.random.Generator, R: float) -> dict[str, Any]:
-    """A shoe on an arc, with a backing in three of ten cases."""
+    """The data of a shoe along a drum of radius R [m]; three of ten shoes have a backing."""
     return _draw_arc_shoe(rng, R, ShoeOnArc(backing=rng.random() < 0.3))
 
 
 def _draw_misfitted_brake(rng: np.random.Generator) -> dict[str, Any]:
-    """A lining with a clearance, a table of clearances, a taper, another radius or blocks."""
+    """The data of a brake whose lining does not fit the drum.
+
+    The lining has one of: a clearance, a table of clearances, a taper, another radius, or blocks of
+    different heights.
+    """
     R, u = _draw_radius(rng), rng.uniform
     on_post = rng.random() < 0.25
     shoe = _draw_post(rng, R) if on_post else _draw_maybe_backed_shoe(rng, R)
@@ -389,7 +421,7 @@ def _draw_misfitted_brake(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _draw_out_of_round_brake(rng: np.random.Generator) -> dict[str, Any]:
-    """A drum with one to three lobes of random orders."""
+    """The data of a brake whose drum is out of round, with one to three lobes of random orders."""
     R, u = _draw_radius(rng), rng.uniform
     shoe = _draw_maybe_backed_shoe(rng, R)
     size = _mean_lining_compression(shoe, R)
@@ -405,14 +437,17 @@ def _draw_out_of_round_brake(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _draw_small_contact_brake(rng: np.random.Generator) -> dict[str, Any]:
-    """A lining of another radius whose contact by Hertz's formula is 0.5 to 8 degrees long."""
+    """The data of a brake with a short contact: 0.5 to 8 degrees by Hertz's formula.
+
+    The lining has another radius than the drum.
+    """
     R, u = _draw_radius(rng), rng.uniform
     ranges = ShoeOnArc(arc=(0.35, 1.2), thickness=(-1.3, -0.6), body=rng.random() < 0.6)
     shoe = _draw_arc_shoe(rng, R, ranges)
     lining, inside = shoe["lining"], shoe["side"] == "internal"
     r = R * (1 - u(0.003, 0.04)) if inside else R * (1 + u(0.003, 0.04))
     lining["misfit"] = {"radius": float(r)}
-    # The force gives a contact of this half-width by Hertz's formula.
+    # Half of the contact's length [m], and the force that causes it by Hertz's formula.
     half = R * math.radians(0.5 * _draw_log_uniform(rng, -0.3, 0.9))
     E = lining["material"]["E"]
     load = math.pi / 4 * half**2 * E * abs(1 / r - 1 / R) * lining["width"]
@@ -421,7 +456,10 @@ def _draw_small_contact_brake(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _draw_extreme_brake(rng: np.random.Generator) -> dict[str, Any]:
-    """A shoe whose stiffnesses, thicknesses and arcs lie far apart."""
+    """The data of a brake whose shoe is drawn from very wide ranges.
+
+    Stiffnesses, thicknesses and arcs may be extremely small or large.
+    """
     R = _draw_radius(rng)
     ranges = ShoeOnArc(
         backing=rng.random() < 0.4,
@@ -447,13 +485,21 @@ SHAPE_KINDS: dict[str, Draw] = {
     "small contact": _draw_small_contact_brake,
     "extreme": _draw_extreme_brake,
 }
-"""How a brake of each kind is drawn. The order decides which seed draws which kind."""
+"""Function that draws the data of a brake, by the kind of the brake.
+
+The order of the kinds decides which seed draws which kind.
+"""
 LOCKING_KINDS = ("locking", "opposed")
-"""Brakes of one shoe: one that locks itself as friction grows, and one that never does."""
+"""Kinds of brakes with one shoe: the shoe locks itself as friction grows, or it never does."""
 
 
 def _draw_near_locking_brake(seed: int, kind: str, attempt: int = 0) -> Brake:
-    """A brake of LOCKING_KINDS, drawn again until one of its two senses of rotation is right."""
+    """A random brake of one of LOCKING_KINDS.
+
+    The brake is drawn again until in one of the senses of rotation it is of the kind.
+
+    attempt : number of draws so far.
+    """
     rng = np.random.default_rng([seed, attempt])
     data = _draw_one_shoe_data(rng, seed)
     try:
@@ -469,8 +515,12 @@ def _draw_near_locking_brake(seed: int, kind: str, attempt: int = 0) -> Brake:
 
 
 def _does_press_without_friction(brake: Brake, locking: float) -> bool:
-    """Whether the shoe touches the drum without friction. Raises NoAnswer where its law fails."""
-    # The law refuses a shoe that is not pressed, and a clearance that it does not cover.
+    """Whether the shoe of a brake touches the drum without friction, by finite elements.
+
+    locking : friction at which the brake locks itself by the sine law. Raises NoAnswer where the
+    sine law has no answer.
+    """
+    # The sine law raises NoAnswer where the shoe is not pressed or the clearance is uneven.
     sine(vary(brake, {"friction": 0.1 * min(locking, 1.0)}))
     frictionless = brake.model_copy(update={"friction": 0.0})
     response = solve(frictionless, elements=FRICTIONLESS_ELEMENTS)
@@ -478,14 +528,17 @@ def _does_press_without_friction(brake: Brake, locking: float) -> bool:
 
 
 def _draw_one_shoe_data(rng: np.random.Generator, seed: int) -> dict[str, Any]:
-    """The data of a brake with one shoe on a drum of 150 mm, without its sense of rotation."""
+    """The data of a random brake with one shoe on a drum of radius 150 mm.
+
+    The data have no sense of rotation.
+    """
     u, R, inside = rng.uniform, 0.15, bool(rng.random() < 0.6)
     hinge_angle, hand = u(-3, 3), rng.choice([-1, 1])
     gap, arc = u(0.05, 0.4), u(0.4, 2.4)
     start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + arc)])
     far = hinge_angle + hand * (gap + arc)
     even_clearance = u(-2e-4, 1e-3) * R
-    # One of no clearance, an even clearance and a table is chosen below; all are drawn.
+    # A table of clearances. Below, one of no clearance, an even clearance and this table is chosen.
     table = [[x, u(-2e-4, 1e-3) * R] for x in np.linspace(start, end, 5).tolist()]
     shoe: dict[str, Any] = {
         "name": "shoe",

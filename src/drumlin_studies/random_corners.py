@@ -1,13 +1,13 @@
-"""Random brakes that press with a lining's corner alone or under a tip of the gap, from a seed.
+"""Random brakes that press on the drum only with a corner of the lining or under a tip of the gap.
 
-The pressure is singular at a corner of a lining. It is singular as well under a tip, a kink of the
-clearance table that points to the drum. In most brakes the corner lies in the edge zone, which no
-comparison covers, or the tip bears a small part of the force. In these brakes corner or tip bear
-nearly all of the force: a taper, a table of clearances or another radius keeps the rest of the
-lining off the drum.
+A seed determines a brake. The pressure is singular at a corner of a lining. It is singular as well
+under a tip, which is a kink of the lining's surface that points to the drum. In most brakes the
+corner lies in the edge zone, which no comparison of pressures covers, or the tip bears a small part
+of the force. In the brakes of this module corner or tip bear nearly all of the force, because a
+taper, a table of clearances or another radius keeps the rest of the lining off the drum.
 
-The contact depends only on the ratio of force to gap. So the force is an ordinary one, and the gap
-is scaled until the contact has the length that was drawn for it.
+The contact depends only on the ratio of force to gap. Therefore the force has an ordinary size, and
+the gap is scaled until the contact has the length that was drawn for it.
 """
 
 import math
@@ -30,52 +30,60 @@ from drumlin_studies.random_brake import SHAPE_KINDS as OF_SHAPE
 from drumlin_studies.random_kinds import HOLDING_KINDS as OF_HOLDING
 
 MOST_ATTEMPTS = 200
-"""Draws for one seed before the generator gives up."""
+"""Number of draws for one seed after which NoAnswer is raised."""
 MORE_FRICTION = 1.2
-"""Factor on a brake's friction up to which all shoes must press, so that the brake is far from
-locking.
+"""Factor on a brake's friction with which all shoes must press as well.
+
+It keeps the brake away from the friction at which it would lock itself.
 """
 MOST_SCALINGS = 8
-"""Solves of one draw in which the gap is scaled to the drawn length of contact."""
+"""Largest number of solves in which the gap of a brake is scaled to the drawn contact length."""
 FACTOR_DIGITS = 2
-"""Significant digits of the factor on a gap.
+"""Significant digits of the factor by which a gap is scaled.
 
-With so few digits a seed gives the same brake even after a change of the solver that moves the
-length of contact by some percent.
+Two digits keep the brake of a seed the same after a change of the solver that moves the length of
+the contact by some percent.
 """
 LENGTH_TOLERANCE_FACTOR = 1.25
-"""Factor by which the length of contact may differ from the drawn length, up or down."""
+"""Factor by which the length of the contact may be larger or smaller than the drawn length."""
 FEW_LEVELS = 2
-"""Levels of a solve that find the length of a contact to within some percent."""
+"""Number of refinement levels of a solve that give the contact's length to some percent."""
 SHORT_CONTACT = math.radians(0.1), math.radians(0.8)
-"""Range of short contacts [rad]. More than half of a short contact lies in the edge zone."""
+"""Smallest and largest length of a short contact [rad].
+
+More than half of a short contact lies in the edge zone at the end of the lining.
+"""
 LONG_CONTACT = math.radians(0.8), math.radians(8.0)
-"""Range of long contacts [rad]."""
+"""Smallest and largest length of a long contact [rad]."""
 SHORT_SHARE = 0.7
-"""Fraction of the brakes that are drawn with a short contact."""
+"""Probability with which a brake gets a short contact rather than a long one."""
 END_ANGLE = 1e-9
-"""Distance from the lining's end [rad] below which a contact counts as reaching the end."""
+"""Angle [rad] between contact and lining's end below which the contact reaches the end."""
 
 Rng = np.random.Generator
+"""The generator from which random numbers are drawn."""
 Gap = dict[str, Any]
-"""The keys of a lining that make its gap: `clearance` and `misfit`."""
+"""The part of a lining's data that determines its gap: the keys `clearance` or `misfit`."""
 
 
 class CornerKind(NamedTuple):
-    """How a brake of a kind is drawn.
+    """How the brakes of a kind of this module are drawn.
 
     Attributes
     ----------
     shapes : tuple of str
-        Kinds of random brakes from which one is chosen: of SHAPE_KINDS or HOLDING_KINDS.
+        Kinds of SHAPE_KINDS or HOLDING_KINDS; one of them gives the shoes and the drum.
     presses : str
-        What bears the force: "corner", "tip", or "table" for either under a random table.
+        The part of the lining that bears the force: "corner" or "tip". "table" stands for a random
+        table of clearances under which either may bear the force.
     """
 
     shapes: tuple[str, ...]
     presses: str
 
 
+# Kinds of random brakes by their shoes: rigid, elastic along the drum, on an elastic ring, and
+# supported by other parts than a hinge.
 RIGID_SHAPES, ARC_SHAPES = ("rigid",), ("arc", "backed")
 RING_SHAPES = ("arc on ring", "linings on ring", "post on ring")
 HINGELESS_KINDS = ("guide", "abutment", "rough abutment", "pivot")
@@ -91,14 +99,15 @@ CORNER_KINDS: dict[str, CornerKind] = {
     "tip of a shoe without hinge": CornerKind(HINGELESS_KINDS, "tip"),
     "table": CornerKind((*ARC_SHAPES, *RIGID_SHAPES, "post", *HINGELESS_KINDS), "table"),
 }
+"""The kinds of brakes of this module, and how each is drawn."""
 
 
 def random_corner(seed: int, kind: str | None = None) -> Brake:
-    """The brake of a seed, in which one shoe presses with a corner or under a tip.
+    """The random brake of a seed, in which one shoe presses with a corner or under a tip.
 
-    All shoes press, also with MORE_FRICTION times the friction of the brake. Corner and tip are
-    judged on the first FEW_LEVELS levels of a solve. Friction towards the corner may lift the
-    corner itself a little off the drum, but only finer levels show this.
+    All shoes press, also with MORE_FRICTION times the friction of the brake. The first FEW_LEVELS
+    levels of a solve decide whether a corner or a tip presses. Finer levels may show that friction
+    lifts the corner itself a little off the drum.
 
     Parameters
     ----------
@@ -128,9 +137,12 @@ def random_corner(seed: int, kind: str | None = None) -> Brake:
 
 
 def _draw_scalable_brake(rng: Rng, kind: str, seed: int) -> Callable[[float], Brake]:
-    """A random brake of a kind, as a function of the factor on its gaps.
+    """A random brake whose gaps are not scaled yet: a function from a factor to the brake.
 
-    Each shoe has a random line of force and a random gap.
+    The function returns the brake with all gaps between linings and drum multiplied by the factor.
+    Each shoe of the brake has a random line of force and a random gap.
+
+    kind : one of CORNER_KINDS; seed : seed of the brake, for its title.
     """
     shape = str(rng.choice(CORNER_KINDS[kind].shapes))
     data = (OF_SHAPE | OF_HOLDING)[shape](rng)
@@ -138,24 +150,21 @@ def _draw_scalable_brake(rng: Rng, kind: str, seed: int) -> Callable[[float], Br
     friction = 0.0 if rng.random() < 0.12 else float(f"{rng.uniform(0.01, 0.6):.4g}")
     data |= {"title": f"random {kind} {seed}", "rotation": rotation, "friction": friction}
     data["shoe"] = [_turn_force_randomly(rng, shoe) for shoe in data["shoe"]]
-    gaps = [
-        _draw_gap(rng, shoe, data["drum"]["radius"], CORNER_KINDS[kind].presses)
-        for shoe in data["shoe"]
-    ]
+    radius, presses = data["drum"]["radius"], CORNER_KINDS[kind].presses
+    gaps = [_draw_gap(rng, shoe, radius, presses) for shoe in data["shoe"]]
 
     def brake_with_scaled_gaps(factor: float) -> Brake:
-        """The brake with all gaps of its linings times a factor."""
-        shoes = [
-            shoe | {"lining": shoe["lining"] | gap(factor)}
-            for shoe, gap in zip(data["shoe"], gaps, strict=True)
-        ]
+        """The brake with the gaps of all linings multiplied by a factor."""
+        shoes = []
+        for shoe, gap in zip(data["shoe"], gaps, strict=True):
+            shoes.append(shoe | {"lining": shoe["lining"] | gap(factor)})
         return brake_from(data | {"shoe": shoes})
 
     return brake_with_scaled_gaps
 
 
 def _turn_force_randomly(rng: Rng, shoe: dict[str, Any]) -> dict[str, Any]:
-    """The shoe with its force turned by up to 1 rad, towards the heel or the toe."""
+    """The data of a shoe with the direction of its force turned by a random angle up to +-1 rad."""
     push = shoe["actuation"]
     return shoe | {"actuation": push | {"direction": push["direction"] + rng.uniform(-1.0, 1.0)}}
 
@@ -163,20 +172,21 @@ def _turn_force_randomly(rng: Rng, shoe: dict[str, Any]) -> dict[str, Any]:
 def _draw_gap(
     rng: Rng, shoe: Mapping[str, Any], radius: float, presses: str
 ) -> Callable[[float], Gap]:
-    """The gap of a lining as a function of a factor on its size.
+    """A random gap of a lining that is not scaled yet: a function from a factor to the gap.
 
-    At a factor of 1 the gap is about as large as the compression of the lining.
+    The function returns the gap, multiplied by the factor, as data of a lining. At a factor of 1
+    the gap is about as large as the compression of the lining by the force.
 
     Parameters
     ----------
     rng : numpy.random.Generator
-        What the gap is drawn from.
+        Generator of the random numbers.
     shoe : dict
         Data of the shoe, as in a brake file.
     radius : float
         Radius of the drum [m].
     presses : str
-        As `CornerKind.presses`.
+        The part of the lining that bears the force, as in `CornerKind.presses`.
     """
     lining = shoe["lining"]
     area = radius * (lining["end"] - lining["start"]) * lining["width"]
@@ -191,9 +201,12 @@ def _draw_gap(
 def _draw_gap_to_corner(
     rng: Rng, lining: Mapping[str, Any], radius: float, size: float
 ) -> Callable[[float], Gap]:
-    """A gap that is smallest at one corner of the lining, or at both.
+    """A random gap that is smallest at a corner of the lining, as a function of a factor on it.
 
-    size : size of the gap at a factor of 1 [m].
+    The function returns the data of a lining with a taper, another radius, an even clearance or a
+    table of clearances.
+
+    lining : data of the lining; radius : of the drum [m]; size : of the gap at a factor of 1 [m].
     """
     way, sign = rng.random(), float(rng.choice([-1, 1]))
     if way < 0.4:
@@ -202,14 +215,19 @@ def _draw_gap_to_corner(
         return lambda factor: {"misfit": {"radius": radius + sign * factor * size}}
     if way < 0.6:
         return lambda factor: {"clearance": factor * size}
-    # A table of clearances that grow away from one corner.
+    # In the other cases the gap is a table of clearances that grow from one corner to the other.
     rises = np.cumsum([0.0, *rng.uniform(0.2, 1.0, int(rng.integers(1, 4)))])
     rises = rises[:: int(sign)] / rises.max()
     return lambda factor: {"clearance": _clearance_table(lining, factor * size * rises)}
 
 
 def _draw_gap_to_tip(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
-    """A gap that opens to both sides of one angle."""
+    """A random gap with a tip, as a function of a factor on the gap.
+
+    At the tip the gap is zero; it opens to both sides. The function returns data of a lining.
+
+    lining : data of the lining; size : largest gap at a factor of 1 [m].
+    """
     start, end = lining["start"], lining["end"]
     at = start + rng.uniform(0.1, 0.9) * (end - start)
     left, right = rng.uniform(0.2, 1.0, 2)
@@ -219,13 +237,21 @@ def _draw_gap_to_tip(rng: Rng, lining: Mapping[str, Any], size: float) -> Callab
 
 
 def _draw_gap_of_rows(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
-    """A gap by a table of three to seven random clearances."""
+    """A random gap by a table of three to seven clearances, as a function of a factor on the gap.
+
+    The function returns data of a lining.
+
+    lining : data of the lining; size : largest gap at a factor of 1 [m].
+    """
     rows = rng.uniform(0.0, 1.0, int(rng.integers(3, 8)))
     return lambda factor: {"clearance": _clearance_table(lining, factor * size * rows)}
 
 
 def _clearance_table(lining: Mapping[str, Any], gaps: Floats) -> list[list[float]]:
-    """A table of clearances [m] at even distances along the lining."""
+    """A table of clearances: rows of an angle [rad] and a gap [m].
+
+    lining : data of the lining; gaps : clearances [m] at even distances from its start to its end.
+    """
     angles = np.linspace(lining["start"], lining["end"], len(gaps))
     return np.stack([angles, gaps], axis=1).tolist()
 
@@ -233,20 +259,23 @@ def _clearance_table(lining: Mapping[str, Any], gaps: Floats) -> list[list[float
 def _scale_to_contact_length(
     rng: Rng, drawn: Callable[[float], Brake], presses: str
 ) -> Brake | None:
-    """The brake whose shortest contact has a random length, or None where no factor gives it.
+    """The brake whose gaps are scaled so that its shortest contact has a random length.
 
-    The length of contact falls as the inverse of the gap where the gap is a wedge, and as its
-    inverse root where the gap is curved. The power 0.8 of the correction lies between the two.
+    The result is None where no factor gives this length within LENGTH_TOLERANCE_FACTOR, or where
+    the wrong part of the lining presses. The length of the contact falls as the inverse of the gap
+    if the gap is a wedge, and as the inverse square root if the gap is curved. The power 0.8 by
+    which the factor is corrected lies between both.
 
     Parameters
     ----------
     rng : numpy.random.Generator
-        What the length is drawn from.
+        Generator of the random length.
     drawn : function
-        The brake for a factor on its gap.
+        Returns the brake for a factor on its gaps.
     presses : str
-        As `CornerKind.presses`.
+        The part of the lining that bears the force, as in `CornerKind.presses`.
     """
+    # The wanted length of the contact is uniform in its logarithm; the first factor is 3.
     low, high = SHORT_CONTACT if rng.random() < SHORT_SHARE else LONG_CONTACT
     wanted, factor = math.exp(rng.uniform(math.log(low), math.log(high))), 3.0
     for _ in range(MOST_SCALINGS):
@@ -263,21 +292,30 @@ def _scale_to_contact_length(
 
 
 def _solve_first_levels(brake: Brake) -> Response:
-    """The response on the first FEW_LEVELS levels of a solve. Raises NoAnswer."""
+    """The response of a brake on the last of the first FEW_LEVELS levels of a solve.
+
+    Raises NoAnswer where a level has no answer.
+    """
     *_, last = islice(solved_levels(brake, solve_prepared_model), FEW_LEVELS)
     return last.response
 
 
 def _contact_length(shoe: ShoeResponse) -> float:
-    """Length of all contact of a shoe [rad]."""
+    """The sum of the lengths of all contact arcs of a shoe [rad]."""
     return math.fsum(end - start for start, end in shoe.contact_arcs)
 
 
 def _does_press_as_drawn(brake: Brake, found: Response, presses: str) -> bool:
-    """Whether all shoes press, also with more friction, and one of them where its kind says."""
+    """Whether all shoes press, and at least one with the part of its lining that was drawn.
+
+    The shoes must press with MORE_FRICTION times the friction as well.
+
+    found : response of the brake; presses : part of the lining, as in `CornerKind.presses`.
+    """
     more = solve(vary(brake, {"friction": MORE_FRICTION * brake.friction}), elements=16)
     if not all(shoe.contact_arcs for shoe in (*found.shoes, *more.shoes)):
         return False
+    # At least one shoe must press with its corner or under its tip, as its kind says.
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
     corner = any(touches_corner(shoe, response) for shoe, response in pairs)
     tip = any(touches_tip(shoe, response) for shoe, response in pairs)
@@ -286,6 +324,7 @@ def _does_press_as_drawn(brake: Brake, found: Response, presses: str) -> bool:
 
 def touches_corner(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether the contact of a shoe reaches an end of its lining."""
+    # Distances of all ends of contact arcs from both ends of the lining.
     ends = np.array(found.contact_arcs).ravel()
     corners = np.array([shoe.lining.start, shoe.lining.end])
     distances = np.abs(ends[:, None] - corners)
@@ -293,7 +332,7 @@ def touches_corner(shoe: Shoe, found: ShoeResponse) -> bool:
 
 
 def touches_tip(shoe: Shoe, found: ShoeResponse) -> bool:
-    """Whether a tip of the gap lies within the contact of a shoe."""
+    """Whether a tip of the shoe's gap lies inside one of its contact arcs."""
     for angle, _ in clearance.tips(shoe.lining):
         if any(start < angle < end for start, end in found.contact_arcs):
             return True

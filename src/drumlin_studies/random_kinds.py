@@ -1,8 +1,9 @@
-"""Random brakes of every way to hold and push shoes, from a seed; and brakes moved and scaled.
+"""Random brakes whose shoes are supported and actuated in every possible way.
 
-A shoe is drawn about the x axis; the brake is then turned and mirrored at random. Linings, bodies
-and forces have the sizes of real brakes: drums of 60 mm to 1.2 m, linings of R/60 to R/8, moduli
-over a decade.
+A seed determines a brake. A shoe is drawn about the x axis; the brake is then turned and mirrored
+at random. Linings, bodies and forces have the sizes of real brakes: drums of radius R = 60 mm to
+1.2 m, linings with thicknesses of R/60 to R/8, moduli from 1e8 to 1e9 Pa. `place_brake` and
+`scale_brake` turn, mirror, shift and scale a given brake.
 """
 
 import math
@@ -21,21 +22,24 @@ from drumlin.laws import law
 from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
 
 HOLDING_ATTEMPTS = 200
-"""Draws for one seed before a generator gives up."""
+"""Number of draws for one seed after which NoAnswer is raised."""
 HOLDING_FRICTION_MARGIN = 1.2
-"""Factor on the friction of a random brake up to which its law and its finite elements must answer.
+"""Factor on the friction of a random brake with which all shoes must press as well.
 
-A brake that locks below this friction is drawn again.
+A brake that locks itself below this friction is drawn again.
 """
 HOLDING_TRIAL_ELEMENTS = 10
-"""Elements along a lining of the mesh that shows whether all shoes press."""
+"""Elements along a lining of the mesh on which a draw is tested for contact of all shoes."""
 Rng = np.random.Generator
+"""The generator from which random numbers are drawn."""
 Draw = Callable[[Rng], dict[str, Any]]
 """A function that draws the data of a brake file, without title and friction."""
 
 
 def draw_brake_of_holding_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> Brake:
-    """The brake of a seed, whose shoes all press up to HOLDING_FRICTION_MARGIN of its friction.
+    """The random brake of a seed and a kind of support and actuation.
+
+    All shoes press, also with HOLDING_FRICTION_MARGIN times the friction of the brake.
 
     Parameters
     ----------
@@ -72,7 +76,7 @@ def draw_brake_of_holding_kind(seed: int, kind: str | None = None, *, rigid: boo
 
 
 def draw_brake_of_kind(seed: int, kind: str) -> Brake:
-    """The brake of a seed and a kind, which is one of SHAPE_KINDS or of HOLDING_KINDS.
+    """The random brake of a seed and a kind, which is one of SHAPE_KINDS or of HOLDING_KINDS.
 
     Raises NoAnswer where the generator of the kind has no brake of the seed.
     """
@@ -82,7 +86,7 @@ def draw_brake_of_kind(seed: int, kind: str) -> Brake:
 
 
 def _check_all_press(brake: Brake) -> None:
-    """Raise NoAnswer unless all shoes press, by the law of the brake and by finite elements."""
+    """Raise NoAnswer unless all shoes touch the drum by the brake's law and by finite elements."""
     by_law = law(brake)
     by_elements = solve(brake, elements=HOLDING_TRIAL_ELEMENTS)
     if not all(shoe.contact_arcs for shoe in (*by_law.shoes, *by_elements.shoes)):
@@ -90,9 +94,9 @@ def _check_all_press(brake: Brake) -> None:
 
 
 def _rigid_brake_data(data: dict[str, Any]) -> dict[str, Any]:
-    """The data of a brake without elastic bodies, clearances and misfits, with thin linings."""
+    """The data of a brake, changed to rigid shoes with thin linings that fit the drum."""
     size = data.get("drum", {"radius": 0.1})["radius"]
-    # The law of a cam asks for linings of one thickness and one material.
+    # All linings get one thickness and one material, as the law of a cam asks for.
     equal = {"thickness": size / 300, "material": data["shoe"][0]["lining"]["material"]}
     fits = {"clearance": 0.0, "misfit": {}}
     shoes = []
@@ -103,21 +107,21 @@ def _rigid_brake_data(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def draw_log_uniform(rng: Rng, low: float, high: float) -> float:
-    """A number between low and high, even on a logarithmic scale, of four digits."""
+    """A random number between low and high, uniform in its logarithm, of four digits."""
     return float(f"{math.exp(rng.uniform(math.log(low), math.log(high))):.4g}")
 
 
 def _drum_brake_data(
     rng: Rng, shoes: Callable[[Rng, float], list[dict[str, Any]]], **more: Any
 ) -> dict[str, Any]:
-    """The data of a drum brake.
+    """The data of a brake with a drum of random radius and a random sense of rotation.
 
     Parameters
     ----------
     rng : numpy.random.Generator
-        What the brake is drawn from.
+        Generator of the random numbers.
     shoes : function
-        Draws the shoes for a drum's radius [m].
+        Draws the data of the shoes for a generator and the radius of the drum [m].
     **more
         Further keys of the brake file.
     """
@@ -127,9 +131,11 @@ def _drum_brake_data(
 
 
 def _draw_lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
-    """A lining about the x axis, on an elastic body in seven of ten cases, else on a rigid shoe.
+    """The data of a random shoe about the x axis, without support and actuation.
 
-    The shoe has neither support nor actuation.
+    Seven of ten shoes have an elastic body, the others are rigid.
+
+    R : radius of the drum [m]; inside : whether the shoe lies inside the drum.
     """
     u = rng.uniform
     half, middle, width = u(0.45, 1.0), u(-0.1, 0.1), R * u(0.2, 0.6)
@@ -160,12 +166,12 @@ def _draw_lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
 def _draw_actuation(
     rng: Rng, shoe: dict[str, Any], R: float, direction: float, at: tuple[float, float]
 ) -> dict[str, Any]:
-    """The actuation of a shoe: a force that compresses its lining by 1e-4 to 3e-3.
+    """The data of a random actuation force, with a strain of the lining of 1e-4 to 3e-3.
 
     Parameters
     ----------
     rng : numpy.random.Generator
-        What the force is drawn from.
+        Generator of the random numbers.
     shoe : dict
         The data of the shoe, with its lining.
     R : float
@@ -173,7 +179,7 @@ def _draw_actuation(
     direction : float
         Direction of the force [rad].
     at : tuple of float
-        Point of the force over the drum's radius.
+        Coordinates x and y of the force's point, over the drum's radius.
     """
     lining = shoe["lining"]
     area = R * (lining["end"] - lining["start"]) * lining["width"]
@@ -182,12 +188,15 @@ def _draw_actuation(
 
 
 def _scaled_point(R: float, x: float, y: float) -> dict[str, float]:
-    """A point whose coordinates are given over the drum's radius."""
+    """The data of the point (R x, R y), for coordinates x and y over the drum's radius R [m]."""
     return {"x": R * x, "y": R * y}
 
 
 def _draw_shoe_on_abutment(rng: Rng, R: float, *, rough: bool) -> dict[str, Any]:
-    """An internal shoe whose foot slides on an abutment, with friction where this is rough."""
+    """The data of a random internal shoe whose foot slides on a flat abutment.
+
+    R : radius of the drum [m]; rough : whether the abutment has friction.
+    """
     u, shoe = rng.uniform, _draw_lining(rng, R)
     face = {"point": _scaled_point(R, u(0.1, 0.4), -u(0.65, 0.85)), "direction": u(-0.3, 0.3)}
     face |= {"friction": round(float(u(0.05, 0.4)), 3)} if rough else {}
@@ -196,14 +205,14 @@ def _draw_shoe_on_abutment(rng: Rng, R: float, *, rough: bool) -> dict[str, Any]
 
 
 def _draw_hinged_shoe(rng: Rng, R: float) -> dict[str, Any]:
-    """An internal shoe on a hinge."""
+    """The data of a random internal shoe on a hinge; R : radius of the drum [m]."""
     u, shoe = rng.uniform, _draw_lining(rng, R)
     push = _draw_actuation(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
     return shoe | {"hinge": _scaled_point(R, u(0.05, 0.3), -u(0.65, 0.85)), "actuation": push}
 
 
 def _draw_pivoted_shoe(rng: Rng, R: float) -> dict[str, Any]:
-    """A shoe on the pivot of a hinged lever."""
+    """The data of a random shoe on the pivot of a hinged lever; R : radius of the drum [m]."""
     u, inside = rng.uniform, bool(rng.random() < 0.3)
     shoe = _draw_lining(rng, R, inside=inside)
     if inside:
@@ -218,7 +227,10 @@ def _draw_pivoted_shoe(rng: Rng, R: float) -> dict[str, Any]:
 
 
 def _draw_guided_shoe(rng: Rng, R: float) -> dict[str, Any]:
-    """A shoe on a guide, pushed nearly along the guide."""
+    """The data of a random shoe that can only move along a guide and is pushed nearly along it.
+
+    R : radius of the drum [m].
+    """
     u, inside = rng.uniform, bool(rng.random() < 0.5)
     shoe = _draw_lining(rng, R, inside=inside)
     guide = (0.0 if inside else math.pi) + u(-0.3, 0.3)
@@ -229,34 +241,41 @@ def _draw_guided_shoe(rng: Rng, R: float) -> dict[str, Any]:
 
 
 def _remove_force(shoe: dict[str, Any]) -> dict[str, Any]:
-    """The shoe with the place and direction of its actuation, without the force."""
+    """The data of a shoe without its actuation force; point and direction of the force stay."""
     actuation = {key: value for key, value in shoe["actuation"].items() if key != "force"}
     return shoe | {"actuation": actuation}
 
 
 def mirror_to_other_side(shoe: dict[str, Any]) -> dict[str, Any]:
-    """The data of a shoe that is drawn here, mirrored to the other side of the drum."""
+    """The data of a shoe of this module after it is mirrored about the y axis of the drum.
+
+    The new shoe is named "second".
+    """
     return _place_shoe_data(shoe | {"name": "second"}, math.pi, mirrored=True)
 
 
 def _draw_cam_brake(rng: Rng) -> dict[str, Any]:
-    """Two shoes that a cam spreads, both on hinges or both on abutments."""
+    """The data of a brake whose two shoes a cam spreads, both on hinges or both on abutments."""
     on_hinges = rng.random() < 0.6
 
     def make(rng: Rng, R: float) -> dict[str, Any]:
+        """The data of one shoe, for the radius R of the drum [m]."""
         if on_hinges:
             return _draw_hinged_shoe(rng, R)
         return _draw_shoe_on_abutment(rng, R, rough=bool(rng.random() < 0.5))
 
     data = _drum_brake_data(rng, lambda rng, R: [make(rng, R), mirror_to_other_side(make(rng, R))])
-    # The cam shares its force between both shoes.
+    # The force of the cam replaces the forces that were drawn for the shoes.
     force = 2 * min(shoe["actuation"]["force"] for shoe in data["shoe"])
     shoes = [_remove_force(shoe) for shoe in data["shoe"]]
     return data | {"shoe": shoes, "actuation": {"force": force}}
 
 
 def _draw_cylinder_brake(rng: Rng) -> dict[str, Any]:
-    """A shoe on a rough abutment and a hinged shoe, spread by a hydraulic cylinder."""
+    """The data of a brake whose two shoes a hydraulic cylinder spreads.
+
+    One shoe slides on an abutment with friction, the other has a hinge.
+    """
     data = _drum_brake_data(
         rng,
         lambda rng, R: [
@@ -264,6 +283,7 @@ def _draw_cylinder_brake(rng: Rng) -> dict[str, Any]:
             mirror_to_other_side(_draw_hinged_shoe(rng, R)),
         ],
     )
+    # The pressure in the cylinder gives both shoes the smaller of the forces that were drawn.
     force = min(shoe["actuation"]["force"] for shoe in data["shoe"])
     bore, efficiency = data["drum"]["radius"] / 5, 0.95
     drive = {
@@ -275,9 +295,11 @@ def _draw_cylinder_brake(rng: Rng) -> dict[str, Any]:
 
 
 def _draw_strut_brake(rng: Rng) -> dict[str, Any]:
-    """A pushed shoe that pushes a hinged shoe through a strut."""
+    """The data of a brake whose first shoe pushes the second, hinged shoe through a strut."""
 
     def shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
+        """The data of both shoes, for the radius R of the drum [m]."""
+        # The actuation that is drawn for the second shoe is removed again: the strut pushes it.
         u, second = rng.uniform, _draw_lining(rng, R)
         second |= {
             "hinge": _scaled_point(R, u(0.05, 0.3), u(0.65, 0.85)),
@@ -293,7 +315,10 @@ def _draw_strut_brake(rng: Rng) -> dict[str, Any]:
 def _draw_elastic_shoe(
     rng: Rng, R: float, makes: Sequence[Callable[[Rng, float], dict[str, Any]]]
 ) -> dict[str, Any]:
-    """A shoe by a random one of the functions `makes`, drawn until it has an elastic body."""
+    """The data of a shoe that is drawn again until it has an elastic body.
+
+    R : radius of the drum [m]; makes : functions that draw a shoe, one of them chosen at random.
+    """
     make = makes[int(rng.integers(len(makes)))]
     while "body" not in (shoe := make(rng, R)):
         pass
@@ -301,12 +326,12 @@ def _draw_elastic_shoe(
 
 
 def _draw_shoe_on_rough_abutment(rng: Rng, R: float) -> dict[str, Any]:
-    """A shoe on a rough abutment."""
+    """The data of a shoe on an abutment with friction; R : radius of the drum [m]."""
     return _draw_shoe_on_abutment(rng, R, rough=True)
 
 
 def _draw_tee_shoe(rng: Rng, R: float) -> dict[str, Any]:
-    """A shoe of T-section: its body is a web under a table."""
+    """The data of a shoe whose body has a T-section, a web under a table; R : drum radius [m]."""
     shoe, u = (
         _draw_elastic_shoe(
             rng,
@@ -326,20 +351,28 @@ def _draw_tee_shoe(rng: Rng, R: float) -> dict[str, Any]:
 
 
 def _draw_gripped_shoe(rng: Rng, R: float) -> dict[str, Any]:
-    """A shoe that is held along a length of its body's back."""
+    """The data of a shoe that is fixed over a length ("grip") of its body's back.
+
+    R : radius of the drum [m].
+    """
     shoe = _draw_elastic_shoe(rng, R, (_draw_hinged_shoe, _draw_pivoted_shoe, _draw_guided_shoe))
     return shoe | {"body": shoe["body"] | {"grip": R * rng.uniform(0.05, 0.4)}}
 
 
 def _draw_chain_of_blocks(rng: Rng) -> dict[str, Any]:
-    """Two to four blocks outside the drum, each linked to the next by a strap."""
+    """The data of a brake with two to four blocks outside the drum.
+
+    A strap links each block to the next one.
+    """
     names = ("first", "second", "third", "fourth")[: int(rng.integers(2, 5))]
 
     def shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
+        """The data of all blocks, for the radius R of the drum [m]; only the first is pushed."""
         strap, angle = rng.uniform(1.05, 1.15), float(rng.uniform(-1.5, -0.5))
         blocks: list[dict[str, Any]] = []
         for name in names:
             block, end = _draw_block_of_chain(rng, R, name, angle, strap)
+            # The first block is pulled at its start by a force along the strap.
             if not blocks:
                 pulled = angle
                 point = strap * math.cos(pulled), strap * math.sin(pulled)
@@ -354,9 +387,22 @@ def _draw_chain_of_blocks(rng: Rng) -> dict[str, Any]:
 def _draw_block_of_chain(
     rng: Rng, R: float, name: str, angle: float, strap: float
 ) -> tuple[dict[str, Any], float]:
-    """A block that begins at an angle [rad], on an abutment at its end; and the angle of its end.
+    """The data of a random block of a chain, and the angle of its end [rad].
 
-    strap : radius of the abutment over the drum's radius.
+    An abutment at its end supports the block.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Generator of the random numbers.
+    R : float
+        Radius of the drum [m].
+    name : str
+        Name of the block.
+    angle : float
+        Angle at which the block begins [rad].
+    strap : float
+        Radius of the strap, on which the abutment lies, over the drum's radius.
     """
     block, half = _draw_lining(rng, R, inside=False), rng.uniform(0.15, 0.35)
     ends = {"start": angle + 0.05, "end": angle + 0.05 + 2 * half}
@@ -372,7 +418,10 @@ def _draw_block_of_chain(
 
 
 def _draw_pad(rng: Rng, support: str) -> dict[str, Any]:
-    """A pad on a plane: on a "hinge", a "pivot", a "guide" or an "abutment"."""
+    """The data of a brake with one random pad, which is a flat shoe on a sliding plane.
+
+    support : "hinge", "pivot", "guide" or "abutment".
+    """
     u = rng.uniform
     length, start = draw_log_uniform(rng, 0.04, 0.3), float(u(-0.3, 0.3))
     middle, width = start + length / 2, length * u(0.2, 0.8)
@@ -394,7 +443,7 @@ def _draw_pad(rng: Rng, support: str) -> dict[str, Any]:
             "end": start + length * u(1.02, 1.1),
             "material": {"E": 2.1e11, "nu": 0.3},
         }
-    # The force acts as far behind the middle as the pin lies before it.
+    # For a hinge or a lever: the force acts as far behind the pad's middle as the pin lies before.
     away, height = length * u(0.8, 1.5), length * u(0.1, 0.5)
     pin, at = {"x": middle - away, "y": height}, {"x": middle + away, "y": height}
     direction = -math.pi / 2
@@ -406,7 +455,7 @@ def _draw_pad(rng: Rng, support: str) -> dict[str, Any]:
     else:
         at = {"x": middle + length * u(-0.1, 0.1), "y": height}
         direction += u(-0.1, 0.1)
-        # The abutment is drawn for a guide as well, so that both supports see the same pads.
+        # The abutment is drawn for a guide as well, so that a seed gives both the same pad.
         abutment = {
             "point": {"x": start - 0.1 * length, "y": length * u(0.05, 0.2)},
             "direction": u(-0.2, 0.2),
@@ -419,15 +468,16 @@ def _draw_pad(rng: Rng, support: str) -> dict[str, Any]:
     force = float(f"{material['E'] * length * width * draw_log_uniform(rng, 1e-4, 3e-3):.4g}")
     shoe["actuation"] = {"force": force, "direction": direction, "point": at}
     compression = force / (material["E"] * length * width) * thickness
-    # Misfits draw from random numbers of their own, so that they change nothing else of a pad.
+    # Misfits have a generator of their own, so that they change no other random number of the pad.
     lining |= _draw_pad_misfit(rng.spawn(1)[0], lining, compression)
     return {"plane": {"sliding": str(rng.choice(["+x", "-x"]))}, "shoe": [shoe]}
 
 
 def _draw_pad_misfit(rng: Rng, lining: dict[str, Any], size: float) -> dict[str, Any]:
-    """Clearance and misfit of a pad; seven of ten pads have none.
+    """The keys `clearance` and `misfit` of a pad's lining; seven of ten pads have none of them.
 
-    size : compression of the lining by the pad's force [m]; the gaps are of this size.
+    lining : data of the lining; size : compression of the lining by the pad's force [m], which is
+    the size of the gaps.
     """
     u, length = rng.uniform, lining["end"] - lining["start"]
     way = int(rng.integers(10))
@@ -464,7 +514,10 @@ HOLDING_KINDS: dict[str, Draw] = {
     "grip": lambda rng: _drum_brake_data(rng, lambda rng, R: [_draw_gripped_shoe(rng, R)]),
     "chain": _draw_chain_of_blocks,
 }
-"""How a brake of each kind is drawn. The order decides which seed draws which kind."""
+"""Function that draws the data of a brake, by the kind of support or actuation.
+
+The order of the kinds decides which seed draws which kind.
+"""
 
 
 def _place_shoe_data(
@@ -492,17 +545,21 @@ def _place_shoe_data(
         return {"x": c * x - s * y + shift, "y": s * x + c * y}
 
     def placed_direction(part: dict[str, Any]) -> dict[str, Any]:
-        """The part with its direction and its point placed."""
+        """The data of a support or actuation with its direction and its point moved likewise."""
         moved = part | {"direction": turn + sign * part["direction"]}
         return moved | ({"point": placed_point(part["point"])} if "point" in part else {})
 
     def placed_end(lining: float) -> float:
-        """The end of a lining after mirroring, turning and shifting."""
-        # On a plane the image is about the y axis: the shoe is mirrored and turned by 180 degrees.
+        """The end of a lining, an angle or a length x, after mirroring, turning and shifting."""
+        # On a plane `mirrored` comes with a turn of 180 degrees: together they mirror about the
+        # y axis.
         return turn + sign * lining if "side" in shoe else c * lining + shift
 
     def placed_ends(part: dict[str, Any]) -> dict[str, Any]:
-        """The part with its two ends placed; a mirror exchanges them."""
+        """The data of a lining or body with start, end, clearances and misfit moved likewise.
+
+        A mirror exchanges start and end.
+        """
         start, end = sorted(placed_end(part[key]) for key in ("start", "end"))
         moved = part | {"start": start, "end": end}
         if isinstance(part.get("clearance"), list | tuple):
@@ -513,6 +570,7 @@ def _place_shoe_data(
             moved["misfit"] = part["misfit"] | {"offset": offset}
         return moved
 
+    # How each part of a shoe is moved: as a point, as a direction with a point, or as an arc.
     moves = {
         "hinge": placed_point,
         "pivot": placed_point,
@@ -534,8 +592,8 @@ def place_brake(
 ) -> Brake:
     """The brake after it is mirrored, turned and shifted, in this order.
 
-    A drum brake is mirrored about the x axis, a brake on a plane about the y axis. The forces of
-    struts and cams stay. Linings with blocks (`misfit.blocks`) are not covered.
+    A drum brake is mirrored about the x axis, a brake on a plane about the y axis. The data of
+    struts and cams stay as they are. Linings with blocks (`misfit.blocks`) are not covered.
 
     Parameters
     ----------
@@ -558,15 +616,16 @@ def place_brake(
 
 
 LENGTH_KEYS = {"x", "y", "radius", "thickness", "width", "grip", "clearance", "diameter", "taper"}
-"""Keys of a brake file whose numbers are lengths."""
+"""Keys of a brake file whose numbers are lengths [m]."""
 FORCE_KEYS = {"force"}
-"""Keys of a brake file whose numbers are forces."""
+"""Keys of a brake file whose numbers are forces [N]."""
 
 
 def scale_brake(brake: Brake, length: float, modulus: float) -> Brake:
-    """The brake with all lengths and all moduli times a factor, at unchanged strains.
+    """The brake with all lengths and all moduli multiplied by factors, at unchanged strains.
 
-    Forces grow with modulus times length squared, torques with modulus times length cubed.
+    Forces are multiplied by `modulus` times `length` squared, torques by `modulus` times `length`
+    cubed.
 
     Parameters
     ----------
@@ -582,13 +641,17 @@ def scale_brake(brake: Brake, length: float, modulus: float) -> Brake:
     along = length if on_plane else 1.0
 
     def scaled_part(value: Any) -> Any:
-        """A part of the brake's data with its lengths, moduli and forces scaled."""
+        """A value of the brake's data in which all lengths, moduli and forces are scaled.
+
+        The value may be a table, a list or a single number or text.
+        """
         if isinstance(value, dict):
             return {key: scaled_value(key, each) for key, each in value.items()}
         return [scaled_part(each) for each in value] if isinstance(value, list | tuple) else value
 
     def scaled_value(key: str, value: Any) -> Any:
-        """The value of a key, scaled as its dimension asks."""
+        """The value of a key, multiplied by the factor that belongs to the key's unit."""
+        # Rows of a table have an angle, on a plane a length, and a clearance or depth.
         if key in {"clearance", "blocks"} and isinstance(value, list | tuple):
             return [[place * along, size * length] for place, size in value]
         if isinstance(value, bool | str) or value is None or not isinstance(value, int | float):

@@ -1,7 +1,9 @@
-"""Which method is enough for an accuracy, and how long the peers take for the same accuracy.
+"""The fastest method for each accuracy, and how long the peers take for the same accuracy.
 
-Enough is the fastest method that keeps a target on a brake. Rows are those of `work_precision` with
-the name of their `brake`. Floors are the uncertainties of the references, by brake.
+A target is the largest allowed relative error of a quantity. For each brake and target the fastest
+method is chosen whose error is below the target. Peers are other finite element programs. The rows
+are those of `work_precision` with the name of the brake under `brake`. The floor of a brake is the
+uncertainty of its reference: no method is said to be more exact.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,41 +15,47 @@ TARGETS = {
     "torque_error": (0.1, 0.05, 0.01, 1e-3, 1e-4),
     "pressure_error": (0.1, 0.05, 0.01, 5e-3, 1e-3, 1e-4),
 }
-"""Relative errors for which a method is recommended, by key of a row."""
+"""Relative errors for which a method is recommended, by the error's key in a row."""
 TARGET_NAMES = {"torque_error": "torque", "pressure_error": "p (L2)"}
-"""Names of these errors in tables."""
+"""Names of the quantities of TARGETS in tables, by the error's key in a row."""
 HALF_PERCENT = 5e-3
-"""Relative error of p at which peers are compared with drumlin on one mesh."""
+"""Relative error of the pressure up to which peers and drumlin are compared on the same mesh."""
 AIMS: Mapping[str, Mapping[float, tuple[float | None, float | None]]] = {
     "GetFEM": {HALF_PERCENT: (20, 100), 1e-3: (25, 100), 1e-4: (50, 100)},
     "CalculiX": {HALF_PERCENT: (1000, None), 1e-3: (1000, None)},
 }
-"""The aims of the project, by peer and relative error of p: time of the peer over that of drumlin.
+"""The aims of the project for the time of a peer over the time of drumlin.
 
-The first number is for a cold solve, the second for a further load case.
+The keys are the peer and the relative error of the pressure. The first number is for a solve from
+the start, the second for a further load case on a prepared model; None stands for no aim.
 """
 
 Row = Mapping[str, Any]
+"""The result of a method on a brake: its errors and times by key."""
 Floors = Mapping[str, float]
+"""Relative uncertainty of a brake's reference, by the error's key in a row."""
 
 
 def rows_of_brake(rows: Iterable[Row], name: str) -> list[Row]:
-    """The rows of one brake."""
+    """The rows of the brake with a name."""
     return [row for row in rows if row["brake"] == name]
 
 
 def rows_to_recommend(rows: Iterable[Row]) -> list[Row]:
-    """The rows among which a method is recommended.
+    """The rows whose methods may be recommended.
 
-    Peers and penalties are left out. A penalty costs at least as much as the exact contact on the
-    same mesh; it is there only for comparison.
+    The rows of peers and of penalty contact are left out. Penalty contact takes at least as long as
+    exact contact on the same mesh and is there only for comparison.
     """
     left_out = {*PEER_FAMILIES, "weak penalty", "pointwise penalty"}
     return [row for row in rows if row["family"] not in left_out]
 
 
 def fastest_rows(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[dict[str, Any]]:
-    """For each brake and target a row with the fastest method that keeps the target."""
+    """A row for each brake and target with the fastest method whose error is below the target.
+
+    rows : rows of all methods and brakes; floors : floors of each brake, by its name.
+    """
     best = []
     for name in floors:
         candidates = rows_to_recommend(rows_of_brake(rows, name))
@@ -61,7 +69,12 @@ def fastest_rows(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[dict
 def _fastest_row_or_reason(
     rows: Sequence[Row], key: str, target: float, floors: Floors
 ) -> dict[str, Any]:
-    """The fastest of some rows on one brake that keeps a target, or why there is no such row."""
+    """The fastest method on a brake whose error is below a target, as a part of a row.
+
+    Without such a method the row has the reason under `family`.
+
+    rows : rows of the brake; key : key of the error; floors : floors of the brake.
+    """
     fit = rows_within_error(rows, key, target, floors)
     if not fit:
         below = target < floors[key]
@@ -71,20 +84,20 @@ def _fastest_row_or_reason(
     best = {name: fastest.get(name) for name in ("family", "method", "seconds", "ratio", "further")}
     best["error"] = fastest[key]
     if fastest["family"] == "law":
-        # Laws are equally fast, so that all that keep the target are named.
+        # All laws take the same time: each law whose error is below the target is named.
         best["method"] = " or ".join(row["model"] for row in fit if row["family"] == "law")
     return best
 
 
 class Cell(NamedTuple):
-    """What to use on a brake for a target.
+    """The method that is recommended on a brake for a target.
 
     Attributes
     ----------
     what : str
         The method in words.
     sort : str
-        "law", "foundation", "elastic" or "none", the class of the cell on the page.
+        "law", "foundation", "elastic" or "none": the CSS class of the cell on the report's page.
     row : mapping
         The row of `fastest_rows`.
     """
@@ -95,18 +108,18 @@ class Cell(NamedTuple):
 
 
 class Matrix(NamedTuple):
-    """What to use for a quantity, by brake and target.
+    """The methods that are recommended for a quantity, for each brake and target.
 
     Attributes
     ----------
     quantity : str
         A value of TARGET_NAMES.
     targets : tuple of float
-        Relative errors.
+        Largest allowed relative errors.
     lines : dict
-        By brake a cell for each target.
+        For the name of each brake a cell for each target.
     by_law : list of int
-        For each target the number of brakes on which a law keeps it.
+        For each target the number of brakes on which the error of a law is below the target.
     """
 
     quantity: str
@@ -116,13 +129,14 @@ class Matrix(NamedTuple):
 
 
 def recommendation_matrices(best: Sequence[Row]) -> list[Matrix]:
-    """`fastest_rows` as a matrix of brake and target for each quantity."""
+    """A matrix of brakes and targets for each quantity, made from the rows of `fastest_rows`."""
     found = []
     for key, targets in TARGETS.items():
         lines: dict[str, list[Cell]] = {}
         for row in best:
             if row["quantity"] == TARGET_NAMES[key]:
                 lines.setdefault(row["brake"], []).append(_matrix_cell(row))
+        # Number of brakes for each target on which a law is recommended.
         by_law = []
         for k in range(len(targets)):
             by_law.append(sum(cells[k].sort == "law" for cells in lines.values()))
@@ -131,7 +145,7 @@ def recommendation_matrices(best: Sequence[Row]) -> list[Matrix]:
 
 
 def _matrix_cell(row: Row) -> Cell:
-    """The cell of the matrix for a row of `fastest_rows`."""
+    """The cell of a `Matrix` with the recommended method in a row of `fastest_rows`."""
     family, method = row["family"], row.get("method")
     if method is None:
         return Cell(family, "none", row)
@@ -143,7 +157,12 @@ def _matrix_cell(row: Row) -> Cell:
 def fastest_seconds(
     rows: Sequence[Row], floors: Mapping[str, Floors], target: float
 ) -> list[float]:
-    """Times [s] of the fastest method with at most an error of p, on each brake that has one."""
+    """Times [s] of the fastest method on each brake whose error of the pressure is below a target.
+
+    Brakes without such a method are left out.
+
+    rows : rows of all methods and brakes; floors : floors of each brake; target : relative error.
+    """
     seconds = []
     for name, known in floors.items():
         fastest = _fastest_within_error(rows_to_recommend(rows_of_brake(rows, name)), target, known)
@@ -153,16 +172,17 @@ def fastest_seconds(
 
 
 class PeerTimes(NamedTuple):
-    """The times of a peer and of drumlin on one brake, for an error of p.
+    """The times of a peer and of drumlin on one brake, for an error of the pressure.
 
     Attributes
     ----------
     peer : str
         Name of the peer.
     target : float
-        Relative error of p.
+        Largest allowed relative error of the pressure.
     best, own : mapping or None
-        Rows of the fastest solves of the peer and of drumlin that keep the target.
+        Rows of the fastest solve of the peer (best) and of drumlin (own) with an error below the
+        target; None where there is no such solve.
     aims : tuple of two
         Time of the peer over that of drumlin that the project aims at, as in AIMS.
     """
@@ -175,19 +195,20 @@ class PeerTimes(NamedTuple):
 
 
 class AgainstPeers(NamedTuple):
-    """How long the peers take on one brake.
+    """The comparison of drumlin with the peers on one brake.
 
     Attributes
     ----------
     brake : str
         Name of the brake.
     times : list of PeerTimes
-        The times for each peer and error.
+        The times for each peer and each error of the pressure.
     alike : list of pairs
-        Rows of a peer and of drumlin on the same mesh, with an error of p within HALF_PERCENT.
+        Pairs of rows of a peer and of drumlin on the same mesh, where the peer's error of the
+        pressure is at most HALF_PERCENT.
     even : pair or None
-        The finest row of a peer on a uniform mesh, and the fastest row of drumlin within
-        HALF_PERCENT.
+        The row of a peer on the finest uniform mesh, and the fastest row of drumlin with an error
+        of the pressure of at most HALF_PERCENT.
     """
 
     brake: str
@@ -197,17 +218,25 @@ class AgainstPeers(NamedTuple):
 
 
 def compare_with_peers(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[AgainstPeers]:
-    """The peers on each brake on which some were tried."""
+    """The comparison of drumlin with the peers for each brake that a peer has solved.
+
+    rows : rows of all methods and brakes; floors : floors of each brake, by its name.
+    """
     names = dict.fromkeys(row["brake"] for row in rows if row["family"] in PEER_FAMILIES)
-    return [
-        _compare_with_peers_on_brake(name, rows_of_brake(rows, name), floors[name])
-        for name in names
-    ]
+    comparisons = []
+    for name in names:
+        own = rows_of_brake(rows, name)
+        comparisons.append(_compare_with_peers_on_brake(name, own, floors[name]))
+    return comparisons
 
 
 def _compare_with_peers_on_brake(name: str, rows: Sequence[Row], floors: Floors) -> AgainstPeers:
-    """Times of the peers on one brake, and of drumlin on the same meshes."""
+    """The comparison of drumlin with the peers, other finite element programs, on one brake.
+
+    name : name of the brake; rows : rows of the brake; floors : floors of the brake.
+    """
     own = rows_to_recommend(rows)
+    # The fastest solve of each peer and of drumlin for each error; uniform meshes are left out.
     times = []
     for peer, aims in AIMS.items():
         theirs = [row for row in rows if row["family"] == peer and not row.get("even")]
@@ -216,6 +245,7 @@ def _compare_with_peers_on_brake(name: str, rows: Sequence[Row], floors: Floors)
             times.append(
                 PeerTimes(peer, target, best, _fastest_within_error(own, target, floors), aim)
             )
+    # The finest solve of a peer on a uniform mesh stands beside the fastest solve of drumlin.
     of_peers = [row for row in rows if row["family"] in PEER_FAMILIES]
     of_peers = [row for row in of_peers if row["status"] == "converged"]
     even = [row for row in of_peers if row.get("even")]
@@ -226,7 +256,11 @@ def _compare_with_peers_on_brake(name: str, rows: Sequence[Row], floors: Floors)
 
 
 def _pairs_on_same_mesh(of_peers: Sequence[Row], own: Sequence[Row]) -> list[tuple[Row, Row]]:
-    """Rows of peers within HALF_PERCENT, each with the row of drumlin on the same graded mesh."""
+    """Pairs of a peer's row and of drumlin's row on the same graded mesh.
+
+    Rows of peers with an error of the pressure above HALF_PERCENT are left out.
+    """
+    # Rows of drumlin on graded meshes, by kind and number of elements.
     meshes = {(row["kind"], row["elements"]): row for row in own if row["family"] == "graded mesh"}
     pairs = []
     for row in of_peers:
@@ -238,5 +272,5 @@ def _pairs_on_same_mesh(of_peers: Sequence[Row], own: Sequence[Row]) -> list[tup
 
 
 def _fastest_within_error(rows: Sequence[Row], target: float, floors: Floors) -> Row | None:
-    """The row that keeps an error of p in the shortest time, or None."""
+    """The row of the fastest solve with an error of the pressure below a target, or None."""
     return next(iter(rows_within_error(rows, "pressure_error", target, floors)), None)

@@ -1,18 +1,20 @@
-"""Sketches of brakes: linings on coarse meshes, shoes and ring in closed form.
+"""Surrogates: coarse models of brakes, with linings on coarse meshes, shoes and ring as formulas.
 
-A sketch is a prepared model like any other. Shoe and ring only add flexibility to the contact nodes
-of their lining. The difference of two sketches predicts the change by an omission: see `omission`.
+A surrogate is solved like any other prepared model. The flexibilities of shoe and drum ring are
+added to that of the lining's contact nodes. The difference of two surrogates predicts the change by
+an omission: see `omission`.
 
-Shoe: a bar in which each section carries the forces of the contact and of the actuation beyond it
-(Timoshenko, Strength of Materials II). With bending moment m, normal force n and shear force v of
-unit loads the flexibility is
+The shoe is a bar. Each of its sections carries the contact forces and the actuation force that act
+on the shoe beyond the section, seen from the hinge (Timoshenko, Strength of Materials II). Two unit
+loads i and j cause the bending moments m, normal forces n and shear forces v. The flexibility is
 
     F_ij = Int (m_i m_j/EI + n_i n_j/EA + kappa v_i v_j/GA) ds.
 
-Ring: plane stress as a Fourier series around the drum, u_r = U(r) cos k theta and u_theta = V(r)
-sin k theta, with polynomials of degree RING_DEGREE through the thickness. It holds for both
-supports and for thick and thin rings. A wave much shorter than the thickness deforms the ring like
-a half-plane, to 1 % (Johnson, Contact Mechanics, section 13.2).
+The ring is in plane stress. Its displacements are a Fourier series around the drum with the terms
+u_r = U(r) cos k theta and u_theta = V(r) sin k theta. U and V are polynomials of degree RING_DEGREE
+through the thickness. The series holds for a fixed and for a free rim, for thick and for thin
+rings. A wave much shorter than the thickness deforms the ring like a half-plane, to 1 % (Johnson,
+Contact Mechanics, section 13.2).
 """
 
 import math
@@ -39,41 +41,56 @@ from drumlin.fem.substructure.interface import edge_quadrature_points
 from drumlin.fem.substructure.ring import RingSubstructure
 
 SKETCH_ELEMENTS = 24
-"""Default number of elements along a lining. The predicted change is then right within a factor of
-two.
+"""Default number of elements along a lining of a surrogate.
+
+With it a predicted change is right within a factor of two.
 """
 SKETCH_SECTIONS = 4 * SKETCH_ELEMENTS
-"""Sections of a shoe: several for each contact element, as a shoe is longer than its lining.
+"""Number of sections into which the bar of a shoe is divided.
 
-No test of the predictions notices half of them.
+There are several sections for each element of the lining, because a shoe is longer than its lining.
+With half of the sections no test of the predictions would fail.
 """
 CONTACT_WAVES = 8
-"""Waves of the ring along the shortest contact. A contact pressure has few shorter waves."""
+"""Number of waves of the ring's Fourier series along the shortest contact.
+
+Shorter waves take little part in a contact pressure.
+"""
 LEAST_RING_MODES = 3 * SKETCH_ELEMENTS
-"""Smallest number of modes of the ring: the number that the nodes of a lining over a third of the
-drum resolve.
+"""Smallest number of modes (waves around the drum) of the ring's Fourier series.
+
+The nodes of a lining that covers a third of the drum resolve this number of modes.
 """
 MOST_RING_MODES = 4000
-"""Number of modes of the ring above which a sketch is refused."""
+"""Largest number of modes of the ring. A brake whose surrogate needs more is refused."""
 RING_DEGREE = 6
-"""Degree of a ring's displacement through its thickness. A higher degree changes no used digit."""
+"""Degree of the polynomials for the displacement through the thickness of the ring.
+
+A higher degree changes no digit that is used.
+"""
 HALF_PLANE_WAVE = 7.0
-"""Thickness of a ring over R/k [rad] above which wave k deforms it like a half-plane, to 1 %."""
+"""Value of k h/R above which wave k deforms a ring of thickness h like a half-plane, to 1 %."""
 RIGID_FACTOR = 1e5
-"""Factor on the modulus of a straight beam that is meshed as rigid."""
+"""Factor on the modulus of a straight beam, after which its mesh counts as rigid."""
 SECTION_SHEAR_FACTOR = 6 / 5
 """Shear coefficient kappa of a rectangular section."""
 
 
 def surrogate_maker(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], PreparedModel]:
-    """A function that prepares the sketch of a brake. It meshes equal linings once.
+    """A function that returns the surrogate of a brake, a coarse model that is solved quickly.
 
-    The function raises BadInput for a brake that finite elements do not cover.
+    The function keeps its meshes: brakes that differ only in shoes and ring share one mesh of the
+    linings. It raises BadInput for a brake that finite elements do not cover.
+
+    elements : number of elements along each lining.
     """
     meshed: dict[Brake, PreparedModel] = {}
 
     def prepare_surrogate(brake: Brake) -> PreparedModel:
-        """The surrogate of a brake; the rigid-shoe model of equal linings is meshed once."""
+        """The surrogate of a brake: a coarse prepared model with shoes and ring as formulas.
+
+        The linings are meshed once for all brakes with the same linings.
+        """
         reason = (
             reason_why_not_modelled(brake)
             or isotropic_only(brake, "a sketch")
@@ -84,15 +101,14 @@ def surrogate_maker(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], Prepar
         bare = _rigid_brake(brake)
         if bare not in meshed:
             meshed[bare] = prepare(bare, elements=elements, kind=DEFAULT_KIND)
-        return _with_closed_forms(
-            meshed[bare], brake, min(end - start for start, end in (s.arc for s in brake.shoes))
-        )
+        shortest_arc = min(shoe.arc[1] - shoe.arc[0] for shoe in brake.shoes)
+        return _with_closed_forms(meshed[bare], brake, shortest_arc)
 
     return prepare_surrogate
 
 
 def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> PreparedModel:
-    """The prepared model of rigid shoes with the flexibilities of the elastic brake added.
+    """The prepared model of rigid shoes, to which the flexibilities of shoes and ring are added.
 
     Parameters
     ----------
@@ -127,13 +143,14 @@ def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> P
 
 
 def _rigid_brake(brake: Brake) -> Brake:
-    """The brake without ring and with rigid shoes.
+    """The brake with a rigid drum and rigid shoes.
 
-    A straight beam stays, because the block of a post begins at the beam, and becomes stiff.
+    A straight beam stays, because the block of a post begins at the beam. Its modulus is multiplied
+    by RIGID_FACTOR.
     """
 
     def rigid_shoe(shoe: Shoe) -> Shoe:
-        """The shoe without an elastic body."""
+        """The shoe without its elastic body, or with a stiff straight beam."""
         if not isinstance(shoe.body, Beam):
             return shoe.model_copy(update={"body": None}) if shoe.mesh is None else shoe
         section = shoe.body.section
@@ -152,9 +169,9 @@ def _rigid_brake(brake: Brake) -> Brake:
 
 
 def _add_shoe_flexibility(body: ShoeSubstructure, shoe: Shoe, radius: float) -> ShoeSubstructure:
-    """The body of a rigid shoe with the flexibility of the shoe added.
+    """The condensed body of a rigid shoe, to which the flexibility of the elastic shoe is added.
 
-    radius : radius of the drum [m].
+    body : condensed lining on the rigid shoe; shoe : the elastic shoe; radius : of the drum [m].
     """
     bar, coupling = _shoe_as_bar(shoe, radius), body.coupling
     nodal = bar.half(body.line.xy)
@@ -173,21 +190,22 @@ def _add_shoe_flexibility(body: ShoeSubstructure, shoe: Shoe, radius: float) -> 
 
 
 class _Bar(NamedTuple):
-    """The sections of a shoe along its axis, in the frame of the shoe.
+    """A shoe as a bar of m sections along its axis, in the coordinates of the shoe.
 
     Attributes
     ----------
     at : array (m, 2)
-        Points of the axis [m].
+        Points of the axis in the middle of the sections [m].
     tangent : array (m, 2)
-        Unit tangents, away from the hinge.
+        Unit tangents of the axis, away from the hinge.
     along : array (m,)
-        Distance of each section from the hinged end: an angle [rad] on an arc, a length [m] on a
-        beam.
+        Distance of each section from the hinged end of the bar: an angle [rad] on an arc, a length
+        [m] on a straight beam.
     foot : array
-        Where the distance is zero: an angle (1,) on an arc, a point (2,) on a beam.
+        The hinged end of the bar, from which `along` is measured: an angle (1,) [rad] on an arc, a
+        point (2,) [m] on a straight beam.
     bending, stretching, shearing : array (m,)
-        Square roots of ds/EI, ds/EA and kappa ds/GA.
+        Square roots of ds/EI, ds/EA and kappa ds/GA for sections of length ds.
     round : bool
         Whether the axis is an arc.
     """
@@ -202,14 +220,18 @@ class _Bar(NamedTuple):
     round: bool
 
     def half(self, xy: Floats, beyond: Floats | None = None) -> Floats:
-        """Square root S (3 m, 2 n) of the flexibility S^T S of forces along x and y at n points.
+        """The square root S of the bar's flexibility S^T S under forces at n points.
+
+        S has the shape (3 m, 2 n): for each of the m sections bending, stretching and shearing, for
+        each point forces along x and along y.
 
         Parameters
         ----------
         xy : array (2, n)
             The points [m].
         beyond : array (m, n), optional
-            1 where a point lies beyond a section, so that the section carries its force.
+            1 where a point lies beyond a section, seen from the hinge, so that the section carries
+            the force; 0 elsewhere. By default it follows from the points.
         """
         if beyond is None:
             if self.round:  # place: angle from the shoe's hinged end
@@ -224,8 +246,11 @@ class _Bar(NamedTuple):
         shear = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
 
         def weighted_rows(part: Floats, root: Floats) -> Floats:
-            """A part of the square root of the flexibility, times a root of its compliance."""
-            # Only the sections between a force and the hinge carry the force.
+            """Rows of S from a section force per unit load (m, n, 2) and `root` (m,).
+
+            part : moment, normal or shear force; root : square root of the section's compliance.
+            """
+            # Only the sections between the point of a force and the hinge carry the force.
             scaled = part * (beyond * root[:, None])[..., None]
             return np.asarray(scaled.reshape(len(root), -1))
 
@@ -235,7 +260,12 @@ class _Bar(NamedTuple):
 
 
 def _shoe_as_bar(shoe: Shoe, radius: float) -> _Bar:
-    """The bar of a shoe. An arc bends as one section with the backing and the lining on it."""
+    """The bar that stands for the elastic body of a shoe.
+
+    Where an arc carries lining and backing, these bend with it as one bonded section.
+
+    radius : radius of the drum [m].
+    """
     body = shoe.body
     assert body is not None
     plates = list(body.plates.values())[::-1]
@@ -275,29 +305,31 @@ def _shoe_as_bar(shoe: Shoe, radius: float) -> _Bar:
 
 
 def _layer_of_bar(shoe: Shoe, layer: Lining | Backing) -> Section:
-    """A layer of the shoe's body as a section of the bar, as wide as the lining."""
+    """The lining or backing of a shoe as a layer of the bar's section, as wide as the lining."""
     return Section(layer.thickness, shoe.lining.width, layer.material)
 
 
 def _ring_flexibility_roots(
     brake: Brake, ring: Ring, bodies: tuple[ShoeSubstructure, ...], count: int
 ) -> RingSubstructure:
-    """The ring under the linings of all shoes, as square roots (2 count + 2, n) of its flexibility.
+    """The elastic drum ring of a surrogate: the square roots of its flexibility under each lining.
+
+    A square root has the shape (2 count + 2, n) for the n contact nodes of a lining.
 
     Parameters
     ----------
     brake, ring : Brake, Ring
-        The brake and its ring.
-    bodies : tuple of body
-        The body of each shoe, with its contact line.
+        The brake and its drum ring.
+    bodies : tuple of ShoeSubstructure
+        The condensed body of each shoe, with its contact line.
     count : int
-        Number of modes of the ring.
+        Largest order k of the modes cos k theta and sin k theta of the ring.
     """
     sign, radius, section = brake.shoes[0].sign, brake.size, ring.section
     assert section is not None
     k = np.arange(count + 1)
     radial, shear = ring_mode_compliances(ring, radius, sign, k)
-    # Fourier coefficients of a traction on a ring of this width, for each mode.
+    # Factors that turn the integrals of a nodal pressure over the waves into Fourier coefficients.
     share = np.where(k == 0, 0.5, 1.0) / (math.pi * radius * section.width)
     root = np.sqrt(share * radial)
     turned = np.where(k == 0, 0.0, sign * share * shear / root)
@@ -320,15 +352,16 @@ def _ring_flexibility_roots(
 
 
 def _wave_integrals(body: ShoeSubstructure, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
-    """Integrals b Int psi_i cos k theta ds and b Int psi_i sin k theta ds: arrays (modes, n) [m^2].
+    """Integrals b Int psi_i cos k theta ds and b Int psi_i sin k theta ds over a lining [m^2].
 
-    psi_i are the shape functions of the contact nodes, theta is the angle of the brake.
+    Both are arrays (modes, n). b is the width of the lining, psi_i are the shape functions of its n
+    contact nodes, theta is the angle around the brake, k are the orders of the modes.
     """
     line = body.line
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces])
     wave = np.exp(1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of(x, 1.0)))
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
-    # No node occurs twice in one row of the pieces, so that += adds each contribution.
+    # A row of the pieces has each node at most once; indexed += would add repeated nodes only once.
     for value, nodes in zip(psi, line.pieces, strict=True):
         found[:, nodes] += shoe.lining.width * (wave * (value * ds)).sum(axis=2)
     return found.real, found.imag
@@ -337,11 +370,11 @@ def _wave_integrals(body: ShoeSubstructure, shoe: Shoe, k: Ints) -> tuple[Floats
 def ring_mode_compliances(
     ring: Ring, radius: float, sign: int, modes: Ints
 ) -> tuple[Floats, Floats]:
-    """Radial displacement [m/Pa] of the friction surface under two tractions, for each mode.
+    """Radial displacements of a ring's friction surface under two tractions, for each mode.
 
-    The first (m,) is for the radial traction cos k theta, the second (m,) for the traction
-    sin k theta around the drum. A free rim is held by a force that is spread over it like its
-    rigid-body motion, so that its mean motion is zero.
+    Both results are arrays (m,) [m/Pa]. The first is for the radial traction cos k theta, the
+    second for the traction sin k theta around the drum. A free rim is supported by a force that is
+    distributed over the rim like its rigid-body motion, so that its mean motion is zero.
 
     Parameters
     ----------
@@ -352,18 +385,20 @@ def ring_mode_compliances(
     sign : int
         1 where the ring lies outside the friction surface, -1 inside.
     modes : array of int (m,)
-        Growing orders k.
+        Orders k of the modes, in growing order.
     """
     section = ring.section
     assert section is not None
     assert isinstance(section.material, Material)
     E, nu = section.material.E, section.material.nu
+    # Modes with waves much shorter than the thickness follow from the formulas of a half-plane.
     long = modes * section.thickness <= HALF_PLANE_WAVE * radius
     if not long.all():
         over = radius / (E * modes[~long])
         found = ring_mode_compliances(ring, radius, sign, modes[long])
         return np.append(found[0], 2 * over), np.append(found[1], (1 - nu) * over)
-    # Lagrange polynomials on Chebyshev points, as sums of Legendre polynomials.
+    # Shape functions through the thickness and their derivatives at the Gauss points: Lagrange
+    # polynomials on Chebyshev points, written as sums of Legendre polynomials.
     x = -np.cos(math.pi * np.arange(RING_DEGREE + 1) / RING_DEGREE)
     V = np.linalg.inv(np.polynomial.legendre.legvander(x, RING_DEGREE))
     xi, w = np.polynomial.legendre.leggauss(RING_DEGREE + 2)
@@ -376,14 +411,15 @@ def ring_mode_compliances(
     d, over = derivative / half, psi / r[:, None]
     zero = np.zeros_like(psi)
     n = modes[:, None, None]
-    # Strains (m, q, 2 nodes) of unit displacements: radial, around the drum, and shear.
+    # Strains (m, q, 2 nodes) at q Gauss points under unit nodal displacements: radial strain,
+    # strain around the drum, and shear strain.
     e_r = np.broadcast_to(np.hstack([d, zero]), (len(modes), len(xi), 2 * (RING_DEGREE + 1)))
     e_t = np.concatenate([over + 0 * n, n * over], axis=2)
     g = np.concatenate([-n * over, d - over + 0 * n], axis=2)
     weight = (w * abs(half) * r)[:, None] * E / (1 - nu**2)
 
     def weighted_product(a: Floats, b: Floats) -> Floats:
-        """Integrals over the section of the products of two fields, for each mode."""
+        """Integrals through the thickness of the products of two strains, for each mode."""
         return np.asarray(a.transpose(0, 2, 1) @ (weight * b))
 
     K = (
@@ -391,6 +427,8 @@ def ring_mode_compliances(
         + weighted_product(e_t, e_t + nu * e_r)
         + (1 - nu) / 2 * weighted_product(g, g)
     )
+    # Constraints at the rim: a fixed rim does not move; of a free rim the rigid-body modes k = 0
+    # (rotation) and k = 1 (translation) are suppressed.
     size, rim = RING_DEGREE + 1, RING_DEGREE
     hold = np.zeros((len(modes), 2 * size, 2))
     if ring.support == "fixed":
@@ -398,13 +436,13 @@ def ring_mode_compliances(
     else:
         hold[modes == 0, size + rim, 0] = 1.0
         hold[modes == 1, rim, 0], hold[modes == 1, size + rim, 0] = 1.0, -1.0
-    # The constraints are appended to the equations, scaled to the size of the stiffness.
+    # The constraints become further equations, scaled to the size of the stiffness matrix.
     scale = np.abs(K).max()
     bordered = np.zeros((len(modes), 2 * size + 2, 2 * size + 2))
     bordered[:, : 2 * size, : 2 * size] = K
     bordered[:, : 2 * size, 2 * size :] = scale * hold
     bordered[:, 2 * size :, : 2 * size] = scale * hold.transpose(0, 2, 1)
-    # A constraint that a mode does not have gets a unit equation of its own.
+    # A mode without a constraint gets an equation in its place that keeps the system regular.
     for j in range(2):
         bordered[:, 2 * size + j, 2 * size + j] = np.where(hold[:, :, j].any(axis=1), 0.0, scale)
     load = np.zeros((len(modes), 2 * size + 2, 2))

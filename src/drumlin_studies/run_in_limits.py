@@ -1,9 +1,10 @@
-"""Rows on running in: whether brakes end at their rigid-shoe law, and how exact the wear is.
+"""Table rows on running in, the wear of new linings until their pressure no longer changes.
 
-The tables are of brakes that run in from new (`brake_row`, `ratio_row`), of steps of half the size
-(`half_row`), of exponents of the pressure (`exponent_row`), of a drum that turns both ways
-(`run_with_reversals`), and of implicit against explicit steps (`step_rows`). Distances are in units
-of 1/(k K), with the stiffness K = E/t of the lining and the wear coefficient k.
+The rows show whether brakes end at the law of their rigid shoes, and how exact the computed wear
+is. They treat brakes that run in from new (`brake_row`, `ratio_row`), wear in steps of half the
+size (`half_row`), wear laws with exponents of the pressure (`exponent_row`), a drum that turns both
+ways (`run_with_reversals`), and implicit against explicit steps (`step_rows`). Sliding distances
+are in units of 1/(k K), with the stiffness K = E/t of the lining and the wear coefficient k.
 """
 
 import math
@@ -56,31 +57,33 @@ from drumlin.lining_wear.run_in import (
 from drumlin.response.norms import relative
 
 ARCHARD = WearLaw(COEFFICIENT)
-"""Archard's law, by which all brakes wear unless an exponent is given."""
+"""Archard's law with wear proportional to pressure and distance; all brakes of this module wear by
+it unless an exponent is given."""
 SPENT_WITHIN = 0.01
-"""Relative difference from the law above which a brake counts as "away from the law"."""
+"""Relative difference of pressure or torque from the law up to which a brake counts as run in."""
 AT_LAW = "at the law"
-"""Status of a brake that ends at its law."""
+"""Status of a brake whose pressure and torque end at its rigid-shoe law."""
 PRESSURE_AT_LAW, TORQUE_AT_LAW = 0.01, 0.001
-"""Largest relative differences of pressure and torque from the law after running in."""
+"""Largest relative differences of pressure and of torque from the rigid-shoe law with which a
+worn-in brake counts as "at the law"."""
 
 
 @dataclass(frozen=True)
 class Run:
-    """A brake that has run in.
+    """The wear of a brake from new linings until the pressure no longer changes.
 
     Attributes
     ----------
     name : str
-        Name of the brake and the model.
+        Name of the brake and of the model.
     setup : WearSetup
-        Its linings.
+        The linings, with the equations of their contact.
     states : list of WearState
-        The states on the way.
-    goal : Target
-        The limit of the wear.
+        Wear and pressure at growing sliding distances.
+    goal : WearTarget
+        The pressure and the torque of the rigid-shoe law, to which the wear tends.
     unit : float
-        The distance 1/(k K) [m].
+        The sliding distance 1/(k K) [m].
     """
 
     name: str
@@ -90,29 +93,45 @@ class Run:
     unit: float
 
     def distances(self) -> list[float]:
-        """The sliding distances of the states [1/(k K)]."""
+        """The sliding distances of the states, in units of 1/(k K)."""
         return [state.s / self.unit for state in self.states]
 
     def ripple(self, state: WearState) -> float:
-        """Checkerboard of the pressure, the largest of all linings."""
+        """The largest amplitude on any lining by which the pressure alternates from node to node.
+
+        The amplitude is relative to the pressure of the lining in the state.
+        """
         return max(
             checkerboard_amplitude(surface.along(state.pressure)) for surface in self.setup.surfaces
         )
 
 
 def run_until_settled(name: str, setup: WearSetup, law: WearLaw = ARCHARD, **options: Any) -> Run:
-    """The run of a setup until wear has settled; options as of `run_in`."""
+    """The run of a brake until the pressure of its linings no longer changes.
+
+    Parameters
+    ----------
+    name : str
+        Name of the brake and of the model.
+    setup : WearSetup
+        The new linings.
+    law : WearLaw
+        The law of wear.
+    **options
+        Further arguments of `run_in`.
+    """
     states = run_in(setup, law, **options)
     goal = rigid_law_target(setup, law, options.get("torque"))
     return Run(name, setup, states, goal, unit_sliding_distance(setup, law))
 
 
 def wearing_models_of(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
-    """The ways to run in a brake, and why finite elements cannot (None where they can).
+    """The models by which a brake can run in, and the reason why finite elements cannot.
 
-    A way is a suffix to the brake's name, a model and a brake. A single shoe also runs in with the
-    opposite rotation; of two shoes one already shows what the other does in the opposite rotation.
-    Rigid external shoes also run in on a guide.
+    Each model comes as a suffix to the brake's name, the name of the model, and the brake. The
+    reason is None where finite elements can run in the brake. A brake with a single shoe also runs
+    in with the opposite rotation. With two shoes this is not needed: in one rotation the one shoe
+    leads and the other trails. Rigid external shoes also run in on a guide.
     """
     found, reason = list[tuple[str, str, Brake]](), reason_why_not_modelled(brake)
     if reason is None:
@@ -133,7 +152,10 @@ def reversed_brake(brake: Brake) -> Brake:
 
 
 def wear_setup_by_model(model: str, brake: Brake, elements: int) -> WearSetup:
-    """The setup of a brake by one of the models of `wearing_models_of`."""
+    """The linings of a brake before wear, by one of the models of `wearing_models_of`.
+
+    elements : number of elements along each lining, for models by finite elements.
+    """
     if model.startswith("foundation"):
         return foundation_wear_setup(brake, lift=("all",) if "lifted" in model else ())
     own = put_shoes_on_guides(brake) if model == "guided" else brake
@@ -141,19 +163,25 @@ def wear_setup_by_model(model: str, brake: Brake, elements: int) -> WearSetup:
 
 
 def law_and_torque_of_model(model: str, brake: Brake) -> tuple[str, float]:
-    """The form of the pressure that a model tends to, and the torque [N m] of the brake's law."""
+    """The form of the pressure to which the wear of a model tends, and the law's torque [N m].
+
+    The form is a formula in words, for example "sin" for p ~ sin(phi) with the angle phi from the
+    hinge. model : one of the models of `wearing_models_of`.
+    """
     if model == "guided":
         return "cos", hinged.guided_torque(brake)
     if model == "fem" and brake.unhinged():
         return "A cos + B sin", law(brake).torque
-    # In the published foundation model sections do not tilt.
+    # In the published foundation model the beam's sections do not tilt, which leads to "x cos".
     return "x cos" if model == "foundation" else "sin", hinged.sine(brake).torque
 
 
 def brake_row(
     name: str, model: str, brake: Brake, elements: int
 ) -> tuple[dict[str, Any], Run | None]:
-    """The row of a brake that runs in, and its run; None where the model fails.
+    """The table row of a brake that runs in, and its run.
+
+    Where the model has no answer, the run is None and the `status` of the row gives the reason.
 
     Parameters
     ----------
@@ -185,12 +213,19 @@ def brake_row(
 
 
 def run_row(one: Run) -> dict[str, Any]:
-    """A run as a row: the brake new and worn in, the distance of running in, the balances."""
+    """The table row of a run, in which a brake wears until its pressure no longer changes.
+
+    The row has the distances of pressure and torque from the law for new linings ("new_") and after
+    the last state ("end_"), the sliding distances after which they are near the law, the shares of
+    the lining's life, and the errors of the balances of volume and energy.
+    """
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
+    # Distances of pressure and torque from the law, with new linings and after the last state.
     new, end = (
         distance_from_target(setup, states[0], goal),
         distance_from_target(setup, states[-1], goal),
     )
+    # Shares of the lining's life that are spent more than 1 %, and more than 0.1 %, off the law.
     spent = lining_life(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
     close = lining_life(setup, states, goal, ARCHARD, within=TORQUE_AT_LAW)
     balance = compute_run_checks(setup, states, ARCHARD)
@@ -216,7 +251,10 @@ def run_row(one: Run) -> dict[str, Any]:
 
 
 def ratio_row(brake: Brake, ratio: float, elements: int) -> dict[str, Any]:
-    """The row of a brake whose linings have `ratio` times the modulus of their elastic shoes."""
+    """The row of a brake whose linings have `ratio` times the modulus of the shoes' bodies.
+
+    elements : number of elements along each lining.
+    """
     body = brake.shoes[0].body
     assert body is not None and body.material is not None
     changed = vary(brake, {"shoe.lining.material.E": ratio * body.material.E_along})
@@ -225,11 +263,15 @@ def ratio_row(brake: Brake, ratio: float, elements: int) -> dict[str, Any]:
 
 
 def half_row(one: Run) -> dict[str, Any]:
-    """The row of a run against the same run with steps of half the size.
+    """The row that compares a run with the same run in steps of half the size.
 
-    `long_pressure` and `long_torque` tell the distance from the limit after ten times the distance.
+    `pressure`, `torque` and `depth` are the largest relative differences between both runs.
+    `long_pressure` and `long_torque` are the differences from the rigid-shoe law after ten times
+    the sliding distance of the run.
     """
     s = [state.s for state in one.states]
+    # The run is repeated with a further state in the middle of each step; every second state of the
+    # new run then belongs to a state of the old run.
     middles = [(a + b) / 2 for a, b in pairwise(s)]
     halved = wear_linings_in_given_steps(one.setup.interfaces, ARCHARD, sorted([*s[1:], *middles]))[
         ::2
@@ -237,10 +279,10 @@ def half_row(one: Run) -> dict[str, Any]:
     area = np.concatenate([interface.area for interface in one.setup.interfaces])
 
     def pressure_norm(p: Floats) -> float:
-        """The L2 norm of p over the linings."""
+        """The L2 norm of nodal pressures over the area of all linings."""
         return math.sqrt(float(area @ p**2))
 
-    # Every second state of the halved run is at the distance of a state of the run.
+    # Pairs of states of both runs at the same sliding distance.
     pairs = list(zip(one.states, halved, strict=True))
     long = run_in(one.setup, ARCHARD, distance=10 * s[-1])
     after = distance_from_target(one.setup, long[-1], one.goal)
@@ -258,7 +300,11 @@ def half_row(one: Run) -> dict[str, Any]:
 
 
 def exponent_row(setup: WearSetup, m: float) -> dict[str, Any]:
-    """The row of a hinged brake whose wear goes with p^m: its law is then sin^(1/m)."""
+    """The row of a hinged brake that wears by the power m of the pressure.
+
+    The pressure of the worn-in lining is then proportional to sin(phi)^(1/m), with the angle phi
+    from the hinge.
+    """
     law = WearLaw(COEFFICIENT, m)
     states, goal = run_in(setup, law), rigid_law_target(setup, law)
     end = distance_from_target(setup, states[-1], goal)
@@ -275,19 +321,20 @@ def exponent_row(setup: WearSetup, m: float) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Reversals:
-    """A run whose drum reverses at regular distances.
+    """The wear of a brake whose drum reverses its sense of rotation at regular sliding distances.
 
     Attributes
     ----------
     every : float
-        Distance between two reversals [1/(k K)].
+        Sliding distance between two reversals, in units of 1/(k K).
     states : list of WearState
-        The states of the run.
+        Wear and pressure at growing sliding distances.
     far : list of float
-        Relative distance of p from the law of its sense of rotation, for each state.
+        For each state the relative distance of its pressure from the rigid-shoe law in the state's
+        sense of rotation.
     mean : float
-        Relative distance of the wear between the last two reversals, one in each sense, from the
-        wear by the mean of both laws.
+        Relative distance of the wear over the last two stretches, one in each sense of rotation,
+        from the wear by the mean of the laws of both senses.
     """
 
     every: float
@@ -297,28 +344,31 @@ class Reversals:
 
     @property
     def row(self) -> dict[str, float]:
-        """Largest (`after` a reversal) and smallest (`before`) distance of p from its law.
+        """The table row of a run with reversals of the drum.
 
-        Both are of the second half of the run.
+        `after` is the largest distance of the pressure from its law, reached right after a
+        reversal; `before` is the smallest distance, reached right before one. Both are taken over
+        the second half of the run.
         """
         later = self.far[len(self.far) // 2 :]
         return {"every": self.every, "after": max(later), "before": min(later), "mean": self.mean}
 
 
 def run_with_reversals(scene: PreparedModel, brake: Brake, every: float, turns: int) -> Reversals:
-    """A brake that wears over several reversals.
+    """The wear of a brake over several reversals of the drum.
 
     Parameters
     ----------
-    scene : Scene
+    scene : PreparedModel
         The prepared model of the brake.
     brake : Brake
-        The brake.
+        The brake, in the first sense of rotation.
     every : float
-        Distance between two reversals [1/(k K)].
+        Sliding distance between two reversals, in units of 1/(k K).
     turns : int
-        Number of reversals.
+        Number of stretches between reversals.
     """
+    # Linings and rigid-shoe law for each sense of rotation; True is the first sense.
     setups = {
         True: fem_wear_setup(scene, brake),
         False: fem_wear_setup(scene, reversed_brake(brake)),
@@ -337,23 +387,34 @@ def run_with_reversals(scene: PreparedModel, brake: Brake, every: float, turns: 
     for state in states:
         sense = state.forward
         far.append(distance_from_target(setups[sense], state, goals[sense]).pressure)
-    # The last state before each reversal, and the last state of all.
+    # `turned` has the last state before each reversal and the last state of the run.
     turned = [state for state, after in pairwise(states) if state.forward != after.forward]
     turned.append(states[-1])
-    # Wear between the last two reversals, against that by the mean of both laws.
+    # The wear over the last two stretches is compared with the wear by the mean of both laws.
     worn_off = turned[-1].depth - turned[-3].depth
     law = ARCHARD.coefficient * size * (goals[True].pressure + goals[False].pressure)
     surfaces = setups[True].surfaces
-    mean = max(
-        lining_pressure_norm(s, s.along(worn_off - law)) / lining_pressure_norm(s, s.along(law))
-        for s in surfaces
-    )
+    distances = []
+    for surface in surfaces:
+        difference = lining_pressure_norm(surface, surface.along(worn_off - law))
+        distances.append(difference / lining_pressure_norm(surface, surface.along(law)))
+    mean = max(distances)
     return Reversals(every, states, far, mean)
 
 
 @dataclass(frozen=True)
 class EqualStepsEnd:
-    """The end of a run of equal steps: title, state, and checkerboard of the pressure."""
+    """The last state of a run in equal steps.
+
+    Attributes
+    ----------
+    title : str
+        Name of the method and size of the steps.
+    state : WearState
+        The last state.
+    ripple : float
+        Relative amplitude by which the pressure alternates from node to node.
+    """
 
     title: str
     state: WearState
@@ -363,17 +424,20 @@ class EqualStepsEnd:
 def step_rows(
     one: Run, end: float, steps: Sequence[float]
 ) -> tuple[list[dict[str, Any]], list[EqualStepsEnd]]:
-    """Rows and ends of implicit and explicit runs of equal steps.
+    """Table rows and last states of runs in equal steps, by implicit and by explicit steps.
+
+    The torque of each run is compared with that of a run in fine steps of controlled error.
 
     Parameters
     ----------
     one : Run
-        The brake that is run in.
+        A run of the brake, whose linings and unit of distance are used.
     end : float
-        Sliding distance of the runs [1/(k K)].
+        Sliding distance of the runs, in units of 1/(k K).
     steps : sequence of float
-        Sizes of the steps [1/(k K)].
+        Sizes of the steps, in units of 1/(k K).
     """
+    # The reference: a run over the same distance with steps of small estimated error.
     length = end * one.unit
     exact = interpolate_state(run_in(one.setup, ARCHARD, distance=length, tolerance=1e-4), length)
     rows, boards = list[dict[str, Any]](), list[EqualStepsEnd]()
@@ -396,7 +460,10 @@ def step_rows(
 def _stepping_methods(
     one: Run, end: float, steps: Sequence[float]
 ) -> Iterator[tuple[str, float, Callable[[], list[WearState]]]]:
-    """Each way to step, with the size of its steps and the function that runs it."""
+    """For each size of steps an implicit and an explicit run: name, size, function that runs it.
+
+    one, end, steps : the parameters of `step_rows`.
+    """
     for size in steps:
         count, ds = round(end / size), size * one.unit
         stations = [(i + 1) * size * one.unit for i in range(count)]
@@ -413,13 +480,17 @@ def _stepping_methods(
 
 
 def run_of_smallest_contact(runs: Iterable[Run]) -> Run:
-    """The run whose new linings have the smallest contact."""
+    """The run whose new linings touch the drum with the smallest fraction of their nodes."""
     return min(runs, key=lambda one: float((one.states[0].pressure > 0).mean()))
 
 
 @dataclass(frozen=True)
 class RunFrame:
-    """A moment of a run: the state, and each shoe's fields and turn about its pin [rad]."""
+    """A moment of a run: the wear state, and for each shoe its fields and its turn.
+
+    The fields are displacements and stresses inside the shoe; the turn is the angle [rad] by which
+    the shoe has turned about its pin.
+    """
 
     state: WearState
     fields: Sequence[Fields]
@@ -427,17 +498,21 @@ class RunFrame:
 
 
 def run_frames(scene: PreparedModel, one: Run, count: int) -> list[RunFrame]:
-    """Moments of a run with the fields of its shoes, even over the logarithm of the distance.
+    """Moments of a run with the fields of its shoes, for an animation.
+
+    The first moment has new linings; the others are at even distances of the logarithm of the
+    sliding distance.
 
     Parameters
     ----------
-    scene : Scene
+    scene : PreparedModel
         The prepared model of the brake.
     one : Run
         The run.
     count : int
-        Number of moments, the first with new linings.
+        Number of moments.
     """
+    # At each moment the brake with worn linings is solved and the stresses are computed.
     end = one.states[-1].s
     moments = []
     for s in [0.0, *np.geomspace(3e-4 * end, end, count - 1)]:

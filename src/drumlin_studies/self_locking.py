@@ -1,4 +1,8 @@
-"""Rows on self-locking: limits, torque up to them, uniqueness of answers, and slopes."""
+"""Table rows on self-locking, which begins at the friction at which a shoe's torque has no bound.
+
+The rows show this limit of friction, the torque up to the limit, whether a brake has exactly one
+answer below the limit and no answer beyond it, and slopes of the torque.
+"""
 
 import math
 from typing import Any
@@ -25,33 +29,40 @@ from drumlin.laws import locking_friction, sine
 from drumlin_studies.random_brake import random_brake
 
 FARTHEST_FRICTION = 3.0
-"""Friction coefficient up to which the limit of a brake is looked for."""
+"""Largest coefficient of friction at which the self-locking of a brake is looked for."""
 FARTHEST_RANDOM_FRICTION = 100.0
-"""Friction coefficient up to which the limit of a random brake is looked for."""
+"""Largest coefficient of friction at which the self-locking of a random brake is looked for."""
 LARGEST_FRICTION = 1.0
-"""Friction coefficient up to which the answers of a shoe that never locks are checked."""
+"""Largest coefficient of friction at which the uniqueness of an answer is checked.
+
+It takes the place of the limit for a shoe that locks itself at a larger friction or never.
+"""
 LIMIT_FRACTIONS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
-"""Fractions of the limit at which a brake must have one answer only."""
+"""Fractions of the friction limit at which a brake must have exactly one answer."""
 BEYOND_LIMIT = (1 + 1e-6, 1.01, 1.1, 1.5, 2.0, 3.0)
-"""Multiples of the limit at which a brake should have no answer."""
+"""Multiples of the friction limit at which a brake should have no answer."""
 RANDOM_STARTS = 5
-"""Number of random contact sets from which an answer is looked for."""
+"""Number of random contact sets from which the contact iteration is started."""
 LOCKING_ELEMENTS = 16
-"""Elements along a lining of the random brakes."""
+"""Elements along a lining of the random brakes whose answers are checked for uniqueness."""
 ALL_SETS_ELEMENTS = 4
-"""Elements along a lining of the brakes on which all contact sets are tried."""
+"""Elements along a lining of the brakes for which all possible contact sets are tried."""
 START_SEED = 7
-"""Seed of the random contact sets, together with the seed of the brake."""
+"""Seed of the random contact sets; it is used together with the seed of the brake."""
 AGREEMENT_COUNTS = ("starts", "same", "others", "unstable", "lost")
-"""Counts of `compare_answers_from_start_sets` that are summed over the fractions of the limit."""
+"""Attributes of `compare_answers_from_start_sets` that count how iterations from several contact
+sets end. They are summed over LIMIT_FRACTIONS."""
 
 Row = dict[str, Any]
+"""A row of a table: its values by key."""
 
 
 def locking_limit_row(brake: Brake, elements: int) -> Row:
-    """The friction that locks a brake, elastic and by the sine law.
+    """A row with the friction at which a brake locks itself, by finite elements and by sine law.
 
-    It is that of the first group of shoes to lock. elements : elements along a lining.
+    The group of shoes that locks at the lowest friction counts.
+
+    elements : number of elements along each lining.
     """
     scene = prepare(brake, elements=elements)
     found = min(
@@ -72,14 +83,16 @@ def locking_limit_row(brake: Brake, elements: int) -> Row:
 
 
 def torque_over_friction_row(brake: Brake, name: str, elements: int) -> Row:
-    """Torque [N m] over friction, elastic and by the sine law, each up to its own limit.
+    """A row with the curves of torque [N m] over friction by finite elements and by the sine law.
+
+    Each curve ends just before the friction at which the brake locks itself by the same model.
 
     Parameters
     ----------
     brake : Brake
         The brake.
     name : str
-        Its name in the row.
+        Name of the brake in the row.
     elements : int
         Elements along a lining.
     """
@@ -89,7 +102,8 @@ def torque_over_friction_row(brake: Brake, name: str, elements: int) -> Row:
         for found in friction_limits_of_groups(scene, brake, FARTHEST_FRICTION).values()
     )
     law = _locking_friction_by_law(brake)
-    # The fractions of the limit are even up to 0.9 and then approach 1 in even ratios.
+    # Frictions of the curve: even steps up to 0.9 of the limit, then distances from the limit that
+    # shrink by a constant factor.
     fractions = (*np.linspace(0.02, 0.9, 45), *(1 - np.logspace(-1, -6, 26)[1:]))
     mu = [end * fraction for fraction in fractions]
     of_law = [m for m in mu if m < law * 0.999]
@@ -105,15 +119,17 @@ def torque_over_friction_row(brake: Brake, name: str, elements: int) -> Row:
 
 
 def _locking_friction_by_law(brake: Brake) -> float:
-    """Friction at which the first shoe locks by the sine law."""
+    """The lowest friction at which a shoe of the brake locks itself by the sine law."""
     return min(locking_friction(brake, shoe) for shoe in brake.shoes)
 
 
 def torque_pole(row: Row) -> tuple[float, float]:
-    """The product T (mu_lock - mu) [N m] at the limit, and its relative change near the limit.
+    """The product T (mu_lock - mu) [N m] at the friction limit, and its change near the limit.
 
-    At a pole of the torque the product is constant near the limit. The change is taken over the
-    last 1e-5 of the friction. row : a row of `torque_over_friction_row`.
+    If the torque T has a pole at the friction mu_lock, the product is constant near mu_lock. The
+    second result is the relative change of the product over the last 1e-5 of the friction.
+
+    row : a row of `torque_over_friction_row`.
     """
     limit_friction, products, near = row["mu_lock"], [], []
     for mu, torque in zip(row["mu"], row["torque"], strict=True):
@@ -124,16 +140,19 @@ def torque_pole(row: Row) -> tuple[float, float]:
 
 
 def uniqueness_row(seed: int, way: str) -> Row:
-    """Whether a random brake has one answer below its limit and none beyond it.
+    """A row that shows whether a random brake has one answer below its friction limit, none beyond.
 
-    The answer is looked for from all nodes in contact, from none and from random contact sets.
+    The contact iteration starts from all nodes in contact, from no node in contact, and from random
+    contact sets. `disagreeing` lists the fractions of the limit at which one of the iterations does
+    not end in the answer that is followed from zero friction. `beyond` and `answered` count answers
+    beyond the limit.
 
     Parameters
     ----------
     seed : int
         Seed of the brake.
     way : str
-        Its kind, one of `random_brake.LOCKING_KINDS`.
+        Kind of the brake, one of `random_brake.LOCKING_KINDS`.
     """
     brake = random_brake(seed, way)
     scene = prepare(brake, elements=LOCKING_ELEMENTS)
@@ -144,18 +163,19 @@ def uniqueness_row(seed: int, way: str) -> Row:
     starts += [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
     top = min(end.friction, LARGEST_FRICTION)
     counts, disagreeing = _count_agreements_below(problems, top, starts)
-    # Beyond the limit no contact set should be a stable answer, and drumlin should give none.
+    # Beyond the friction limit no contact set should be a stable answer, and a solve of drumlin
+    # should raise NoAnswer.
     beyond = answered = None
     if end.friction <= 10:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
-        beyond = sum(
-            compare_answers_from_start_sets(
-                problems.problem_at(mu), end.last_contact, starts, 0.0
-            ).others
-            for mu in mu_beyond
-        )
+        beyond = 0
+        for mu in mu_beyond:
+            problem = problems.problem_at(mu)
+            comparison = compare_answers_from_start_sets(problem, end.last_contact, starts, 0.0)
+            beyond += comparison.others
         answered = sum(_has_answer(scene, vary(brake, {"friction": mu})) for mu in mu_beyond)
-    # On a coarse mesh all contact sets can be tried: the first that becomes singular.
+    # A coarse mesh has few contact sets, so that all are tried. `any_set` is the lowest friction at
+    # which the equations of one of them become singular.
     coarse = prepare(brake, elements=ALL_SETS_ELEMENTS)
     any_set = smallest_singular_friction_of_all_sets(
         ShoeGroup(coarse, brake, (0,)).friction_dependent_problem
@@ -182,16 +202,20 @@ def uniqueness_row(seed: int, way: str) -> Row:
 def _count_agreements_below(
     problems: FrictionDependentProblem, top: float, starts: list[Bools]
 ) -> tuple[Row, list[float]]:
-    """Counts of the answers below a friction, and the fractions of it at which answers disagree.
+    """AGREEMENT_COUNTS at LIMIT_FRACTIONS of a friction, and the fractions with a disagreement.
+
+    At a fraction with a disagreement an iteration from one of the contact sets does not end in the
+    answer that is followed from zero friction. The counts also have the largest `difference`
+    between answers that count as the same.
 
     Parameters
     ----------
-    problems : Sliding
-        The contact problems of a shoe over friction.
+    problems : FrictionDependentProblem
+        The contact problem of a shoe as a function of friction.
     top : float
-        Friction of which LIMIT_FRACTIONS are tried.
+        Friction that is multiplied by LIMIT_FRACTIONS.
     starts : list of array (n,)
-        Contact sets to start from.
+        Contact sets from which the iteration starts: whether each of the n nodes touches.
     """
     counts: Row = dict.fromkeys(AGREEMENT_COUNTS, 0) | {"difference": 0.0}
     disagreeing = []
@@ -209,7 +233,7 @@ def _count_agreements_below(
 
 
 def _has_answer(scene: PreparedModel, brake: Brake) -> bool:
-    """Whether drumlin itself has an answer, with the exact contact whose limit was followed."""
+    """Whether a solve of drumlin with exact contact has an answer for the brake."""
     try:
         solve_prepared_model(scene, brake, penalty=math.inf)
     except NoAnswer:
@@ -218,24 +242,25 @@ def _has_answer(scene: PreparedModel, brake: Brake) -> bool:
 
 
 def _clearance_kind(brake: Brake) -> str:
-    """Whether the first lining has an uneven clearance, an even one or none."""
+    """The kind of clearance of the brake's first lining: "uneven", "even" or "none"."""
     given = brake.shoes[0].lining.clearance
     return "uneven" if isinstance(given, tuple) else "none" if given == 0 else "even"
 
 
 def slope_rows(brake: Brake, name: str, penalty: float) -> list[Row]:
-    """Slopes of the torque of the whole brake beside differences of solves.
+    """A row for each slope of the brake's torque, beside the difference quotient of two solves.
 
-    The first row has the sensitivity S of the elastic brake and of the sine law as well.
+    The first row also has the sensitivity S = (mu/T) dT/dmu to friction, by finite elements and by
+    the sine law.
 
     Parameters
     ----------
     brake : Brake
         The brake.
     name : str
-        Its name in the rows.
+        Name of the brake in the rows.
     penalty : float
-        Penalty factor of the contact.
+        Penalty factor of the contact; inf for exact contact.
     """
     found, table = compare_with_differences_of_solves(brake, 1, elements=20, penalty=penalty)
     rows = [row | {"brake": name} for row in table]

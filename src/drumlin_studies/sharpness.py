@@ -1,10 +1,11 @@
-"""Whether the stated errors of brakes with stored truths are large enough and not needlessly large.
+"""Sharpness: whether the errors that drumlin states are large enough and not needlessly large.
 
-A stated error that is too small is a wrong number. A stated error that is ten times too large costs
-a level of hp elements that nobody needed. The ratio of stated to true error shows both.
-`judge_stored_truth` takes one brake through all levels once and reads from the levels which errors
-a solve states by default and at two tolerances. `error_ratio_spreads` reduces the ratios of each
-quantity to two numbers. The command
+The stated errors are compared with the true errors of brakes whose far finer solutions are stored
+as files (`stored_truth`). A stated error that is too small is a wrong number. A stated error that
+is ten times too large costs a level of hp elements that nobody needed. The ratio of stated to true
+error shows both. `judge_stored_truth` solves one brake on all levels of refinement once, and finds
+the errors that a solve states by default and at two tolerances. `error_ratio_spreads` reduces the
+ratios of each quantity to two numbers. The command
 
     python -m drumlin_studies.sharpness FOLDER
 
@@ -37,38 +38,44 @@ from drumlin_studies.stated_true import stated_over_true, true_errors
 from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read_stored_truth
 
 ASKED = {"default": DEFAULT_TOLERANCE, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": Tolerance(1e-4, 1e-4)}
-"""The tolerances that a solve is asked for: the default one and two others, by name."""
+"""The tolerances to which the brakes are solved, by name: the default one and two smaller ones."""
 
 SMALLEST_TOLERANCE = "1e-4"
 """Name of the smallest tolerance of ASKED, at which a solve is dearest."""
 
 PROMISED = 0.01
-"""Largest share of stated errors that are smaller than the true ones, as README promises."""
+"""Largest share of stated errors that may be smaller than the true errors, as README promises."""
 
 SURE = 0.95
-"""Probability with which a test passes while the promise is kept. If a share PROMISED of all stated
-errors is too small, the number of too small ones among those judged stays within the allowed number
-with this probability. Without such an allowance few judged errors would fail a test by chance."""
+"""Probability with which the test passes if exactly the share PROMISED of all stated errors is too
+small. It gives the number of errors that may be too small among those that are judged. Without this
+allowance a test on few errors would fail by chance although the promise is kept."""
 
 ALLOWED_DRIFT = 0.3
-"""Largest relative difference between the median or the smallest tenth of the ratios and its value
-in FILE. A change of the levels alone can move these numbers by half of ALLOWED_DRIFT. With twice
-ALLOWED_DRIFT a test would overlook a factor of two."""
+"""Largest relative difference between a number of `Spread` and its value in FILE.
+
+A change of the levels of refinement alone can move these numbers by half of ALLOWED_DRIFT. With
+twice ALLOWED_DRIFT a test would overlook a factor of two. ALLOWED_DRIFT also limits the growth of
+the median true errors."""
 
 MORE = 0.1
-"""Fraction by which the number of unknowns of all answers together may grow. The time of a solve
-grows a little faster than its unknowns, and a user would just notice a tenth more time."""
+"""Fraction by which the number of unknowns of all answers together may grow since the last fit. The
+time of a solve grows a little faster than its unknowns; a user would just notice a tenth more
+time."""
 
 MUCH_MORE = 1.4
-"""Factor by which the number of unknowns of a single brake may grow. An end of the contact that
-round-off moves costs one further pass on a level, in addition to four or more passes."""
+"""Factor by which the number of unknowns of a single brake may grow since the last fit. A change in
+round-off can cost one more solve on a level of refinement, in addition to four or more solves."""
 
 QUICK = 100_000
 """Largest number of unknowns, of all divisions up to the answer at the smallest tolerance, of a
 brake that is solved in at most half a second. The fast tests judge these brakes alone."""
 
 FILE = "sharpness.json"
-"""Name of the file with the numbers of the last fit, in the folder of the stored truths."""
+"""Name of the file with `Spread` and `AccuracyAndCost` at the last fit of the error estimate.
+
+The file is in the folder of the stored truths.
+"""
 
 
 SHARPNESS_KEY = "sharpness"
@@ -85,10 +92,10 @@ class StatedTrueErrors(NamedTuple):
     ----------
     name : name of the brake
     asked : name of the tolerance
-    stated : stated errors, by QUANTITIES
-    true : true errors
-    unsure : uncertainties of the true errors
-    unknowns : number of unknowns, summed over all divisions that were solved up to the answer
+    stated : relative errors that the solve states, by QUANTITIES
+    true : relative errors against the stored far finer solution, by QUANTITIES
+    unsure : uncertainties of the true errors, by QUANTITIES
+    unknowns : number of unknowns, summed over all meshes that were solved up to the answer
     """
 
     name: str
@@ -110,15 +117,21 @@ class StatedTrueErrors(NamedTuple):
         )
 
     def certain(self, quantity: str) -> bool:
-        """Whether the true error is certain enough for the ratio of stated to true error.
+        """Whether the true error of a quantity is known well enough to judge its stated error.
 
-        A stated error of 1 means that the quantity is not known. It is no estimate of an error.
+        A stated error of 1 means that the quantity is not known. It is not judged.
         """
         return self.true[quantity] > CERTAIN * self.unsure[quantity] and self.stated[quantity] < 1.0
 
 
 class Spread(NamedTuple):
-    """Median of the ratios of stated to true error, and the value below which a tenth lies."""
+    """Two numbers on the ratios of stated to true error of a quantity.
+
+    Attributes
+    ----------
+    median : median of the ratios
+    tenth : ratio below which a tenth of the ratios lies
+    """
 
     median: float
     tenth: float
@@ -130,8 +143,8 @@ class AccuracyAndCost(NamedTuple):
     Attributes
     ----------
     answers : number of brakes that reach the tolerance
-    pressure, torque : median true errors of p and of the torque
-    unknowns : number of unknowns of all divisions that were solved, by the brake's name
+    pressure, torque : median true errors of the pressure and of the torque
+    unknowns : number of unknowns of all meshes that were solved, by the brake's name
     """
 
     answers: int
@@ -141,7 +154,12 @@ class AccuracyAndCost(NamedTuple):
 
 
 def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]:
-    """Stated and true errors of a brake with a stored truth, for each tolerance that it reaches."""
+    """Stated and true errors of a brake, for each tolerance of ASKED that it reaches.
+
+    Each level of refinement is solved once and used for all tolerances.
+
+    name : name of the brake; stored : the brake with its far finer solution, the truth.
+    """
     brake = stored.brake
     solved: list[int] = []
 
@@ -150,6 +168,7 @@ def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]
         solved.append(sum(body.unknowns for body in scene.bodies))
         return solve_prepared_model(scene, brake, start=start)
 
+    # The tolerances read the same sequence of levels, so that each level is solved once.
     sequences: tuple[Iterable[SolvedLevel], ...] = tee(solved_levels(brake, counted), len(ASKED))
     found = []
     for (asked, tolerance), sequence in zip(ASKED.items(), sequences, strict=True):
@@ -166,7 +185,10 @@ def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]
 def _solve_to_tolerance(
     brake: Brake, tolerance: Tolerance, sequence: Iterable[SolvedLevel]
 ) -> Response | None:
-    """The answer that a solve would give, or None where the solve would miss the tolerance."""
+    """The response of a brake to a tolerance, or None where no level reaches the tolerance.
+
+    sequence : the solved levels of refinement, from coarse to fine.
+    """
     try:
         return solve_to_tolerance(
             brake,
@@ -180,7 +202,7 @@ def _solve_to_tolerance(
 
 
 def judge_folder(folder: Path, names: Container[str] | None = None) -> list[StatedTrueErrors]:
-    """Stated and true errors of the brakes with stored truths in a folder.
+    """Stated and true errors of the brakes whose far finer solutions are files of a folder.
 
     names : names of the brakes to be judged; all of the folder by default
     """
@@ -198,12 +220,15 @@ def quickly_solved_brakes(worths: Mapping[str, AccuracyAndCost]) -> set[str]:
 
 
 def truth_files(folder: Path) -> list[Path]:
-    """The files of the stored truths of a folder, in the order of their names."""
+    """The files of far finer solutions in a folder, in the order of their names."""
     return sorted(path for path in folder.glob("*.json") if path.name != FILE)
 
 
 def error_ratio_spreads(rows: Sequence[StatedTrueErrors]) -> dict[str, Spread]:
-    """Median and smallest tenth of the ratios of stated to true error, for each quantity."""
+    """The `Spread` of the ratios of stated to true error over all brakes, for each quantity.
+
+    Only ratios count whose true error is certain.
+    """
     found = {}
     for quantity in QUANTITIES:
         seen = [one.stated[quantity] / one.true[quantity] for one in rows if one.certain(quantity)]
@@ -212,14 +237,13 @@ def error_ratio_spreads(rows: Sequence[StatedTrueErrors]) -> dict[str, Spread]:
 
 
 def accuracy_and_costs(rows: Sequence[StatedTrueErrors]) -> dict[str, AccuracyAndCost]:
-    """Accuracy and cost of the answers, for each tolerance of ASKED."""
+    """Accuracy and cost of the answers of all brakes, for each tolerance of ASKED."""
     found = {}
     for asked, tolerance in ASKED.items():
         own = [one for one in rows if one.asked == asked]
         reached = [one for one in own if one.stated["pressure"] <= tolerance.pressure]
-        pressure, torque = (
-            float(np.median([one.true[name] for one in own])) for name in ("pressure", "torque")
-        )
+        pressure = float(np.median([one.true["pressure"] for one in own]))
+        torque = float(np.median([one.true["torque"] for one in own]))
         unknowns = {one.name: one.unknowns for one in own}
         found[asked] = AccuracyAndCost(len(reached), pressure, torque, unknowns)
     return found
@@ -228,12 +252,15 @@ def accuracy_and_costs(rows: Sequence[StatedTrueErrors]) -> dict[str, AccuracyAn
 def lines_on_losses(
     rows: Sequence[StatedTrueErrors], written: Mapping[str, AccuracyAndCost]
 ) -> list[str]:
-    """Lines that say what has become worse for a user since the last fit; empty if nothing has.
+    """Lines of text, one for each accuracy or cost that has become worse.
 
-    written : accuracy and cost of the answers at the last fit, by ASKED
+    It is compared with its value at the last fit of the error estimate's factors.
+
+    written : accuracy and cost of the answers at the last fit, by the keys of ASKED
     """
     found = []
     for asked, now in accuracy_and_costs(rows).items():
+        # First loss: fewer brakes reach the tolerance. Second loss: larger true errors.
         before = written[asked]
         if now.answers < before.answers:
             found.append(f"{asked}: {now.answers} brakes reach it, {before.answers} did")
@@ -241,8 +268,10 @@ def lines_on_losses(
             error, known = getattr(now, quantity), getattr(before, quantity)
             if error > (1 + ALLOWED_DRIFT) * known:
                 found.append(f"{asked}: true error of {quantity} {error:.1e}, was {known:.1e}")
+        # Third loss: more unknowns, of all brakes together or of a single brake.
         both = now.unknowns.keys() & before.unknowns.keys()
-        more, most = (sum(of.unknowns[name] for name in both) for of in (now, before))
+        more = sum(now.unknowns[name] for name in both)
+        most = sum(before.unknowns[name] for name in both)
         if more > (1 + MORE) * most:
             found.append(f"{asked}: {more} unknowns in all, were {most}")
         for name in sorted(both):
@@ -255,20 +284,25 @@ def lines_on_losses(
 def lines_on_stated_errors(
     rows: Sequence[StatedTrueErrors], written: Mapping[str, Spread]
 ) -> list[str]:
-    """Lines that say what is wrong with the stated errors of `rows`; empty if nothing is.
+    """Lines of text, one for each fault of the stated errors.
 
-    written : median and smallest tenth of the ratios at the last fit, by quantity
+    A fault is a quantity with too many stated errors below the true ones, or a number of `Spread`
+    that differs from the last fit by more than ALLOWED_DRIFT.
+
+    rows : stated and true errors of all brakes; written : `Spread` at the last fit, by quantity
     """
     found = []
     for quantity, spread in error_ratio_spreads(rows).items():
         ratios = [(one.ratio(quantity), one) for one in rows]
         known = [(value, one) for value, one in ratios if not math.isnan(value)]
         small = [f"{one.name} at {one.asked} ({value:.2f})" for value, one in known if value < 1]
+        # The number of errors that may be too small is a quantile of the binomial distribution.
         if len(small) > binom.ppf(SURE, len(known), PROMISED):
             found.append(
                 f"{quantity}: {len(small)} of {len(known)} stated errors are too small: "
                 f"{', '.join(small)}"
             )
+        # Median and smallest tenth of the ratios must stay near their values at the last fit.
         for which, value, before in zip(Spread._fields, spread, written[quantity], strict=True):
             if abs(value / before - 1) > ALLOWED_DRIFT:
                 found.append(
@@ -302,7 +336,7 @@ class Written(NamedTuple):
 
 
 def read_sharpness(folder: Path) -> Written:
-    """The contents of FILE in a folder of stored truths."""
+    """The contents of FILE, the numbers at the last fit, in a folder of far finer solutions."""
     data = json.loads((folder / FILE).read_text(encoding="utf-8"))
     spreads, quick_spreads = (
         {quantity: Spread(**values) for quantity, values in data[key].items()}
@@ -321,7 +355,7 @@ def _rounded_spreads(rows: Sequence[StatedTrueErrors]) -> dict[str, dict[str, fl
 
 
 def main(folder: str) -> None:
-    """Write the sharpness and the worth of the stored truths of a folder into its FILE."""
+    """Judge the stated errors of all brakes in a folder by true errors, and write FILE there."""
     rows = judge_folder(Path(folder))
     worths = accuracy_and_costs(rows)
     quick = quickly_solved_brakes(worths)

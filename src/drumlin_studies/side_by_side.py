@@ -1,4 +1,7 @@
-"""Work on cases in several processes, with a journal of what is finished."""
+"""Computation of the cases of a study in several processes at the same time.
+
+A journal keeps the finished results, so that an interrupted study continues where it stopped.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -9,9 +12,10 @@ from typing import Any
 from drumlin.base.journal import Journal
 
 PROCESSES = 2
-"""Processes of a study. Studies are made for machines with two cores."""
+"""Number of processes of a study. Studies are made for machines with two cores."""
 
 Case = Mapping[str, Any]
+"""The input of one computation, plain data by name."""
 
 
 def compute_and_keep_cases(
@@ -22,7 +26,7 @@ def compute_and_keep_cases(
     processes: int = PROCESSES,
     what: str = "cases",
 ) -> list[dict[str, Any]]:
-    """The results of all cases, in their order.
+    """The results of all cases, in the order of the cases.
 
     Parameters
     ----------
@@ -32,14 +36,15 @@ def compute_and_keep_cases(
         Returns the result of a case. It must be a function of a module, so that other processes
         can import it.
     journal : Journal
-        Cases with a result in the journal are skipped.
+        Finished results. Cases that it contains are not computed again; new results are added.
     say : function
-        Is told how far the work is.
+        Is called with a line of text on the progress.
     processes : int
-        Number of processes besides this one; 0 works in this one.
+        Number of worker processes; with 0 the cases are computed in this process.
     what : str
-        What `say` calls the cases.
+        Word for the cases in the text on the progress.
     """
+    # Only cases that the journal lacks are computed; their results are added to the journal.
     left = [case for case in cases if case not in journal]
     with (
         ProcessPoolExecutor(processes, mp_context=get_context("spawn"))

@@ -1,6 +1,7 @@
-"""Closed forms in three dimensions that judge mesh, stiffness and contact face of solid shoes.
+"""Errors of the solid model against exact formulas of elasticity in three dimensions.
 
-There is no brake, only parts of the model.
+The formulas judge the mesh, the stiffness matrix and the contact face of solid shoes on simple
+bodies, without a brake.
 """
 
 import math
@@ -25,18 +26,22 @@ from drumlin.fem.substructure.body import condense_body, stiffness
 from drumlin.fem.substructure.interface import ContactLine, drum_directions, make_contact_line
 
 PART = "lining"
-"""Name of the only part of a body."""
+"""Name of the only subdomain in the mesh of each body of this module."""
 
 
 def _section_mesh(grid: Any, at: Floats, groups: Mapping[str, Any]) -> Any:
-    """A section of quadratic quadrilaterals, a grid whose nodes are moved to `at` (2, nodes)."""
+    """The mesh of a plane section in quadratic quadrilaterals.
+
+    grid : mesh of linear quadrilaterals with the elements; at : places (2, nodes) [m] of the nodes;
+    groups : numbers of the edges on each boundary, by its name.
+    """
     return skfem.MeshQuad2(
         at, grid.t, _subdomains={PART: np.arange(grid.nelements)}, _boundaries=dict(groups)
     )
 
 
 def ring_sector_mesh(radii: Floats, angles: Floats, z: Floats) -> Solid:
-    """A sector of a ring, with the boundary "contact" outside and "hinge" inside.
+    """The solid mesh of a ring sector, with the boundary "contact" outside and "hinge" inside.
 
     Parameters
     ----------
@@ -60,7 +65,7 @@ def ring_sector_mesh(radii: Floats, angles: Floats, z: Floats) -> Solid:
 
 
 def contact_face_of(solid: Solid) -> ContactFace:
-    """The contact face of a sector whose middle has the angle 0."""
+    """The contact face of a ring sector, on which angles are measured from the x axis."""
     return contact_face(
         make_contact_line(solid.plane, solid.section.boundaries["contact"], 0.0),
         solid.node,
@@ -71,17 +76,18 @@ def contact_face_of(solid: Solid) -> ContactFace:
 def lame_displacement_error(
     elements: int, material: Material, radii: tuple[float, float] = (0.6, 1.0), half: float = 0.5
 ) -> float:
-    """Error of a quarter ring under outer pressure: largest error of u over the largest u.
+    """Error of the solid mesh on a quarter ring under outer pressure, against Lame's solution.
 
-    The faces z = +-half are free. Plane stress holds exactly for any width (Lame):
+    The result is the largest error of a displacement over the largest displacement. The faces
+    z = +-half are free. Plane stress is then exact for any width:
     u_r = A r + B/r, u_z = -nu/E (s_r + s_theta) z.
 
     Parameters
     ----------
     elements : int
-        Elements through the ring.
+        Number of elements through the thickness of the ring.
     material : Material
-        Its material.
+        Material of the ring.
     radii : tuple of float
         Inner and outer radius [m].
     half : float
@@ -103,11 +109,12 @@ def lame_displacement_error(
     fixed = np.zeros((solid.basis.N, 3), dtype=bool)
     for c in range(3):
         fixed[np.abs(x[c]) < 1e-9, c] = True
+    # Solve with symmetry in the three planes of the axes, under the nodal forces of the pressure.
     free = np.flatnonzero(~fixed.ravel())
     u = np.zeros(int(3 * solid.basis.N))
     u[free] = splu(K[free][:, free].tocsc()).solve(load.ravel()[free])
     r = np.hypot(x[0], x[1])
-    # The stresses are s_r = A (1 - a^2/r^2) and s_theta = A (1 + a^2/r^2).
+    # Lame's stresses are s_r = A (1 - a^2/r^2) and s_theta = A (1 + a^2/r^2).
     A = -p * b**2 / (b**2 - a**2)
     radial_u = A / E * ((1 - nu) * r + (1 + nu) * a**2 / r)
     exact = np.array([radial_u * x[0] / r, radial_u * x[1] / r, -2 * nu / E * A * x[2]])
@@ -115,10 +122,14 @@ def lame_displacement_error(
 
 
 def patch_force_error(elements: int, material: Material) -> float:
-    """Error of the coupling on a curved face: largest error of a nodal force over the largest.
+    """Error of the nodal forces by which the pressure on a curved contact face acts on a solid.
 
-    Under the uniform strain of a hydrostatic pressure p = 1 the nodal forces on the surface are
-    K u. On the inner nodes of the friction face they must be -N^T p.
+    The solid has the uniform strain of a hydrostatic pressure of 1. The stiffness matrix K and the
+    displacements u give the exact nodal forces K u. On the inner nodes of the contact face they
+    must equal the nodal forces -N^T p of the pressure p = 1, where N is the coupling matrix of the
+    face. The result is the largest difference over the largest force.
+
+    elements : number of elements along the face; material : material of the solid.
     """
     z = np.array([0.0, 0.1, 0.15])
     solid = ring_sector_mesh(np.linspace(0.6, 1.0, 3), np.linspace(-0.5, 0.5, elements + 1), z)
@@ -137,16 +148,16 @@ def patch_force_error(elements: int, material: Material) -> float:
 
 
 class PointContact(NamedTuple):
-    """Hertz's point contact on a mesh.
+    """Accuracy of a point contact on a mesh, against Hertz's formula.
 
     Attributes
     ----------
     peak : float
-        Peak pressure over the closed form.
+        Computed peak pressure over the peak pressure by Hertz.
     distance : float
-        Relative L2 distance of p from the closed form.
+        Relative L2 distance of the computed pressure from the pressure by Hertz.
     unknowns : int
-        Number of unknowns.
+        Number of unknowns of the mesh.
     """
 
     peak: float
@@ -155,7 +166,7 @@ class PointContact(NamedTuple):
 
 
 def _upward_normal_and_tangent(x: Floats) -> tuple[Floats, Floats]:
-    """Normal along y and tangent along x at points (2, ...)."""
+    """The normals along y and the tangents along x (2, ...) of a plane, at points x (2, ...)."""
     zero, one = np.zeros_like(x[0]), np.ones_like(x[0])
     return np.stack([zero, one]), np.stack([one, zero])
 
@@ -163,21 +174,23 @@ def _upward_normal_and_tangent(x: Floats) -> tuple[Floats, Floats]:
 def hertz_point_contact(
     per_radius: int, nu: float = 0.3, size: float = 6.0, growth: float = 1.6
 ) -> PointContact:
-    """A rigid sphere of radius 1 in a block, with a contact of radius 1 (Hertz 1882).
+    """The accuracy of the contact between a rigid sphere and a solid block (Hertz 1882).
 
-    With E' = E/(1 - nu^2) the force is F = 4 E'/3 and the peak pressure 3 F/(2 pi).
+    Sphere and contact have the radius 1. With E' = E/(1 - nu^2) the force is F = 4 E'/3 and the
+    peak pressure 3 F/(2 pi).
 
     Parameters
     ----------
     per_radius : int
-        Elements to the radius of the contact.
+        Number of elements along the radius of the contact.
     nu : float
         Poisson's ratio.
     size : float
-        Half of the block's edges, over the radius of the contact.
+        Height of the block and half of its other edges, over the radius of the contact.
     growth : float
-        Ratio of neighbouring elements away from the contact.
+        Ratio of the sizes of neighbouring elements away from the contact.
     """
+    # Elements have equal size up to 1.25 radii from the centre of the contact and grow beyond.
     h = 1.25 / round(1.25 * per_radius)
     s = np.concatenate(
         [np.arange(0, 1.25, h), 1.25 + points_with_growing_steps(size - 1.25, h, growth, size)]
@@ -200,6 +213,7 @@ def hertz_point_contact(
     coupling = face.couple_with_counterface(0.0, _upward_normal_and_tangent)
     half = body.half_flexibility(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
+    # The contact problem of the block against the paraboloid r^2/2, with the total force given.
     load, area = 4 / 3 / (1 - nu**2), coupling.area
     problem = ContactProblem(
         A=half.T @ half,
@@ -219,13 +233,14 @@ def hertz_point_contact(
 
 
 def _flat_contact_line(solid: Solid) -> ContactLine:
-    """The flat top of a block as a contact line. Its x coordinates take the place of angles."""
+    """The contact line on the flat top of a block, with x coordinates in the place of angles."""
     ends = nodes_along_edges(solid.plane, solid.section.boundaries["contact"])
     at = solid.plane.doflocs
     nodes = np.unique(ends)
     nodes = nodes[np.argsort(at[0, nodes])]
     place = np.empty(solid.plane.N, dtype=np.int64)
     place[nodes] = np.arange(len(nodes))
+    # Nodes of each edge, as their places along x; both nodes and edges are in growing order.
     pieces = place[ends]
     pieces = np.where(pieces[0] < pieces[-1], pieces, pieces[::-1])
     return ContactLine(nodes, at[:, nodes], at[0, nodes], pieces[:, np.argsort(pieces[0])])

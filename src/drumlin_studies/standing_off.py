@@ -1,7 +1,7 @@
-"""Random brakes whose clearance is far larger than the compression of their linings.
+"""Random brakes whose linings stand off the drum: clearances far above the lining's compression.
 
 The contact of these brakes is short, and it moves along the lining as friction grows. The brakes
-are those of `random_kinds` with a stiffer lining, a clearance and a smaller force.
+are drawn as in `random_kinds` and then get another lining modulus, a clearance and a smaller force.
 """
 
 from typing import Any
@@ -26,13 +26,13 @@ LINING_MODULI = 3e8, 1e11
 CLEARANCE_FRACTIONS = 1e-4, 1 / 300
 """Smallest and largest clearance, as a fraction of the drum's radius or of a pad's length."""
 FORCE_DIVISORS = 1.0, 300.0
-"""Smallest and largest divisor of the force that `random_kinds` draws."""
+"""Smallest and largest number by which the force of a brake of `random_kinds` is divided."""
 
 
 def draw_brake_with_clearances(seed: int, kind: str | None = None) -> Brake:
-    """The brake of a seed, in which all shoes press by the rigid-shoe law.
+    """The random brake of a seed, whose shoes all touch the drum by the rigid-shoe law.
 
-    Finite elements are not asked: by them some of these brakes have no answer.
+    Contact is not tested by finite elements, by which some of these brakes have no answer.
 
     Parameters
     ----------
@@ -67,11 +67,12 @@ def draw_brake_with_clearances(seed: int, kind: str | None = None) -> Brake:
 
 
 def _brake_data_with_clearances(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
-    """The data of a brake with clearances, other moduli of the linings and smaller forces.
+    """The data of a brake, changed to clearances, other lining moduli and smaller forces.
 
-    The shoes of a cam become mirror images. A cam moves both tips by the same distance, so that of
-    two shoes with different clearances only one would press.
+    The two shoes of a cam become mirror images of each other. A cam moves the tips of both shoes by
+    the same distance, so that of two shoes with different clearances only one would touch the drum.
     """
+    # All forces of the brake are divided by the same number.
     divisor = draw_log_uniform(rng, *FORCE_DIVISORS)
     shoes = [
         _shoe_data_with_clearance(rng, shoe, data.get("drum"), divisor) for shoe in data["shoe"]
@@ -88,7 +89,10 @@ def _brake_data_with_clearances(rng: Rng, data: dict[str, Any]) -> dict[str, Any
 def _shoe_data_with_clearance(
     rng: Rng, shoe: dict[str, Any], drum: dict[str, Any] | None, divisor: float
 ) -> dict[str, Any]:
-    """The data of a shoe with a clearance, another modulus of the lining and a smaller force."""
+    """The data of a shoe, changed to a clearance, another lining modulus and a smaller force.
+
+    drum : data of the drum, None on a plane; divisor : number by which the force is divided.
+    """
     lining = {key: value for key, value in shoe["lining"].items() if key != "misfit"}
     size = lining["end"] - lining["start"] if drum is None else drum["radius"]
     lining["clearance"] = size * draw_log_uniform(rng, *CLEARANCE_FRACTIONS)
@@ -100,7 +104,7 @@ def _shoe_data_with_clearance(
 
 
 def _weaken_actuation(actuation: dict[str, Any], divisor: float) -> dict[str, Any]:
-    """The actuation with its force or pressure divided by a number."""
+    """The data of an actuation with its force or hydraulic pressure divided by a number."""
     return {
         key: value / divisor if key in {"force", "pressure"} else value
         for key, value in actuation.items()

@@ -1,13 +1,13 @@
-"""The stated error of a response against its true error.
+"""The error that drumlin states with a response, compared with the true error.
 
-The truth is a far finer solution: by curved triangles, which share only the brake with the hp
-elements that are judged, or by hp elements that are some two levels finer, with exact contact. The
-uncertainty of the truth is the change in the last steps of its sequence plus the round-off of its
-elimination.
+The true error is the difference from a far finer solution, the truth. The truth is solved with
+curved triangles, a method that shares only the brake with the judged hp elements, or with hp
+elements that are some two levels finer, with exact contact. The uncertainty of the truth is the
+remaining distance from the limit of its sequence of meshes, plus the round-off of its elimination.
 
-All errors are relative. The error of p is an L2 norm outside EDGE_ZONE at the lining's ends, that
-of the peak pressure and of the hinge reaction a maximum; each is the largest error of all shoes.
-The error of the torque is that of the whole brake.
+All errors are relative. The error of the pressure p is an L2 norm that leaves out EDGE_ZONE at the
+lining's ends. The errors of the pressure, of the peak pressure and of the hinge reaction are the
+largest of all shoes. The error of the torque is that of the whole brake.
 """
 
 import math
@@ -39,60 +39,60 @@ from drumlin.response.resultants import edge_left_out
 from drumlin.verification import triangles
 
 JUDGED_QUANTITIES = ("pressure", "torque", "peak", "reaction")
-"""Quantities whose stated errors are judged."""
+"""Quantities whose stated errors are compared with true errors."""
 RELEVANT = 1e-6
 """Relative true error below which any stated error counts as large enough.
 
-The calibration fits no factor to smaller errors: nobody asks a solve for so small an error of p,
-and errors of this size may be errors of the truth or of the arithmetic.
+The calibration fits no factor to smaller errors: nobody asks for so small an error of the pressure,
+and a difference of this size may be due to the truth or to round-off.
 """
 JUDGED_TOLERANCES = (1e-2, 1e-3, 1e-4)
-"""Relative tolerances to which each brake is solved."""
+"""Relative tolerances to which each brake is solved before its stated errors are judged."""
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
-"""Points in [-1, 1] and weights of the quadrature between two knots of the pressure."""
+"""Gauss points in [-1, 1] and their weights, for integrals between two nodes of a pressure."""
 TRUTH_FINENESS = 0.1
-"""Largest last change of p in a sequence of levels that counts as the truth, over the tolerance.
+"""Change of the pressure from one level to the next, over the tolerance, that ends the truth.
 
-The levels go on until p changes by less.
+The truth is solved on finer and finer levels until the pressure changes by less.
 """
 PEAK_ANGLES = 4001
-"""Number of even angles at which a peak is looked for, in addition to the nodes."""
+"""Number of evenly spaced angles at which a peak is looked for, in addition to the nodes."""
 
 
 class PressureField(NodalPressure, Protocol):
-    """A pressure at nodes that can be evaluated between them."""
+    """A pressure that is given at nodes and can be computed at any angle."""
 
     def pressure_at(self, theta: Floats) -> Floats:
-        """Pressure [Pa] at angles [rad]."""
+        """The pressure [Pa] at angles theta [rad]."""
 
 
 class TrueShoe(PressureField, Protocol):
-    """The solution of a shoe that serves as the truth."""
+    """The far finer solution of a shoe, against which true errors are taken."""
 
     @property
     def torque(self) -> float:
-        """Torque [N m] on the drum."""
+        """Torque [N m] of the shoe on the drum."""
 
     @property
     def normal_force(self) -> float:
-        """Resultant of the normal pressure [N]."""
+        """Size of the resultant force of the normal pressure on the drum [N]."""
 
     @property
     def hinge_reaction(self) -> Floats:
-        """Force of the pin on the shoe (2,) [N]."""
+        """Force (2,) [N] of the hinge pin on the shoe."""
 
 
 @dataclass(frozen=True)
 class Truth:
-    """The solution on the finest division of a sequence, and its uncertainty.
+    """A far finer solution of a brake, against which true errors are taken, and its uncertainty.
 
     Attributes
     ----------
     shoes : sequence of TrueShoe
-        The solution of each shoe.
+        The solution of each shoe on the finest mesh of a sequence.
     unsure : mapping
-        Relative uncertainty by JUDGED_QUANTITIES: what is left to the limit of the sequence, plus
-        the round-off of the elimination.
+        Relative uncertainty by JUDGED_QUANTITIES: the estimated distance from the limit of the
+        sequence, plus the round-off of the elimination.
     seconds : float
         Processor time of the sequence [s].
     """
@@ -103,17 +103,20 @@ class Truth:
 
 
 def truth_by_triangles(brake: Brake) -> Truth:
-    """The truth of a brake by curved triangles. Raises as `triangles.solve`."""
+    """The far finer solution of a brake by curved triangles.
+
+    Raises BadInput and NoAnswer as `triangles.solve` does.
+    """
     begin = time.process_time()
     return truth_of_last_three(brake, triangles.solve_sequence(brake), begin)
 
 
 def truth_by_hp_elements(brake: Brake, tolerance: float) -> Truth:
-    """The truth of a brake by finer and finer levels of hp elements, with exact contact.
+    """The far finer solution of a brake by finer and finer levels of hp elements, exact contact.
 
-    The levels go on until p changes by less than TRUTH_FINENESS of the tolerance, or until they
-    end. The truth is the level that changed p least: a finer one may have lost more to round-off
-    than it has added.
+    The brake is solved on finer levels until the pressure changes by less than TRUTH_FINENESS of
+    the tolerance, or on all levels. The level that changed the pressure least becomes the truth. A
+    finer level may have lost more digits to round-off than it has added.
 
     Raises NoAnswer where fewer than three levels have an answer.
     """
@@ -130,7 +133,7 @@ def truth_by_hp_elements(brake: Brake, tolerance: float) -> Truth:
             if len(solutions) > 2 and change <= TRUTH_FINENESS * tolerance:
                 break
     except NoAnswer:
-        # The finest level may fail where coarser ones have an answer.
+        # A fine level may have no answer although the coarser levels have one.
         if len(solutions) < 3:
             raise
     if len(solutions) < 3:
@@ -141,7 +144,7 @@ def truth_by_hp_elements(brake: Brake, tolerance: float) -> Truth:
 
 
 def round_off_errors(shoes: Sequence[ShoeResponse]) -> ShoeChange:
-    """The largest relative round-off error of each quantity by the elimination, over all shoes."""
+    """The relative round-off errors by the elimination: for each quantity the largest of a shoe."""
     by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
     return ShoeChange(*(max(parts) for parts in by_quantity))
 
@@ -149,7 +152,9 @@ def round_off_errors(shoes: Sequence[ShoeResponse]) -> ShoeChange:
 def truth_of_last_three(
     brake: Brake, last: Sequence[Sequence[TrueShoe]], begin: float, lost: ShoeChange = NO_CHANGE
 ) -> Truth:
-    """The truth from the last three solutions of a sequence.
+    """The last solution of a sequence of finer and finer meshes, with its uncertainty.
+
+    The uncertainty follows from the last three solutions.
 
     Parameters
     ----------
@@ -159,8 +164,8 @@ def truth_of_last_three(
         The shoes of the last three solutions, coarse to fine.
     begin : float
         Processor time at which the sequence began [s].
-    lost : Change
-        Relative round-off of the finest solution. It is added to the uncertainty.
+    lost : ShoeChange
+        Relative round-off errors of the finest solution, which are added to the uncertainty.
     """
     early = true_errors(brake, last[0], last[1])
     late = true_errors(brake, last[1], last[2])
@@ -173,12 +178,12 @@ def truth_of_last_three(
 
 
 def distance_from_limit(early: float, late: float) -> float:
-    """The distance of the last member of a sequence from its limit, from its last two steps.
+    """The estimated distance of the last value of a sequence from the limit of the sequence.
 
-    Each step is taken to be r times shorter than the one before, so that the rest is the last step
-    over r - 1. The observed r is kept between 2 and 4.
+    If each change is r times smaller than the change before, the distance is the last change over
+    r - 1. The observed r is kept between 2 and 4.
 
-    early : size of the last step but one; late : size of the last step.
+    early : size of the last change but one; late : size of the last change.
     """
     if not late:
         return 0.0
@@ -187,7 +192,7 @@ def distance_from_limit(early: float, late: float) -> float:
 
 
 def true_errors(brake: Brake, found: Sequence[Any], true: Sequence[TrueShoe]) -> dict[str, float]:
-    """Relative errors of the shoes of a response, by JUDGED_QUANTITIES.
+    """The true relative errors of a response, by JUDGED_QUANTITIES.
 
     Parameters
     ----------
@@ -210,23 +215,26 @@ def true_errors(brake: Brake, found: Sequence[Any], true: Sequence[TrueShoe]) ->
 
 
 def _reaction_error(found: Any, true: TrueShoe) -> float:
-    """Error of the hinge reaction, relative to the size of the true reaction."""
+    """Error of the hinge reaction of a shoe, relative to the size of the true reaction."""
     size = reaction_size(true.hinge_reaction, true.normal_force)
     return math.dist(found.hinge_reaction, true.hinge_reaction) / size
 
 
 def pressure_error(found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE) -> float:
-    """L2 norm of the error of p over theta, relative to the L2 norm of p.
+    """L2 norm of the error of a shoe's pressure, relative to the L2 norm of the pressure.
 
-    The zones of `edge` [rad] at both ends of the lining are left out, unless half of the force
-    acts there. nan where nothing presses.
+    Zones at both ends of the lining are left out unless half of the force acts there. The result is
+    nan where the shoe does not press.
+
+    found : the pressure that is judged; true : the far finer solution; edge : length of each zone
+    [rad].
     """
     zone = edge_left_out(true.theta, true.pressure, true.order, edge)
     first, last = true.theta[0] + zone, true.theta[-1] - zone
-    # Nodes of both pressures divide the lining into intervals.
+    # The nodes of both pressures divide the lining into intervals.
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
     knots = knots[(knots >= first) & (knots <= last)]
-    # Between two knots both pressures are smooth, so that Gauss quadrature is exact enough.
+    # Within an interval both pressures are smooth, so that Gauss quadrature is exact enough.
     half = 0.5 * np.diff(knots)[:, None]
     theta, weight = knots[:-1, None] + half * (1 + GAUSS_POINTS), half * GAUSS_WEIGHTS
     p = true.pressure_at(theta)
@@ -238,9 +246,9 @@ def pressure_error(found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE
 
 
 def peak_pressure(shoe: Shoe, scale_factor: float, found: PressureField) -> float:
-    """Largest pressure [Pa] of a shoe outside the edge zones.
+    """Largest pressure [Pa] of a shoe outside the edge zones at the lining's ends.
 
-    The edge zones are included where half of the force acts there.
+    The edge zones are included where half of the force acts in them.
 
     Parameters
     ----------
@@ -259,9 +267,10 @@ def peak_pressure(shoe: Shoe, scale_factor: float, found: PressureField) -> floa
 
 
 def _peak_error(shoe: Shoe, scale_factor: float, found: Any, true: TrueShoe) -> float:
-    """Relative error of the peak pressure; nan where nothing presses.
+    """Relative error of the peak pressure of a shoe; nan where the shoe does not press.
 
-    A response states its peak. The peak of a plain solution is looked for here.
+    A response has a peak pressure of its own. The peak of a plain solution is found by
+    `peak_pressure`.
     """
     true_peak = peak_pressure(shoe, scale_factor, true)
     states_peak = hasattr(found, "peak_pressure")
@@ -278,11 +287,11 @@ def stated_and_true_row(
     true: Truth | None,
     failure: str = "",
 ) -> dict[str, Any]:
-    """Stated and true errors of a brake that is solved to a tolerance, as one row.
+    """A row with the stated and the true errors of a brake that is solved to a tolerance.
 
-    The row has the keys "stated_", "true_" and "unsure_" with JUDGED_QUANTITIES, as far as there
-    is a value; `outcome` is "reached", "not reached", "no truth" or "failed", `reason` the line
-    that explains a failure.
+    The keys are JUDGED_QUANTITIES with "stated_", "true_" or "unsure_" before them, the latter for
+    the uncertainty of the true error. A value that is not known has no key. `outcome` is "reached",
+    "not reached", "no truth" or "failed", and `reason` is a line of text on a failure.
 
     Parameters
     ----------
@@ -293,9 +302,9 @@ def stated_and_true_row(
     solve : function
         Solves a brake with the keyword `tolerance`.
     true : Truth or None
-        The truth of the brake; None where the truth itself failed.
+        The far finer solution of the brake; None where it has no answer.
     failure : str
-        Why there is no truth.
+        Reason why there is no far finer solution.
     """
     begin = time.process_time()
     base: dict[str, Any] = {"tolerance": tolerance, "title": brake.title, "reason": failure}
@@ -317,7 +326,7 @@ def stated_and_true_row(
 
 
 def _outcome_of_failure(error: Exception) -> dict[str, str]:
-    """Outcome and reason of a solve that raised an error."""
+    """The keys `outcome` and `reason` of a row for a solve that raised an error."""
     if isinstance(error, NoAnswer):
         outcome = "not reached" if "not reached" in str(error) else "failed"
         return {"outcome": outcome, "reason": str(error)}
@@ -325,10 +334,12 @@ def _outcome_of_failure(error: Exception) -> dict[str, str]:
 
 
 def stated_over_true(one: Mapping[str, Any], name: str) -> float:
-    """The stated error of a quantity in a row over its true error.
+    """The stated error of a quantity in a row over the true error less its uncertainty.
 
-    The uncertainty of the truth is taken off the true error. nan where the row lacks one of the
-    errors, inf where the true error is not larger than its uncertainty.
+    The result is nan where the row lacks one of the errors, and inf where the true error is not
+    larger than its uncertainty.
+
+    one : a row of `stated_and_true_row`; name : one of JUDGED_QUANTITIES.
     """
     stated = float(one.get(f"stated_{name}", math.nan))
     true = float(one.get(f"true_{name}", math.nan))
@@ -340,15 +351,16 @@ def stated_over_true(one: Mapping[str, Any], name: str) -> float:
 
 
 def summary_rows(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """A row for each tolerance and quantity: how far stated errors can be trusted.
+    """A row for each tolerance and quantity on how far the stated errors can be trusted.
 
-    Keys of a row, all shares as fractions: `brakes`: their number; `reached`: share that reached
-    the tolerance; `judged`: number with a stated and a true error; `above`: share whose true error
-    is above the stated one, with the uncertainty of the truth taken off; `above_whole`: the same
-    with nothing taken off; `above_twice`: share whose true error is above twice the stated one;
-    `smallest`: smallest ratio of stated to true error; `median`: median of this ratio where the
-    true error is more than four times its uncertainty; `median_relevant`: the same where the true
-    error is also at least RELEVANT; `missed`: share whose true error is above the tolerance.
+    Keys of a row, where shares are fractions of the brakes: `brakes`: number of brakes; `reached`:
+    share that reached the tolerance; `judged`: number with a stated and a true error; `above`:
+    share whose true error less its uncertainty is above the stated error; `above_whole`: share
+    whose whole true error is above the stated error; `above_twice`: share whose true error less its
+    uncertainty is above twice the stated error; `smallest`: smallest ratio of stated to true error;
+    `median`: median of this ratio over the brakes whose true error is more than four times its
+    uncertainty; `median_relevant`: the same over those of these brakes whose true error is at least
+    RELEVANT; `missed`: share whose true error less its uncertainty is above the tolerance.
     """
     table = []
     for tolerance in sorted({one["tolerance"] for one in rows}, reverse=True):
@@ -360,11 +372,13 @@ def summary_rows(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 def _summary_row(rows: Sequence[Mapping[str, Any]], tolerance: float, name: str) -> dict[str, Any]:
     """The row of `summary_rows` for the rows of one tolerance and for one quantity."""
+    # Only rows with a stated and a true error are judged; the ratio of the others is nan.
     ratios = np.array([stated_over_true(one, name) for one in rows])
     is_judged = ~np.isnan(ratios)
     judged_rows = [one for one, judged in zip(rows, is_judged, strict=True) if judged]
     judged_ratios = ratios[is_judged]
     stated, true, unsure = f"stated_{name}", f"true_{name}", f"unsure_{name}"
+    # Medians are taken over the rows whose true error is well above its uncertainty.
     well_known = [one for one in judged_rows if one[true] > 4 * one[unsure]]
     known_ratios = [one[stated] / one[true] for one in well_known]
     relevant_ratios = [one[stated] / one[true] for one in well_known if one[true] >= RELEVANT]

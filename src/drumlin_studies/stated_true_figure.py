@@ -1,4 +1,4 @@
-"""Figures of stated against true errors, and of the errors of finer and finer levels."""
+"""Figures of stated against true errors, and of true errors over the number of unknowns."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -18,24 +18,28 @@ PANEL_TITLES = {
     "peak": "peak pressure",
     "reaction": "hinge reaction",
 }
-"""Titles of the panels, by quantity."""
+"""Titles of the panels of a figure, by the quantity that a panel shows."""
 PANEL_MARKS = (("o", BLUE), ("s", RED), ("D", PURPLE), ("^", GREEN))
-"""Mark and colour of each tolerance, from the loosest on."""
+"""Mark and colour of the points of each tolerance, from the largest tolerance on."""
 WELL_KNOWN = 4.0
-"""Ratio of a true error to the uncertainty of the truth above which the error is well known.
+"""Ratio of a true error to its uncertainty above which the true error counts as well known.
 
-Errors below it are drawn pale.
+Points below this ratio are drawn pale.
 """
 PALE_POINTS_NOTE = (
     f"pale: the true error is less than {WELL_KNOWN:g} times the uncertainty of what stands for "
     "the truth"
 )
+"""Note above a figure that explains its pale points."""
 
 
 def draw_error_cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
-    """Stated over true error against the true error, a panel for each quantity.
+    """Figure of the ratio of stated to true error over the true error.
 
-    Each tolerance has a mark of its own.
+    The figure has a panel for each quantity, a point for each brake and tolerance, and a mark for
+    each tolerance.
+
+    rows : rows of `stated_true.stated_and_true_row`.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 6.4), layout="constrained")
@@ -54,10 +58,11 @@ def draw_error_cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
 
 
 def _draw_points(axes: Any, rows: Sequence[Mapping[str, Any]], name: str) -> bool:
-    """Draw the errors of one quantity, and return whether there are any."""
+    """Draw the points of one quantity into a panel, and return whether there is a point."""
     tolerances = sorted({row["tolerance"] for row in rows}, reverse=True)
     drawn = False
     for tolerance, (mark, color) in zip(tolerances, PANEL_MARKS, strict=False):
+        # Well known errors are drawn in full colour and get a label, the others are drawn pale.
         own = [row for row in rows if row["tolerance"] == tolerance]
         for known in (True, False):
             points = [point for row in own if (point := _error_point(row, name, known)) is not None]
@@ -79,10 +84,10 @@ def _draw_points(axes: Any, rows: Sequence[Mapping[str, Any]], name: str) -> boo
 
 
 def _error_point(row: Mapping[str, Any], name: str, known: bool) -> tuple[float, float] | None:
-    """True error, and stated over true error, of a quantity of a row.
+    """The point of a row: true error of a quantity, and ratio of stated to true error.
 
-    None where one of them is missing, or where the true error is well known and `known` is false,
-    or the reverse.
+    The result is None where one of the errors is missing, and where the true error is not well
+    known although `known` asks for it, or well known although `known` is false.
     """
     stated = float(row.get(f"stated_{name}", math.nan))
     true = float(row.get(f"true_{name}", math.nan))
@@ -93,14 +98,17 @@ def _error_point(row: Mapping[str, Any], name: str, known: bool) -> tuple[float,
 
 
 def draw_ratio_shares(ratios: Mapping[str, Floats]) -> Figure:
-    """Share of the levels over their ratio of stated to true error, a line for each quantity.
+    """Figure of the share of solved levels whose ratio of stated to true error is below a value.
 
-    ratios : the ratios (n,) of each quantity.
+    The figure has a line for each quantity.
+
+    ratios : the ratios (n,) of stated to true error for each quantity.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         axes = figure.subplots()
         for (name, values), (_, color) in zip(ratios.items(), PANEL_MARKS, strict=True):
+            # The sorted ratios over their rank are the cumulative distribution.
             percent = np.linspace(0, 100, len(values))
             axes.semilogx(np.sort(values), percent, color=color, label=PANEL_TITLES[name])
         axes.axvline(1.0, color=INK, lw=1)
@@ -111,9 +119,11 @@ def draw_ratio_shares(ratios: Mapping[str, Floats]) -> Figure:
 
 
 def draw_level_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
-    """Errors of p and of the torque over the cube root of the unknowns of a shoe.
+    """Figure of the errors of pressure and torque over the cube root of the unknowns of a shoe.
 
-    The polynomial degree stands beside each point.
+    The polynomial degree of the hp elements stands beside each point.
+
+    rows : rows of `orders.level_rows`.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")

@@ -1,20 +1,20 @@
-"""Solutions that are far finer than any answer of drumlin, kept as small files for the tests.
+"""Stored truths: solutions far finer than any answer of drumlin, kept as files for the tests.
 
-A test must notice a stated error that is too small or needlessly large. The test needs the true
-error for this, and so a solution whose own uncertainty is much smaller than the stated error. Such
-a solution takes ten seconds a brake. Therefore the command
+A test must notice an error stated by drumlin that is too small or needlessly large. For this the
+test needs the true error, and therefore a solution whose own uncertainty is much smaller than the
+stated error. Such a solution takes ten seconds for each brake. The command
 
     python -m drumlin_studies.stored_truth FOLDER [NAME ...]
 
-makes the solutions of some forty brakes of every kind once, and the tests read its files. A file
-holds the brake itself, so that the file does not depend on how random brakes are drawn.
+computes the solutions of some forty brakes of every kind once, and the tests read its files. A file
+also holds the brake, so that the file does not depend on how random brakes are drawn.
 
-Brakes on a drum are solved by the curved triangles of `drumlin.verification.triangles`, on one
-level more than a study uses (`TRIANGLES`). These triangles share nothing with the judged hp
-elements but the brake. The triangles do not cover brakes on a plane and some wheel cylinders. For
-such brakes hp elements of a higher degree with exact contact are taken as the truth (`FINER`); they
-are smaller at every singular point than the elements of any level of a solve. The last three levels
-of either sequence give the uncertainty that is stored with the solution.
+Brakes on a drum are solved by the curved triangles of `drumlin.verification.triangles`, with one
+mesh more than a study uses (`TRIANGLES`). This method shares only the brake with the judged hp
+elements. The triangles do not cover brakes on a plane and some wheel cylinders. These brakes are
+solved by hp elements of a higher degree with exact contact (`FINER`), which are smaller at every
+singular point than the elements on any level of a solve. The last three meshes of either sequence
+give the uncertainty that is stored with the solution.
 """
 
 import json
@@ -56,19 +56,22 @@ from drumlin_studies.stated_true import TrueShoe as Solved
 from drumlin_studies.stated_true import Truth, round_off_errors, truth_of_last_three
 
 TRIANGLES = (*TRIANGLE_LEVELS, TriangleLevel(6, 17, 0.7, 0.8))
-"""Meshes of triangles: the meshes of the studies and one of a higher degree with more halvings. On
-four brakes this fourth mesh lowered the uncertainty of p from 1e-5 to 2e-6 and the uncertainty of
-the torque from 1e-10 to 1e-11. A fifth mesh lowered neither."""
+"""Meshes of curved triangles, coarse to fine.
+
+To the meshes of the studies a mesh of a higher degree is added, whose triangles are halved more
+often towards the singular points. On four brakes this mesh lowered the uncertainty of the pressure
+from 1e-5 to 2e-6 and of the torque from 1e-10 to 1e-11. A further mesh lowered neither."""
 
 FINER = (
-    # degree, zone, edge, end, ratio, opening, largest, back, hinge, through
+    # The arguments are: degree, zone, edge, end, ratio, opening, largest, back, hinge, through.
     Level(6, 0.02, 0.01, 0.0008, 0.42, 0.25, 15 * DEG, 0.02, 0.012, 0.2),
     Level(7, 0.006, 0.004, 0.0003, 0.45, 0.27, 13 * DEG, 0.007, 0.004, 0.24),
     Level(8, 0.002, 0.0015, 0.0001, 0.48, 0.3, 11 * DEG, 0.0025, 0.0014, 0.28),
 )
-"""Divisions into hp elements of degrees that no level of a solve has. Triangles and these hp
-elements were compared on 20 brakes. The pressures differ by at most 2e-5 (1e-4 where the lining
-presses with its corner) and the torques by at most 2e-7."""
+"""Meshes of hp elements, coarse to fine, finer than every level of a solve.
+
+On 20 brakes these hp elements were compared with the curved triangles. The pressures differ by at
+most 2e-5, or 1e-4 where the lining presses with its corner, and the torques by at most 2e-7."""
 
 DEEP = (
     TriangleLevel(4, 14, 0.7, 0.8),
@@ -80,33 +83,38 @@ DEEPEST = (
     TriangleLevel(5, 21, 0.7, 0.8),
     TriangleLevel(6, 26, 0.7, 0.8),
 )
-"""Meshes of triangles for brakes that press with a corner (DEEP) or under a tip (DEEPEST). The
-smallest triangles have 2e-7 and 1e-8 of the lining's thickness. In some brakes round-off turns over
-the triangles of DEEPEST. Then DEEP is used under a tip too, with an uncertainty of p of 1e-4 to
-6e-4 in place of 1e-5 to 2e-4."""
+"""Meshes of curved triangles for brakes that press with a lining's corner (DEEP) or under a tip of
+the gap (DEEPEST).
+
+The smallest triangles have 2e-7 and 1e-8 of the lining's thickness. In some brakes round-off turns
+triangles of DEEPEST inside out. DEEP is then used under a tip too, with an uncertainty of the
+pressure of 1e-4 to 6e-4 in place of 1e-5 to 2e-4."""
 
 GIVE_WAY = 2e-3
-"""Length, relative to the contact, of the region next to a pressed corner in which the power law of
-the corner replaces the computed p. This length holds some ten triangles. With 14 triangles in place
-of 10, p differed by 5e-6 and 4e-5 on two brakes."""
+"""Length of the region next to a pressed corner, over the length of the contact, in which the power
+law of the corner replaces the computed pressure.
+
+Some ten triangles lie in this region. With 14 triangles the pressure differed by 5e-6 and 4e-5 on
+two brakes."""
 
 CERTAIN = 4.0
-"""Smallest ratio of a true error to its uncertainty for which a stored truth judges the stated
-error. At smaller ratios the difference between answer and truth may be an error of the truth."""
+"""Ratio of a true error to its uncertainty above which the true error judges the stated error.
+
+At smaller ratios the difference between answer and truth may be an error of the truth."""
 
 STORED_DIGITS = 10
-"""Significant digits of a stored pressure. Its uncertainty is 1e-7 of the pressure at best."""
+"""Significant digits with which pressures are stored. Their uncertainty is 1e-7 at best."""
 
 
 class StoredTruth(NamedTuple):
-    """A brake with its far finer solution.
+    """A brake with a far finer solution, as a file holds them.
 
     Attributes
     ----------
-    covers : the kind of brakes that this brake stands for, in words
+    covers : the kind of brakes for which this brake is an example, in words
     brake : the brake
     by : the solver of the far finer solution, in words
-    true : the far finer solution
+    true : the far finer solution with its uncertainty
     """
 
     covers: str
@@ -116,13 +124,13 @@ class StoredTruth(NamedTuple):
 
 
 class DrawnBrake(NamedTuple):
-    """How the brake of a stored truth is drawn.
+    """How a brake is drawn whose far finer solution is stored in a file.
 
     Attributes
     ----------
-    covers : the kind of brakes that this brake stands for, in words
+    covers : the kind of brakes for which this brake is an example, in words
     kind, seed : kind and seed of a random brake
-    changes : values of the brake file that replace those of the random brake, by key
+    changes : values of the brake file that replace values of the random brake, by key
     """
 
     covers: str
@@ -131,7 +139,7 @@ class DrawnBrake(NamedTuple):
     changes: Mapping[str, Any] = {}
 
     def brake(self) -> Brake:
-        """The random brake of kind and seed, with the changes made."""
+        """The random brake of `kind` and `seed` after `changes`."""
         drawn = (
             random_brake
             if self.kind in DRAWN_KINDS
@@ -144,13 +152,16 @@ class DrawnBrake(NamedTuple):
 
 
 SEED = 70_000
-"""Seed of the first brake of each kind. The factors of the error estimate are fitted on brakes of
-other seeds, from `calibration.FIRST_SEED` on, so that no fit has seen the brakes of these seeds."""
+"""Seed of the first random brake of each kind.
+
+The factors of the error estimate are fitted on brakes of other seeds, from `calibration.FIRST_SEED`
+on. The stored truths therefore judge brakes on which nothing was fitted."""
 
 TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
-"""Angles theta [rad] and clearances [m] of a lining that points to the drum with a tip, for the
-brake `draw_brake_of_holding_kind(SEED + 1, "hinge")`. The tip is as high as the force compresses
-the lining, so that nearly the whole lining presses."""
+"""Clearance table with a tip, for the brake `draw_brake_of_holding_kind(SEED + 1, "hinge")`.
+
+The rows are an angle theta [rad] and a clearance [m]. The tip in the middle row is about as high as
+the compression of the lining by the force, so that nearly the whole lining presses."""
 
 STORED_BRAKES: dict[str, DrawnBrake] = {
     "arc": DrawnBrake("elastic arc on a hinge, partial contact", "arc", SEED + 0),
@@ -249,19 +260,21 @@ STORED_BRAKES: dict[str, DrawnBrake] = {
         "short contact under a tip of the gap", "tip of a rigid shoe", SEED + 1
     ),
 }
+"""The brakes whose far finer solutions are stored, by the name of the file without its suffix."""
 
 
 def make_stored_truth(name: str) -> StoredTruth:
-    """The stored truth of a brake of STORED_BRAKES.
+    """Solve a brake of STORED_BRAKES far finer than a solve does; the result is not yet written.
 
-    The meshes DEEP or DEEPEST solve a brake that presses with a corner or under a tip. Other brakes
-    are solved by triangles, or by finer hp elements where the triangles have no answer. Raises
-    NoAnswer where no solver has an answer.
+    A brake that presses with a corner or under a tip is solved on the meshes DEEP or DEEPEST. Other
+    brakes are solved by the triangles, or by finer hp elements where the triangles have no answer.
+    Raises NoAnswer where no solver has an answer.
     """
     drawn = STORED_BRAKES[name]
     brake = drawn.brake()
     if drawn.kind in CORNERS:
         return StoredTruth(drawn.covers, brake, "deep triangles", solve_by_deep_triangles(brake))
+    # Triangles are preferred, because they share no part of the method with the hp elements.
     try:
         if brake.surface.straight:
             raise BadInput("triangles have no brakes on a plane")
@@ -272,7 +285,7 @@ def make_stored_truth(name: str) -> StoredTruth:
 
 
 def solve_by_triangles(brake: Brake) -> Truth:
-    """The far finer solution of a brake on a drum by the meshes TRIANGLES.
+    """The far finer solution of a brake on a drum by the last three meshes of TRIANGLES.
 
     Raises BadInput and NoAnswer as `triangles.solve` does.
     """
@@ -283,27 +296,33 @@ def solve_by_triangles(brake: Brake) -> Truth:
 def solve_by_deep_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake that presses with a corner or under a tip.
 
-    The meshes are DEEPEST under a tip and DEEP at a corner. No triangle is small enough for p next
-    to a pressed corner; there the power law of the corner replaces p, see
-    `corner.pressure_with_power_law`. The error that the smallest pieces of p leave in this power
-    law counts as uncertainty. Raises BadInput and NoAnswer as `triangles.solve` does.
+    The meshes are DEEPEST under a tip and DEEP at a corner. The pressure has no bound next to a
+    pressed corner, where no triangle is small enough. A power law replaces the computed pressure
+    there, see `corner.pressure_with_power_law`. The error of this power law is added to the
+    uncertainty. Raises BadInput and NoAnswer as `triangles.solve` does.
     """
     begin = time.process_time()
+    # An AssertionError means that round-off has turned triangles of DEEPEST inside out.
     try:
         sharp = any(clearance.tips(shoe.lining) for shoe in brake.shoes)
         meshes = triangles.solve_sequence(brake, DEEPEST if sharp else DEEP)
     except AssertionError:
         meshes = triangles.solve_sequence(brake, DEEP)
-    found = [
-        [_add_corner_power_law(brake, i, one) for i, one in enumerate(each)] for each in meshes
-    ]
+    found = []
+    for solutions in meshes:
+        corrected = [_add_corner_power_law(brake, i, one) for i, one in enumerate(solutions)]
+        found.append(corrected)
     true = truth_of_last_three(brake, found, begin)
     left = max(pressure_error_at_corners(brake, i, one) for i, one in enumerate(found[-1]))
     return replace(true, unsure={**true.unsure, "pressure": true.unsure["pressure"] + left})
 
 
 def _add_corner_power_law(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
-    """The solution of shoe `index` with the power law of its corners next to pressed corners."""
+    """The solution of shoe `index` with the power law in place of its pressure near a corner.
+
+    Only corners with an unbounded pressure are changed.
+    """
+    # The power law reaches over a fixed fraction of the contact arc that ends at the corner.
     for corner in unbounded_corners(brake, index, found):
         at_corner = found.theta[0 if corner.at_start else -1]
         arc = next((float(b - a) for a, b in found.arcs if at_corner in {a, b}), 0.0)
@@ -319,9 +338,9 @@ def _add_corner_power_law(brake: Brake, index: int, found: ShoeSolution) -> Shoe
 
 
 def solve_by_finer_divisions(brake: Brake) -> Truth:
-    """The far finer solution of a brake by the divisions FINER with exact contact.
+    """The far finer solution of a brake by the hp meshes FINER, with exact contact.
 
-    Raises NoAnswer where one of the divisions has no answer.
+    Raises NoAnswer where a mesh has no answer.
     """
     begin = time.process_time()
     answers = solved_levels(brake, partial(solve_prepared_model, penalty=math.inf), levels=FINER)
@@ -332,7 +351,10 @@ def solve_by_finer_divisions(brake: Brake) -> Truth:
 
 
 def stored_truth_as_text(stored: StoredTruth) -> str:
-    """A stored truth as JSON in SI units, with pressures of STORED_DIGITS significant digits."""
+    """A brake and its far finer solution as the text of a JSON file.
+
+    Numbers are in SI units, pressures have STORED_DIGITS significant digits.
+    """
     data = {
         "covers": stored.covers,
         "by": stored.by,
@@ -357,7 +379,7 @@ def _shoe_data(shoe: Solved) -> dict[str, Any]:
 
 
 def read_stored_truth(path: Path) -> StoredTruth:
-    """The stored truth of a file that `main` wrote."""
+    """The brake and its far finer solution in a file that `main` wrote."""
     data = json.loads(path.read_text(encoding="utf-8"))
     shoes = [_shoe_from_data(shoe) for shoe in data["shoes"]]
     true = Truth(shoes, data["uncertainty"], data["seconds"])
@@ -365,7 +387,10 @@ def read_stored_truth(path: Path) -> StoredTruth:
 
 
 def _shoe_from_data(data: Mapping[str, Any]) -> ShoeSolution:
-    """The solution of a shoe from the data of `_shoe_data`."""
+    """The solution of a shoe from the plain data that `_shoe_data` made.
+
+    Contact arcs and number of unknowns are not stored.
+    """
     return ShoeSolution(
         theta=np.array(data["theta"]),
         pressure=np.array(data["pressure"]),
@@ -379,9 +404,9 @@ def _shoe_from_data(data: Mapping[str, Any]) -> ShoeSolution:
 
 
 def main(folder: str, *names: str) -> None:
-    """Write the stored truths of the brakes `names` into a folder, one file for each brake.
+    """Solve brakes of STORED_BRAKES far finer than a solve does, and write a file of each brake.
 
-    Without names the stored truths of all brakes in STORED_BRAKES are written.
+    folder : folder of the files; names : names of the brakes, by default all of STORED_BRAKES.
     """
     for name in names or STORED_BRAKES:
         stored = make_stored_truth(name)

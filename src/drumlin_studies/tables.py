@@ -1,18 +1,22 @@
-"""Selections from tables of results, which are sequences of rows with a value for each key."""
+"""Selections from tables of results: sequences of rows, each with a value for each key."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 RowType = TypeVar("RowType", bound=Mapping[str, Any])
+"""Stands for the type of a row: a selection of rows has rows of the same type."""
 
 
 def values_of_key(rows: Sequence[Mapping[str, Any]], key: str) -> list[Any]:
-    """The value of a key in each row. Every row must have the key."""
+    """The list of the values of a key, one for each row. Every row must have the key."""
     return [row[key] for row in rows]
 
 
 def matching_rows(rows: Sequence[RowType], **values: Any) -> list[RowType]:
-    """The rows that have the given value for each given key."""
+    """The rows that have the given value for each given key.
+
+    **values : the values by key, for example `knob="penalty"`.
+    """
     return [row for row in rows if all(row.get(key) == value for key, value in values.items())]
 
 

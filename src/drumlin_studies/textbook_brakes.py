@@ -1,4 +1,4 @@
-"""Brakes from the dimensions that textbooks use."""
+"""Brakes made from the few dimensions that textbooks give: drum, hinge, arc and friction."""
 
 import math
 
@@ -7,7 +7,10 @@ from drumlin.brake.file import brake_from
 from drumlin.brake.plane_brake import any_from
 
 TEXTBOOK_LINING = {"thickness": 0.01, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
-"""The lining of all textbook brakes, in SI units. The laws do not depend on its modulus."""
+"""Data of the lining of all drum brakes of this module, in SI units.
+
+The laws, with which these brakes are solved, do not depend on thickness and modulus.
+"""
 
 
 def hinged_shoe_brake(
@@ -24,16 +27,17 @@ def hinged_shoe_brake(
     width: float = 0.04,
     pivot: tuple[float, float] | None = None,
 ) -> Brake:
-    """A brake with one hinged shoe that is pressed by a moment.
+    """A drum brake with one hinged shoe that is pressed by a given moment about its hinge.
 
-    The force has a lever of 1 m: it is normal to the radius of the hinge and acts 1 m beyond it.
+    The moment is applied as a force at a lever arm of 1 m. The force is normal to the line from the
+    drum's centre to the hinge and acts 1 m beyond the hinge.
 
     Parameters
     ----------
     R, a : float
-        Radius of the drum, and distance of the hinge from its centre [m].
+        Radius of the drum, and distance of the hinge from the drum's centre [m].
     arc : tuple of two float
-        Ends of the lining, from the hinge [rad].
+        Angles of the lining's ends, measured from the hinge [rad].
     moment : float
         Moment of the actuation about the hinge [N m].
     mu : float
@@ -45,14 +49,15 @@ def hinged_shoe_brake(
     hand : int
         1 where the lining lies on the side of growing angles of the hinge, -1 on the other side.
     turned : float
-        Angle of the hinge [rad].
+        Angle of the hinge around the drum [rad].
     width : float
         Width of the lining [m].
     pivot : tuple of two float, optional
-        Radius [m] and angle from the hinge [rad] of a pivot.
+        Radius [m] and angle from the hinge [rad] of a pivot. The shoe then turns about the pivot,
+        and the hinge is that of its lever.
     """
     start, end = sorted(turned + hand * phi for phi in arc)
-    # Sense of the moment that presses the shoe to the drum.
+    # 1 or -1: the sense of the moment about the hinge that presses the shoe to the drum.
     pressing = -hand if side == "internal" else hand
     shoe = {
         "name": "shoe",
@@ -90,7 +95,7 @@ def lever_block_brake(
     half: float,
     spin: int,
 ) -> Brake:
-    """A brake with a block on top of the drum, pressed by a horizontal lever.
+    """A drum brake with a block on top of the drum that is pressed by a horizontal lever.
 
     Parameters
     ----------
@@ -99,7 +104,7 @@ def lever_block_brake(
     arm : float
         Distance of the force from the lever's pin [m].
     x, a : float
-        Distance of the pin to the left of the block, and above the top of the drum [m].
+        Distance of the lever's pin to the left of the block, and above the top of the drum [m].
     P : float
         Downward force on the lever [N].
     mu : float
@@ -137,12 +142,12 @@ def hinged_pad_brake(
     hand: int = 1,
     width: float = 0.04,
 ) -> Brake:
-    """A brake on a plane with one hinged flat shoe that is pressed by a moment.
+    """A brake on a plane with one hinged flat shoe that is pressed by a moment about its hinge.
 
     Parameters
     ----------
     h : float
-        Height of the hinge above the plane [m]; it is at x = 0.
+        Height of the hinge above the plane [m]. The hinge is at x = 0.
     span : tuple of two float
         Distances of the lining's ends from the hinge [m].
     moment : float
@@ -152,7 +157,7 @@ def hinged_pad_brake(
     sliding : str
         Direction in which the plane slides, "+x" or "-x".
     hand : int
-        1 where the lining lies at growing x of the hinge, -1 on the other side.
+        1 where the lining lies at positive x, -1 at negative x.
     width : float
         Width of the lining [m].
     """

@@ -1,4 +1,8 @@
-"""Cost of sweeps: cases a second by processes and by Dask workers, and runs that are killed."""
+"""Speed of sweeps, which solve a brake for many input values, and sweeps that are killed.
+
+The speed is the number of cases per second by processes of this machine and by Dask workers. A
+killed sweep must continue from its journal without loss.
+"""
 
 import importlib
 import multiprocessing
@@ -20,30 +24,31 @@ from drumlin.sweeps.cases import Row, SweepCase, solve_cases
 from drumlin.sweeps.workers import Workers, provide_workers
 
 KEEP = {"MALLOC_TRIM_THRESHOLD_": str(2**28), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
-"""Environment by which glibc keeps freed memory below these sizes [bytes].
+"""Environment variables that make the C library glibc keep freed memory for later use.
 
-Dask sets the first of them. This turns off the automatic choice of the second, so that both are
-given.
+Memory below these sizes [bytes] is kept. Dask itself sets the first variable to a small value,
+which also turns off the automatic choice of the second; both are therefore set here.
 """
 
 
 class Throughput(NamedTuple):
-    """The time of a sweep by some workers.
+    """The measured time of a sweep.
 
     Attributes
     ----------
     by : str
-        What kind of workers.
+        Kind of the workers, in words.
     workers, cases : int
-        Their number, and the number of cases.
+        Number of workers, and number of solved cases.
     started : float
-        Time until all workers are ready [s].
+        Wall time until all workers are ready [s].
     seconds : float
-        Time of the cases from then on [s].
+        Wall time from then until all cases are solved [s].
     rows : list of mappings
-        Rows of the cases.
+        The result of each case.
     processor : float
-        Processor time of all processes from start to end [s]. Other programs do not lengthen it.
+        Processor time of all processes from start to end [s]. Other programs on the machine do not
+        lengthen it.
     """
 
     by: str
@@ -56,12 +61,12 @@ class Throughput(NamedTuple):
 
     @property
     def rate(self) -> float:
-        """Cases a second, once the workers are ready."""
+        """Number of cases per second, once the workers are ready."""
         return self.cases / self.seconds
 
 
 def time_with_processes(cases: Sequence[SweepCase], workers: int) -> Throughput:
-    """The time of the cases by processes of this machine."""
+    """The measured time of a sweep by processes of this machine."""
     start, before = time.perf_counter(), _processor_time()
     with provide_workers(workers) as found:
         made = _time_sweep("processes", cases, found, start)
@@ -69,12 +74,15 @@ def time_with_processes(cases: Sequence[SweepCase], workers: int) -> Throughput:
 
 
 def time_with_dask(cases: Sequence[SweepCase], workers: int) -> Throughput:
-    """The time of the cases by Dask workers, processes of one thread on the loopback interface."""
+    """The measured time of a sweep by Dask workers.
+
+    Each worker is a process of one thread on this machine.
+    """
     return _time_with_dask_workers("Dask workers", cases, workers, {})
 
 
 def time_with_dask_keeping_memory(cases: Sequence[SweepCase], workers: int) -> Throughput:
-    """The time of the cases by Dask workers that keep freed memory.
+    """The measured time of a sweep by Dask workers that keep freed memory for later use.
 
     By default a Dask worker returns freed memory to the system at once.
     """
@@ -84,7 +92,19 @@ def time_with_dask_keeping_memory(cases: Sequence[SweepCase], workers: int) -> T
 def _time_with_dask_workers(
     by: str, cases: Sequence[SweepCase], workers: int, environment: dict[str, str]
 ) -> Throughput:
-    """The time of the cases by Dask workers that start in an environment."""
+    """The measured time of a sweep by Dask workers.
+
+    Parameters
+    ----------
+    by : str
+        Kind of the workers, in words.
+    cases : sequence of SweepCase
+        The cases of the sweep.
+    workers : int
+        Number of workers.
+    environment : dict
+        Environment variables that are set while the workers start.
+    """
     distributed: Any = importlib.import_module("distributed")
     start, before = time.perf_counter(), _processor_time()
     with (
@@ -104,10 +124,10 @@ def _time_with_dask_workers(
 
 @contextmanager
 def _set_environment(more: dict[str, str]) -> Iterator[None]:
-    """Set environment variables for a block, and restore the environment afterwards.
+    """Set environment variables for a block of code, and restore the environment afterwards.
 
-    Dask sets further variables for its workers and does not remove them. They would slow down what
-    is measured afterwards.
+    Dask sets further variables for its workers and does not remove them. They would slow down the
+    sweeps that are measured afterwards.
     """
     before = dict(os.environ)
     os.environ.update(more)
@@ -124,22 +144,23 @@ def _processor_time() -> float:
 
 
 def _time_sweep(by: str, cases: Sequence[SweepCase], found: Workers, start: float) -> Throughput:
-    """The time of the cases by workers that are started already.
+    """The measured time of a sweep by workers that have been started.
 
-    The sine law solves some cases first, so that all workers are awake. The condensation of shared
-    bodies belongs to the measured time.
+    The workers first solve some cases by the sine law, so that all of them are ready. The time to
+    condense the bodies that cases share belongs to the measured time.
 
     Parameters
     ----------
     by : str
-        What kind of workers.
+        Kind of the workers, in words.
     cases : sequence of SweepCase
-        The cases.
+        The cases of the sweep.
     found : Workers
-        The workers.
+        The started workers.
     start : float
-        Time at which the workers were started [s].
+        Clock reading at which the start of the workers began [s].
     """
+    # Twenty cheap cases for each worker make all of them load the modules before the clock starts.
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
     solve_cases(warm, executor=found.executor, workers=found.workers)
     ready = time.perf_counter()
@@ -149,9 +170,14 @@ def _time_sweep(by: str, cases: Sequence[SweepCase], found: Workers, start: floa
 
 
 def rate_rows(measured: Sequence[Throughput]) -> list[Row]:
-    """A row for each measurement, with its `rate` and its `gain` over one worker."""
+    """A table row for each measured sweep, with the speed of its workers.
+
+    `rate` is the number of cases per second, `gain` the rate over that of the first measurement
+    with the same kind of workers.
+    """
     found = []
     for one in measured:
+        # The first measurement with the same kind of workers has one worker.
         alone = next(other for other in measured if other.by == one.by)
         row = {key: value for key, value in one._asdict().items() if key != "rows"}
         found.append(row | {"rate": one.rate, "gain": one.rate / alone.rate})
@@ -159,24 +185,25 @@ def rate_rows(measured: Sequence[Throughput]) -> list[Row]:
 
 
 def solved_torques(rows: Sequence[Row]) -> Floats:
-    """Torques of the rows that are solved (n,) [N m]."""
+    """The torques (n,) [N m] of the n cases that were solved."""
     return np.array([row["torque"] for row in rows if row["status"] == "solved"])
 
 
 def coarser_mesh_rows(
     cases: Sequence[SweepCase], elements: Sequence[int | None], fine: int
 ) -> list[Row]:
-    """Time and error of coarser meshes, a row for each number of elements.
+    """A row for each mesh with the processor time per case and the largest error of the torque.
 
     Parameters
     ----------
     cases : sequence of SweepCase
-        The cases, whose largest error counts.
+        The cases that are solved on each mesh.
     elements : sequence of int or None
-        Elements along each lining; None for the default solve.
+        Elements along each lining of each mesh; None for the default solve.
     fine : int
-        Elements of the mesh against which errors of the torque are taken.
+        Elements along each lining of the mesh against which errors are taken.
     """
+    # Torques on the fine mesh, against which the errors of the coarser meshes are taken.
     true = solved_torques(
         solve_cases([case._replace(options={"elements": fine}) for case in cases])
     )
@@ -193,7 +220,10 @@ def coarser_mesh_rows(
 
 
 def torque_spread(rows: Sequence[Row]) -> Row:
-    """Mean, relative standard deviation, and 2.5 and 97.5 percentiles of the torque [N m]."""
+    """A row with mean, relative standard deviation, 2.5 and 97.5 percentile of the torque [N m].
+
+    The row also has the number of cases and the number of cases without an answer.
+    """
     torque = solved_torques(rows)
     low, high = np.percentile(torque, [2.5, 97.5])
     return {
@@ -207,14 +237,14 @@ def torque_spread(rows: Sequence[Row]) -> Row:
 
 
 class Kill(NamedTuple):
-    """A run that was killed.
+    """A run of a sweep that was killed.
 
     Attributes
     ----------
     found : int
-        Rows in the journal when it began.
+        Number of finished cases in the journal when the run began.
     left : int
-        Rows in the journal when it was killed.
+        Number of finished cases in the journal when the run was killed.
     """
 
     found: int
@@ -228,9 +258,10 @@ def kill_and_finish_sweep(
     seed: int,
     say: Callable[[str], None] = lambda _: None,
 ) -> tuple[list[Kill], list[Row]]:
-    """Kill runs of a sweep at random moments, then let it finish: the kills, and the final rows.
+    """Kill several runs of a sweep at random moments, then let the sweep finish.
 
-    Each run is a process of its own, which is ended by SIGKILL.
+    Each run is a process of its own, which is ended by SIGKILL. The results are the kills and the
+    rows of the finished sweep.
 
     Parameters
     ----------
@@ -241,15 +272,16 @@ def kill_and_finish_sweep(
     kills : int
         Number of runs that are killed.
     seed : int
-        Seed of the moments.
+        Seed of the random moments.
     say : function
-        Is told how far the work is.
+        Is called with a line of text on the progress.
 
     Raises
     ------
     NoAnswer
         A run ends before it is killed.
     """
+    # A run is killed when the journal has this number of rows: between 5 % and 90 % of the cases.
     at = sorted(random.Random(seed).sample(range(len(cases) // 20, 9 * len(cases) // 10), kills))
     spawn = multiprocessing.get_context("spawn")
     done = []
@@ -269,13 +301,14 @@ def kill_and_finish_sweep(
             if process.exitcode != -signal.SIGKILL:
                 raise NoAnswer("killed: the run ended before it could be killed; take more cases")
         done.append(Kill(found, _count_journal_rows(path)))
+    # The last run is not killed and finishes the sweep from the journal.
     with Journal(path) as journal:
         return done, solve_cases(cases, journal=journal)
 
 
 @contextmanager
 def _start_process(process: Any) -> Iterator[Any]:
-    """Provide a started process while a block runs, then kill the process."""
+    """Start a process, provide it to a block of code, and kill it at the end of the block."""
     process.start()
     try:
         yield process
@@ -285,11 +318,11 @@ def _start_process(process: Any) -> Iterator[Any]:
 
 
 def _run_sweep(cases: Sequence[SweepCase], path: Path) -> None:
-    """Solve the cases with the journal at `path`."""
+    """Solve the cases of a sweep that are not yet in the journal at `path`, and add them to it."""
     with Journal(path) as journal:
         solve_cases(cases, journal=journal)
 
 
 def _count_journal_rows(journal: Path) -> int:
-    """Number of complete rows of a journal. Its first line is a stamp."""
+    """The number of finished cases in a journal. The first line of the journal is a stamp."""
     return max(journal.read_bytes().count(b"\n") - 1, 0) if journal.exists() else 0

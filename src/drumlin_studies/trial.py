@@ -1,10 +1,10 @@
-"""A trial: what becomes of a case of `extreme_cases`, and whether this is right.
+"""Trials: solves of the extreme brakes of `extreme_cases`, each with a verdict on its outcome.
 
 Every trial ends in one of TRIAL_OUTCOMES. An answer is right under three conditions: its forces
-balance, its pressures and gaps are complementary to 1e-8, and six digits of its torque agree with
-the refined solution. The refined solution solves the whole system in long double
-(`drumlin.fem.error_control.refinement`); where its condition leaves fewer digits, fewer must agree.
-A refusal is right where it names a physical reason.
+balance, pressure times gap is zero at each node to 1e-8, and six digits of its torque agree with
+the refined solution. The refined solution solves the whole system of equations in extended
+precision (`drumlin.fem.error_control.refinement`). Fewer digits must agree where the condition of
+the problem leaves fewer. A refusal is right where it names a physical reason.
 """
 
 import dataclasses
@@ -28,7 +28,7 @@ from drumlin_studies import pointwise
 from drumlin_studies.extreme_cases import KnobCase
 
 ANSWERS = ("answer", "no contact")
-"""Outcomes with a number."""
+"""Outcomes in which a solve gives an answer."""
 REFUSALS = {
     "self-locking": "self-locking",
     "to touch the drum": "out of reach",
@@ -38,38 +38,38 @@ REFUSALS = {
     "too far apart": "arithmetic",
     "singular stiffness": "arithmetic",
 }
-"""Outcome of a refusal, by words of its message."""
+"""Outcome of a trial that a solve refuses, by words in the error message."""
 TRIAL_FAULTS = ("not converged", "traceback", "inaccurate")
-"""Outcomes that must not occur."""
+"""Outcomes of a trial that are faults of drumlin and must not occur."""
 TRIAL_OUTCOMES = (*ANSWERS, *dict.fromkeys(REFUSALS.values()), "bad input", *TRIAL_FAULTS)
-"""All outcomes of a trial."""
+"""All outcomes of a trial: answers, refusals with a reason, bad input, and faults."""
 LARGEST_RESIDUAL = 1e-8
-"""Largest relative residual of balances and of complementarity of a right answer."""
+"""Largest relative residual of the balances and of pressure times gap in a right answer."""
 TORQUE_DIGITS = 6
-"""Digits of the torque that must agree with the refined solution."""
+"""Number of digits of the torque that must agree with the refined solution."""
 OTHER_ORDER = "MMD_AT_PLUS_A"
-"""Order of elimination of the refined solution.
+"""Order in which the library SuperLU eliminates the unknowns of the refined solution, by its name.
 
-It differs from the order that the model uses, so that both have different round-off.
+It differs from the order that the model uses, so that both solutions have different round-off.
 """
 STIFFEST_PENALTY = 1e16
-"""Penalty of the pointwise method in place of an infinite penalty."""
+"""Largest penalty factor of the pointwise penalty; it also replaces an infinite factor."""
 POINTWISE_REFUSALS = {"repeats": "cycles", "singular": "singular"}
-"""Outcome of a refusal of the pointwise method, by words of its message."""
+"""Outcome of a trial without an answer by the pointwise penalty, by words in the error message."""
 LARGEST_POINTWISE = 12_000
-"""Unknowns of a shoe up to which the pointwise method is tried.
+"""Largest number of unknowns of a shoe for which the pointwise penalty is tried.
 
-The method takes up to 60 factorisations.
+The method factorises the whole system up to 60 times.
 """
 POINTWISE_AGREEMENT = 1e-2
-"""Relative difference of the torques up to which both methods agree.
+"""Relative difference below which the torques of drumlin and of the pointwise penalty agree.
 
-A smaller difference is within the errors of the meshes.
+A smaller difference can be due to the errors of the meshes.
 """
 
 
 def try_case(case: KnobCase) -> dict[str, Any]:
-    """The row of a case: its outcome with a reason, and the accuracy of an answer."""
+    """Solve a case and return its row: outcome, reason, times, and the accuracy of an answer."""
     row: dict[str, Any] = {
         "knob": case.knob,
         "case": changed_knobs_text(case),
@@ -85,13 +85,14 @@ def try_case(case: KnobCase) -> dict[str, Any]:
             response = solve_prepared_model(scene, brake, penalty=case.penalty)
         touches = any(shoe.contact_arcs for shoe in response.shoes)
         row["outcome"] = "answer" if touches else "no contact"
-    # Any exception becomes a row, because an unexpected one is what a trial looks for.
+    # A trial looks for unexpected exceptions: each exception becomes the outcome of the row.
     except Exception as error:
         row |= _outcome_of_failure(error)
     row["seconds"] = time.perf_counter() - start
     if response is not None:
         assert brake is not None and scene is not None
         row |= _judged_row(row, scene, brake, response, case.penalty)
+    # The pointwise penalty is tried as well, unless its system would be too large.
     if brake is not None and scene is not None:
         too_large = max(body.unknowns for body in scene.bodies) > LARGEST_POINTWISE
         not_tried = {"pointwise": "not tried: too large"}
@@ -100,7 +101,7 @@ def try_case(case: KnobCase) -> dict[str, Any]:
 
 
 def _outcome_of_failure(error: Exception) -> dict[str, str]:
-    """Outcome and reason of a case that raised an error."""
+    """The keys `outcome` and `reason` of a row for a case that raised an error."""
     if isinstance(error, BadInput):
         return {"outcome": "bad input", "reason": str(error)}
     if isinstance(error, NoAnswer):
@@ -112,7 +113,23 @@ def _outcome_of_failure(error: Exception) -> dict[str, str]:
 def _judged_row(
     row: dict[str, Any], scene: PreparedModel, brake: Brake, response: Response, penalty: float
 ) -> dict[str, Any]:
-    """The row of a response with its accuracy, and with an outcome "inaccurate" where it fails."""
+    """The row with torque, balance and accuracy of an answer added.
+
+    The outcome becomes "inaccurate" where the answer is not right.
+
+    Parameters
+    ----------
+    row : dict
+        The row of the case so far.
+    scene : PreparedModel
+        The prepared model of the brake.
+    brake : Brake
+        The brake.
+    response : Response
+        The answer.
+    penalty : float
+        Penalty factor of the contact.
+    """
     row = row | {
         "torque": response.torque,
         "steps": response.iterations,
@@ -127,7 +144,7 @@ def _judged_row(
 
 
 def changed_knobs_text(case: KnobCase) -> str:
-    """The knobs that a case changes, in a few words."""
+    """Names and values of the quantities ("knobs") that a case changes, as text."""
     words = []
     for key, value in case.changes.items():
         words.append(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}")
@@ -135,7 +152,11 @@ def changed_knobs_text(case: KnobCase) -> str:
 
 
 def is_sound(row: dict[str, Any]) -> bool:
-    """Whether an answer has small residuals, and as many digits as its condition allows."""
+    """Whether the answer of a row is right.
+
+    Its residuals must be small, and TORQUE_DIGITS of its torque must be correct, or as many as the
+    condition of the problem allows.
+    """
     if row["digits"] is None:
         return False
     residual = max(row["balance"], row["complementarity"])
@@ -145,23 +166,27 @@ def is_sound(row: dict[str, Any]) -> bool:
 def answer_accuracy(
     scene: PreparedModel, brake: Brake, response: Response, penalty: float
 ) -> dict[str, Any]:
-    """Residuals, condition and digits of an answer, the worst of all groups of shoes.
+    """Residuals, condition and correct digits of an answer; the worst group of shoes counts.
 
-    Keys of the result: `complementarity`, the residual of the reported pressures with the gaps of
-    the refined solution, relative to the largest terms; `condition`, a 1-norm estimate of the
-    equilibrated contact equations; `torque_condition`, the condition of the torque; `allowed`, the
-    digits that this condition leaves to double precision; `digits`, the digits of the torque that
-    agree with the refined solution, at most 16; `sure`, the digits to which the refined solution
-    itself is known, which limit `digits`; `pressure_error`, the relative error of p in the maximum
-    norm; `sets`, the contact sets of the refinement; `seconds_whole`, its time.
+    A group has the shoes that the ring, a cam or a link couples.
+
+    Keys of the result: `complementarity`, the largest product of pressure and gap or the deepest
+    penetration, with the gaps of the refined solution, relative to the largest pressure;
+    `condition`, an estimate in the 1-norm for the scaled contact equations; `torque_condition`, the
+    condition of the torque; `allowed`, the digits that this condition leaves in double precision;
+    `digits`, the digits of the torque that agree with the refined solution, at most 16; `sure`, the
+    digits to which the refined solution itself is known, which limit `digits`; `pressure_error`,
+    the relative error of the pressure in the maximum norm; `sets`, the number of contact sets that
+    the refinement tried; `seconds_whole`, the time of the refined solution. Where the refined
+    solution failed, `digits` is None and `whole` gives the reason.
     """
-    rows = [
-        _group_accuracy(response, group)
-        for group in divide_pressed_shoes_into_groups(scene, brake, penalty)
-    ]
+    groups = divide_pressed_shoes_into_groups(scene, brake, penalty)
+    rows = [_group_accuracy(response, group) for group in groups]
     worst: dict[str, Any] = {
-        key: max(row[key] for row in rows) for key in ("condition", "seconds_whole")
+        "condition": max(row["condition"] for row in rows),
+        "seconds_whole": max(row["seconds_whole"] for row in rows),
     }
+    # If the refined solution of one group failed, nothing is known about the digits of the answer.
     known = [row for row in rows if row["digits"] is not None]
     if len(known) < len(rows):
         failure = next(row["whole"] for row in rows if row["whole"])
@@ -179,13 +204,14 @@ def answer_accuracy(
 
 
 def _group_accuracy(response: Response, group: ShoeGroup) -> dict[str, Any]:
-    """The keys of `answer_accuracy` for one group of shoes.
+    """The keys of `answer_accuracy` for one group of coupled shoes.
 
-    Under `whole` stands why the refined solution of the group failed.
+    `whole` is the reason why the refined solution of the group failed, or empty.
     """
     group, _ = group.solve_contact()
+    # The group and the refined solution have a unit actuation force; `size` is the real force [N].
     size, shoes = group.unit_force, [response.shoes[i] for i in group.members]
-    # The reported pressures per unit force, in the order of the group's unknowns.
+    # The answer's pressures per unit of the actuation force, in the order of the group's nodes.
     pairs = zip(shoes, group.shoes, strict=True)
     p = np.concatenate([found.pressure[:: shoe.frame.sense] for found, shoe in pairs]) / size
     active = p > 0
@@ -197,7 +223,7 @@ def _group_accuracy(response: Response, group: ShoeGroup) -> dict[str, Any]:
     except NoAnswer as error:
         return row | {"whole": str(error), "seconds_whole": time.perf_counter() - start}
     row["seconds_whole"] = time.perf_counter() - start
-    # The refined solution is per unit force, as the group is.
+    # Both torques are for a unit actuation force.
     torque = sum(shoe.torque for shoe in shoes) / size
     off = abs(torque - refined.torque) / refined.torque if refined.torque else 0.0
     exact = np.concatenate(refined.p)
@@ -215,26 +241,26 @@ def _group_accuracy(response: Response, group: ShoeGroup) -> dict[str, Any]:
 
 
 def correct_digits(error: float) -> float:
-    """Number of correct digits under a relative error, from 0 to 16."""
+    """The number of correct decimal digits of a value with a relative error, from 0 to 16."""
     return float(np.clip(-math.log10(max(error, 1e-16)), 0, 16))
 
 
 def compare_with_pointwise(
     case: KnobCase, brake: Brake, response: Response | None
 ) -> dict[str, Any]:
-    """What becomes of a case by the pointwise penalty.
+    """Solve a case by the pointwise penalty as well, and compare the torque with that of drumlin.
 
-    The result has the outcome `pointwise`, the relative difference of the torques, the Newton steps
-    and the time.
+    The result is a part of a row: the outcome `pointwise`, the relative difference of the torques,
+    the number of Newton steps and the time.
 
     Parameters
     ----------
     case : KnobCase
         The case.
     brake : Brake
-        Its brake.
+        The brake of the case.
     response : Response or None
-        The response of drumlin, None where it has refused the case.
+        The response of drumlin; None where drumlin has refused the case.
     """
     start = time.perf_counter()
     row: dict[str, Any] = {}

@@ -1,8 +1,9 @@
-"""Two elastic bodies in contact, made from drumlin's parts without a brake.
+"""Two elastic bodies in contact, modelled by drumlin's equations without a brake.
 
-The pressure has its unknowns at the nodes of the inner body, as at those of a lining. The outer
-body is coupled on the common refinement of both grids of angles. Each body is held at its far side.
-The holder of the inner body may move.
+The inner body takes the place of a lining: the unknown pressures belong to its contact nodes. The
+outer body takes the place of the drum. The nodes of both contact lines together divide the contact
+into intervals, over which the coupling is integrated. Each body is supported at the side away from
+the contact. The support of the inner body (its holder) may move as a rigid body.
 """
 
 from collections.abc import Sequence
@@ -35,7 +36,7 @@ from drumlin.fem.substructure.ring import quadratic_ring_mesh, ring_coupling_mat
 
 
 def growing_steps_to(fine: float, growth: float, end: float) -> Floats:
-    """Points from 0 to `end`, whose steps begin with about `fine` and grow by a factor."""
+    """Points from 0 to `end` whose steps begin with about `fine` and grow by a factor `growth`."""
     steps = [fine]
     while sum(steps) < end:
         steps.append(steps[-1] * growth)
@@ -44,26 +45,31 @@ def growing_steps_to(fine: float, growth: float, end: float) -> Floats:
 
 
 def symmetric_angles(fine_half: float, count: int, growth: float, end: float) -> Floats:
-    """Angles from -end to end: `count` even steps within +-fine_half, growing steps outside."""
+    """Angles from -end to end [rad], symmetric about 0.
+
+    There are `count` equal steps between -fine_half and fine_half. Outside of them the steps grow
+    by the factor `growth`.
+    """
     inner = np.linspace(-fine_half, fine_half, count + 1)
     outer = fine_half + growing_steps_to(inner[1] - inner[0], growth, end - fine_half)[1:]
     return np.concatenate([-outer[::-1], inner, outer])
 
 
 def sector_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
-    """Mesh of a sector of a ring, in contact at depth 0 and held at the greatest depth.
+    """The mesh of a ring sector with the boundaries "contact" at depth 0 and "support" opposite.
 
     Parameters
     ----------
     angles : array
         Angles of the element corners [rad].
     depths : array
-        Depths of the element corners [m], from 0 on.
+        Distances of the element corners from the contact surface [m], from 0 on.
     radius : float
-        Radius of the contact [m].
+        Radius of the contact surface [m].
     sign : int
-        1 where the body lies outside the contact, -1 inside.
+        1 where the body lies outside the contact surface, -1 inside.
     """
+    # A rectangular grid of depth and angle is bent to the sector; boundaries are found by depth.
     grid = skfem.MeshQuad.init_tensor(depths, angles)
     middle = grid.p[:, grid.facets].mean(axis=1)
     mesh = skfem.MeshQuad2.from_mesh(grid)
@@ -81,13 +87,23 @@ def sector_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any
 
 
 def closed_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
-    """Mesh of a closed ring; parameters as of `sector_mesh`."""
+    """The mesh of a closed ring; its parameters are those of `sector_mesh`."""
     return quadratic_ring_mesh(angles, depths, radius, sign, "body")
 
 
 @dataclass(frozen=True)
 class ContactBody:
-    """A body after static condensation to the nodes of its contact line."""
+    """A body after static condensation to the nodes of its contact line.
+
+    Attributes
+    ----------
+    basis : skfem basis
+        Mesh and shape functions of the body.
+    line : ContactLine
+        Nodes of the contact surface, in the order of their angles.
+    condensed : CondensedBody
+        Flexibility of the body at these nodes.
+    """
 
     basis: Any
     line: ContactLine
@@ -97,18 +113,18 @@ class ContactBody:
 def condense_contact_body(
     mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0
 ) -> ContactBody:
-    """The condensed body of a mesh, held at its support.
+    """The body of a mesh, fixed at its support and condensed to its contact nodes.
 
     Parameters
     ----------
     mesh : skfem mesh
-        With the boundaries "contact" and "support".
+        Mesh with the boundaries "contact" and "support".
     material : Material
-        Isotropic material.
+        Isotropic material of the body.
     width : float
         Width of the body [m].
     middle : float
-        Angle in the middle of the contact [rad].
+        Angle of the middle of the contact line [rad].
     """
     basis = scalar_basis(mesh)
     line = make_contact_line(basis, mesh.boundaries["contact"], middle)
@@ -121,19 +137,21 @@ def condense_contact_body(
 
 @dataclass(frozen=True)
 class BodyPair:
-    """An inner body against an outer body or a rigid drum.
+    """An inner elastic body in contact with an outer elastic body or with a rigid drum.
 
     Attributes
     ----------
     inner : ContactBody
-        The body whose nodes carry the pressure.
+        The body whose n contact nodes have the unknown pressures.
     coupling : Coupling
-        From displacements of the inner nodes to gaps and slips at the contact.
+        Matrices from displacements of the inner body's nodes to gaps and slips at the contact.
     pressed, dragged : array (m, n)
-        Square roots of the flexibility of both bodies: their responses to unit pressures and to
-        unit tractions at the n nodes. Products such as pressed.T @ dragged are flexibilities.
+        Square roots of the flexibility of both bodies, under unit pressures (pressed) and unit
+        tangential tractions (dragged) at the n nodes. Products of two of them, for example
+        pressed.T @ dragged, are flexibilities.
     motions : array (2 n, motions)
-        Displacements of the contact nodes as the holder of the inner body moves.
+        Displacements of the n contact nodes for a unit of each rigid motion of the inner body's
+        support.
     """
 
     inner: ContactBody
@@ -146,18 +164,19 @@ class BodyPair:
     def of(
         cls, inner: ContactBody, outer: ContactBody | None, sign: int = 1, motions: str = ""
     ) -> "BodyPair":
-        """The pair of an inner and an outer body.
+        """The pair of two condensed bodies, with the coupling between their contact nodes.
 
         Parameters
         ----------
         inner : ContactBody
-            The body whose nodes carry the pressure.
+            The body whose contact nodes have the unknown pressures.
         outer : ContactBody or None
-            The other body; None for a rigid drum.
+            The body in the place of the drum; None for a rigid drum.
         sign : int
-            1 where the outer body lies outside the contact, -1 inside.
+            1 where `outer` lies outside the contact surface (a drum around a shoe), -1 where it
+            lies inside the contact surface (a drum under an external shoe).
         motions : str
-            Directions in which the holder of the inner body moves: "", "x", "y" or "xy".
+            Directions in which the support of `inner` can move: "", "x", "y" or "xy".
         """
         coupling = couple_with_counterface(inner.line, 1.0, drum_directions(sign))
         halves = [
@@ -166,13 +185,13 @@ class BodyPair:
         ]
         if outer is not None:
             N, T = ring_coupling_matrices(inner.line, outer.line, 1.0, sign)
-            # The flexibilities of both bodies add up: their square roots are stacked.
+            # The flexibilities of both bodies add up, so that their square roots are stacked.
             pressed, dragged = halves
             halves = [
                 np.vstack([pressed, _flexibility_root_times(outer, -N)]),
                 np.vstack([dragged, _flexibility_root_times(outer, T)]),
             ]
-        # Displacements of the contact nodes as the holder moves by 1 m.
+        # Displacements of the contact nodes as the support of the inner body moves by 1 m.
         x = inner.line.xy[0]
         moves = {
             "x": np.column_stack([np.ones_like(x), 0 * x]),
@@ -187,14 +206,14 @@ class BodyPair:
         )
 
     def normal(self, gap: Floats, loads: Sequence[float] = ()) -> ContactProblem:
-        """The frictionless contact problem.
+        """The contact problem without friction, whose unknowns are the n nodal pressures.
 
         Parameters
         ----------
         gap : array (n,)
-            Gap between the undeformed bodies [m].
+            Gap between the undeformed bodies at the contact nodes [m].
         loads : sequence of float
-            Force on the holder of the inner body along each motion [N].
+            Force on the support of the inner body along each of its motions [N].
         """
         B = -self.coupling.N @ self.motions
         return ContactProblem(
@@ -208,18 +227,19 @@ class BodyPair:
     def frictional(
         self, gap: Floats, loads: Sequence[float], penalty_compliance: float = 0.0
     ) -> stick_slip.FrictionalProblem:
-        """The contact problem with friction.
+        """The contact problem with friction, whose unknowns are nodal pressures and tractions.
 
-        The slip is that of the outer body against the inner body, along growing angles.
+        The slip is the tangential motion of the outer body relative to the inner body, positive
+        towards growing angles.
 
         Parameters
         ----------
         gap : array (n,)
-            Gap between the undeformed bodies [m].
+            Gap between the undeformed bodies at the contact nodes [m].
         loads : sequence of float
-            Force on the holder of the inner body along each motion [N].
+            Force on the support of the inner body along each of its motions [N].
         penalty_compliance : float
-            Closure of the gap per pressure [m/Pa].
+            Penetration that the penalty allows per pressure [m/Pa]; 0 for exact contact.
         """
         n, B_s = len(gap), -self.coupling.T @ self.motions
         flat = self.normal(gap, loads)
@@ -240,18 +260,19 @@ class BodyPair:
 
     @property
     def angle(self) -> Floats:
-        """Angles of the contact nodes (n,) [rad]."""
+        """Angles (n,) of the inner body's contact nodes [rad]."""
         return self.inner.line.phi
 
 
 def coarse_contact_set(problem: ContactProblem, share: int = 6) -> Bools:
-    """A contact set to start from: the set of the same problem on fewer nodes.
+    """A first contact set (n,) for a contact problem: whether each node touches.
 
-    The coarse problem keeps every `share`-th node, with p linear between the nodes. It starts in
-    the same way itself.
+    It is the contact set of a coarser problem, which keeps every `share`-th node and has a linear
+    pressure between these nodes. The coarser problem starts from a still coarser one.
     """
     n = len(problem.q)
     kept = np.unique(np.round(np.linspace(0, n - 1, max(3, n // share))).astype(int))
+    # P interpolates pressures at the kept nodes to all nodes.
     P = np.array([np.interp(np.arange(n), kept, row) for row in np.eye(len(kept))]).T
     coarse = ContactProblem(
         P.T @ problem.A @ P, P.T @ problem.q, P.T @ problem.B, problem.C @ P, problem.h
@@ -261,8 +282,12 @@ def coarse_contact_set(problem: ContactProblem, share: int = 6) -> Bools:
 
 
 def _flexibility_root_times(one: ContactBody, forces: Floats) -> Floats:
-    """Square root of the flexibility of a body times nodal forces (n, 2 nodes)."""
+    """The product of the square root of a body's flexibility with n sets of nodal forces.
+
+    forces : array (n, 2 nodes) of forces on the contact nodes, x and y of each node [N].
+    """
     return one.condensed.half_flexibility(forces.T)
 
 
 LADDER_STEEL = Material(E=210e9, nu=0.3)
+"""The steel of the elastic bodies in the benchmark cases with known answers (`ladder`)."""

@@ -1,6 +1,7 @@
-"""Uncertainty of a mesh and of a comparison.
+"""The uncertainty of a value due to its mesh, and of the comparison of a simulation with data.
 
-The first is Roache's grid convergence index, the second the validation of ASME V&V 20.
+The uncertainty due to the mesh is Roache's grid convergence index. The uncertainty of a comparison
+is the validation uncertainty of ASME V&V 20.
 """
 
 import math
@@ -9,9 +10,10 @@ from typing import NamedTuple
 from drumlin.comparison import extrapolate
 
 SAFETY = 1.25
-"""Factor of safety of the grid convergence index where three meshes show the order (Roache 1994).
+"""Factor of safety of the grid convergence index, by which the extrapolated error is multiplied.
 
-With two meshes Roache uses 3.
+It applies where three meshes show the order of convergence (Roache 1994). With two meshes Roache
+uses 3.
 """
 
 
@@ -25,11 +27,11 @@ class Index(NamedTuple):
     extrapolated : float
         The value for a mesh size of zero.
     fine, coarse : float
-        Grid convergence index of the finer and of the coarser pair of meshes, relative to the finer
-        value of each pair.
+        Grid convergence index, a relative uncertainty, of the finer and of the coarser pair of
+        meshes. It is relative to the value on the finer mesh of the pair.
     asymptotic : float
-        Index of the coarser pair over r^p times that of the finer pair. Near 1 the meshes show the
-        leading term of the error.
+        Index of the coarser pair over r^p times that of the finer pair, with the ratio r of the
+        mesh sizes and the order p. Near 1 the error falls with the order p on these meshes.
     """
 
     order: float
@@ -42,7 +44,9 @@ class Index(NamedTuple):
 def grid_convergence(
     fine: float, medium: float, coarse: float, ratio: float = 2.0, safety: float = SAFETY
 ) -> Index:
-    """The grid convergence index of values on three meshes.
+    """Order of convergence, extrapolated value and grid convergence index from three meshes.
+
+    The values on the fine, medium and coarse mesh are f1, f2 and f3:
 
         p = ln((f3 - f2)/(f2 - f1))/ln r
         f = f1 + (f1 - f2)/(r^p - 1)
@@ -62,13 +66,15 @@ def grid_convergence(
     Raises
     ------
     ValueError
-        The differences do not shrink with one sign, so that no order shows.
+        The two differences have opposite signs, or the finer difference is not the smaller one.
+        The values then show no order of convergence.
     """
     near, far = fine - medium, medium - coarse
     if near * far <= 0 or abs(far) <= abs(near):
         raise ValueError(
             f"no order: the differences {far:g} and {near:g} do not shrink with one sign"
         )
+    # Richardson extrapolation gives the order and the limit; the indices follow from its error.
     limit = extrapolate(coarse, medium, fine, ratio)
     growth = ratio**limit.order
     fine_index = safety * limit.uncertainty / abs(fine)
@@ -78,15 +84,15 @@ def grid_convergence(
 
 
 class Validation(NamedTuple):
-    """A simulation against data (ASME V&V 20-2009, section 1-5).
+    """The comparison of a simulation S with data D (ASME V&V 20-2009, section 1-5).
 
     Attributes
     ----------
     error : float
         Comparison error E = S - D.
     uncertainty : float
-        Validation uncertainty u_val, of everything but the model. The model's error lies within
-        E -+ u_val.
+        Validation uncertainty u_val of E due to mesh, inputs and data, but not due to the model.
+        The error of the model lies between E - u_val and E + u_val.
     """
 
     error: float
@@ -94,26 +100,27 @@ class Validation(NamedTuple):
 
     @property
     def model_error(self) -> tuple[float, float]:
-        """The interval (two ends) in which the model's error lies."""
+        """The two ends E - u_val and E + u_val of the interval in which the model's error lies."""
         return self.error - self.uncertainty, self.error + self.uncertainty
 
     @property
     def resolved(self) -> bool:
-        """Whether |E| > u_val, so that the error of the model is larger than the uncertainty."""
+        """Whether |E| > u_val, so that the comparison shows an error of the model."""
         return abs(self.error) > self.uncertainty
 
 
 def compare_with_data(
     simulation: float, data: float, *, numerical: float, inputs: float = 0.0, of_data: float
 ) -> Validation:
-    """The comparison error E = S - D and its u_val^2 = u_num^2 + u_input^2 + u_D^2.
+    """The comparison error E = S - D with its validation uncertainty u_val.
 
-    All uncertainties have the unit of the value and one coverage.
+    u_val^2 = u_num^2 + u_input^2 + u_D^2. All uncertainties have the unit of S and D and the same
+    coverage factor.
 
     Parameters
     ----------
     simulation, data : float
-        The two values S and D.
+        The value S of the simulation and the value D of the data.
     numerical : float
         Uncertainty u_num by the mesh and the solver.
     inputs : float

@@ -1,12 +1,16 @@
-"""The estimated error of plane stress itself against the true one, on random brakes.
+"""The estimated error of the plane-stress model compared with its true error, on random brakes.
+
+The command
 
     python -m drumlin_studies.width_error FIRST LAST [DEGREE]
 
-prints a line for each brake on a rigid drum that random_brake draws from the seeds FIRST to
-LAST - 1, and the table of estimated over true errors: by one width and by several, of brakes that
-plane stress misses by more than LEAST_JUDGED. The truth is the model of the width of the degree
-DEGREE (5) on the first level of the section. Plane stress on the same section is judged, so that
-the section's error cancels.
+prints a line for each random brake on a rigid drum with a seed from FIRST to LAST - 1, and a table
+of the ratios of estimated to true error. The table treats brakes whose parts have one width and
+brakes with several widths apart. It leaves out errors below LEAST_JUDGED.
+
+The true error is the difference from a model whose displacements vary across the width as
+polynomials of the degree DEGREE (by default 5). Both models use the first level of hp elements for
+the shoe's section, so that the error of this mesh cancels.
 """
 
 import sys
@@ -28,13 +32,13 @@ from drumlin.fem.width.prepare import prepare_width, width_why_not
 from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
 
 LEAST_JUDGED = 1e-3
-"""True relative error from which on an estimate is judged; smaller ones concern nobody."""
+"""True relative error above which an estimate is judged. Smaller errors are of no interest."""
 TRUE_WIDTH_DEGREE = 5
-"""Degree across the width of the truth, by default."""
+"""Default degree of the polynomials across the width in the model that serves as the truth."""
 KINDS_WITH_WIDTHS = tuple(kind for kind in SHAPE_KINDS if not kind.endswith("on ring"))
-"""Kinds of random brakes that have an estimate: those on a rigid drum."""
+"""Kinds of random brakes for which drumlin estimates the error: those on a rigid drum."""
 JUDGED = ("torque", "pressure", "reaction")
-"""The errors that are judged, by their names in `ModelError`."""
+"""The errors of plane stress that are judged, by their names in `ModelError`."""
 
 
 class WidthErrorRow(NamedTuple):
@@ -42,8 +46,9 @@ class WidthErrorRow(NamedTuple):
 
     Attributes
     ----------
-    title : of the brake
-    widths : number of different widths of its parts, and of breaks beside a web
+    title : title of the brake
+    widths : largest number of intervals across half the width of a shoe. The edges of narrower
+        parts, for example of a web, separate the intervals.
     true, estimated : relative errors by the names of JUDGED
     """
 
@@ -53,16 +58,21 @@ class WidthErrorRow(NamedTuple):
     estimated: dict[str, float]
 
     def ratio(self, name: str) -> float:
-        """The estimated error over the true one."""
+        """The estimated error `name` over the true error; name : one of JUDGED."""
         return self.estimated[name] / self.true[name]
 
 
 def judged(brake: Brake, degree: int = TRUE_WIDTH_DEGREE) -> WidthErrorRow | str:
-    """The errors of plane stress on a brake, or why there are none."""
+    """The true and the estimated error of plane stress on a brake, or the reason why there is none.
+
+    degree : degree of the polynomials across the width in the model that serves as the truth.
+    """
     reason = width_why_not(brake)
     if reason is not None:
         return reason
     try:
+        # The default solve gives the estimate. Both models start from its contact and are graded to
+        # its singular points.
         response = solve(brake, model_error=True)
         points = singular_points_of(brake, response, error=LEVELS[0].error)
         plane = solve_prepared_model(prepare(brake, LEVELS[0], points), brake, start=response)
@@ -79,7 +89,10 @@ def judged(brake: Brake, degree: int = TRUE_WIDTH_DEGREE) -> WidthErrorRow | str
 
 
 def rows_of_seeds(first: int, last: int, degree: int) -> Iterator[WidthErrorRow | str]:
-    """The rows of the brakes of the seeds from `first` to `last` - 1, or why one has none."""
+    """For each seed from `first` to `last` - 1 the row of its brake, or a text why there is none.
+
+    degree : degree of the polynomials across the width in the model that serves as the truth.
+    """
     for seed in range(first, last):
         try:
             brake = random_brake(seed, KINDS_WITH_WIDTHS[seed % len(KINDS_WITH_WIDTHS)])
@@ -91,7 +104,10 @@ def rows_of_seeds(first: int, last: int, degree: int) -> Iterator[WidthErrorRow 
 
 
 def table_of(rows: list[WidthErrorRow]) -> list[str]:
-    """Lines of estimated over true errors: their number, quantiles and parts within factors."""
+    """The lines of the table on the ratios of estimated to true error.
+
+    A line has the number of ratios, their quantiles, and the share between 1/1.5 and 1.5.
+    """
     lines = ["widths  error      brakes  least  5 %   half  95 %  most  within 1.5"]
     for name in JUDGED:
         for several in (False, True):
@@ -108,7 +124,7 @@ def table_of(rows: list[WidthErrorRow]) -> list[str]:
 
 
 def main() -> None:
-    """Print the rows and the table of some seeds."""
+    """Print the lines and the table for the seeds and the degree on the command line."""
     first, last, *degree = map(int, sys.argv[1:])
     rows = []
     for row in rows_of_seeds(first, last, *degree or [TRUE_WIDTH_DEGREE]):
@@ -116,11 +132,11 @@ def main() -> None:
             sys.stdout.write(f"{row}\n")
             continue
         rows.append(row)
-        errors = ", ".join(
-            f"{name} {row.true[name]:.1e} x {row.estimated[name] / (row.true[name] or 1):.2f}"
-            for name in JUDGED
-        )
-        sys.stdout.write(f"{row.title} ({row.widths}): {errors}\n")
+        errors = []
+        for name in JUDGED:
+            ratio = row.estimated[name] / (row.true[name] or 1)
+            errors.append(f"{name} {row.true[name]:.1e} x {ratio:.2f}")
+        sys.stdout.write(f"{row.title} ({row.widths}): {', '.join(errors)}\n")
         sys.stdout.flush()
     sys.stdout.write("\n".join(table_of(rows)) + "\n")
 

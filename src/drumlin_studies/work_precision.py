@@ -1,10 +1,11 @@
-"""Error against run time of every method that solves a brake.
+"""Errors and run times of every method that solves a brake.
 
-The methods are laws, the foundation model, finite elements, textbook contact and peers (other
-programs). A method is plain data: a family, a name and options. It can so be the key of a journal
-and be sent to another process. Its errors are those of its response against a reference. Its time
-is processor time, the median of repeats. Each repeat stands beside a unit of work that is timed
-just before it, so that ratios hold even where the pace of the machine changes.
+The methods are laws, the foundation model, finite elements, penalty contact as in textbooks, and
+peers, which are other finite element programs. A method is plain data: a family, a name and
+options. Therefore it can be the key of a journal and be sent to another process. The errors are
+those of the method's response against a reference. The time is processor time, the median of
+several repeats. A fixed piece of work, the unit, is timed just before each repeat. The ratio of
+both times holds even if the speed of the machine changes.
 """
 
 import math
@@ -50,37 +51,38 @@ TIMED_REPEATS = 5
 MOST_REPEATS = 9
 """Largest number of repeats of a timing."""
 LEAST_SECONDS = 0.1
-"""Time [s] that all repeats of a timing take together, unless MOST_REPEATS ends them earlier."""
+"""Smallest total time [s] of all repeats of a timing; MOST_REPEATS may end them earlier."""
 LEAST_SAMPLE = 2e-3
-"""Shortest sample of a timing [s]. A faster call is run several times a sample."""
+"""Shortest time [s] of one repeat of a timing. A repeat runs a faster call several times."""
 EQUAL_TIMES = 1.2
 """Ratio of two times up to which both methods count as equally fast."""
 FURTHER_FRICTION = 0.9
-"""Friction coefficient of the further load case, over that of the first one."""
+"""Coefficient of friction of the further load case over that of the first load case."""
 GRADED_FROM = 36
-"""Elements along a lining above which the smallest elements of a `refined_mesh` shrink in
-proportion.
+"""Number of elements along a lining above which a `refined_mesh` is graded more strongly.
 
-Its error so goes on falling where the pressure is singular. Coarser meshes are graded as any other.
+The smallest elements at the lining's ends then shrink in proportion to the number of elements, so
+that the error goes on falling where the pressure is singular.
 """
 LAYERS_BEHIND = 4
-"""Smallest number of layers through the backing and through the body of a `refined_mesh`.
+"""Smallest number of element layers through the backing and through the body of a `refined_mesh`.
 
-The error of backing and body so stays below that of the lining, whose refinement is studied.
+With these layers the error of backing and body stays below that of the lining, whose refinement is
+studied.
 """
 ERROR_KEYS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
-"""Keys of a row that hold relative errors."""
+"""Keys of a row that hold relative errors: of torque, peak pressure, pressure, hinge reaction."""
 
 
 class Method(NamedTuple):
-    """A way to solve a brake.
+    """A method to solve a brake: a law, a model, a mesh with its options, or another program.
 
     Attributes
     ----------
     family : str
-        A key of METHOD_FAMILIES or PEER_FAMILIES.
+        Group of similar methods, a key of METHOD_FAMILIES or PEER_FAMILIES.
     name : str
-        What tables call the method.
+        Name of the method in tables.
     options : mapping
         Keyword arguments of the family's solver, plain data.
     """
@@ -91,21 +93,22 @@ class Method(NamedTuple):
 
     @property
     def case(self) -> dict[str, Any]:
-        """The method as the key of a journal."""
+        """The method as plain data, under which a journal stores its row."""
         return {"family": self.family, "method": self.name, **self.options}
 
 
 class ColdSolve(NamedTuple):
-    """The result of a cold solve.
+    """The result of a cold solve, which starts from the brake without any prepared model.
 
     Attributes
     ----------
     response : Response
         The response of the brake.
     further : function
-        Solves the further load case with what can be reused of the cold solve.
+        Returns the response to the further load case, with other friction. It reuses the prepared
+        model of the cold solve where the method has one.
     unknowns : function, optional
-        The number of unknowns.
+        Returns the number of unknowns.
     """
 
     response: Response
@@ -114,19 +117,25 @@ class ColdSolve(NamedTuple):
 
 
 def _brake_of_further_case(brake: Brake) -> Brake:
-    """The brake of the further load case."""
+    """The brake of the further load case, whose friction is FURTHER_FRICTION times the brake's."""
     return vary(brake, {"friction": FURTHER_FRICTION * brake.friction})
 
 
 def _solve_by_model(brake: Brake, *, model: str, **options: Any) -> ColdSolve:
-    """A brake by a law or by the foundation model."""
+    """The result of solving a brake by a law or by the foundation model.
+
+    model : name of the law or model; **options : options of its solver.
+    """
     solver = pick(model, brake).solve
     further = partial(solver, _brake_of_further_case(brake), **options)
     return ColdSolve(solver(brake, **options), further)
 
 
 def uniform_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
-    """A mesh of a shoe with uniform elements along the lining."""
+    """The mesh of a shoe with elements of equal length along the lining.
+
+    radius : radius of the drum [m]; elements : their number along the lining; kind : of elements.
+    """
     depths = np.linspace(0, shoe.lining.thickness, number_of_lining_layers(elements) + 1)
     step = (shoe.arc[1] - shoe.arc[0]) / elements
     division = LiningDivision(np.linspace(*shoe.arc, elements + 1), depths, step)
@@ -134,15 +143,29 @@ def uniform_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
 
 
 def refined_mesh(shoe: Shoe, radius: float, elements: int, layers: int, kind: str) -> Any:
-    """A mesh of a shoe by `refined_division`."""
+    """The mesh of a shoe that is graded to the ends of its lining by `refined_division`.
+
+    Parameters
+    ----------
+    shoe : Shoe
+        The shoe.
+    radius : float
+        Radius of the drum [m].
+    elements : int
+        Smallest number of elements along the lining.
+    layers : int
+        Elements through the lining.
+    kind : str
+        Kind of the elements.
+    """
     return shoe_mesh(shoe, radius, refined_division(shoe, radius, elements, layers), kind)
 
 
 def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> LiningDivision:
-    """A division of a shoe that is graded to the edges of its lining.
+    """The division of a shoe's lining into elements that become smaller towards its ends.
 
-    No element is longer than 1/`elements` of the lining. Above GRADED_FROM elements, the smallest
-    elements shrink as their number grows.
+    No element is longer than 1/`elements` of the lining. The smallest elements at the ends have a
+    fixed size up to GRADED_FROM elements, and above it a size proportional to 1/`elements`.
 
     Parameters
     ----------
@@ -156,6 +179,7 @@ def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> L
         Elements through the lining.
     """
     (start, end), zone = shoe.arc, shoe.lining.thickness / radius
+    # The number of inner elements follows from the longest allowed element and the grading.
     fineness = max(1.0, elements / GRADED_FROM)
     half, smallest = (end - start) / 2, EDGE_SIZE / fineness
     step = (end - start) / elements
@@ -178,7 +202,21 @@ def _solve_on_mesh(
     even: bool = False,
     penalty: float = math.inf,
 ) -> ColdSolve:
-    """A brake on one mesh, uniform along the lining or graded to its ends."""
+    """The result of meshing and solving a brake by finite elements on one mesh.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake.
+    elements : int
+        Elements along each lining.
+    kind : str
+        Kind of the elements.
+    even : bool
+        Whether the elements have equal length; otherwise they shrink towards the lining's ends.
+    penalty : float
+        Penalty factor of the contact; inf for exact contact.
+    """
     mesher = partial(uniform_mesh, elements=elements, kind=kind) if even else None
     scene = prepare(brake, elements=elements, kind=kind, mesher=mesher)
     return _cold_solve_of_scene(
@@ -189,16 +227,20 @@ def _solve_on_mesh(
 def _cold_solve_of_scene(
     brake: Brake, scene: PreparedModel, response: Response, penalty: float
 ) -> ColdSolve:
-    """The cold solve whose further load case reuses the prepared scene."""
+    """The result of solving a brake by finite elements, whose further case reuses the model.
+
+    scene : the prepared model; response : its response; penalty : penalty factor of the contact.
+    """
 
     def further() -> Response:
+        """The response to the further load case on the prepared model."""
         return solve_prepared_model(scene, _brake_of_further_case(brake), penalty=penalty)
 
     return ColdSolve(response, further, partial(_count_unknowns, scene))
 
 
 def _count_unknowns(scene: PreparedModel) -> int:
-    """The number of unknowns of the ring and of the distinct bodies.
+    """The number of unknowns of a prepared model: those of its bodies and of the drum ring.
 
     Shoes of equal shape share one body, which is counted once.
     """
@@ -209,9 +251,9 @@ def _count_unknowns(scene: PreparedModel) -> int:
 
 
 def _solve_on_level(brake: Brake, *, level: int) -> ColdSolve:
-    """A brake by hp elements of a level, without an error estimate.
+    """The result of solving a brake by hp elements on one level of LEVELS, without error estimate.
 
-    The coarsest level finds the ends of the contact first.
+    The coarsest level is solved before, because the elements are graded to the contact's ends.
     """
     levels = (LEVELS[0], LEVELS[level])[-level - 1 :]
     *_, (scene, response) = solved_levels(
@@ -221,9 +263,10 @@ def _solve_on_level(brake: Brake, *, level: int) -> ColdSolve:
 
 
 def _solve_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
-    """A brake by hp elements to an estimated tolerance.
+    """The result of solving a brake by hp elements that are refined to an estimated error.
 
-    The torque keeps the default tolerance where this is smaller.
+    tolerance : largest relative error of the pressure. The torque keeps the default tolerance where
+    that is smaller.
     """
     allowed = Tolerance(tolerance, min(tolerance, DEFAULT_TOLERANCE.torque))
     scene, response = solve_to_tolerance(
@@ -233,13 +276,18 @@ def _solve_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
 
 
 def _solve_by_pointwise_penalty(brake: Brake, *, elements: int, penalty: float) -> ColdSolve:
-    """A brake by the textbook penalty at quadrature points."""
+    """The result of solving a brake by the pointwise penalty, the contact method of textbooks.
+
+    elements : number of elements along each lining; penalty : penalty factor.
+    """
     solver = partial(pointwise.solve_by_pointwise_penalty, elements=elements, penalty=penalty)
 
     def unknowns() -> int:
+        """The number of unknowns of the mesh."""
         return _count_unknowns(prepare(brake, elements=elements))
 
     def further() -> Response:
+        """The response to the further load case; the method reuses nothing."""
         return solver(_brake_of_further_case(brake))
 
     return ColdSolve(solver(brake), further, unknowns)
@@ -255,25 +303,28 @@ METHOD_FAMILIES: Mapping[str, Callable[..., ColdSolve]] = {
     "weak penalty": _solve_on_mesh,
     "pointwise penalty": _solve_by_pointwise_penalty,
 }
-"""The solver of each family of drumlin's own methods."""
+"""Function that solves a brake and returns a `ColdSolve`, for each family of drumlin's methods."""
 PEER_FAMILIES = {written: name for name, written in peers.PEERS.items()}
-"""The name of each peer in `drumlin.peers`, by its written name."""
+"""Key of each peer in `drumlin.peers`, by its name in tables, for example "CalculiX"."""
 
 
 def solve_cold(brake: Brake, method: Method) -> ColdSolve:
-    """The cold solve of a brake by a method.
+    """The result of solving a brake by one of drumlin's methods, from its data to the response.
 
-    Raises BadInput where the method does not apply, NoAnswer where it fails.
+    Raises BadInput where the method does not apply to the brake, NoAnswer where it has no answer.
     """
     return METHOD_FAMILIES[method.family](brake, **method.options)
 
 
 def relative_errors(brake: Brake, response: Response, truth: Response) -> dict[str, float]:
-    """Relative errors of a response against a truth, by ERROR_KEYS.
+    """Relative errors of a response against a far finer response, by ERROR_KEYS.
 
-    The torque is that of the brake. Of the other errors the largest of all shoes counts. Peak and
-    L2 norm of p leave out the edge zones of the lining.
+    The error of the torque is that of the whole brake. The other errors are the largest of all
+    shoes. Peak and L2 norm of the pressure leave out the edge zones at the lining's ends.
+
+    brake : the brake; response : the response that is judged; truth : the far finer response.
     """
+    # Errors of each shoe; the torque, the first key, is an error of the whole brake.
     by_key: dict[str, list[float]] = {key: [] for key in ERROR_KEYS[1:]}
     for spec, a, b in zip(brake.shoes, response.shoes, truth.shoes, strict=True):
         edge = edge_zone(spec, brake.scale_factor)
@@ -284,16 +335,17 @@ def relative_errors(brake: Brake, response: Response, truth: Response) -> dict[s
         by_key["reaction_error"].append(vector_distance(a.hinge_reaction, b.hinge_reaction))
     result = {"torque_error": abs(relative(response.torque, truth.torque))}
     for key, values in by_key.items():
-        # A shoe that nothing presses has no error of p: nan.
+        # The error of the pressure is nan for a shoe without force, which is left out here.
         result[key] = max((value for value in values if not math.isnan(value)), default=0.0)
     return result
 
 
 def reference_uncertainty(brake: Brake, trio: ReferenceResponses) -> dict[str, float]:
-    """The uncertainty of a reference, by ERROR_KEYS: no error below it is claimed.
+    """The relative uncertainty of a reference, by ERROR_KEYS; smaller errors are not claimed.
 
-    It is the largest distance of the other responses of the reference from its value. For the
-    torque the distances of all shoes are summed, so that they cannot cancel.
+    A reference consists of a value and of other responses, by coarser meshes or other methods. The
+    uncertainty is the largest difference of one of them from the value. The differences of the
+    shoes' torques are summed without their signs, so that they cannot cancel.
     """
     largest: dict[str, float] = {}
     for other in trio.others:
@@ -306,14 +358,14 @@ def reference_uncertainty(brake: Brake, trio: ReferenceResponses) -> dict[str, f
 
 
 class Timing(NamedTuple):
-    """How long a call takes.
+    """The measured processor time of a call.
 
     Attributes
     ----------
     seconds, lower, upper : float
         Median, lower and upper quartile of the repeats [s].
     ratio : float
-        Median of the ratios of each repeat to the unit beside it.
+        Median of the ratios of each repeat to the time of the unit just before it.
     repeats : int
         Number of repeats.
     """
@@ -326,27 +378,28 @@ class Timing(NamedTuple):
 
 
 def time_call(call: Callable[[], object], unit: Callable[[], object], first: float) -> Timing:
-    """Time a call, and before each of its repeats the unit.
+    """The processor time of a call, from several repeats, with the unit timed before each repeat.
 
     Parameters
     ----------
     call : function
-        What is timed.
+        The function that is timed.
     unit : function
-        The unit of work beside which each repeat stands.
+        A fixed piece of work that shows the present speed of the machine.
     first : float
-        Seconds that the call has taken once. They decide how often it is run a sample.
+        Time [s] of a first call. It decides how many calls a repeat has.
     """
+    # A repeat has so many calls that it takes at least LEAST_SAMPLE.
     loops = max(1, math.ceil(LEAST_SAMPLE / max(first, 1e-6)))
     samples: list[float] = []
     ratios: list[float] = []
 
     def needs_another_repeat() -> bool:
-        """Whether the repeats so far are too short and too few for a median."""
+        """Whether the total time is below LEAST_SECONDS and MOST_REPEATS are not reached."""
         return sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS
 
     while len(samples) < TIMED_REPEATS or needs_another_repeat():
-        # The unit comes first, so that both see the same pace of the machine.
+        # The unit is timed just before the call, while the machine has the same speed.
         beside = _processor_time_per_call(unit, 1)
         samples.append(_processor_time_per_call(call, loops))
         ratios.append(samples[-1] / beside)
@@ -355,7 +408,7 @@ def time_call(call: Callable[[], object], unit: Callable[[], object], first: flo
 
 
 class Quartiles(NamedTuple):
-    """Median, lower and upper quartile of some samples."""
+    """Median, lower and upper quartile of a list of values."""
 
     median: float
     lower: float
@@ -363,7 +416,7 @@ class Quartiles(NamedTuple):
 
 
 def _sample_quartiles(samples: list[float]) -> Quartiles:
-    """Median and quartiles of some samples."""
+    """The median and the lower and upper quartile of a list of values."""
     if len(samples) == 1:
         return Quartiles(samples[0], samples[0], samples[0])
     lower, middle, upper = quantiles(samples, n=4, method="inclusive")
@@ -371,7 +424,7 @@ def _sample_quartiles(samples: list[float]) -> Quartiles:
 
 
 def _processor_time_per_call(call: Callable[[], object], loops: int = 1) -> float:
-    """Processor time of one call [s], the mean of `loops` calls."""
+    """The processor time of one call [s], as the mean over `loops` calls."""
     start = time.process_time()
     for _ in range(loops):
         call()
@@ -381,9 +434,9 @@ def _processor_time_per_call(call: Callable[[], object], loops: int = 1) -> floa
 def measure_method(
     brake: Brake, method: Method, truth: Response, unit: Callable[[], object]
 ) -> dict[str, Any]:
-    """The row of a method of drumlin: errors, times, memory and unknowns.
+    """The row of one of drumlin's methods on a brake: errors, times, memory and unknowns.
 
-    The row of a method that fails or does not apply tells the reason as its `status`.
+    Where the method does not apply or has no answer, the `status` of the row gives the reason.
 
     Parameters
     ----------
@@ -415,12 +468,12 @@ def measure_method(
 
 
 def _refusal_reason(error: DrumlinError) -> str:
-    """Why a method has no answer, as the `status` of its row."""
+    """The text for the `status` of a row whose method has refused the brake or failed."""
     return f"{'refused' if isinstance(error, BadInput) else 'failed'}: {error}"
 
 
 def solve_peak_memory(brake: Brake, method: Method) -> int:
-    """Peak memory of a cold solve beyond that of the loaded program [bytes].
+    """The peak memory of a whole solve by a method [bytes], less that of the loaded program.
 
     The solve runs in a process of its own.
     """
@@ -430,9 +483,10 @@ def solve_peak_memory(brake: Brake, method: Method) -> int:
 
 @cache
 def _process_context() -> Any:
-    """How new processes are started: by a fork of a server that has only loaded this module.
+    """The multiprocessing context that starts new processes.
 
-    Where the system has no fork server, a process starts afresh.
+    It forks a server process that has only loaded this module. Where the system has no fork server,
+    each new process loads the module itself.
     """
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
@@ -442,14 +496,14 @@ def _process_context() -> Any:
 
 
 def _memory_of_solve(brake: Brake, method: Method) -> int:
-    """Peak memory of a cold solve [bytes], beyond that before the solve."""
+    """The growth of this process's peak memory [bytes] by a whole solve of a brake by a method."""
     before = peak_memory()
     solve_cold(brake, method)
     return peak_memory() - before
 
 
 def solve_process_seconds(brake_file: Path, *options: str, repeats: int = TIMED_REPEATS) -> float:
-    """Wall-clock time of a whole `drumlin solve` process [s], the median of some repeats.
+    """The wall time of a whole `drumlin solve` process [s], the median of several processes.
 
     Parameters
     ----------
@@ -483,10 +537,10 @@ def measure_peer(
     unit: Callable[[], object],
     repeats: int = TIMED_REPEATS,
 ) -> dict[str, Any]:
-    """The row of a peer.
+    """The row of a peer, another finite element program, on a brake: errors, times and unknowns.
 
-    Times are those that the peer states, medians of the repeats. Ratios are to the unit, which is
-    timed before each repeat.
+    The times are those that the peer reports, as medians over the repeats. The ratios are times
+    over the time of the unit, which is timed before each repeat.
 
     Parameters
     ----------
@@ -534,7 +588,10 @@ def measure_peer(
 
 
 def _peer_options(method: Method) -> dict[str, Any]:
-    """The keyword arguments of `peers.solve` for a method, with the mesher of its options."""
+    """The keyword arguments of `peers.solve` for a method.
+
+    The options `even` and `layers` of the method become a function that meshes a shoe.
+    """
     options = dict(method.options)
     even, layers = options.pop("even", False), options.pop("layers", None)
     if even:
@@ -548,40 +605,44 @@ def _peer_options(method: Method) -> dict[str, Any]:
 def rows_within_error(
     rows: Iterable[Mapping[str, Any]], key: str, target: float, floors: Mapping[str, float]
 ) -> list[Any]:
-    """The rows that keep an error below a target, fastest first.
+    """The rows of the methods whose error is below a target, fastest first.
 
-    Of equally fast rows the most exact one is first. Times are compared as ratios to the unit
-    beside them. A mesh counts only where all finer meshes of its series keep the target as well,
-    because an error that passes through zero is an accident.
+    Among the rows that are as fast as the fastest one, the most exact row is first. The speed is
+    compared by the ratios to the unit. A mesh counts only if the errors of all finer meshes of its
+    series are below the target as well: an error may be small by chance where it changes its sign.
 
     Parameters
     ----------
     rows : iterable of mappings
         Rows of methods on one brake.
     key : str
-        The error, of ERROR_KEYS.
+        Key of the error, one of ERROR_KEYS.
     target : float
-        Largest error. No row keeps a target below the floor of the reference.
+        Largest allowed error. Below the uncertainty of the reference the result is empty.
     floors : mapping
-        Uncertainties of the reference, as from `reference_uncertainty`.
+        Uncertainties of the reference by ERROR_KEYS, as from `reference_uncertainty`.
     """
     if target < floors[key]:
         return []
     enough_rows = []
     for members in rows_by_series(rows).values():
-        # Only meshes beyond the last one that misses the target count.
+        # Of a series only the meshes count that are finer than the last mesh above the target.
         above = [k for k, row in enumerate(members) if row[key] > target]
         enough_rows += members[above[-1] + 1 if above else 0 :]
+    # Of the rows that are about as fast as the fastest one, the most exact one comes first.
     enough_rows.sort(key=lambda row: row["ratio"])
     ties = [row for row in enough_rows if row["ratio"] <= EQUAL_TIMES * enough_rows[0]["ratio"]]
     return sorted(ties, key=lambda row: row[key]) + enough_rows[len(ties) :]
 
 
 def rows_by_series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], list[Any]]:
-    """Converged rows by family and name of the series, coarse to fine."""
+    """The rows with an answer in groups by family and series, coarse to fine in each group.
+
+    A series has the methods of one kind that differ in their fineness only.
+    """
 
     def sort_key_by_fineness(row: Mapping[str, Any]) -> tuple[float, float]:
-        """Elements or unknowns of a row, then its tolerance: coarse rows come first."""
+        """A key by which coarse rows come first: elements, sections or level, then tolerance."""
         size = row.get("elements") or row.get("sections") or row.get("level") or 0
         return size, -(row.get("tolerance") or 0)
 
@@ -595,7 +656,7 @@ def rows_by_series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], l
 
 
 def series_name(row: Mapping[str, Any]) -> str:
-    """The name of the series in which a row has finer and coarser neighbours."""
+    """The name of the series to which a row belongs: methods that differ in fineness only."""
     if row["family"] == "law":
         return str(row["model"])
     if row["family"] == "foundation":
@@ -609,14 +670,14 @@ def series_name(row: Mapping[str, Any]) -> str:
 
 
 def median_unit_seconds(rows: Iterable[Mapping[str, Any]]) -> float:
-    """Time of the unit [s], the median over the rows of time over ratio."""
+    """The time of the unit of work [s], as the median over rows of their time over their ratio."""
     return median(row["seconds"] / row["ratio"] for row in rows if "ratio" in row)
 
 
 def timing_scatter(rows: Iterable[Mapping[str, Any]]) -> float:
-    """The typical scatter of the timings: interquartile range of the repeats over their median.
+    """The typical scatter of timings: interquartile range of the repeats over their median.
 
-    It is the median over the rows with at least TIMED_REPEATS repeats.
+    The result is the median over the rows with at least TIMED_REPEATS repeats.
     """
     return median(
         (row["upper"] - row["lower"]) / row["seconds"]

@@ -1,4 +1,4 @@
-"""Rows on worked examples: the printed number of a source beside the number of a law."""
+"""Table rows on worked examples: a number printed in a source beside the number by a law."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -19,15 +19,21 @@ from drumlin.response.merit import rated
 from drumlin.response.response import Response
 
 Row = dict[str, Any]
+"""A row of a table: its values by key."""
 
 
 def _locking_friction(brake: Brake) -> float:
-    """Friction at which the first shoe locks by the sine law."""
+    """The lowest friction at which a shoe of the brake locks itself by the sine law."""
     return min(locking_friction(brake, shoe) for shoe in brake.shoes)
 
 
 def _pivot_reaction(response: Response, axis: int) -> float:
-    """Size of a component [N] of the pivot reaction of the first shoe; nan without a pivot."""
+    """The absolute value of a component of the first shoe's pivot reaction [N].
+
+    The result is nan for a shoe without a pivot.
+
+    axis : 0 for the component along x, 1 for the component along y.
+    """
     reaction = response.shoes[0].pivot_reaction
     return math.nan if reaction is None else abs(float(reaction[axis]))
 
@@ -52,7 +58,7 @@ PRINTED_QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
     "force [kN]": lambda b, r: b.shoes[0].actuation.force * 1e-3,
     "mu_lock": lambda b, r: _locking_friction(b),
 }
-"""Functions of a brake and its response for each quantity that sources print."""
+"""Function that computes a quantity from a brake and its response, for each printed quantity."""
 
 
 def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
@@ -61,9 +67,10 @@ def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
     Parameters
     ----------
     example : mapping
-        `law`: name of the law; `file`: brake file in the folder; `changes`: changes of its keys;
-        `peak`: peak pressure for which the force is chosen; `given`: printed numbers by
-        PRINTED_QUANTITIES; `source`, `origin`, `remark`: texts for the rows.
+        `law`: name of the law; `file`: brake file in the folder; `changes`: values that replace
+        values of the file; `peak`: peak pressure to which the actuation force is scaled; `given`:
+        printed numbers as text by PRINTED_QUANTITIES; `source`, `origin`, `remark`: texts for the
+        rows, as in `printed_and_computed_row`.
     folder : Path
         Folder of the brake files.
     """
@@ -74,18 +81,11 @@ def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
         brake = rated(brake, solve, to_si(example["peak"], "Pa", unit_required=True))
     response = solve(brake)
     origin, remark = example["origin"], example.get("remark", "")
-    return [
-        printed_and_computed_row(
-            law,
-            source,
-            quantity,
-            text,
-            PRINTED_QUANTITIES[quantity](brake, response),
-            origin,
-            remark,
-        )
-        for quantity, text in example["given"].items()
-    ]
+    rows = []
+    for quantity, text in example["given"].items():
+        value = PRINTED_QUANTITIES[quantity](brake, response)
+        rows.append(printed_and_computed_row(law, source, quantity, text, value, origin, remark))
+    return rows
 
 
 def printed_and_computed_row(
@@ -97,14 +97,14 @@ def printed_and_computed_row(
     origin: str = "formula",
     remark: str = "",
 ) -> Row:
-    """The row of a printed number and a computed value.
+    """The row of a printed number beside a computed value.
 
-    They agree within half a unit of the last printed digit.
+    The `status` is "agrees" if they differ by at most half a unit of the last printed digit.
 
     Parameters
     ----------
     law, source, quantity : str
-        What is compared.
+        Name of the law, of the source and of the quantity.
     given : str
         The number as it is printed.
     value : float
@@ -112,8 +112,9 @@ def printed_and_computed_row(
     origin : str
         Whether the source prints the number ("printed") or a formula for it ("formula").
     remark : str
-        Status of a row that does not agree.
+        Text for the `status` of a row that does not agree; by default "differs".
     """
+    # Half a unit of the last printed digit, with a margin for binary round-off.
     decimals = len(given.partition(".")[2])
     agrees = abs(value - float(given)) <= 0.5 * 10.0**-decimals * (1 + 1e-6)
     return {
@@ -129,9 +130,10 @@ def printed_and_computed_row(
 
 
 def simscape_double_shoe_rows() -> list[Row]:
-    """Rows on the double-shoe block with its default parameters, under 1 N.
+    """Rows on the double-shoe brake of Simscape with its default parameters and a force of 1 N.
 
-    The angle theta_s of its manual can be read as the end or as the span of the lining.
+    The angle theta_s in the manual of Simscape can be read as the end or as the span of the lining.
+    The rows cover both readings.
     """
     rows = []
     for reading, torque, mu_lock in (
@@ -142,6 +144,7 @@ def simscape_double_shoe_rows() -> list[Row]:
         source = f"Simscape defaults, theta_s as {reading}"
         leading, trailing = (float(T) for T in block.shoe_torques(1.0, 1.0))
         p_a, p_b = block.line_pressures(1.0, 1.0)
+        # Torques of single shoes and the ratio of pressures are compared for one reading only.
         if reading == "end":
             rows.append(
                 printed_and_computed_row(
@@ -162,15 +165,15 @@ def simscape_double_shoe_rows() -> list[Row]:
 
 
 def equivalent_friction_rows() -> list[Row]:
-    """Rows on the equivalent friction of a block over its half-arc."""
+    """Rows on the equivalent friction of a block brake, for several half-arcs of the block.
+
+    The equivalent friction mu' is that of a short block with the same normal force and torque.
+    """
     printed = {15: "1.011408", 30: "1.045356", 45: "1.100214", 60: "1.170138", 90: "1.273240"}
-    return [
-        printed_and_computed_row(
-            "block",
-            "mu'/mu",
-            f"half-arc {angle} deg",
-            text,
-            float(equivalent_friction(math.radians(angle))),
+    rows = []
+    for angle, text in printed.items():
+        value = float(equivalent_friction(math.radians(angle)))
+        rows.append(
+            printed_and_computed_row("block", "mu'/mu", f"half-arc {angle} deg", text, value)
         )
-        for angle, text in printed.items()
-    ]
+    return rows
