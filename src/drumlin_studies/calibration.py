@@ -139,6 +139,7 @@ def level_errors(brake: Brake, truth: Truth, found: Iterable[SolvedLevel]) -> li
     The true error of a quantity is nan if drumlin itself says that the quantity is not known, such
     as the peak of a pressure without bound.
     """
+    # With stated errors of zero, only a quantity that drumlin calls unknown gets an error above 0.
     nothing = Errors.worst(0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes))
     levels: list[LevelRecord] = []
     before = None
@@ -228,6 +229,7 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     Torque and reaction share one factor, the larger of the two. The weight of the change by random
     signs is that of CHANCE_WEIGHTS with the smallest median of stated over true error.
     """
+    # The factor of forces depends on the weight of the change by random signs.
     forces = [samples_of_quantity(levels, name) for name in ("torque", "reaction")]
 
     def force_factor(weight: float) -> float:
@@ -249,6 +251,7 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
 
 def _round_up(value: float) -> float:
     """The value rounded up to SIGNIFICANT_DIGITS significant digits."""
+    # The small number keeps a value that is already rounded from being rounded up again.
     scale = 10.0 ** (math.floor(math.log10(value)) - SIGNIFICANT_DIGITS + 1)
     return float(f"{math.ceil(value / scale - 1e-9) * scale:.{SIGNIFICANT_DIGITS}g}")
 

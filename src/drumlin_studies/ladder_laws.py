@@ -37,6 +37,7 @@ def _shigley_16_2_torques() -> float:
         "mu": 0.32,
         "width": 0.032,
     }
+    # `rated` scales the force until the peak pressure is 1 MPa; both shoes have this force.
     helped = rated(hinged_shoe_brake(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6)  # type: ignore[arg-type]
     opposed = hinged_shoe_brake(**shoe, moment=helped.shoes[0].actuation.force, spin=1)  # type: ignore[arg-type]
     return _solve_by_named_law("sine", helped).torque + _solve_by_named_law("sine", opposed).torque
@@ -139,7 +140,7 @@ def _double_block_torque_ratio() -> float:
     one = lever_block_brake(
         R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1
     )
-    # The second block is the mirror image of the first about the x axis.
+    # The second block is the mirror image of the first about the x axis; its force acts upwards.
     data = one.shoes[0].model_dump()
     data["name"] = "below"
     data["hinge"] = {"x": one.shoes[0].pin.x, "y": -one.shoes[0].pin.y}
@@ -220,6 +221,7 @@ def _nptel_actuating_moment() -> float:
 
     It is the moment M_p of the pressure minus the moment M_f of friction about the hinge.
     """
+    # Peak pressure, width, radius of the drum, distance of the hinge, friction, ends of the lining.
     p, b, R, d, mu, t_1, t_2 = 0.8e6, 0.05, 0.2, 0.23, 0.3, radians(20), radians(130)
     M_p = 0.5 * p * b * R * d * ((t_2 - t_1) + 0.5 * (sin(2 * t_1) - sin(2 * t_2)))
     M_f = mu * p * b * R * (R * (cos(t_1) - cos(t_2)) - d / 4 * (cos(2 * t_1) - cos(2 * t_2)))

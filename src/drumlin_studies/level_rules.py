@@ -79,6 +79,7 @@ def try_rule_on_brake(seed: int, truth: Truth | None, rule: LevelRule) -> Levels
     brake = draw_calibration_brake(seed)[1]
     if truth is None:
         return None
+    # Only the solves are timed, not the comparison with the finer solution.
     found: list[SolvedLevel] = []
     seconds: list[float] = []
     begin = time.process_time()
@@ -125,6 +126,7 @@ def find_stopping_level(
 
 def _stated_errors(level: LevelRecord, factors: Factors) -> dict[str, float]:
     """The stated errors of a level by quantity, with given safety factors."""
+    # Pressure and peak have factors of their own; torque and reaction share that of forces.
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}
     for name in QUANTITIES:

@@ -109,6 +109,7 @@ def _invalid_shoe_mesh(rng: random.Random) -> BrokenInput:
         path.write_bytes(sound_mesh_files()[".vtu"])
         mesh = meshio.read(path)
         name, spoil = rng.choice(list(SPOILS.items()))
+        # The mesh is taken apart into arrays, spoiled, and written again.
         points, cells = mesh.points.copy(), mesh.cells[0].data.copy()
         cell_data = {key: values[0].copy() for key, values in mesh.cell_data.items()}
         point_data = {key: values.copy() for key, values in mesh.point_data.items()}
@@ -141,6 +142,7 @@ def _mesh_with_inverted_element(
 
 def _mesh_torn_in_two(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
     """The mesh without the elements that cross a random angle, which leaves two parts."""
+    # An element stays if all of its corners are on one side of the random angle.
     theta = np.arctan2(points[:, 1], points[:, 0])[cells[:, :3]]
     cut = rng.uniform(-0.6, 0.5)
     keep = (theta.max(axis=1) < cut) | (theta.min(axis=1) > cut)

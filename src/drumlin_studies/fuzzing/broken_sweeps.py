@@ -122,6 +122,7 @@ def sound_sweep_files() -> dict[str, bytes]:
 
 def make_broken_sweep(rng: random.Random) -> BrokenInput:
     """An input of `drumlin sweep` whose file has wrong values or keys, or broken bytes."""
+    # Three in ten files have broken bytes; the others are valid TOML with wrong keys or values.
     if rng.random() < 0.3:
         text = add_noise(rng, SOUND_SWEEP.encode(), WRONG_WORDS)
     else:
@@ -199,6 +200,7 @@ def _small_sweep_data(rng: random.Random) -> dict[str, Any]:
         data: dict[str, Any] = {"combine": "zip", "vary": meshes}
     else:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
+    # Ranges and samples get two or three values, so that the sweep is short.
     for spec in data["vary"].values():
         if isinstance(spec, dict) and "count" in spec:
             spec["count"] = 2
@@ -220,6 +222,7 @@ def _random_table_of(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]
 
 def _random_varied_values(rng: random.Random) -> Any:
     """Random values for a key under `vary`: a list, a range or a distribution, valid or not."""
+    # Values come from one pool: numbers, forces, lengths, or wrong ones.
     pool = rng.choice(
         [
             (0.1, 0.2, 0.3, 0.35),

@@ -75,6 +75,7 @@ def make_scaled_quantities(rng: random.Random) -> BrokenInput:
     number = r"(?<![\w.])(-?\d[\d.]*)(?= \w+\"|\s*(?:[,}#]|$))"
     places = list(re.finditer(number, text, re.MULTILINE))
     chosen = rng.sample(places, min(len(places), rng.choice([1, 1, 2, 4])))
+    # The last number of the text is replaced first, so that the places of the others stay valid.
     for place in sorted(chosen, key=lambda match: -match.start()):
         sizes = [rng.uniform(0.2, 3), 10 ** rng.uniform(-3, 3), 10 ** rng.uniform(-12, 12)]
         size = rng.choice(sizes)
@@ -89,6 +90,7 @@ def make_wrong_values(rng: random.Random) -> BrokenInput:
     The keys may be ones that the file did not have.
     """
     data = tomllib.loads(brake_text(rng.choice(SOUND_BRAKES)).decode())
+    # A change may remove a key, add an unknown one, or give a key another value.
     for _ in range(rng.choice([1, 1, 2, 3])):
         places = list(places_by_schema(Brake.shape_of(data), data))
         table, key, annotation = rng.choice(places)
@@ -278,6 +280,7 @@ def make_random_command(rng: random.Random) -> BrokenInput:
     name = rng.choice([name for name in commands if name not in SLOW_COMMANDS - {"hold"}])
     words = [name, "b.toml"]
     chosen = {}
+    # Required arguments always get a word, options only in one case of three.
     for option in commands[name].params:
         required = option.param_type_name == "argument" or option.name == "to"
         if option.name in {"brake_file", "brake_files"} or (not required and rng.random() < 0.65):

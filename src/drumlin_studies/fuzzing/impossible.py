@@ -36,6 +36,7 @@ def make_broken_structure(rng: random.Random) -> BrokenInput:
     """An input whose brake file has a renamed key or a value of a wrong type."""
     name = rng.choice(SOUND_BRAKES)
     data = tomllib.loads(brake_text(name).decode())
+    # Titles and names are left out, since any text is valid for them.
     keyed = [place for place in _places_of_leaf_values(data) if isinstance(place[-1], str)]
     named = [place for place in keyed if place[-1] not in {"title", "name"}]
     *parents, key = rng.choice(named)
@@ -51,6 +52,7 @@ def make_huge_file(rng: random.Random) -> BrokenInput:
     """An input whose brake file is far too long, too deeply nested, or has too many shoes."""
     name = rng.choice(SOUND_BRAKES)
     text = brake_text(name).decode()
+    # Functions make the texts, so that only the chosen text takes memory.
     texts: list[Callable[[], str]] = [
         lambda: text + "\nx = " + "[" * 50_000,
         lambda: text + "\n# " + "x" * 2_000_000,

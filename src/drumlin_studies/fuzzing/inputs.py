@@ -64,6 +64,7 @@ def add_noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> byt
     """
     found = bytearray(data)
     for _ in range(rng.choice([1, 1, 2, 5, 40])):
+        # A change concerns the bytes from `at` to `end`.
         at = rng.randrange(len(found) + 1)
         end = min(len(found), at + rng.choice([1, 1, 3, 20, 200]))
         what = rng.randrange(6 if words else 5)
@@ -108,6 +109,7 @@ def _value_as_toml(value: Any) -> str:
 
 def _text_as_toml(text: str) -> str:
     """A text in the syntax of TOML, in quotes and with odd letters escaped."""
+    # Quotes and backslashes are escaped, and so are letters that cannot be printed.
     plain = {'"': '\\"', "\\": "\\\\"}
     letters = (plain.get(c, c if c.isprintable() else f"\\U{ord(c):08x}") for c in text)
     return '"' + "".join(letters) + '"'

@@ -48,6 +48,7 @@ def killed_sweep_row(case: dict[str, Any]) -> dict[str, Any]:
     of their moments. The row adds `met`, the number of kills that hit a running sweep, and `fault`,
     the faults at the end as text, "" if there are none.
     """
+    # A kill comes as soon as the journal has a random number of cases.
     rng = random.Random(f"kills {case['seed']} {case['way']}")
     moments = sorted(rng.sample(range(1, KILLED_CASES - 10), case["kills"]))
     with tempfile.TemporaryDirectory() as name:
@@ -86,6 +87,7 @@ def _run_options(way: str, folder: Path) -> Iterator[list[str]]:
     )
     started = [scheduler]
     try:
+        # The scheduler writes its address into a file as soon as it is ready.
         end = time.monotonic() + RUN_LIMIT
         while not known.exists():
             if scheduler.poll() is not None or time.monotonic() > end:

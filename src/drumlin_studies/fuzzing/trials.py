@@ -102,10 +102,12 @@ def try_input(generator: str, number: int, apart: bool = False) -> InputVerdict:
 
     If `apart` is true, the input runs in a new process, else in this one.
     """
+    # A word with a NUL byte cannot be given to a new process.
     given = make_input(generator, number)
     apart = apart and all(map(can_be_process_word, given.words))
     end = run_in_subprocess(given) if apart else run_in_this_process(given)
     fault = find_fault(given, end)
+    # A successful solve is repeated in this process to check its numbers.
     if not fault and end.status == 0 and given.words[0] == "solve" and not apart:
         fault = _find_unsound_answer(given)
     line = end.err.removeprefix("drumlin: ").strip()[:KEPT_LETTERS] if end.status else ""
@@ -159,6 +161,7 @@ def try_generators(
     say : function
         Function that gets a line of text on the progress.
     """
+    # Each case is a chunk of inputs of one generator, which one process runs together.
     cases: dict[str, list[dict[str, Any]]] = {name: [] for name in counts}
     for name, count in counts.items():
         for first in range(0, count, INPUTS_AT_A_TIME):
@@ -203,6 +206,7 @@ def refusal_lines(verdicts: dict[str, list[InputVerdict]], count: int = 40) -> s
 
     Messages that differ only in numbers and quoted texts count as one; the shortest is shown.
     """
+    # Messages are grouped by their form, with numbers and quoted texts left out.
     forms: dict[str, list[str]] = {}
     lines = [verdict.line for verdict in itertools.chain(*verdicts.values())]
     for line in filter(None, lines):

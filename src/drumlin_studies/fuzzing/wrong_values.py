@@ -220,6 +220,7 @@ def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> 
     before : object
         Present value of the key, or None.
     """
+    # Each type that occurs in the annotation adds values near this type.
     said = str(annotation)
     choices: list[Any] = [
         rng.choice(WRONG_QUANTITIES),
@@ -236,6 +237,7 @@ def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> 
         choices += [rows, []]
     if "Path" in said:
         choices += list(WRONG_PATHS)
+    # A quantity with a unit is scaled, which is drawn more often than other values.
     if isinstance(before, str) and (match := re.fullmatch(r"([-\d.]+) (.+)", before)):
         scaled = float(match[1]) * rng.choice(
             [-1, 0, 0.1, 0.5, 0.99, 1.01, 2, 10, 1e6, 1e-6, 1e-15]
