@@ -109,7 +109,7 @@ def draw_calibration_brake(seed: int) -> tuple[str, Brake]:
 
 
 def observe_levels(seed: int) -> dict[str, Any]:
-    """Errors and estimates on all levels of the random brake of a seed, as plain data.
+    """True and estimated errors of the random brake of a seed on all its meshes, as plain data.
 
     If the brake cannot be solved, "levels" is empty and "reason" says why.
     """
@@ -134,7 +134,7 @@ def observe_levels(seed: int) -> dict[str, Any]:
 
 
 def level_errors(brake: Brake, truth: Truth, found: Iterable[SolvedLevel]) -> list[LevelRecord]:
-    """Errors and terms of their estimate on each level of a brake, from the second level on.
+    """True errors of a brake and the terms of their estimate, on each mesh from the second one on.
 
     The true error of a quantity is nan if drumlin itself says that the quantity is not known, such
     as the peak of a pressure without bound.
@@ -210,13 +210,13 @@ class Samples(NamedTuple):
         )
 
     def ratios(self, factor: float, weight: float) -> Floats:
-        """Ratios (k,) of stated to true error, for the k samples whose true error is `known`."""
+        """Ratios (k,) of the error that drumlin states to the true error, for k `known` samples."""
         stated = factor * (self.step + weight * self.chance) + self.beside
         return stated[self.known] / self.true[self.known]
 
 
 def samples_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
-    """The samples of one quantity from all levels on which its true error is not nan."""
+    """The errors of one quantity on all meshes of all brakes, without those whose error is nan."""
     rows = [
         [of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])
     ]
@@ -233,11 +233,17 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     forces = [samples_of_quantity(levels, name) for name in ("torque", "reaction")]
 
     def force_factor(weight: float) -> float:
-        """The safety factor of torque and reaction for a weight of the change by random signs."""
+        """The safety factor of torque and reaction, for a given weight.
+
+        The weight is that of the change by random signs.
+        """
         return max(of.factor(weight) for of in forces)
 
     def median_error_ratio(weight: float) -> float:
-        """The median of stated over true error of torque and reaction for such a weight."""
+        """The median ratio of stated to true error of torque and reaction, for a given weight.
+
+        The weight is that of the change by random signs.
+        """
         return float(
             np.median(np.concatenate([of.ratios(force_factor(weight), weight) for of in forces]))
         )

@@ -1,4 +1,4 @@
-"""Checks the stated errors of the default solve for linings that are divided into many blocks.
+"""Checks the errors that drumlin states, for linings that are divided into many blocks.
 
 Random brakes of every kind get linings with FEWEST_BLOCK_STEPS to MOST_BLOCK_STEPS steps in the
 height of their surface, one at the beginning of each block. The steps are smaller or larger than
@@ -137,7 +137,7 @@ def _mean_compression(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
 
 
 class StatedAndTrue(NamedTuple):
-    """A response with its stated errors, a far finer solution, and the true errors by quantity."""
+    """A response with the errors that it states, a far finer solution, and the true errors."""
 
     response: Response
     truth: Truth
@@ -157,10 +157,10 @@ def stated_and_true_errors(brake: Brake) -> StatedAndTrue:
 
 
 def block_error_rows(seed: int) -> list[Check]:
-    """Compare true and stated errors of the random brake of a seed; a row for each quantity.
+    """Compare the errors that drumlin states with true errors, for the random brake of a seed.
 
-    The allowed difference is the stated error plus the uncertainty of the finer solution. If
-    drumlin calls the peak pressure unbounded, its stated error is 1.
+    Returns a row for each quantity. The allowed error is the stated error plus the uncertainty of
+    the finer solution. If drumlin calls the peak pressure unbounded, its stated error is 1.
     """
     brake = random_blocks(seed)
     name = f"{BLOCK_KINDS[seed % len(BLOCK_KINDS)]} {seed}"

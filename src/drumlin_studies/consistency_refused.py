@@ -47,7 +47,8 @@ def refusal_rows(seed: int) -> list[Check]:
     one_answer = len(forces) == len(MESH_SIZES) and relative_spread(forces) <= SAME_FORCE
     if isinstance(found, str):
         if one_answer:
-            # hp elements have more round-off than a uniform mesh; this is a valid reason.
+            # Elements of high degree have more round-off than a uniform mesh of low degree. This is
+            # a valid reason for a refusal.
             said = found if TOO_FAR_REASON in found else ""
             return [_check_row(brake, f"an answer, refused: {found}", 1.0, 0.0, said=said)]
         return [_check_row(brake, "an answer", 0.0, 0.0, said=found, refused=True)]

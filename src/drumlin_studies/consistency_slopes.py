@@ -193,7 +193,7 @@ def printed_slopes(brake: Brake, found: Sensitivity) -> list[Slope]:
 
 
 def _slopes_of_ring(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
-    """Yield the slopes by the moduli and the given bending stiffness of the drum's ring."""
+    """Yield the torque's derivatives by the moduli and bending stiffness of the drum's ring."""
     ring = brake.ring
     if ring is None:
         return
@@ -206,7 +206,7 @@ def _slopes_of_ring(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
 
 
 def _slopes_of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
-    """Yield the slope by the force, pressure or torque of a drive that all shoes share, if any."""
+    """Yield the torque's derivative by the force, pressure or torque of a common drive, if any."""
     drive = brake.actuation
     if drive is None or found.drive is None:
         return
@@ -217,7 +217,7 @@ def _slopes_of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
 
 
 def _slopes_of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
-    """Yield the slopes by the quantities of shoe number i."""
+    """Yield the torque's derivatives by the force, stiffness, clearance and support of shoe i."""
     shoe, own, key = brake.shoes[i], found.shoes[i], f"shoe[{i}]."
     # The force on a shoe behind a strut is the reaction of another shoe, and is no key of a file.
     behind_strut = any(link.to == shoe.name for link in brake.links)
@@ -234,7 +234,7 @@ def _slopes_of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]
 
 
 def _slopes_of_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator[Slope]:
-    """Yield the slopes by the moduli and the bending stiffness of a shoe.
+    """Yield the torque's derivatives by the moduli and the bending stiffness of a shoe.
 
     `key` is the path of the shoe in the brake file, with a dot at its end.
     """
@@ -266,7 +266,7 @@ def _lining_compression(brake: Brake, shoe: Shoe) -> float:
 
 
 def _slopes_of_support(brake: Brake, i: int, what: str, value: Floats) -> Iterator[Slope]:
-    """Yield the slopes by a number or a point of the support of shoe number i.
+    """Yield the torque's derivatives by a number or a point of the support of shoe number i.
 
     `what` is the path of the number or the point below the shoe in the brake file. `value` holds
     the slope by the number (1,) or the slopes by the coordinates of the point (2,).
@@ -275,7 +275,7 @@ def _slopes_of_support(brake: Brake, i: int, what: str, value: Floats) -> Iterat
     for name in what.split("."):
         at = getattr(at, name)
     key = f"shoe[{i}].{what}"
-    # A number of a support has one slope, a point one along each axis.
+    # A number of a support has one derivative; a point has one for each coordinate.
     if len(value) == 1:
         size = at if what.endswith("friction") else 1.0
         yield Slope(what, float(value[0]), shifted_key_changes(key, at), size)
@@ -288,7 +288,7 @@ def _slopes_of_support(brake: Brake, i: int, what: str, value: Floats) -> Iterat
 def largest_slope_difference(
     brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision
 ) -> float | None:
-    """The largest relative difference between a slope and the central differences of three steps.
+    """The largest relative difference between a printed derivative and three central differences.
 
     Returns None if steps of all sizes change the contact set or the mesh, so that the torque has no
     derivative there.
@@ -322,7 +322,7 @@ def largest_slope_difference(
 def _slope_difference_at_step(
     brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision, step: float
 ) -> float | None:
-    """The relative difference between a slope and the central difference with a given step.
+    """The relative difference between a printed derivative and a central difference.
 
     The step has the unit of the varied quantity. Returns None if the step changes the contact set
     or the mesh.
@@ -375,9 +375,10 @@ def _with_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
 
 
 def slope_rows_of_seed(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[Check]:
-    """Compare the printed slopes of the random brake of a seed with central differences.
+    """Compare the torque's printed derivatives with central differences, for a random brake.
 
-    Returns a row for each slope. At most `most` slopes are compared, or all if it is None.
+    The seed gives the brake. Returns a row for each derivative. At most `most` derivatives are
+    compared, or all if it is None.
     """
     kind, brake = draw_brake_with_friction(seed)
     on_hp_elements = bool(seed // len(SLOPE_KINDS) // 2 % 2)

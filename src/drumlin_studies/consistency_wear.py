@@ -41,12 +41,12 @@ WORN_ELEMENTS = 24
 
 With more elements the end of wear is nearer to the rigid-shoe law."""
 SAME_TORQUE = 1e-6
-"""Allowed relative difference of the torques by two paths on one mesh.
+"""Allowed relative difference between the torques of wear simulation and `solve` on one mesh.
 
-Both paths have exact contact. Round-off reaches 5e-8 if a lining is much softer than its shoe.
+Both have exact contact. Round-off reaches 5e-8 if a lining is much softer than its shoe.
 """
 SAME_PRESSURE = 2e-5
-"""Allowed relative L2 distance of the pressures by two paths on one mesh.
+"""Allowed relative L2 distance between the pressures of wear simulation and `solve` on one mesh.
 
 Round-off reaches 1e-5."""
 LAW_TORQUE = 1e-3
@@ -86,7 +86,7 @@ WEAR_KINDS = (
 
 
 class _TorqueAndPressure(NamedTuple):
-    """Torque and pressure of worn linings, computed by one path.
+    """Torque and pressure of worn linings, computed in one of several ways.
 
     Attributes
     ----------

@@ -65,7 +65,10 @@ def error_rows_of_seed(seed: int) -> list[dict[str, Any]]:
 
 
 def smallest_corner_power(brake: Brake) -> float:
-    """The smallest exponent a of p ~ x^a at the pressed corners of a brake; 0 without corners."""
+    """The smallest exponent a of p ~ x^a at the corners of linings that press on the drum.
+
+    x is the distance from the corner. The result is 0 if no corner presses on the drum.
+    """
     smallest = math.inf
     for i, shoe in enumerate(solve(brake).shoes):
         for corner in unbounded_corners(brake, i, shoe):

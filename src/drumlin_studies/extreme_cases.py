@@ -108,7 +108,7 @@ class KnobCase:
 
     @property
     def changes(self) -> dict[str, Any]:
-        """The values of the knobs that differ from the unchanged case, by name."""
+        """The parameters (knobs) of the case that differ from the unchanged case, by name."""
         base, own = dataclasses.asdict(KnobCase()), dataclasses.asdict(self)
         del own["knob"]
         return {key: value for key, value in own.items() if value != base[key]}
@@ -232,7 +232,7 @@ def _powers_of_ten(first: int, last: int, step: int = 1) -> list[float]:
 
 
 def _vary_knob(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]]:
-    """Changes of knobs, one dictionary for each value of the knob `name`.
+    """Changes of parameters (knobs), one dictionary for each value of the knob `name`.
 
     `rest` are values of other knobs, the same in each dictionary.
     """
@@ -240,7 +240,7 @@ def _vary_knob(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]
 
 
 def _sweep_settings() -> dict[str, list[dict[str, Any]]]:
-    """The sweeps by name: for each of its cases, the knobs that are changed and their values."""
+    """The changed parameters (knobs) and their values, for each case of each sweep by name."""
     # Values of the knobs that several sweeps share, in the units of KnobCase.
     arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
     gaps = [-1e-2, -1e-3, -1e-4, -1e-6, -1e-9, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2]

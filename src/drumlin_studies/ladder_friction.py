@@ -89,7 +89,7 @@ def _loop_dissipation() -> float:
     history, state, dissipated = SlipHistory(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
     for i, shift in enumerate(path):
         answer = stick_slip.solve_load_increment(_node_on_springs(10.0, shift), 0.5, history, state)
-        # The first 21 positions lead from zero to the loop.
+        # The first 21 positions are the way from zero to the loop and do not count.
         if i > 20:
             dissipated += float(answer.t[0] * (answer.s[0] - history.s[0]))
         history, state = answer.history, answer.state

@@ -51,7 +51,7 @@ A fifth level would take more time than the first four together, and few brakes 
 
 
 class LevelsOfRule(NamedTuple):
-    """Errors and times of one brake that is solved on the levels of a rule.
+    """Errors and times of one brake that is solved on hp meshes (levels) by a refinement rule.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ def solve_true_solution(seed: int) -> Truth | None:
 
 
 def try_rule_on_brake(seed: int, truth: Truth | None, rule: LevelRule) -> LevelsOfRule | None:
-    """Solve the random brake of a seed on the levels of a rule; returns its errors and times.
+    """Solve the random brake of a seed on meshes by a refinement rule; returns errors and times.
 
     Returns None if the brake has no equilibrium, or if `truth`, the far finer solution, is None.
     """
@@ -115,7 +115,7 @@ class StoppingLevel(NamedTuple):
 def find_stopping_level(
     brake: LevelsOfRule, factors: Factors, pressure: float, torque: float
 ) -> StoppingLevel:
-    """The level at which a solve stops, for given relative tolerances of p and of the torque."""
+    """The mesh (level) at which a solve stops, for relative tolerances of p and of the torque."""
     for k, level in enumerate(brake.levels, 2):
         stated = _stated_errors(level, factors)
         reached = stated["pressure"] <= pressure and stated["torque"] <= torque
@@ -125,7 +125,7 @@ def find_stopping_level(
 
 
 def _stated_errors(level: LevelRecord, factors: Factors) -> dict[str, float]:
-    """The stated errors of a level by quantity, with given safety factors."""
+    """The errors that drumlin would state on a mesh (level) with given safety factors."""
     # Pressure and peak have factors of their own; torque and reaction share that of forces.
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}
@@ -150,7 +150,7 @@ def report_lines(brakes: Sequence[LevelsOfRule]) -> str:
 
 
 def _ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
-    """Text with the median of stated over true error, and the number of too small stated errors."""
+    """Text with the median ratio of stated to true error, and the number of too small ratios."""
     # True errors that are uncertain do not count.
     certain = [
         stop.stated[quantity] / stop.level.true[quantity]

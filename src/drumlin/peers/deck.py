@@ -431,7 +431,7 @@ def counter_clockwise(xy: Floats, cells: Ints, corners: int) -> Ints:
 
 
 def face_lines(cells: Ints, along: Ints, corners: int) -> list[str]:
-    """The lines "element, S<face>" of a deck for the edges `along`.
+    """The lines "element, S<face>" by which a CalculiX deck names the edges `along` of elements.
 
     Face i of a plane element of CalculiX is its edge from corner i to the next corner.
 

@@ -323,10 +323,11 @@ def _with_force(answer: ShoeAnswer, shoe: Shoe) -> ShoeAnswer:
 
 
 def _standing_answers(shoes: Mapping[int, Shoe], solver: _Solver) -> dict[str, ShoeAnswer]:
-    """The results of some shoes by name, with the right sense of the friction at their abutments.
+    """Solve some shoes; returns their results by name.
 
-    The sense is right if the foot of the shoe stays on its abutment. `shoes` are given by their
-    number in the brake. Raises NoAnswer if no sense is right.
+    The friction at an abutment may act in several senses, which are tried in turn until the foot of
+    the shoe stays on the abutment. `shoes` are given by their number in the brake. Raises NoAnswer
+    if the foot does not stay with any sense.
     """
     answers: dict[str, ShoeAnswer] = {}
     left = dict(shoes)

@@ -112,7 +112,7 @@ class Loaded:
 
     @property
     def on_body(self) -> bool:
-        """Whether the actuation acts on an end of the shoe's body, and not on its holder."""
+        """Whether the actuation acts on an end of the shoe's body, and not on its rigid holder."""
         return "actuation" in self.parts.mesh.boundaries and not self.shoe.gripped
 
     @property
@@ -127,7 +127,7 @@ class Loaded:
 def meshed_shoes(
     brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
 ) -> list[MeshedShoe]:
-    """The meshes and matrices of the shoes of a brake, by drumlin's mesher.
+    """Mesh the shoes of a brake by drumlin's mesher; returns their meshes and matrices.
 
     Parameters
     ----------
@@ -351,7 +351,7 @@ def brake_response(
     iterations: int,
     seconds: dict[str, float],
 ) -> Response:
-    """The response of the whole brake, made of the responses of its shoes.
+    """The response of the whole brake, put together from the responses of its shoes.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Comparison of anybody's p(theta), a table in a CSV file, with reference values."""
+"""Comparison of a user's pressure curves p(theta), read from a CSV file, with reference values."""
 
 import csv
 import io
@@ -234,8 +234,8 @@ def _place_text(shoe: Shoe, at: float) -> str:
 def judge_curves(brake: Brake, known: Reference, curves: dict[str, PressureTable]) -> list[Verdict]:
     """Compare the pressure curve of each shoe with the reference values of a brake.
 
-    Raises BadInput where the reference is of another brake, or where a curve ends before it reaches
-    an edge zone of its lining.
+    Raises BadInput if the reference values are those of another brake, or if a curve ends before it
+    reaches the edge zone at an end of its lining.
     """
     if [shoe.name for shoe in known.shoes] != [shoe.name for shoe in brake.shoes]:
         said = ", ".join(shoe.name for shoe in known.shoes)

@@ -2,8 +2,9 @@
 
 The reference value comes from hp elements on the finer of two meshes, with exact contact. Its
 uncertainty is the larger of its distances from two other solutions. The first one is that of the
-coarser hp mesh, which has another degree and grading. The second one comes from curved triangles,
-a solver of its own that shares nothing with the hp elements but the brake.
+coarser hp mesh, which has another degree and grading. The second one comes from another solver, on
+curved triangles, which shares nothing with the hp elements but the brake. (hp elements are finite
+elements of high polynomial degree whose sizes shrink towards singular points.)
 """
 
 import importlib.metadata
@@ -106,7 +107,7 @@ class ReferenceResponses(NamedTuple):
 
 
 def solve_reference_responses(brake: Brake, refinement: Refinement = FINE) -> ReferenceResponses:
-    """Solve a brake on both hp meshes of `refinement` and by curved triangles.
+    """Solve a brake for its reference values: on two hp meshes, and by curved triangles.
 
     Raises BadInput if finite elements cannot solve the brake or a shoe has a mesh file, and
     NoAnswer if the brake has no equilibrium.

@@ -171,7 +171,7 @@ def solve_contact_forces(
 def _foot_stands(
     brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
 ) -> bool:
-    """Whether the foot of a shoe stays on its abutment, with friction there in the given sense."""
+    """Whether the foot of a shoe stays on its abutment with the assumed sense of friction there."""
     # `drum` is the force of the drum on the lining per unit of normal force, at each node.
     drum = brake.friction * brake.spin * one.tangent - one.normal
     reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.actuation.vector
@@ -186,7 +186,7 @@ def _solve_for_friction_senses(
     first: list[Bools],
     senses: tuple[int, ...],
 ) -> list[ContactForces]:
-    """The contact forces of each shoe, with friction at the abutments in the senses `senses`."""
+    """The contact forces of each shoe, for an assumed sense of the friction at each abutment."""
     # Friction at full slip is `drag` times the normal force, along growing theta.
     drag = brake.friction * brake.spin
     free = [shoe.freedoms(sense) for shoe, sense in zip(shoes, senses, strict=True)]

@@ -121,7 +121,7 @@ class Nodes:
 
 
 def make_nodes(mesh: Triangles, place: PointMap, degree: int) -> Nodes:
-    """The nodes of a mesh of triangles of a degree: at corners, on edges and inside triangles."""
+    """The nodes of a mesh of triangles of a polynomial degree: at corners, on edges and inside."""
     edges, of_edge = mesh_edges(mesh)
     corners = int(mesh.vertices.max()) + 1
     inner = degree - 1

@@ -1,4 +1,4 @@
-"""Solutions of a brake on a sequence of ever finer meshes of triangles."""
+"""Solves a brake on a sequence of finer and finer meshes of curved triangles."""
 
 import math
 from collections.abc import Sequence

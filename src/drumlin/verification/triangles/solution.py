@@ -120,7 +120,8 @@ def _contact_start(theta: Floats, p: Floats, node: int, degree: int) -> float:
     """The angle [rad] at which a contact begins; `node` is its first node in contact."""
     if node == 0:
         return float(theta[0])
-    # The last nodes of the piece of p in which the contact begins, and of the piece after it.
+    # The last node of the piece (edge of a triangle) in which the contact begins, and the last node
+    # of the piece after it.
     near = (node - 1) // degree * degree + degree
     far = near + degree
     if far >= len(theta):
