@@ -75,7 +75,7 @@ def _hold_row(name: str, scene: PreparedModel, brake: Brake) -> Check:
         held = _state_after_rotation(scene, brake, LOCKED_ROTATION)
         locked = held is None or held.sticking > 0
         return row._replace(said=str(error) if locked else "", refused=locked)
-    # A refusal by `hold` explains a difference only if it states the moments of both paths.
+    # An error message of `hold` counts as a reason only if it states two different moments.
     try:
         end = find_full_slip_rotation(scene, brake)
     except NoAnswer as error:

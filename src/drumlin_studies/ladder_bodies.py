@@ -282,9 +282,9 @@ ROACHE_SAYS = (
     "Roache, Verification and Validation (1998): f = .97050, .96854, .96178, r = 2; "
     "in single precision"
 )
-"""Source of the example of the grid convergence index, as printed."""
+"""Citation of the example of the grid convergence index, for the ladder's table."""
 TIMOSHENKO = "Timoshenko & Goodier, Theory of Elasticity"
-"""Source of beams and rings, as printed."""
+"""Citation of closed forms of beams and rings, for the ladder's table."""
 BODY_CASES = (
     KnownAnswer(
         family="grid convergence index",

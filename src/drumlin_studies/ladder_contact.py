@@ -279,12 +279,12 @@ def _edge_exponent(mu: float, nu: float) -> float:
 
 
 KONTER = "Konter, Advanced FE contact benchmarks (NAFEMS 2006), 2D cylinder; Hertz"
-"""Source of the cylinder on a block, as printed."""
+"""Citation of the benchmark of a cylinder on a block, for the ladder's table."""
 MICHELL, PERSSON = (
     "Michell 1899, rings held at .6 and 1.4",
     "Persson 1964; Ciavarella & Decuzzi 2001",
 )
-"""Sources of the rings and of the disc in a hole, as printed."""
+"""Citations for rings and for a disc in a hole, for the ladder's table."""
 CONTACT_CASES = (
     KnownAnswer(
         family="equal cylinders",

@@ -267,12 +267,12 @@ def _simscape_double_shoe(what: str) -> float:
 
 
 SHIGLEY, BHANDARI = "Shigley, Mechanical Engineering Design", "Bhandari, Design of Machine Elements"
-"""Two textbooks with worked examples, as printed."""
+"""Citations of two textbooks with worked examples, for the ladder's table."""
 LESSON, UWA = (
     "NPTEL, Machine Design II, lesson 12.1",
     "University of Western Australia, notes on brakes",
 )
-"""Lecture notes with worked examples, as printed."""
+"""Citations of lecture notes with worked examples, for the ladder's table."""
 LAW_CASES = (
     KnownAnswer(
         family="internal shoes rated by pressure",

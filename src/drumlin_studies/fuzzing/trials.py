@@ -61,7 +61,7 @@ GENERATORS: dict[str, tuple[Callable[[random.Random], BrokenInput], str]] = {
     "command lines": (faults.make_random_command, "commands with options of all sorts"),
     "words": (faults.make_wrong_command, "words that are no command line"),
 }
-"""The generators by name: the function that makes an input, and a description of its inputs."""
+"""The generators of broken inputs by name: a function that makes an input, and a description."""
 
 
 class InputVerdict(NamedTuple):

@@ -17,7 +17,9 @@ from drumlin.brake.support import moved
 from drumlin.verification.triangles.face import CondensedFace
 
 MOST_SETS_TRIED = 600
-"""Largest number of contact sets that are tried before the solver raises NoAnswer."""
+"""Largest number of contact sets that are tried before the solver raises NoAnswer.
+
+A contact set is the set of nodes that carry contact forces."""
 SPARE = 8
 """Number of contact sets in a row without fewer wrong nodes, until one node at a time changes.
 
@@ -31,7 +33,9 @@ this limit come from round-off."""
 ACCEPTED_AFTER = 40
 """Number of contact sets after which the larger limit NEARLY takes the place of NOISE."""
 NEARLY = 1e-9
-"""Largest relative error of a contact set that is accepted if round-off keeps changing the set."""
+"""Largest relative error of a contact set that is accepted if round-off keeps changing the set.
+
+The error is the sum of tensile forces and penetrations, relative to the normal force."""
 
 
 class CondensedRing(NamedTuple):
