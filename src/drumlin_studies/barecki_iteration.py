@@ -1,9 +1,12 @@
-"""The paper's own iteration on displacements, in which the contact is revised until it agrees.
+"""The iteration of Barecki's paper for a post brake, which finds the contact and the displacements.
 
-The equations are (12) for each station inside the beam, (17) for each sector, and M_0 = 0 (19). By
-(20) a sector has the stiffness k* = k where it is pressed, t = w cos(theta) - z - Delta > 0, and
-k* = 0 elsewhere. The terms in z and Delta have the signs that follow from t. The paper prints them
-with the sign of the terms in w.
+A post is a beam whose lining is divided into sectors; each sector is a spring between the beam and
+the elastic ring of the drum. The unknowns are the deflection w of the beam and the displacement z
+of the ring's rim. The equations are (12) for each station inside the beam, (17) for each sector,
+and M_0 = 0 (19), the moment about the hinge. By (20) a sector has the stiffness k* = k if it is
+compressed, t = w cos(theta) - z - Delta > 0, and else k* = 0. The terms in z and Delta have the
+signs that follow from t; the paper prints them with the sign of the terms in w. The set of
+compressed sectors is revised until it agrees with the displacements.
 """
 
 from typing import NamedTuple
@@ -17,20 +20,20 @@ from drumlin.foundation.model import ring_of
 from drumlin.foundation.post import Post, post
 
 MOST_REVISIONS = 100
-"""Revisions of the contact after which the iteration counts as not converged."""
+"""Number of revisions of the contact after which the iteration counts as not converged."""
 
 
 class IterationAnswer(NamedTuple):
-    """The answer of the iteration.
+    """The result of the paper's iteration for a post with m stations and n sectors.
 
     Attributes
     ----------
     w : array (m,)
         Deflection of the beam at its stations [m].
     z, N : array (n,)
-        Displacement of the rim [m] and force [N] at the sectors.
+        Displacement of the drum's rim [m], and force of the lining [N], at each sector.
     rounds : int
-        Number of revisions.
+        Number of contacts that were tried.
     """
 
     w: Floats
@@ -40,18 +43,30 @@ class IterationAnswer(NamedTuple):
 
 
 def solve_by_paper_iteration(brake: Brake, index: int, sections: int) -> IterationAnswer:
-    """The answer of a shoe by the paper's iteration, with all of the paper's simplifications.
+    """Solve a shoe of a post brake by the paper's iteration, with all simplifications of the paper.
 
-    index : number of the shoe; sections : number of sectors along the lining.
+    Parameters
+    ----------
+    brake : Brake
+        The brake.
+    index : int
+        Number of the shoe.
+    sections : int
+        Number of sectors along the lining.
 
-    Raises NoAnswer where the contact does not settle or the equations are singular.
+    Raises
+    ------
+    NoAnswer
+        If the contact does not converge or the equations are singular.
     """
+    # The beam with its sectors, and the flexibility matrix of the ring.
     p = post(brake, brake.shoes[index], sections, tilt=False, wedge=False, plane_stress=False)
     theta = p.axis.origin + p.axis.sense * p.theta
     c = ring_of(brake, theta, theta, frozenset())
     # The first guess of the contact is the whole lining.
     pressed = np.ones(len(p.theta), dtype=bool)
     for rounds in range(1, MOST_REVISIONS + 1):
+        # A sector is in contact if the displacements for the last contact compress it.
         w, z = _beam_and_rim_displacements(p, c, np.where(pressed, p.k, 0.0))
         t = w[p.under] * np.cos(p.theta) - z - p.gap
         if np.array_equal(t > 0, pressed):
@@ -64,19 +79,19 @@ def solve_by_paper_iteration(brake: Brake, index: int, sections: int) -> Iterati
 
 
 def _beam_and_rim_displacements(p: Post, c: Floats, k: Floats) -> tuple[Floats, Floats]:
-    """Displacements w (m,) and z (n,) [m] for a contact.
+    """Displacements of the beam, w (m,), and of the drum's rim, z (n,) [m], for a given contact.
 
     Parameters
     ----------
     p : Post
-        The post.
+        The beam with its m stations and n sectors.
     c : array (n, n)
-        Flexibility of the ring [m/N].
+        Flexibility of the drum's ring at the sectors [m/N].
     k : array (n,)
-        Stiffness k* of the sectors [N/m].
+        Stiffness k* of the sectors [N/m], 0 for those without contact.
     """
     m, n = p.pressed.shape
-    # B of eq. 11, times dx.
+    # Bending moments at the stations due to unit compression of a sector: B of eq. 11, times dx.
     bent = (p.pressed + p.drag * p.dragged) * k
     matrix, right = np.zeros((m + n, m + n)), np.zeros(m + n)
     # Bending of the beam, by second differences of w at the stations inside the beam (eq. 12).
@@ -89,11 +104,11 @@ def _beam_and_rim_displacements(p: Post, c: Floats, k: Floats) -> tuple[Floats, 
     matrix[np.ix_(inner, p.under)] += bent[inner] * np.cos(p.theta)
     matrix[inner, m:] -= bent[inner]
     right[inner] = p.loaded[inner] + bent[inner] @ p.gap
-    # The first row says that the moment M_0 about the hinge vanishes.
+    # The first equation is M_0 = 0: the moment about the hinge vanishes.
     matrix[0, p.under] = bent[0] * np.cos(p.theta)
     matrix[0, m:] = -bent[0]
     right[0] = p.loaded[0] + bent[0] @ p.gap
-    # w_0 = 0, scaled to the size of the other equations.
+    # The last equation of the beam is w_0 = 0, scaled to the size of the other equations.
     matrix[m - 1, 0] = stiff.mean()
     # Displacement z of the rim under the forces of all sectors (eq. 17).
     matrix[m:, p.under] = -(c * k) * np.cos(p.theta)

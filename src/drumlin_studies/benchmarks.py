@@ -1,8 +1,8 @@
-"""Figures of speed and size over the commits, kept as one line of JSON a measurement.
+"""Benchmarks of drumlin's speed and model sizes, kept over the commits in a file of JSON lines.
 
-`make benchmarks` measures the figures and appends a line to HISTORY. Every time is divided by the
-time of a fixed workload or of fixed imports in the same run. Such a ratio hardly depends on the
-machine, so that lines from different machines can be compared.
+`make benchmarks` measures the figures and appends a line to the file HISTORY. Every time is divided
+by the time of a fixed calculation or of fixed imports in the same run. This ratio hardly depends on
+the machine, so that lines from different machines can be compared.
 """
 
 import json
@@ -25,7 +25,7 @@ from drumlin.fem.solve import prepare_finest_division
 from drumlin.studies import REPOSITORY, examples
 
 HISTORY = REPOSITORY / "reports" / "reference" / "benchmarks" / "history.jsonl"
-"""The kept file: one line a measurement, the oldest first."""
+"""Path of the file with the history of benchmarks: one line for each measurement, oldest first."""
 
 TIMED_SOLVES = (
     "double_shoe",
@@ -37,34 +37,40 @@ TIMED_SOLVES = (
 )
 """Example brakes whose default solve is timed.
 
-They stand for stiff and flexible shoes, an elastic ring, shoes that share a strut, a band of
-blocks, and a plane.
+They cover stiff and flexible shoes, an elastic ring, shoes with a strut between them, a band of
+blocks, and shoes on a plane.
 """
 
 COUNTED = ("double_shoe", "post_brake")
-"""Example brakes whose unknowns and active-set iterations are counted: without and with a ring."""
+"""Example brakes, without and with an elastic ring, whose unknowns and iterations are counted."""
 
 USUAL_REPEATS = 9
-"""Repeats of each time by default. The median of nine is steady to some 2 % on a busy machine."""
+"""Number of times that each step is timed by default.
+
+The median of nine times varies by some 2 % on a busy machine."""
 
 SYSTEM_SIZE = 60
-"""Equations of each dense system of the workload, as many as a shoe has contact nodes."""
+"""Number of equations of each linear system in the fixed calculation.
+
+A shoe has about as many contact nodes."""
 
 SYSTEMS = 80
-"""Number of dense systems in the workload, which takes some 5 ms in all."""
+"""Number of linear systems in the fixed calculation, which takes some 5 ms in all."""
 
 ADDITIONS = 100_000
-"""Additions by the interpreter in the workload, because a solve spends much time in Python."""
+"""Number of additions in the fixed calculation.
+
+They stand for the much time that a solve spends in the Python interpreter."""
 
 IMPORTS = "import numpy, scipy.linalg, pydantic"
-"""Program with the imports that every command needs. Start-up is measured relative to its time."""
+"""Program with the imports that every command needs; times of commands are divided by its time."""
 
 COMMAND = "from drumlin.cli import main; main()"
 """Program that runs drumlin's command line, whether or not the command is installed."""
 
 
 class Benchmark(NamedTuple):
-    """A measurement: the commit, its day (YYYY-MM-DD), and the figures by name."""
+    """A measurement: the commit, its date (YYYY-MM-DD), and the measured figures by name."""
 
     commit: str
     date: str
@@ -72,9 +78,10 @@ class Benchmark(NamedTuple):
 
 
 def run_reference_workload() -> float:
-    """Do the fixed work that times are divided by; returns a number, so that all of it is needed.
+    """Do the fixed calculation by whose time other times are divided.
 
-    A change of this function makes the earlier lines of the history incomparable.
+    The returned number depends on every step, so that no step can be optimised away. If this
+    function changes, earlier lines of the history cannot be compared with later ones.
     """
     matrix = np.eye(SYSTEM_SIZE) + 1 / (1 + np.arange(SYSTEM_SIZE**2).reshape(SYSTEM_SIZE, -1))
     right = np.ones(SYSTEM_SIZE)
@@ -87,14 +94,14 @@ def run_reference_workload() -> float:
 
 
 def measure_processor_time(call: Callable[[], object]) -> float:
-    """Processor time that this process spends in a call [s]."""
+    """Processor time [s] that this process spends in `call`."""
     start = time.process_time()
     call()
     return time.process_time() - start
 
 
 def measure_child_process_time(*arguments: str) -> float:
-    """Processor time of a Python process with these arguments [s]."""
+    """Run Python with these arguments in a new process; returns its processor time [s]."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run([sys.executable, *arguments], stdout=subprocess.DEVNULL, check=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -104,10 +111,10 @@ def measure_child_process_time(*arguments: str) -> float:
 def median_time_ratio(
     timed: Callable[[], float], compared: Callable[[], float], repeats: int = USUAL_REPEATS
 ) -> float:
-    """Median of `timed` over `compared`, two functions that measure a time [s].
+    """Median of the ratio of two times, that of `timed` divided by that of `compared`.
 
-    Both are measured one after the other in each repeat. A slower phase of the machine then
-    changes both.
+    Both arguments are functions that measure and return a time [s]. They are called one after the
+    other in each repeat, so that a slow phase of the machine changes both times.
     """
     ratios = []
     for _ in range(repeats):
@@ -117,12 +124,12 @@ def median_time_ratio(
 
 
 def solve_time_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
-    """Times of solves and of questions about a solved brake, over the time of the workload."""
+    """Times of solves, of the sensitivity and of holding, relative to the fixed calculation."""
     calls: dict[str, Callable[[], object]] = {}
     for name in TIMED_SOLVES:
         calls[f"solve {name}"] = partial(drumlin.solve, drumlin.read_brake(examples()[name]))
     first = drumlin.read_brake(examples()[TIMED_SOLVES[0]])
-    # Further questions about the first brake.
+    # Other functions of drumlin are timed on the first brake.
     calls |= {
         "sine law": partial(drumlin.solve, first, "sine"),
         "sensitivity": partial(drumlin.sensitivity, first),
@@ -138,16 +145,19 @@ def solve_time_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
 
 
 def count_unknowns(brake: Brake) -> int:
-    """Degrees of freedom of the shoes in the prepared model that a default solve ends on."""
+    """Number of degrees of freedom of the shoes on the finest mesh of a brake's default solve."""
     counted: dict[int, int] = {}
-    # Equal shoes share one body, which is condensed once and counted once.
+    # Shoes of equal shape share one model, which counts once.
     for body in prepare_finest_division(brake).bodies:
         counted[id(body)] = body.unknowns
     return sum(counted.values())
 
 
 def count_unknowns_and_iterations() -> dict[str, float]:
-    """Unknowns and active-set iterations of default solves. They do not depend on the machine."""
+    """Numbers of unknowns and of active-set iterations of default solves, by name.
+
+    They do not depend on the machine.
+    """
     found: dict[str, float] = {}
     for name in COUNTED:
         brake = drumlin.read_brake(examples()[name])
@@ -157,7 +167,7 @@ def count_unknowns_and_iterations() -> dict[str, float]:
 
 
 def start_time_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
-    """Times of whole commands, over the time that a process needs for the imports alone."""
+    """Times of whole commands, divided by the time of a process that only does the imports."""
     brake = str(examples()[TIMED_SOLVES[0]])
     compared = partial(measure_child_process_time, "-c", IMPORTS)
     commands = {
@@ -169,20 +179,20 @@ def start_time_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
 
 
 def git_output(*arguments: str) -> str:
-    """The output of a git command on the repository of this checkout, without spaces around it."""
+    """The output of a git command on drumlin's repository, without surrounding spaces."""
     command = ["git", "-C", str(REPOSITORY), *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
 def commit_name() -> str:
-    """Short name of the commit that is checked out, with a + if a source file differs from it."""
-    # The list is empty where every source file is as committed.
+    """Short hash of the checked-out commit, with a "+" if a source file has been changed."""
+    # git lists the changed files; without changes the list is empty.
     changed = git_output("status", "--porcelain", "--", "src")
     return git_output("rev-parse", "--short=7", "HEAD") + ("+" if changed else "")
 
 
 def measure_figures(repeats: int = USUAL_REPEATS) -> Benchmark:
-    """Measure all figures on the commit that is checked out.
+    """Measure all figures of drumlin at the checked-out commit.
 
     Raises subprocess.CalledProcessError outside of a git repository.
     """
@@ -191,26 +201,26 @@ def measure_figures(repeats: int = USUAL_REPEATS) -> Benchmark:
         **count_unknowns_and_iterations(),
         **start_time_ratios(repeats),
     }
-    # Digits beyond the fourth are noise of the timing.
+    # More than four digits of a time would be random.
     rounded = {name: float(f"{value:.4g}") for name, value in figures.items()}
     return Benchmark(commit_name(), f"{datetime.now(UTC):%Y-%m-%d}", rounded)
 
 
 def append_to_history(path: Path, benchmark: Benchmark) -> None:
-    """Add a line to a history, which is created where it does not exist."""
+    """Append a measurement as a line to the history file `path`, which is created if missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a", encoding="utf-8") as file:
         file.write(json.dumps(benchmark._asdict()) + "\n")
 
 
 def read_history(path: Path = HISTORY) -> list[Benchmark]:
-    """The measurements of a history, the oldest first."""
+    """The measurements in a history file, the oldest first."""
     lines = path.read_text(encoding="utf-8").splitlines()
     return [Benchmark(**json.loads(line)) for line in lines]
 
 
 def main(path: str = str(HISTORY), repeats: str = str(USUAL_REPEATS)) -> None:
-    """Measure, append a line to the history at `path`, and print the line."""
+    """Measure all figures, append them to the history file `path`, and print the new line."""
     benchmark = measure_figures(int(repeats))
     append_to_history(Path(path), benchmark)
     sys.stdout.write(json.dumps(benchmark._asdict()) + "\n")

@@ -1,6 +1,7 @@
-"""Brakes of every kind by finite elements and by rigid-shoe law, in both senses of motion.
+"""Brakes of every kind, solved by finite elements and by rigid-shoe laws in both senses of motion.
 
-Finite elements solve each brake with new linings and with worn-in linings.
+Finite elements solve each brake with new linings and with worn-in linings. The tables show how far
+the laws are off.
 """
 
 import math
@@ -26,18 +27,18 @@ from drumlin.response.response import Response
 from drumlin_studies.tables import values_of_key
 
 TRUSTED = 0.05
-"""Relative error up to which a law can be trusted."""
+"""Relative error up to which the text says that a rigid-shoe law can be trusted."""
 ROUGH = 0.15
-"""Relative error up to which a law is an estimate."""
+"""Relative error up to which the text says that a rigid-shoe law is an estimate."""
 NO_EFFECT_ERROR = 1e-9
-"""Relative error below which the effect of a brake follows from equilibrium alone.
+"""Relative error of the law's torque below which the torque follows from equilibrium alone.
 
-The law and finite elements then agree to round-off, whatever their pressures.
+The law and finite elements then agree to round-off, even if their pressures differ.
 """
 
 
 class BrakeInMotion(NamedTuple):
-    """A brake in one sense of motion, by several models.
+    """A brake in one sense of motion, and its responses by several models.
 
     Attributes
     ----------
@@ -46,11 +47,11 @@ class BrakeInMotion(NamedTuple):
     brake : Brake
         The brake.
     law : Response
-        By its rigid-shoe law.
+        Response by the rigid-shoe law.
     new, worn : Response
-        By finite elements, with new and with worn-in linings.
+        Responses by finite elements, with new and with worn-in linings.
     others : mapping
-        By the other models that apply, by name.
+        Outcomes of the other models that can solve the brake, by their names.
     """
 
     file: str
@@ -62,14 +63,14 @@ class BrakeInMotion(NamedTuple):
 
 
 def brake_and_reversed_brake(brake: Brake) -> tuple[Brake, Brake]:
-    """The brake as in its file, and with the opposite motion of the drum or the body."""
+    """The brake, and a copy of it with the opposite motion of the drum or the plane."""
     return brake, brake.reversed()
 
 
 def solve_by_all_models(
     file: str, brake: Brake, elements: int, *, solid: bool = False
 ) -> BrakeInMotion:
-    """A brake by its law, by finite elements and by the other models that apply.
+    """Solve a brake by its rigid-shoe law, by finite elements and by all other models that can.
 
     Parameters
     ----------
@@ -78,14 +79,14 @@ def solve_by_all_models(
     brake : Brake
         The brake.
     elements : int
-        Elements along the worn-in linings.
+        Number of elements along the worn-in linings.
     solid : bool
-        Whether solid shoes are included, where they apply.
+        Whether the model of three-dimensional shoes is included if it can solve the brake.
 
     Raises
     ------
     NoAnswer
-        The law or finite elements have no answer.
+        If the law or finite elements find no equilibrium.
     """
     by_law = law(brake)
     models = [*applicable(brake)]
@@ -93,7 +94,7 @@ def solve_by_all_models(
         models.append(MODELS["solid"])
     others: dict[str, Outcome] = {}
     for model in models:
-        # The law and the default finite elements have places of their own in the result.
+        # The law and the default finite elements are other attributes of the result.
         if model.name not in {"fem", by_law.model}:
             others[model.name] = run(model.name, partial(model.solve, brake))
     worn = worn_in.solve_worn_in_brake(brake, elements=elements)
@@ -101,10 +102,10 @@ def solve_by_all_models(
 
 
 def locking_friction(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
-    """The coefficient of friction up to which the elastic brake has an answer.
+    """The coefficient of friction at which the brake with elastic linings locks itself.
 
-    The result is inf where the brake has an answer up to the friction `most`, and nan where it has
-    no answer even without friction. `elements` counts the elements along a lining.
+    The result is inf if the brake has an equilibrium up to the friction `most`, and nan if it has
+    none even without friction. `elements` is the number of elements along a lining.
     """
     try:
         found = friction_limits_of_groups(
@@ -117,18 +118,17 @@ def locking_friction(brake: Brake, most: float = 2.0, elements: int = 20) -> flo
 
 
 def law_error_row(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
-    """The row of a brake: its law against finite elements, with new and with worn-in linings.
+    """A row of a table with the errors of a brake's law, for new and for worn-in linings.
 
-    `factor` and `factor_worn` are brake factors by finite elements, `p` and `p_worn` the relative
-    L2 distances of the law's pressure.
-
-    limit : friction up to which the brake has an answer.
+    The errors are relative to finite elements: `new` and `worn` of the torque (on a plane, of the
+    braking force), `p` and `p_worn` of the pressure, as L2 distances. `factor` and `factor_worn`
+    are brake factors by finite elements. `limit` is the friction at which the brake locks itself.
     """
     brake, new = found.brake, found.new
     size = new.effect
 
     def distance(by: Response) -> float:
-        """Relative L2 distance of the law's pressure, the largest of all shoes."""
+        """The largest relative L2 distance of the law's pressure from `by`, over all shoes."""
         # A shoe without contact has no pressure to which a distance could be relative.
         pairs = zip(found.law.shoes, by.shoes, strict=True)
         return max(pressure_distance(a, b, edge_of(brake)) for a, b in pairs if b.contact_arcs)
@@ -154,7 +154,10 @@ def law_error_row(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
 
 
 def other_model_rows(found: BrakeInMotion) -> list[dict[str, Any]]:
-    """Relative errors of each other model against finite elements, new and worn in: a row each."""
+    """Rows of a table, one for each other model, with the relative errors of its torque.
+
+    The errors are relative to finite elements with new and with worn-in linings.
+    """
     base: dict[str, Any] = {"file": found.file, "motion": found.brake.sense}
     rows: list[dict[str, Any]] = []
     for name, outcome in found.others.items():
@@ -170,13 +173,12 @@ def other_model_rows(found: BrakeInMotion) -> list[dict[str, Any]]:
 def cam_factor(brake: Brake) -> float:
     """Brake factor T/(F R) = 4 B1 B2/(B1 + B2) of an S-cam brake with rigid worn-in shoes.
 
-    The cam moves both tips by the same distance. B1 and B2 are the shoe factors T/(F R) that each
-    shoe has alone.
+    The cam displaces both shoe tips by the same distance. B1 and B2 are the shoe factors T/(F R)
+    of the two shoes, each actuated alone.
     """
 
     def shoe_factor(shoe: Shoe) -> float:
-        """The shoe factor T/(F R) of a shoe that is pushed alone by 1 kN."""
-        # The shoe alone under 1 kN.
+        """The shoe factor T/(F R) of a shoe that is alone in the brake, under a force of 1 kN."""
         alone = brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})
         return law(alone).torque / (1e3 * brake.size)
 
@@ -185,12 +187,15 @@ def cam_factor(brake: Brake) -> float:
 
 
 def law_verdict(rows: list[dict[str, Any]]) -> str:
-    """Whether the law of a brake can be trusted, in words, by its rows of both senses of motion."""
+    """A sentence that says whether the law of a brake can be trusted.
+
+    `rows` are the rows `law_error_row` of the brake in both senses of motion.
+    """
     surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
     effect_ = surface.effect
 
     def judged(key: str) -> str:
-        """Whether the larger error of both rows allows trust, with this error in percent."""
+        """A verdict on the error `key` of the law, by the larger error of both rows."""
         error = np.abs(values_of_key(rows, key)).max()
         word = "is an estimate" if error <= ROUGH else "cannot be trusted"
         word = "can be trusted" if error <= TRUSTED else word

@@ -1,15 +1,16 @@
-"""The factors of the error estimate, fitted on random brakes of every kind, and their file.
+"""Fits the safety factors of drumlin's error estimate on random brakes, and writes their file.
 
-For each brake `observe_levels` takes the levels of a solve one by one. It records by how much the
-answer changes from level to level and how far each answer is from a far finer solution.
-`fit_safety_factors` finds the factors with which the stated errors are at least the true errors,
-except for a small share of 1 - QUANTILE. `factors_as_text` writes the factors together with the
-brakes that they were fitted on. The command
+drumlin solves a brake on a sequence of finer and finer hp meshes, called levels. It estimates the
+error by the change from one level to the next, multiplied by a safety factor. `observe_levels`
+records this change for a random brake, and the true error against a far finer solution.
+`fit_safety_factors` finds the smallest factors with which the stated errors are at least as large
+as the true errors, except for the small share 1 - QUANTILE. `factors_as_text` writes the factors
+together with the brakes of the fit. The command
 
     make calibrate
 
-runs the study `calibration`, which calls these functions. The same tree always writes the same
-file.
+runs the study `calibration`, which calls these functions. The same source code always writes the
+same file.
 """
 
 import json
@@ -37,45 +38,52 @@ from drumlin_studies.stated_true import RELEVANT, Truth, true_errors
 from drumlin_studies.stored_truth import CERTAIN, solve_by_deep_triangles, solve_by_finer_divisions
 
 FIRST_SEED, FITTED_BRAKES = 300_000, 260
-"""Seed of the first random brake of the fit, and the number of these brakes: ten of each kind. The
-stored truths (seeds 70000 and on) and the study that judges the factors (seeds 700000 and on) use
-other brakes."""
+"""Seed of the first random brake of the fit, and number of these brakes: ten of each kind.
+
+Other brakes, with the seeds from 70000 and from 700000 on, test the fitted factors."""
 
 FIRST_CORNER, CORNER_BRAKES = 310_000, 60
-"""Seed of the first brake of the fit that presses with a corner or under a tip, and the number of
-these brakes: six of each kind. The factors are judged on brakes of other seeds, see
-`corner_rows.FIRST_JUDGED`."""
+"""Seed of the first brake of the fit that presses on the drum by a corner or a tip of the lining.
+
+The second number is the number of these brakes: six of each kind. The factors are tested on brakes
+of other seeds, see `corner_rows.FIRST_JUDGED`."""
 
 QUANTILE = 0.995
-"""Share of the true errors that are at most as large as the stated errors. README promises that at
-most twice the remaining share of stated errors is too small."""
+"""Fraction of the true errors that must not exceed the stated errors in the fit.
+
+README promises that at most twice the rest, 1 %, of the stated errors is too small."""
 
 FITTED = 5
-"""Number of levels that the factors are fitted on. The next level is as fine as the far finer
-solution itself."""
+"""Number of hp meshes (levels) of each brake whose errors are fitted.
+
+A further level would be as fine as the solution from which true errors are taken."""
 
 CHANCE_WEIGHTS = tuple(2.0**-k for k in range(4, 14))
-"""Candidates for the weight of the force change that random signs of the hp elements' contributions
-would cause, relative to the weight of the actual change. `fit_safety_factors` takes the candidate
-with the smallest median of stated over true error."""
+"""Candidates for a weight in the error estimate of forces.
+
+The contributions of hp elements to the change of a force may cancel by accident. Therefore the
+change that they would cause with random signs is multiplied by this weight and added to the actual
+change. `fit_safety_factors` takes the candidate with the smallest median of stated over true error.
+"""
 
 HALF = 0.999
-"""Share of the true errors that are at most twice as large as the stated errors. QUANTILE bounds
-how many stated errors are too small; HALF bounds by how much a stated error is too small."""
+"""Fraction of the true errors that must not exceed twice the stated errors in the fit.
+
+QUANTILE limits how many stated errors are too small; HALF limits by how much they are too small."""
 
 SIGNIFICANT_DIGITS = 2
-"""Number of significant digits of a factor. Other brakes would give other further digits."""
+"""Number of significant digits of a safety factor. Further digits depend on the brakes drawn."""
 
 
 class LevelRecord(NamedTuple):
-    """Errors of the answer of one level and the terms of their estimate, by QUANTITIES.
+    """True errors on one hp mesh (level), and the terms of their estimate, by quantity.
 
     Attributes
     ----------
-    step : change since the level before, of the worst shoe
-    chance : change that random signs of the hp elements' contributions would cause
+    step : relative change since the level before, the largest of all shoes
+    chance : change that the hp elements' contributions would cause with random signs
     beside : penalty and round-off errors
-    true : true error
+    true : true error, relative to a far finer solution
     unsure : uncertainty of the true error
     """
 
@@ -87,10 +95,10 @@ class LevelRecord(NamedTuple):
 
 
 def draw_calibration_brake(seed: int) -> tuple[str, Brake]:
-    """The kind and the random brake of a seed.
+    """The random brake of a seed, and before it the name of its kind.
 
-    Consecutive seeds go through all kinds. Seeds from FIRST_CORNER on give brakes that press with a
-    corner or under a tip.
+    Consecutive seeds go through all kinds. Seeds from FIRST_CORNER on give brakes that press on the
+    drum by a corner or a tip of the lining.
     """
     if seed >= FIRST_CORNER:
         names = list(CORNER_KINDS)
@@ -101,7 +109,10 @@ def draw_calibration_brake(seed: int) -> tuple[str, Brake]:
 
 
 def observe_levels(seed: int) -> dict[str, Any]:
-    """The levels of a seed's brake as plain data, or in words why the brake has no answer."""
+    """True and estimated errors of the random brake of a seed on all its meshes, as plain data.
+
+    If the brake cannot be solved, "levels" is empty and "reason" says why.
+    """
     kind = ""
     try:
         kind, brake = draw_calibration_brake(seed)
@@ -112,7 +123,7 @@ def observe_levels(seed: int) -> dict[str, Any]:
             brake, truth, islice(solved_levels(brake, solve_prepared_model), FITTED)
         )
     except (NoAnswer, AssertionError) as error:
-        # Rounding turns over triangles that are too small.
+        # An AssertionError means that round-off has turned over a tiny triangle.
         return {"seed": seed, "kind": kind, "reason": str(error), "levels": []}
     return {
         "seed": seed,
@@ -123,11 +134,12 @@ def observe_levels(seed: int) -> dict[str, Any]:
 
 
 def level_errors(brake: Brake, truth: Truth, found: Iterable[SolvedLevel]) -> list[LevelRecord]:
-    """Errors and estimates of the levels of a brake, from the second level on.
+    """True errors of a brake and the terms of their estimate, on each mesh from the second one on.
 
-    The true error of a quantity is nan where a solve says that the quantity is not known, as for an
-    unbounded peak pressure.
+    The true error of a quantity is nan if drumlin itself says that the quantity is not known, such
+    as the peak of a pressure without bound.
     """
+    # With stated errors of zero, only a quantity that drumlin calls unknown gets an error above 0.
     nothing = Errors.worst(0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes))
     levels: list[LevelRecord] = []
     before = None
@@ -154,16 +166,19 @@ def level_errors(brake: Brake, truth: Truth, found: Iterable[SolvedLevel]) -> li
 
 
 def _largest_of_shoes(values: Floats) -> dict[str, float]:
-    """The value for the brake's torque and the largest of all shoes for the other quantities.
+    """The largest value over all shoes for each quantity; for the torque, the value of the brake.
 
-    values : (1 + 4 shoes,) in the order of `Distances`, the brake's torque first
+    `values` (1 + 4 shoes,) are in the order of `Distances`: the torque of the brake comes first.
     """
     most = values[1:].reshape(-1, len(QUANTITIES)).max(axis=0).tolist()
     return dict(zip(QUANTITIES, most, strict=True)) | {"torque": float(values[0])}
 
 
 class Samples(NamedTuple):
-    """The attributes of `LevelRecord` for one quantity, as arrays (m,) over brakes and levels."""
+    """The attributes of `LevelRecord` for one quantity, as arrays (m,).
+
+    Each of the m entries is a level of a brake.
+    """
 
     step: Floats
     chance: Floats
@@ -173,18 +188,19 @@ class Samples(NamedTuple):
 
     @property
     def known(self) -> Bools:
-        """Whether each true error (m,) is large enough and certain enough to be fitted.
+        """Whether each true error (m,) is large enough and certain enough to be used in the fit.
 
-        Other true errors may be errors of the far finer solution itself.
+        A smaller one may be the error of the finer solution from which true errors are taken.
         """
         return np.asarray((self.true >= RELEVANT) & (self.true > CERTAIN * self.unsure))
 
     def factor(self, weight: float) -> float:
-        """The smallest factor of step + weight chance with which QUANTILE and HALF are satisfied.
+        """The smallest safety factor with which the conditions QUANTILE and HALF are satisfied.
 
-        Any factor counts as large enough for a true error that is not certain, as it does in the
-        promise of README.
+        The stated error is factor * (step + weight * chance) + beside. For a true error that is not
+        certain, any factor counts as large enough.
         """
+        # The factor that each sample needs, so that its stated error equals its true error.
         most = np.where(self.known, self.true - self.unsure - self.beside, 0.0)
         needed = np.maximum(most, 0.0) / np.maximum(
             self.step + weight * self.chance, np.finfo(float).tiny
@@ -194,13 +210,13 @@ class Samples(NamedTuple):
         )
 
     def ratios(self, factor: float, weight: float) -> Floats:
-        """Ratios of stated to true error where the true error is `known`."""
+        """Ratios (k,) of the error that drumlin states to the true error, for k `known` samples."""
         stated = factor * (self.step + weight * self.chance) + self.beside
         return stated[self.known] / self.true[self.known]
 
 
 def samples_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
-    """The samples of a quantity from all levels on which the quantity has a true error."""
+    """The errors of one quantity on all meshes of all brakes, without those whose error is nan."""
     rows = [
         [of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])
     ]
@@ -208,19 +224,26 @@ def samples_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples
 
 
 def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
-    """The smallest factors with which QUANTILE and HALF are satisfied for each quantity.
+    """The smallest safety factors with which QUANTILE and HALF are satisfied for each quantity.
 
-    Torque and reaction share a factor, the larger of the two. The weight of chance is the one of
-    CHANCE_WEIGHTS that gives the smallest median of stated over true error.
+    Torque and reaction share one factor, the larger of the two. The weight of the change by random
+    signs is that of CHANCE_WEIGHTS with the smallest median of stated over true error.
     """
+    # The factor of forces depends on the weight of the change by random signs.
     forces = [samples_of_quantity(levels, name) for name in ("torque", "reaction")]
 
     def force_factor(weight: float) -> float:
-        """The factor of the forces with a weight of the change by random signs."""
+        """The safety factor of torque and reaction, for a given weight.
+
+        The weight is that of the change by random signs.
+        """
         return max(of.factor(weight) for of in forces)
 
     def median_error_ratio(weight: float) -> float:
-        """The median of stated over true error of the forces with this weight."""
+        """The median ratio of stated to true error of torque and reaction, for a given weight.
+
+        The weight is that of the change by random signs.
+        """
         return float(
             np.median(np.concatenate([of.ratios(force_factor(weight), weight) for of in forces]))
         )
@@ -234,6 +257,7 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
 
 def _round_up(value: float) -> float:
     """The value rounded up to SIGNIFICANT_DIGITS significant digits."""
+    # The small number keeps a value that is already rounded from being rounded up again.
     scale = 10.0 ** (math.floor(math.log10(value)) - SIGNIFICANT_DIGITS + 1)
     return float(f"{math.ceil(value / scale - 1e-9) * scale:.{SIGNIFICANT_DIGITS}g}")
 
@@ -254,18 +278,18 @@ MEANING = {
     "of the peak and in the L2 norm. "
     "A factor that is too small or too large has the same effects as that of the pressure.",
 }
-"""The meaning of each factor, in the words of the factors' file."""
+"""The meaning of each safety factor, as the file of the factors states it."""
 
 
 class Provenance(NamedTuple):
-    """Where the factors of a fit come from.
+    """The brakes and the code with which safety factors were fitted.
 
     Attributes
     ----------
-    seeds : seeds of the random brakes, in words
-    brakes : number of brakes that had an answer
-    levels : number of levels of all these brakes
-    commit, date : commit of the code and its date
+    seeds : seeds of the random brakes, as text
+    brakes : number of brakes that could be solved
+    levels : number of levels of all these brakes together
+    commit, date : commit of the source code and its date
     """
 
     seeds: str
@@ -276,7 +300,7 @@ class Provenance(NamedTuple):
 
 
 def factors_as_text(factors: Factors, provenance: Provenance) -> str:
-    """The text of the factors' file: the brakes of the fit, and each factor with its meaning."""
+    """The JSON text of the safety factors' file: provenance, and each factor with its meaning."""
     data = {
         "written by": "make calibrate; read by drumlin.fem.error_control.estimate; "
         "not to be edited by hand",

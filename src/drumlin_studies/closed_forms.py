@@ -1,7 +1,7 @@
-"""Closed forms of elasticity, contact, friction and wear, which judge the benchmark ladder.
+"""Closed-form solutions of elasticity, contact, friction and wear, as references for drumlin.
 
-They hold for plane stress and, unless a docstring says otherwise, for unit width. They use no part
-of drumlin that they judge.
+The benchmark ladder compares drumlin with them. They hold for plane stress and, unless a docstring
+says otherwise, for unit width. They use no part of drumlin that they are compared with.
 """
 
 import math
@@ -32,16 +32,19 @@ def hertz_line_contact(load: float, radius: float, modulus: float) -> tuple[floa
 
 
 def persson_clearance(b: float) -> float:
-    """Clearance E dR/Q of a disc in a hole of the same material, by b = tan(eps/2).
+    """Dimensionless clearance E dR/Q of a loaded disc in a hole of the same material.
 
-    dR is the difference of the radii, Q the force per width, eps the half-angle of contact (Persson
-    1964; Ciavarella & Decuzzi 2001).
+    dR is the difference of the radii and Q the force per width. b = tan(eps/2), with eps the
+    half-angle of contact (Persson 1964; Ciavarella & Decuzzi 2001).
     """
     return (2 - 2 * b**4 - math.log(1 + b**2)) / (math.pi * b**2 * (1 + b**2))
 
 
 def persson_pressure(b: float, theta: Floats) -> Floats:
-    """Pressure p R/Q (n,) of a disc in a hole at theta (n,) [rad]; zero beyond the contact."""
+    """Dimensionless pressure p R/Q (n,) of a disc in a hole, at the angles theta (n,) [rad].
+
+    b = tan(eps/2), with eps the half-angle of contact. Beyond the contact the pressure is zero.
+    """
     y = np.tan(theta / 2)
     root = np.sqrt(np.maximum(b**2 - y**2, 0))
     q = math.sqrt(b**2 + 1)
@@ -51,17 +54,17 @@ def persson_pressure(b: float, theta: Floats) -> Floats:
 
 
 def westergaard_pressure(mean: float, full: float, psi: Floats) -> Floats:
-    """Pressure [Pa] of a wavy half-plane (Westergaard 1939).
+    """Pressure [Pa] between a wavy elastic half-plane and a flat rigid one (Westergaard 1939).
 
     Parameters
     ----------
     mean : float
         Mean pressure [Pa].
     full : float
-        Mean pressure p* [Pa] from which on the whole surface is in contact; then
+        Smallest mean pressure p* [Pa] at which the whole surface is in contact; above it
         p = mean + p* cos 2 psi.
     psi : array
-        Places pi x/lambda along the wave of length lambda [rad].
+        Coordinates pi x/lambda along the wave of length lambda [rad].
     """
     if mean >= full:
         return np.asarray(mean + full * np.cos(2 * psi))
@@ -73,9 +76,9 @@ def westergaard_pressure(mean: float, full: float, psi: Floats) -> Floats:
 def lame_displacements(
     inner: float, outer: float, pressure: float, E: float, nu: float
 ) -> tuple[float, float]:
-    """Radial displacements [m] of the inner and outer edge of a ring under inner pressure.
+    """Radial displacements [m] of the inner and the outer edge of a ring under inner pressure.
 
-    After Lame (1852). The radii `inner` and `outer` are in m, `pressure` and E in Pa.
+    Source: Lame (1852). The radii `inner` and `outer` are in m, `pressure` and E in Pa.
     """
     c = pressure * inner**2 / (outer**2 - inner**2) / E
     return (
@@ -85,40 +88,43 @@ def lame_displacements(
 
 
 def ring_compliance(n: int, free: float, held: float, E: float, nu: float) -> float:
-    """Radial displacement [m/Pa] of a ring's free edge under the pressure cos(n theta) there.
+    """Amplitude of the radial displacement [m/Pa] of a ring's free edge under a harmonic pressure.
 
-    The displacement goes with cos(n theta) as well. It is negative where the ring lies inside its
-    free edge. By Michell's solution (1899; Barber, Elasticity, table 9.1).
+    The pressure cos(n theta) acts on the free edge; the other edge is fixed. The displacement also
+    varies as cos(n theta). It is negative if the free edge is the outer one. Source: Michell (1899)
+    and Barber, Elasticity, table 9.1.
 
     Parameters
     ----------
     n : int
         Order of the harmonic.
     free : float
-        Radius of the edge with the pressure and without shear [m].
+        Radius of the free edge, on which the pressure acts without shear [m].
     held : float
-        Radius of the edge that is held fast [m].
+        Radius of the fixed edge [m].
     E, nu : float
         Young's modulus [Pa] and Poisson's ratio.
     """
     two_mu = E / (1 + nu)
     if n == 0:
-        # Displacement and radial stress of the terms r and 1/r. Their sum is zero at `held`.
+        # The displacement is a sum of the terms r and 1/r that vanishes at the fixed edge; u and s
+        # are displacement and radial stress of the two terms at the free edge.
         u = np.array([free, 1 / free])
         s = np.array([E / (1 - nu), -two_mu / free**2])
         held_u = np.array([held, 1 / held])
         ratio = np.array([1.0, -held_u[0] / held_u[1]])
         return float(-(u @ ratio) / (s @ ratio))
     at_free, at_held = _michell_terms(n, free, nu), _michell_terms(n, held, nu)
-    # Four conditions: no displacement at `held`, unit pressure and no shear at `free`.
+    # Four conditions: no displacement at the fixed edge, unit pressure and no shear at the other.
     terms = np.linalg.solve(np.vstack([at_held[:2], at_free[2:]]), [0, 0, -1, 0])
     return float(at_free[0] @ terms / two_mu)
 
 
 def _michell_terms(n: int, r: float, nu: float) -> Floats:
-    """Displacements and stresses (4, 4) at a radius, a column for each of Michell's four terms.
+    """Displacements and stresses (4, 4) at a radius, for the four terms of Michell's solution.
 
-    The rows are 2 mu u_r, 2 mu u_theta, s_rr and s_rtheta.
+    Each column is a term. The rows are 2 mu u_r, 2 mu u_theta, s_rr and s_rtheta, without the
+    factors cos(n theta) or sin(n theta).
 
     Parameters
     ----------
@@ -131,7 +137,8 @@ def _michell_terms(n: int, r: float, nu: float) -> Floats:
     """
     k = (3 - nu) / (1 + nu)
     if n == 1:
-        # The terms r theta sin and r ln r cos, combined for single-valued displacements.
+        # The terms r theta sin theta and r ln r cos theta, combined so that displacements have one
+        # value at each point.
         log = math.log(r)
         fourth = [2 * k * log - 1, -1 - 2 * k * log, (k + 3) / r, -(k - 1) / r]
     else:
@@ -163,18 +170,23 @@ def _michell_terms(n: int, r: float, nu: float) -> Floats:
 
 
 def corner_exponent(mu: float, nu: float) -> float:
-    """The exponent lambda of p ~ r^(lambda - 1) at a right-angled edge on a rigid sliding plane.
+    """The exponent lambda of p ~ r^(lambda - 1) at a right-angled corner on a rigid sliding plane.
 
-    The plane slides onto the edge. Williams' (1952) stress function is r^(lambda + 1) F(theta),
-    without traction at theta = pi/2. At theta = 0 the displacement u_theta is zero and the shear is
-    mu times the pressure. The result is the smallest root above 1/4, or 1 without friction.
+    r is the distance from the corner. The plane enters the contact at the corner, and its friction
+    drags the body away from there. Williams' (1952) stress function is r^(lambda + 1) F(theta),
+    without traction on the free side theta = pi/2. On the contact side theta = 0 the displacement
+    u_theta is zero and the shear is mu times the pressure. The result is the smallest root above
+    1/4, or 1 without friction.
     """
     if mu == 0:
         return 1.0
     k, right = (3 - nu) / (1 + nu), math.pi / 2
 
     def determinant(e: float) -> float:
-        """Determinant of the conditions on A cos(e+1) + B sin(e+1) + C cos(e-1) + D sin(e-1)."""
+        """Determinant of the four boundary conditions for the exponent e; it is zero at a root.
+
+        F is A cos((e+1) theta) + B sin((e+1) theta) + C cos((e-1) theta) + D sin((e-1) theta).
+        """
         a, b = e + 1, e - 1
         sa, ca = math.sin(a * right), math.cos(a * right)
         sb, cb = math.sin(b * right), math.cos(b * right)
@@ -196,14 +208,17 @@ def corner_exponent(mu: float, nu: float) -> float:
 
 
 def capstan_tension_ratio(mu: float, angle: float) -> float:
-    """Ratio of the tensions at the ends of a belt, e^(mu angle) (Euler 1769; Eytelwein 1808)."""
+    """Ratio of the tensions at the ends of a belt on a drum, e^(mu angle), with the angle in rad.
+
+    Sources: Euler (1769), Eytelwein (1808).
+    """
     return math.exp(mu * angle)
 
 
 def sine_shoe_locking_friction(R: float, a: float, phi_1: float, phi_2: float) -> float:
-    """Friction at which a rigid shoe with a lining of springs locks itself.
+    """Coefficient of friction at which a rigid hinged shoe with a lining of springs locks itself.
 
-    The moments of p ~ sin phi and of its friction about the hinge balance each other.
+    At this friction the moment of the pressure p ~ sin phi about the hinge equals that of friction.
 
     Parameters
     ----------
@@ -212,9 +227,9 @@ def sine_shoe_locking_friction(R: float, a: float, phi_1: float, phi_2: float) -
     a : float
         Distance of the hinge from the drum's centre [m].
     phi_1, phi_2 : float
-        Ends of the lining, from the hinge [rad].
+        Angles of the lining's ends from the line to the hinge [rad].
     """
-    # Moments about the hinge by the integrals of sin^2 phi and of (R - a cos phi) sin phi.
+    # Moment of the pressure, and of friction divided by mu, both per p_0 b R.
     normal = a * ((phi_2 - phi_1) / 2 - (math.sin(2 * phi_2) - math.sin(2 * phi_1)) / 4)
     friction = (
         R * (math.cos(phi_1) - math.cos(phi_2))
@@ -224,7 +239,10 @@ def sine_shoe_locking_friction(R: float, a: float, phi_1: float, phi_2: float) -
 
 
 def bonded_layer_stiffness(E: float, nu: float, thickness: float) -> float:
-    """Stiffness E/((1 - nu^2) t) [Pa/m] of a thin layer that cannot spread along its back."""
+    """Stiffness E/((1 - nu^2) t) [Pa/m] through a thin layer that is bonded to a rigid back.
+
+    The layer cannot extend along its back.
+    """
     return E / ((1 - nu**2) * thickness)
 
 
@@ -240,16 +258,16 @@ def flat_punch_pressure(load: float, half: float, x: Floats) -> Floats:
     half : float
         Half-width a of the punch [m].
     x : array (n,)
-        Places, from the middle of the punch [m].
+        Coordinates, from the middle of the punch [m].
     """
     return np.asarray(load / (math.pi * np.sqrt(half**2 - x**2)))
 
 
 def block_friction_ratio(half: float) -> float:
-    """Equivalent over actual friction of a block under p = p_0 cos phi (NPTEL lesson 12.1).
+    """Equivalent coefficient of friction of a block with p = p_0 cos phi, over the actual one.
 
         mu'/mu = 4 sin half/(2 half + sin 2 half)
 
-    half : half of the block's arc [rad].
+    `half` is half of the angle of the block's arc [rad]. Source: NPTEL lesson 12.1.
     """
     return 4 * math.sin(half) / (2 * half + math.sin(2 * half))

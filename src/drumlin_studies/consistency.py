@@ -1,8 +1,9 @@
-"""Checks that two paths through drumlin lead to the same number, on random brakes.
+"""Consistency checks: two ways to compute one quantity must agree, on random brakes.
 
-For example, a holding brake that is turned to full slip must end with the torque of the sliding
-brake, and an exact slope must agree with the difference of two solves. Each module `consistency_*`
-draws the random brake of a seed, follows both paths and returns a row for each quantity.
+For example, a holding brake whose drum is rotated to full slip must end with the torque of the
+sliding brake, and an exact derivative must agree with the difference of two solves. Each module
+`consistency_*` draws the random brake of a seed, computes its quantities in both ways, called
+paths, and returns a row for each quantity.
 """
 
 from collections import Counter
@@ -10,33 +11,33 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 CHECK_OUTCOMES = ("agrees", "said", "differs", "refused")
-"""How a comparison can end.
+"""The possible outcomes of comparing one quantity by two paths.
 
-"said" means that the numbers differ and that drumlin itself tells the reason; "refused" that both
-paths have no answer. "differs" is a fault of drumlin.
+"said" means that the values differ and that drumlin itself prints the reason. "refused" means that
+neither path gives a value. "differs" is a fault of drumlin.
 """
 
 
 class Check(NamedTuple):
-    """One quantity of one random brake, by two paths.
+    """The comparison of one quantity of a random brake, computed by two paths.
 
     Attributes
     ----------
     check : str
-        Which paths are compared.
+        Name of the check, which says what two paths are compared.
     brake : str
-        Kind and seed, so that the brake can be drawn again.
+        Kind and seed of the brake, so that it can be drawn again.
     quantity : str
-        What is compared.
+        Name of the quantity.
     difference : float
         Relative difference of the two values.
     allowed : float
         Largest difference that counts as agreement.
     said : str
-        The line in which drumlin tells that and why the two differ, or why it refuses both; empty
-        where drumlin says nothing.
+        Line in which drumlin prints why the values differ, or why it refuses the brake; "" if
+        drumlin prints no reason.
     refused : bool
-        Whether neither path has an answer.
+        Whether neither path gives a value.
     """
 
     check: str
@@ -49,7 +50,7 @@ class Check(NamedTuple):
 
     @property
     def outcome(self) -> str:
-        """How the comparison ended, one of CHECK_OUTCOMES."""
+        """The outcome of the comparison, one of CHECK_OUTCOMES."""
         if self.refused:
             return "refused"
         if self.difference <= self.allowed:
@@ -58,18 +59,18 @@ class Check(NamedTuple):
 
 
 class Count(NamedTuple):
-    """How many comparisons of one check ended with each outcome.
+    """The numbers of comparisons of one check that ended with each outcome.
 
     Attributes
     ----------
     check : str
-        Which paths are compared.
+        Name of the check, which says what two paths are compared.
     compared : int
-        Number of rows in which at least one path has an answer.
+        Number of comparisons in which at least one path gives a value.
     agree, said, differ, refused : int
-        Number of rows of each outcome.
+        Number of comparisons with each outcome.
     largest : float
-        Largest difference over the allowed difference, among the rows that agree.
+        Largest ratio of the difference to the allowed one, among comparisons that agree.
     """
 
     check: str
@@ -82,7 +83,7 @@ class Count(NamedTuple):
 
 
 def count_outcomes(rows: Sequence[Check]) -> list[Count]:
-    """The number of rows of each outcome, for each check in the order of its first row."""
+    """Count the outcomes of comparisons; returns counts for each check, in order of appearance."""
     rows_of: dict[str, list[Check]] = {}
     for row in rows:
         rows_of.setdefault(row.check, []).append(row)
@@ -93,13 +94,13 @@ def count_outcomes(rows: Sequence[Check]) -> list[Count]:
         counts.append(
             Count(
                 check=check,
-                # A brake that both paths refuse has no numbers to compare.
+                # If both paths refuse the brake, there are no values to compare.
                 compared=len(own) - outcomes["refused"],
                 agree=outcomes["agrees"],
                 said=outcomes["said"],
                 differ=outcomes["differs"],
                 refused=outcomes["refused"],
-                # 1 would mean that a difference is as large as is allowed.
+                # The value 1 would mean that a difference is as large as the allowed one.
                 largest=max(used, default=0.0),
             )
         )

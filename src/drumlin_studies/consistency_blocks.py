@@ -1,8 +1,9 @@
-"""The errors that the default solve states of linings of many blocks, against finer levels.
+"""Checks the errors that drumlin states, for linings that are divided into many blocks.
 
-Random brakes of every kind get linings with FEWEST_BLOCK_STEPS to MOST_BLOCK_STEPS steps between
-blocks. The steps are shallow or deep against the compression that the brake's own force makes, so
-that in some brakes all blocks press and in others few of them do.
+Random brakes of every kind get linings with FEWEST_BLOCK_STEPS to MOST_BLOCK_STEPS steps in the
+height of their surface, one at the beginning of each block. The steps are smaller or larger than
+the compression of the lining under load, so that in some brakes all blocks press on the drum, in
+others few of them. The stated errors are compared with true errors against a finer solution.
 """
 
 from typing import NamedTuple
@@ -22,27 +23,33 @@ from drumlin_studies.random_kinds import draw_brake_of_kind
 from drumlin_studies.stated_true import JUDGED_QUANTITIES, Truth, true_errors, truth_by_hp_elements
 
 BLOCKS_CHECK = "blocks: error stated by the default solve, error against finer levels"
-"""Name of the check in rows."""
+"""Name of this check in tables."""
 FEWEST_BLOCK_STEPS, MOST_BLOCK_STEPS = 7, 30
-"""Smallest and largest number of rows of `misfit.blocks`. Each row is a step with two kinks."""
+"""Smallest and largest number of steps on a lining, the rows of `misfit.blocks`.
+
+Each step makes two kinks in the gap."""
 BLOCK_ATTEMPTS = 200
-"""Draws for one seed before the generator gives up."""
+"""Number of brakes that are drawn for one seed before the generator gives up."""
 BLOCK_TRIAL_ELEMENTS = 40
-"""Elements of the mesh that shows how far a lining is compressed and whether all shoes press."""
+"""Number of elements along a lining of the mesh that shows its compression and its contact."""
 STEP_SPACING = 1.05
-"""Smallest distance between two steps, over the arc of a step. `misfit.blocks` needs more than 1.
-"""
+"""Smallest distance between two steps, relative to the arc over which a step extends.
+
+`misfit.blocks` needs more than 1."""
 STEP_DEPTH_DECADES = (-1.0, 1.0)
-"""Range of the largest step over the compression by the brake's force, as powers of ten."""
+"""Range of the largest step's depth relative to the lining's compression, as powers of ten."""
 BLOCKS_TRUTH_TOLERANCE = 2.5e-3
-"""Tolerance of the finer levels that serve as truth. They end where p changes by a tenth of it."""
+"""Relative tolerance of the finer solution from which true errors are taken.
+
+Its meshes are refined until p changes by a tenth of this tolerance."""
 BLOCK_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
-"""The kinds of both generators, in the order in which seeds draw them."""
+"""The kinds of random brakes, in the order in which consecutive seeds draw them."""
 Rng = np.random.Generator
+"""The type of the generators of random numbers."""
 
 
 def random_blocks(seed: int, steps: int | None = None) -> Brake:
-    """The brake of a seed with blocks on each of its linings.
+    """The random brake of a seed, with blocks on each of its linings.
 
     Parameters
     ----------
@@ -50,13 +57,13 @@ def random_blocks(seed: int, steps: int | None = None) -> Brake:
         The same seed always gives the same brake. The seed modulo the number of BLOCK_KINDS chooses
         the kind.
     steps : int, optional
-        Number of steps on each lining, by default FEWEST_BLOCK_STEPS to MOST_BLOCK_STEPS by the
-        seed. Another number of steps does not change the brake behind them.
+        Number of steps on each lining. By default the seed gives a number from FEWEST_BLOCK_STEPS
+        to MOST_BLOCK_STEPS. The number of steps changes nothing else of the brake.
 
     Raises
     ------
     NoAnswer
-        No brake of the kind has room for its steps in BLOCK_ATTEMPTS draws.
+        If none of BLOCK_ATTEMPTS drawn brakes has room for its steps.
     """
     kind = BLOCK_KINDS[seed % len(BLOCK_KINDS)]
     for attempt in range(BLOCK_ATTEMPTS):
@@ -76,25 +83,25 @@ def random_blocks(seed: int, steps: int | None = None) -> Brake:
 
 
 def _with_blocks(brake: Brake, rng: Rng, steps: int, depth: float) -> Brake:
-    """The brake with steps on each lining.
+    """A copy of the brake with random steps between blocks on each lining.
 
     Parameters
     ----------
     brake : Brake
         The brake without blocks.
     rng : numpy.random.Generator
-        What places and depths are drawn from.
+        Random numbers that give the places and depths of the steps.
     steps : int
         Number of steps on each lining.
     depth : float
-        Largest depth of a step, over the compression of the lining.
+        Largest depth of a step, relative to the compression of the lining under load.
 
     Raises
     ------
     BadInput
-        A lining has no room for the steps.
+        If a lining has no room for the steps.
     NoAnswer
-        A shoe does not press or locks.
+        If a shoe does not touch the drum or locks itself.
     """
     fitting = solve(brake, elements=BLOCK_TRIAL_ELEMENTS)
     changes: dict[str, list[list[float]]] = {}
@@ -103,34 +110,34 @@ def _with_blocks(brake: Brake, rng: Rng, steps: int, depth: float) -> Brake:
         depths = depth * _mean_compression(brake, shoe, found) * rng.uniform(0, 1, steps)
         changes[f"shoe[{i}].lining.misfit.blocks"] = np.column_stack([places, depths]).tolist()
     other = vary(brake, changes)
-    # Every shoe must press, because a shoe that does not touch would have no error to judge.
+    # A shoe that does not touch the drum would have no error to compare.
     if not all(shoe.contact_arcs for shoe in solve(other, elements=BLOCK_TRIAL_ELEMENTS).shoes):
         raise NoAnswer("a shoe does not press")
     return other
 
 
 def _step_places(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
-    """Random beginnings of the blocks of a lining (steps,) [rad], with room for each step.
+    """Random angles (steps,) [rad] at which the blocks of a lining begin, far enough apart.
 
-    Raises BadInput where the lining is too short.
+    Raises BadInput if the lining is too short for the steps.
     """
     lining, room = shoe.lining, STEP_SPACING * shoe.lining.step
     free = lining.end - lining.start - (steps + 1) * room
     if free <= 0:
         raise BadInput(f"no room for {steps} steps")
-    # Sorted places in the free arc, each moved on by the room of the steps before it.
+    # Random angles in the free arc are sorted and shifted by the room of the steps before them.
     return lining.start + np.sort(rng.uniform(0, free, steps)) + room * np.arange(1, steps + 1)
 
 
 def _mean_compression(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
-    """Compression of a lining by the mean pressure of its shoe [m]."""
+    """Compression [m] of a lining under the mean pressure on it."""
     lining = shoe.lining
     area = brake.scale_factor * (lining.end - lining.start) * lining.width
     return found.normal_force / area * lining.thickness / lining.material.E_through
 
 
 class StatedAndTrue(NamedTuple):
-    """A response, the truth of its brake, and its errors against the truth by JUDGED_QUANTITIES."""
+    """A response with the errors that it states, a far finer solution, and the true errors."""
 
     response: Response
     truth: Truth
@@ -138,9 +145,9 @@ class StatedAndTrue(NamedTuple):
 
 
 def stated_and_true_errors(brake: Brake) -> StatedAndTrue:
-    """The default solve of a brake and its truth by finer levels.
+    """Solve a brake by default and on far finer meshes, and compute the true errors.
 
-    Raises NoAnswer where the solve or the truth has no answer.
+    Raises NoAnswer if either solve finds no equilibrium.
     """
     response = solve_to_tolerance(
         brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False
@@ -150,10 +157,10 @@ def stated_and_true_errors(brake: Brake) -> StatedAndTrue:
 
 
 def block_error_rows(seed: int) -> list[Check]:
-    """A row for each of JUDGED_QUANTITIES of the brake of a seed: true against stated error.
+    """Compare the errors that drumlin states with true errors, for the random brake of a seed.
 
-    The stated error plus the uncertainty of the truth is the allowed difference. The stated error
-    of a peak that drumlin calls unbounded is 1.
+    Returns a row for each quantity. The allowed error is the stated error plus the uncertainty of
+    the finer solution. If drumlin calls the peak pressure unbounded, its stated error is 1.
     """
     brake = random_blocks(seed)
     name = f"{BLOCK_KINDS[seed % len(BLOCK_KINDS)]} {seed}"

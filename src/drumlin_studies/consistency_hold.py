@@ -1,7 +1,8 @@
-"""Checks that a holding brake ends with the torque of the sliding brake, on random brakes.
+"""Checks that a holding brake reaches the torque of the sliding brake, on random brakes.
 
-The drum is turned to full slip in a few increments, as by the command `hold`. The moment there must
-be the torque of `solve`, or a line of the last state must tell both numbers and why they differ.
+The drum is rotated to full slip in a few increments, as by the command `hold`. At full slip the
+holding moment must equal the torque of `solve`, or a printed line must state both values and why
+they differ.
 """
 
 import math
@@ -25,24 +26,26 @@ from drumlin_studies.consistency import Check
 from drumlin_studies.random_kinds import draw_brake_of_kind
 
 HOLD_CHECK = "hold's end = solve"
-"""Name of the check in rows."""
+"""Name of this check in tables."""
 HOLD_STEPS = 4
-"""Increments of the rotation. Full slip does not depend on their number."""
+"""Number of increments of the rotation. The state at full slip does not depend on it."""
 MESH_ELEMENTS = 12
-"""Elements along a lining. Both paths share the mesh, so that its error does not matter."""
+"""Number of elements along a lining. `hold` and `solve` share the mesh, so its error cancels."""
 HOLD_KINDS = (*random_kinds.HOLDING_KINDS, *random_brake.SHAPE_KINDS)
-"""The kinds of both generators, in the order in which seeds draw them."""
+"""The kinds of random brakes, in the order in which consecutive seeds draw them."""
 LOCKED_ROTATION = 1.0
-"""Rotation [rad] of a brake that `solve` refuses. A brake that locks still sticks there."""
+"""Rotation of the drum [rad] by which a brake that `solve` refuses is tested for self-locking.
+
+A self-locking brake still sticks after this rotation."""
 TWO_ANSWERS_LINE = "more than one answer"
-"""Words of the line in which `find_full_slip_rotation` tells the moments of both paths."""
+"""Words of the error message by which `find_full_slip_rotation` reports two different moments."""
 
 
 def hold_against_solve_rows(seed: int) -> list[Check]:
-    """The row of the random brake of a seed: its torque at full slip against that of `solve`.
+    """Compare the torques by `hold` at full slip and by `solve` for the random brake of a seed.
 
-    Seeds go through the kinds of both generators, on a mesh and on hp elements in turn. There is no
-    row where the generator has no brake of the seed, and none for a brake without friction.
+    Consecutive seeds go through all kinds of brakes, on a low-order mesh and on hp elements in
+    turn. Returns one row, or none if the seed gives no brake or a brake without friction.
     """
     kind = HOLD_KINDS[seed % len(HOLD_KINDS)]
     try:
@@ -57,7 +60,7 @@ def hold_against_solve_rows(seed: int) -> list[Check]:
 
 
 def _hold_row(name: str, scene: PreparedModel, brake: Brake) -> Check:
-    """The row of a brake: the torques of `hold` and `solve` on the same prepared model."""
+    """Compare the torques of a brake by `hold` and by `solve`, both on the same prepared model."""
     row = Check(
         check=HOLD_CHECK,
         brake=name,
@@ -65,14 +68,14 @@ def _hold_row(name: str, scene: PreparedModel, brake: Brake) -> Check:
         difference=math.inf,
         allowed=LARGEST_TORQUE_DIFFERENCE,
     )
-    # Where `solve` refuses a brake, it must still stick after a large rotation.
+    # If `solve` refuses the brake, the brake must stick even after a large rotation.
     try:
         sliding = solve_prepared_model(scene, brake).torque
     except NoAnswer as error:
         held = _state_after_rotation(scene, brake, LOCKED_ROTATION)
         locked = held is None or held.sticking > 0
         return row._replace(said=str(error) if locked else "", refused=locked)
-    # A refusal counts as told only where it names the moments of both paths.
+    # An error message of `hold` counts as a reason only if it states two different moments.
     try:
         end = find_full_slip_rotation(scene, brake)
     except NoAnswer as error:
@@ -84,7 +87,7 @@ def _hold_row(name: str, scene: PreparedModel, brake: Brake) -> Check:
 
 
 def _state_after_rotation(scene: PreparedModel, brake: Brake, rotation: float) -> Hold | None:
-    """The state of the brake after a rotation [rad], or None where there is no answer."""
+    """The holding state of the brake after a rotation of the drum [rad], or None without one."""
     try:
         return hold_drum_through_rotations(
             scene, brake, np.linspace(0.0, rotation, HOLD_STEPS + 1)

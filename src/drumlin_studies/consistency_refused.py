@@ -1,9 +1,9 @@
-"""Checks that the default solve refuses only brakes that three meshes refuse as well.
+"""Checks that the default solve refuses only brakes that three uniform meshes refuse as well.
 
-The default solve divides a brake by levels that follow the contact. A mesh is uniform and does not
-depend on the contact, so that its answer is independent. Where the default solve has no answer, the
-meshes must have none, or must disagree. Half of the seeds draw a brake whose clearance is far
-larger than its compression, the other half a brake of any kind of both generators.
+The default solve uses hp meshes that are graded to the ends of the contact. A uniform mesh does not
+depend on the contact, so that its result is independent. If the default solve finds no equilibrium,
+the uniform meshes must find none, either, or disagree with each other. Half of the seeds draw a
+brake whose clearance is far larger than the lining's compression, the other half any random brake.
 """
 
 from drumlin.base.errors import NoAnswer
@@ -17,49 +17,51 @@ from drumlin_studies.random_kinds import draw_brake_of_kind
 from drumlin_studies.standing_off import draw_brake_with_clearances
 
 MESH_SIZES = 20, 40, 80
-"""Elements along a lining of the three meshes."""
+"""Number of elements along a lining of the three uniform meshes."""
 SAME_FORCE = 0.05
-"""Relative spread of the contact force up to which three meshes count as one answer.
+"""Relative spread of the total contact force up to which the three meshes agree.
 
-Above it the meshes are too coarse for the contact and prove nothing.
+With a larger spread the meshes are too coarse for the contact, and prove nothing.
 """
 HELD_AGAINST = 10
-"""One brake in so many is solved on the meshes although the default solve answers it.
+"""One of this many brakes that the default solve can solve is also solved on the uniform meshes.
 
-A refused brake is always solved on the meshes. They cost about one second a brake.
+A brake that it refuses is always solved on them. This takes about one second for each brake.
 """
 
 
 def refusal_rows(seed: int) -> list[Check]:
-    """The row of the brake of a seed: the default solve against three meshes.
+    """Compare the default solve with three uniform meshes for the random brake of a seed.
 
-    There is no row for a brake with an answer whose meshes are not asked for or disagree.
+    Returns one row. It returns none if the default solve succeeds and the meshes are left out or
+    disagree with each other.
     """
     brake = draw_brake(seed)
     found = _response_or_refusal(brake, None)
     refused = isinstance(found, str)
     if not refused and seed // 2 % HELD_AGAINST:
         return []
-    # Meshes with one common answer prove that the brake has an answer.
+    # If the three meshes agree on the contact force, the brake has an equilibrium.
     on_meshes = [_response_or_refusal(brake, elements) for elements in MESH_SIZES]
     forces = [total_contact_force(mesh) for mesh in on_meshes if not isinstance(mesh, str)]
     one_answer = len(forces) == len(MESH_SIZES) and relative_spread(forces) <= SAME_FORCE
     if isinstance(found, str):
         if one_answer:
-            # Hp elements lose more digits than a mesh. Drumlin gives this as the reason.
+            # Elements of high degree have more round-off than a uniform mesh of low degree. This is
+            # a valid reason for a refusal.
             said = found if TOO_FAR_REASON in found else ""
             return [_check_row(brake, f"an answer, refused: {found}", 1.0, 0.0, said=said)]
         return [_check_row(brake, "an answer", 0.0, 0.0, said=found, refused=True)]
     if not one_answer:
         return []
     difference = max(abs(each / total_contact_force(found) - 1) for each in forces)
-    # The error of the coarsest mesh is about the spread. Twice the spread allows for slow
+    # The error of the coarsest mesh is about the spread of the forces; the factor 2 allows for slow
     # convergence.
     return [_check_row(brake, "contact force", difference, max(2 * relative_spread(forces), 1e-3))]
 
 
 def draw_brake(seed: int) -> Brake:
-    """The brake of a seed: even seeds stand off the drum, odd ones are of all kinds."""
+    """The random brake of a seed: even seeds have large clearances, odd seeds are of all kinds."""
     half, odd = divmod(seed, 2)
     if not odd:
         return draw_brake_with_clearances(half)
@@ -68,17 +70,20 @@ def draw_brake(seed: int) -> Brake:
 
 
 def total_contact_force(response: Response) -> float:
-    """The sum of the contact forces of all shoes [N]."""
+    """The sum over all shoes of the contact force's normal part [N]."""
     return sum(shoe.normal_force for shoe in response.shoes)
 
 
 def relative_spread(values: list[float]) -> float:
-    """The largest difference of some values, relative to the last value."""
+    """The largest value minus the smallest one, divided by the last value."""
     return (max(values) - min(values)) / values[-1]
 
 
 def _response_or_refusal(brake: Brake, elements: int | None) -> Response | str:
-    """The response of the default solve (None) or on a mesh, or the line of the refusal."""
+    """Solve a brake; returns the response, or the error message as text if it is refused.
+
+    `elements` is the number of elements along a lining, or None for the default solve.
+    """
     try:
         return solve(brake, elements=elements)
     except NoAnswer as refusal:
@@ -94,7 +99,7 @@ def _check_row(
     said: str = "",
     refused: bool = False,
 ) -> Check:
-    """A row of this check; arguments as the attributes of `Check`."""
+    """A row of this check for a brake; the other arguments are attributes of `Check`."""
     return Check(
         "default solve = three meshes", brake.title, quantity, difference, allowed, said, refused
     )

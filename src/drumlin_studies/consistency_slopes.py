@@ -1,10 +1,10 @@
-"""Checks that printed slopes agree with central differences of solves, on random brakes.
+"""Checks that derivatives of the torque agree with central differences, on random brakes.
 
-`drumlin sensitivity` prints how the torque changes with friction, forces, moduli, bending
-stiffnesses, clearances and supports. Each slope must agree with the central difference of two
-solves, for each of three steps. Each solve divides the brake anew, into a mesh or into hp elements
-of a fixed level. The default solve cannot be used: it refines until its error is small, so that two
-of its answers may have different levels.
+`drumlin sensitivity` prints the derivatives, called slopes, of the torque by friction, forces,
+moduli, bending stiffnesses, clearances and supports. Each slope must agree with the central
+difference of two solves, for each of three step sizes. Each solve meshes the brake anew, by a
+low-order mesh or by hp elements of a fixed level. The default solve cannot be used: it refines the
+mesh until its error is small, so that two of its results may come from different meshes.
 """
 
 import math
@@ -35,54 +35,54 @@ from drumlin_studies.consistency import Check
 from drumlin_studies.random_kinds import draw_brake_of_kind
 
 SLOPE_MESH_ELEMENTS = 10
-"""Elements along a lining of the meshes.
+"""Number of elements along a lining of the low-order meshes.
 
-The slope is exact for the discrete brake, so that few elements are enough.
+Slopes are exact for the discretised brake, so that few elements are enough.
 """
 SLOPE_LEVEL = LEVELS[0]
-"""Level of the hp elements, the coarsest for the same reason."""
+"""Level of the hp meshes: the coarsest one, since slopes are exact for the discretised brake."""
 DIFFERENCE_STEPS = (1e-3, 3e-4, 1e-4)
-"""Steps of the central differences, relative to the size of the quantity.
+"""Steps of the central differences, relative to the size of the varied quantity.
 
-A larger step changes the contact set and has a larger error of the difference itself. In a smaller
-step the round-off of the solves counts, some 1e-11 of the torque.
+A larger step may change the contact set, and has a larger truncation error. A smaller step has a
+larger error by round-off, which is some 1e-11 of the torque in a solve.
 """
 STEP_FACTORS = (1.0, 0.1, 0.01)
-"""Factors on all steps, tried in turn until no step changes the contact set."""
+"""Factors on all three steps, tried in turn until no step changes the contact set."""
 ALLOWED_SLOPE_DIFFERENCE = 0.01
-"""Largest relative difference of a slope that counts as agreement.
+"""Largest relative difference between a slope and a central difference that counts as agreement.
 
-It is the project's aim for printed slopes.
+It is the accuracy that drumlin aims at for printed slopes.
 """
 SMALLEST_SLOPE = 1e-3
-"""Smallest slope to which a difference is relative, as a fraction of torque over size of quantity.
+"""Slope below which differences are relative to this slope instead of to the slope itself.
 
-ALLOWED_SLOPE_DIFFERENCE of this slope is 1e-5 of the torque. Smaller slopes cannot be resolved by
-differences.
+Its unit is torque over size of the varied quantity. Central differences cannot resolve smaller
+slopes: ALLOWED_SLOPE_DIFFERENCE of this slope is 1e-5 of the torque.
 """
 SLOPES_PER_BRAKE = 3
-"""Number of slopes of a brake that are compared, drawn by the seed.
+"""Number of slopes of a brake that are compared; the seed decides which ones.
 
 All slopes of a large brake would take some ten seconds.
 """
 
 Changes = Callable[[float], dict[str, Any]]
-"""Changes of a brake file's keys, as a function of a step."""
+"""A function of a step that returns new values of a brake file's keys, by the keys' paths."""
 
 
 class Slope(NamedTuple):
-    """A printed slope.
+    """A derivative of the torque that drumlin prints, and the change of the brake file for it.
 
     Attributes
     ----------
     what : str
-        The quantity over which the slope is taken.
+        Name of the quantity by which the torque is differentiated.
     exact : float
-        The printed value [N m per unit of the quantity, on a plane N per unit].
+        Printed derivative [N m per unit of the quantity, on a plane N per unit].
     changes : function
-        Keys of the brake file after a step of the quantity.
+        Function of a step of the quantity that returns new values of the brake file's keys.
     size : float
-        Size of the quantity in its unit; 1 where the slope is over a logarithm.
+        Size of the quantity in its unit; 1 for a derivative by the logarithm of the quantity.
     """
 
     what: str
@@ -92,16 +92,16 @@ class Slope(NamedTuple):
 
 
 class TorqueOnDivision(NamedTuple):
-    """A torque, and the division and the contact set with which it was computed.
+    """A torque, with the mesh size and the contact set with which it was computed.
 
     Attributes
     ----------
     torque : float
         Torque [N m], or on a plane the braking force [N].
     bodies : tuple of int
-        Number of unknowns of each body and of the ring.
+        Number of unknowns of each shoe and of the ring.
     touching : tuple of bytes
-        Which nodes of each shoe touch the drum.
+        For each shoe, whether each node of its lining is in contact, as bytes.
     """
 
     torque: float
@@ -109,36 +109,36 @@ class TorqueOnDivision(NamedTuple):
     touching: tuple[bytes, ...]
 
     def alike(self, other: "TorqueOnDivision") -> bool:
-        """Whether both have the same division and the same contact set."""
+        """Whether both torques were computed with the same mesh size and the same contact set."""
         return self.bodies == other.bodies and self.touching == other.touching
 
 
 @dataclass(frozen=True)
 class DivisionForSlopes:
-    """How a brake is divided into elements.
+    """The kind of mesh with which a brake is solved and its slopes are computed.
 
     Attributes
     ----------
     elements : int or None
-        Elements of a mesh along a lining; None for hp elements of SLOPE_LEVEL.
+        Number of elements along a lining of a low-order mesh; None for hp elements of SLOPE_LEVEL.
     cache : Cache
-        Substructures of equal shape that several solves share.
+        Condensed shoes, which solves of shoes of equal shape share.
     """
 
     elements: int | None
     cache: Cache
 
     def scene(self, own: Brake) -> PreparedModel:
-        """The prepared model of a brake."""
+        """The model of a brake that is meshed and condensed, ready to be solved."""
         if self.elements is None:
             return prepare(own, SLOPE_LEVEL, cache=self.cache)
         return prepare(own, elements=self.elements, cache=self.cache)
 
     def solved(self, brake: Brake) -> "TorqueOnDivision":
-        """The torque of a brake with its division and contact set. Raises as `solve`."""
+        """Solve a brake; returns its torque with mesh size and contact set. Raises as `solve`."""
         scene = self.scene(brake)
         response = solve_prepared_model(scene, brake)
-        # Numbers of unknowns tell divisions apart: another division has other numbers.
+        # Two meshes count as equal if their numbers of unknowns are equal.
         bodies = [body.unknowns for body in scene.bodies]
         if scene.ring:
             bodies.append(scene.ring.basis.N)
@@ -146,19 +146,19 @@ class DivisionForSlopes:
         return TorqueOnDivision(response.torque, tuple(bodies), touching)
 
     def slopes(self, brake: Brake) -> Sensitivity:
-        """The slopes of a brake. Raises as `compute_torque_sensitivity`."""
+        """The derivatives of a brake's torque. Raises as `compute_torque_sensitivity` does."""
         return compute_torque_sensitivity(self.scene(brake), brake)
 
 
 def scaled_key_changes(key: str, value: float) -> Changes:
-    """Changes of a key by a fraction of its value."""
+    """A function of a step s that returns the value of a key multiplied by 1 + s."""
     return lambda s: {key: value * (1 + s)}
 
 
 def scaled_moduli_changes(key: str, material: AnyMaterial) -> Changes:
-    """Changes of all moduli of a part's material by the same fraction of their values.
+    """A function of a step s that returns all moduli of a material multiplied by 1 + s, by key.
 
-    key : path of the part in the brake file, with a dot at its end.
+    `key` is the path of the part in the brake file, with a dot at its end.
     """
     return lambda s: {
         f"{key}material.{name}": value * (1 + s) for name, value in material.moduli.items()
@@ -166,17 +166,17 @@ def scaled_moduli_changes(key: str, material: AnyMaterial) -> Changes:
 
 
 def shifted_key_changes(key: str, value: float) -> Changes:
-    """Changes of a key by a step."""
+    """A function of a step s that returns the value of a key plus s."""
     return lambda s: {key: value + s}
 
 
 def moved_point_changes(key: str, x: float, y: float, way: int) -> Changes:
-    """Changes of a point along x (way 0) or y (way 1)."""
+    """A function of a step s that returns a point shifted by s along x (way 0) or y (way 1)."""
     return lambda s: {key: {"x": x + s * (way == 0), "y": y + s * (way == 1)}}
 
 
 def printed_slopes(brake: Brake, found: Sensitivity) -> list[Slope]:
-    """All slopes that `drumlin sensitivity` prints of a brake."""
+    """All derivatives of the torque that `drumlin sensitivity` prints for a brake."""
     table = [
         Slope(
             "friction",
@@ -193,7 +193,7 @@ def printed_slopes(brake: Brake, found: Sensitivity) -> list[Slope]:
 
 
 def _slopes_of_ring(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
-    """The slopes over the moduli and the given bending stiffness of the drum's ring."""
+    """Yield the torque's derivatives by the moduli and bending stiffness of the drum's ring."""
     ring = brake.ring
     if ring is None:
         return
@@ -206,7 +206,7 @@ def _slopes_of_ring(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
 
 
 def _slopes_of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
-    """The slope over the drive that all shoes share, where the brake has one."""
+    """Yield the torque's derivative by the force, pressure or torque of a common drive, if any."""
     drive = brake.actuation
     if drive is None or found.drive is None:
         return
@@ -217,9 +217,9 @@ def _slopes_of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
 
 
 def _slopes_of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
-    """The slopes over the quantities of shoe number i."""
+    """Yield the torque's derivatives by the force, stiffness, clearance and support of shoe i."""
     shoe, own, key = brake.shoes[i], found.shoes[i], f"shoe[{i}]."
-    # The force of a shoe behind a strut follows from the shoe before, and is no number of its own.
+    # The force on a shoe behind a strut is the reaction of another shoe, and is no key of a file.
     behind_strut = any(link.to == shoe.name for link in brake.links)
     if own.force is not None and own.torque and brake.actuation is None and not behind_strut:
         force = shoe.actuation.force
@@ -234,7 +234,10 @@ def _slopes_of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]
 
 
 def _slopes_of_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator[Slope]:
-    """The slopes over the moduli and the bending stiffness of a shoe."""
+    """Yield the torque's derivatives by the moduli and the bending stiffness of a shoe.
+
+    `key` is the path of the shoe in the brake file, with a dot at its end.
+    """
     moduli, body = own.moduli, shoe.body
     lining = scaled_moduli_changes(f"{key}lining.", shoe.lining.material)
     yield Slope("E of the lining", moduli["lining"], lining)
@@ -252,9 +255,9 @@ def _slopes_of_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator
 
 
 def _lining_compression(brake: Brake, shoe: Shoe) -> float:
-    """Compression of a lining [m] by the force of its shoe.
+    """Compression of a lining [m] under the actuation force of its shoe.
 
-    For a shoe without a force, the largest force of all shoes counts.
+    For a shoe without an actuation force, the largest force of all shoes is used.
     """
     lining = shoe.lining
     force = abs(shoe.actuation.force) or max(abs(each.actuation.force) for each in brake.shoes)
@@ -263,15 +266,16 @@ def _lining_compression(brake: Brake, shoe: Shoe) -> float:
 
 
 def _slopes_of_support(brake: Brake, i: int, what: str, value: Floats) -> Iterator[Slope]:
-    """The slopes over a number or a point of the support of shoe number i.
+    """Yield the torque's derivatives by a number or a point of the support of shoe number i.
 
-    what : path of the number or point in the shoe; value : its slope (1,) or slopes (2,).
+    `what` is the path of the number or the point below the shoe in the brake file. `value` holds
+    the slope by the number (1,) or the slopes by the coordinates of the point (2,).
     """
     at: Any = brake.shoes[i]
     for name in what.split("."):
         at = getattr(at, name)
     key = f"shoe[{i}].{what}"
-    # A number of a support has one slope, a point one along each axis.
+    # A number of a support has one derivative; a point has one for each coordinate.
     if len(value) == 1:
         size = at if what.endswith("friction") else 1.0
         yield Slope(what, float(value[0]), shifted_key_changes(key, at), size)
@@ -284,10 +288,10 @@ def _slopes_of_support(brake: Brake, i: int, what: str, value: Floats) -> Iterat
 def largest_slope_difference(
     brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision
 ) -> float | None:
-    """The largest relative difference of a slope from the central differences over three steps.
+    """The largest relative difference between a printed derivative and three central differences.
 
-    None where steps of all sizes change the contact set or the division, so that the torque has no
-    slope.
+    Returns None if steps of all sizes change the contact set or the mesh, so that the torque has no
+    derivative there.
 
     Parameters
     ----------
@@ -295,10 +299,10 @@ def largest_slope_difference(
         The brake.
     slope : Slope
         The printed slope.
-    divided : Divided
-        How the brake is divided into elements.
+    divided : DivisionForSlopes
+        The kind of mesh.
     base : TorqueOnDivision
-        The torque of the brake itself.
+        The torque of the unchanged brake.
     """
     # The loop ends at the first factor at which all three steps keep the contact set.
     for factor in STEP_FACTORS:
@@ -318,9 +322,10 @@ def largest_slope_difference(
 def _slope_difference_at_step(
     brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision, step: float
 ) -> float | None:
-    """Relative difference of a slope from the central difference over a step in its unit.
+    """The relative difference between a printed derivative and a central difference.
 
-    None where the step changes the contact set or the division.
+    The step has the unit of the varied quantity. Returns None if the step changes the contact set
+    or the mesh.
     """
     try:
         up = divided.solved(vary(brake, slope.changes(step)))
@@ -335,17 +340,17 @@ def _slope_difference_at_step(
 
 
 SLOPE_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
-"""Kinds of both generators, in the order in which seeds draw them."""
+"""The kinds of random brakes, in the order in which consecutive seeds draw them."""
 
 
 def draw_brake_with_friction(seed: int) -> tuple[str, Brake]:
-    """Kind and brake of a seed, with friction.
+    """The random brake of a seed, with friction, and before it the name of its kind.
 
-    In half of the brakes the body and the ring are given a bending stiffness.
+    In half of the brakes the shoe's body and the ring have a bending stiffness given by number.
     """
     kind = SLOPE_KINDS[seed % len(SLOPE_KINDS)]
     brake = draw_brake_of_kind(seed, kind)
-    # Without friction a drum brake has no torque, and slopes have nothing to be relative to.
+    # Without friction a drum brake has no torque to which slopes could be relative.
     while brake.friction == 0:
         seed += 10**6
         brake = draw_brake_of_kind(seed, kind)
@@ -355,9 +360,9 @@ def draw_brake_with_friction(seed: int) -> tuple[str, Brake]:
 
 
 def _with_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
-    """The brake with a given bending stiffness of its first body and of its ring.
+    """A copy of the brake whose first shoe and ring have a bending stiffness given by number.
 
-    Each is drawn near the bending stiffness that the part already has.
+    Each number is drawn near the bending stiffness that the part already has.
     """
     changes: dict[str, Any] = {}
     body = brake.shoes[0].body
@@ -370,16 +375,17 @@ def _with_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
 
 
 def slope_rows_of_seed(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[Check]:
-    """The printed slopes of the brake of a seed against differences of solves.
+    """Compare the torque's printed derivatives with central differences, for a random brake.
 
-    most : largest number of slopes that are compared; None for all.
+    The seed gives the brake. Returns a row for each derivative. At most `most` derivatives are
+    compared, or all if it is None.
     """
     kind, brake = draw_brake_with_friction(seed)
     on_hp_elements = bool(seed // len(SLOPE_KINDS) // 2 % 2)
     divided = DivisionForSlopes(None if on_hp_elements else SLOPE_MESH_ELEMENTS, Cache())
     name = f"{kind} {seed}, {'columns' if on_hp_elements else 'mesh'}"
     no_slopes = Check("slopes", name, "all", math.inf, ALLOWED_SLOPE_DIFFERENCE)
-    # Either both paths have an answer, or both must refuse the brake.
+    # If one of `solve` and `sensitivity` refuses the brake, the other one must refuse it, too.
     try:
         base = divided.solved(brake)
     except NoAnswer as error:

@@ -1,9 +1,9 @@
-"""Checks beginning, middle and end of wear against `solve`, the worn-in state and the law.
+"""Checks the simulation of lining wear at its beginning, middle and end, on random brakes.
 
 Unworn linings must have the torque and the pressure of `solve`. So must worn linings, at every
-distance and in both senses of rotation. At the end all points wear at the rate at which a
-rigid-body motion of the shoe closes the gap. The pressure must then be that of the worn-in state,
-and both must be that of the rigid-shoe law, within the error of the mesh.
+sliding distance and in both senses of rotation. At the end of wear, all points of a lining wear at
+the rate at which a rigid-body motion of the shoe closes the gap. The pressure must then be that of
+the worn-in state, and both must equal that of the rigid-shoe law, within the error of the mesh.
 """
 
 import math
@@ -37,61 +37,65 @@ from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 
 WORN_ELEMENTS = 24
-"""Elements along each worn lining. With more elements the end is nearer to the law."""
-SAME_TORQUE = 1e-6
-"""Allowed relative difference of the torques of two answers on one mesh.
+"""Number of elements along each worn lining.
 
-Both answers have exact contact. Round-off reaches 5e-8 where a lining is much softer than its shoe.
+With more elements the end of wear is nearer to the rigid-shoe law."""
+SAME_TORQUE = 1e-6
+"""Allowed relative difference between the torques of wear simulation and `solve` on one mesh.
+
+Both have exact contact. Round-off reaches 5e-8 if a lining is much softer than its shoe.
 """
 SAME_PRESSURE = 2e-5
-"""Allowed relative L2 difference of the pressures on one mesh. Round-off reaches 1e-5."""
-LAW_TORQUE = 1e-3
-"""Allowed relative difference of the torques by the law and in the worn-in state.
+"""Allowed relative L2 distance between the pressures of wear simulation and `solve` on one mesh.
 
-With WORN_ELEMENTS it is the error of the mesh. It falls with the square of their number where the
-law has partial contact, and faster elsewhere.
+Round-off reaches 1e-5."""
+LAW_TORQUE = 1e-3
+"""Allowed relative difference between the torques of the rigid-shoe law and of the worn-in state.
+
+It is the error of a mesh with WORN_ELEMENTS. This error falls with the square of the number of
+elements if the law has partial contact, and else faster.
 """
 LAW_PRESSURE = 0.02
-"""Allowed relative L2 difference of the pressures by the law and in the worn-in state.
+"""Allowed relative L2 distance between the pressures of the rigid-shoe law and the worn-in state.
 
-The pressure of the law has a kink at the end of its contact, within an element.
+The pressure of the law has a kink at the end of its contact, inside an element.
 """
 END_REACHED = 1.1 * WEAR_SETTLED
-"""Allowed difference of torque and pressure at the end of wear from its limit.
+"""Allowed difference between torque and pressure at the end of a wear run and their limits.
 
-Wear ends at a difference of WEAR_SETTLED. The factor allows for the mesh and the penalty.
+A run ends at a difference of WEAR_SETTLED. The factor allows for the mesh and the penalty.
 """
 
 TRUE_REASONS = ("small displacements hold up to", "without its ever touching", "lost digits")
-"""Words of lines that refuse one path only and give a valid reason.
+"""Words of error messages with which one path may refuse a brake although the other solves it.
 
-By the first two, a worn-in lining leaves a very soft shoe so much clearance that it would have to
-turn too far. By the third, `solve` finds that static condensation has lost digits, which wear does
-not check.
+With the first two, wear has left a very soft shoe so much clearance that the shoe would have to
+rotate too far. With the third, `solve` finds too large a round-off error of static condensation,
+which the wear simulation does not check.
 """
 EXACT_CONTACT = partial(solve_prepared_model, penalty=math.inf)
-"""Solves a brake without a penalty, as wear does."""
+"""Function that solves a prepared model with exact contact, as the wear simulation does."""
 ELASTIC_ONLY_KINDS = ("table", "grip")
-"""Kinds that need their elastic bodies: without them they would be brakes of another kind."""
+"""Kinds of random brakes that cannot be drawn with rigid shoes."""
 WEAR_KINDS = (
     *random_brake.SHAPE_KINDS,
     *random_kinds.HOLDING_KINDS,
     *(f"rigid {kind}" for kind in random_kinds.HOLDING_KINDS if kind not in ELASTIC_ONLY_KINDS),
 )
-"""The kinds that are drawn: those of both generators, and HOLDING_KINDS without elastic bodies."""
+"""The kinds of random brakes that seeds draw, some of them also with rigid shoes."""
 
 
 class _TorqueAndPressure(NamedTuple):
-    """Torque and pressure of worn linings by one path.
+    """Torque and pressure of worn linings, computed in one of several ways.
 
     Attributes
     ----------
     torque : float
         Torque [N m].
     pressure : array (n,)
-        Pressure at the unknowns of a setup [Pa].
+        Pressure at the contact nodes of all linings [Pa].
     said : str
-        The line in which drumlin tells that other paths lose digits.
+        Line in which drumlin warns of round-off; "" without a warning.
     """
 
     torque: float
@@ -100,9 +104,9 @@ class _TorqueAndPressure(NamedTuple):
 
 
 def wear_rows(seed: int) -> list[Check]:
-    """The rows of the brake of a seed. The seed modulo the number of WEAR_KINDS chooses the kind.
+    """Run all checks of wear on the random brake of a seed; returns a row for each quantity.
 
-    There are no rows where the generator has no brake of the seed.
+    Consecutive seeds go through WEAR_KINDS. There are no rows if the seed gives no brake.
     """
     kind = WEAR_KINDS[seed % len(WEAR_KINDS)]
     try:
@@ -114,7 +118,7 @@ def wear_rows(seed: int) -> list[Check]:
 
 
 def _draw_brake(seed: int, kind: str) -> Brake:
-    """The brake of a seed and one of WEAR_KINDS."""
+    """The random brake of a seed and of a kind, one of WEAR_KINDS."""
     if kind.startswith("rigid "):
         return random_kinds.draw_brake_of_holding_kind(
             seed, kind.removeprefix("rigid "), rigid=True
@@ -123,13 +127,13 @@ def _draw_brake(seed: int, kind: str) -> Brake:
 
 
 def _rows_of_start(name: str, brake: Brake) -> list[Check]:
-    """Rows of the unworn linings, on the last division of `solve`."""
+    """Compare the start of wear with `solve`, on the finest mesh of `solve`."""
     scene = prepare_finest_division(brake)
     setup = fem_wear_setup(scene, brake)
 
     def answer_by_solve() -> _TorqueAndPressure:
-        """Torque and pressure of the unworn brake by a solve."""
-        # As in `solve`, each level starts from the contact set of the level before.
+        """Torque and pressure of the unworn brake by `solve`."""
+        # As in `solve`, each mesh starts from the contact set of the mesh before.
         return _response_torque_and_pressure(
             setup, solve_to_tolerance(brake, DEFAULT_TOLERANCE, EXACT_CONTACT, must=False).response
         )
@@ -146,19 +150,19 @@ def _rows_of_start(name: str, brake: Brake) -> list[Check]:
 
 
 def _rows_of_wear(name: str, brake: Brake) -> list[Check]:
-    """Rows of the worn linings: halfway, after the drum has turned back, and at the end of wear.
+    """Compare worn linings with `solve` halfway, after a reversal of the drum, and at the end.
 
-    The linings are on a mesh, and the drum is round.
+    The linings have a uniform mesh, and the drum is round.
     """
     scene = prepare(brake, elements=WORN_ELEMENTS)
     setup = fem_wear_setup(scene, brake)
 
     def answer_of_worn_in_brake() -> _TorqueAndPressure:
-        """Torque and pressure of the worn-in brake by its contact."""
+        """Torque and pressure of the brake with worn-in linings by `solve`."""
         return _contact_torque_and_pressure(setup, scene, worn_in_brake(scene, brake))
 
     def answer_by_law() -> _TorqueAndPressure:
-        """Torque and pressure that wear tends to on this mesh."""
+        """Torque and pressure of the rigid-shoe law on this mesh, the limit of wear."""
         goal = rigid_law_target(setup)
         return _TorqueAndPressure(goal.torque, goal.pressure)
 
@@ -181,7 +185,7 @@ def _rows_of_wear(name: str, brake: Brake) -> list[Check]:
         LAW_TORQUE,
         LAW_PRESSURE,
     )
-    # Linings that fit the law from the start have no middle of wear.
+    # If the pressure is that of the law from the start, nothing wears and there is no middle.
     middle = states[len(states) // 2]
     if middle.s == 0:
         return rows
@@ -197,14 +201,14 @@ def _rows_of_wear(name: str, brake: Brake) -> list[Check]:
 def _rows_after_reversal(
     name: str, setup: WearSetup, backward: WearSetup, scene: PreparedModel, s: float
 ) -> list[Check]:
-    """Rows of the linings as the drum begins to turn back.
+    """Compare worn linings with `solve` at the moment when the drum begins to turn back.
 
     Parameters
     ----------
     name : str
-        Kind and seed.
+        Kind and seed of the brake.
     setup, backward : WearSetup
-        The linings as the drum turns forward and backward.
+        The linings with the drum turning forward, and with the drum turning backward.
     scene : PreparedModel
         The prepared model of the brake.
     s : float
@@ -213,8 +217,8 @@ def _rows_after_reversal(
     forward = run_in(setup, distance=s)[-1]
 
     def answer_after_reversal() -> _TorqueAndPressure:
-        """Torque and pressure by wear as the drum begins to turn back."""
-        # The first state backward follows at once, before the drum wears the linings further.
+        """Torque and pressure by the wear simulation when the drum begins to turn back."""
+        # The first state with the drum turning back comes before any further wear.
         states = run_in(setup, backward=backward, reverse=s, distance=s * (1 + 1e-9))
         return _state_torque_and_pressure(next(state for state in states if not state.forward))
 
@@ -227,24 +231,24 @@ def _rows_after_reversal(
 
 
 def _raise_refusal(error: NoAnswer) -> _TorqueAndPressure:
-    """Raise the error of a path that has no answer, in place of its torque and pressure."""
+    """Raise `error`; the function stands for a path that refuses the brake."""
     raise error
 
 
 def _state_torque_and_pressure(state: WearState) -> _TorqueAndPressure:
-    """Torque and pressure of a state of wear."""
+    """Torque and pressure of a state of the wear simulation."""
     return _TorqueAndPressure(state.torque, state.pressure)
 
 
 def _contact_torque_and_pressure(
     setup: WearSetup, scene: PreparedModel, brake: Brake
 ) -> _TorqueAndPressure:
-    """Torque and pressure by the contact of a brake whose linings are worn."""
+    """Torque and pressure of a brake with worn linings, solved with exact contact."""
     return _response_torque_and_pressure(setup, EXACT_CONTACT(scene, brake))
 
 
 def _response_torque_and_pressure(setup: WearSetup, response: Response) -> _TorqueAndPressure:
-    """Torque and pressure of a response, at the unknowns of a setup."""
+    """Torque and pressure of a response, with the pressures in the order of the wear setup."""
     by_lining = []
     for surface in setup.surfaces:
         by_lining.append(response.shoes[surface.shoe].pressure[surface.forward])
@@ -260,20 +264,20 @@ def _comparison_rows(
     torque: float = SAME_TORQUE,
     pressure: float = SAME_PRESSURE,
 ) -> list[Check]:
-    """The rows of a check: torque and pressure by two paths.
+    """Compare torque and pressure by two paths; returns a row for each of the two quantities.
 
     Parameters
     ----------
     brake : str
-        Kind and seed.
+        Kind and seed of the brake.
     check : str
-        Which paths are compared.
+        Name of the check, which says what two paths are compared.
     setup : WearSetup
-        The linings, whose areas weigh the difference of pressures.
+        The linings; areas of their nodes weigh the difference of pressures.
     paths : two functions
-        Torque and pressure by each path.
+        Functions that return torque and pressure by each path.
     torque, pressure : float
-        Allowed relative differences.
+        Allowed relative differences of torque and pressure.
     """
     answers, refusals = list[_TorqueAndPressure](), list[str]()
     for path in paths:
@@ -281,7 +285,7 @@ def _comparison_rows(
             answers.append(path())
         except NoAnswer as error:
             refusals.append(str(error))
-    # A refusal by one path alone needs one of the valid reasons.
+    # If one path alone refuses the brake, its reason must be a valid one.
     if refusals:
         both = not answers
         tells = both or any(reason in refusals[0] for reason in TRUE_REASONS)

@@ -1,8 +1,7 @@
-"""Stated and true errors of brakes that press with a corner alone or under a tip.
+"""Stated and true errors of brakes that press on the drum only by a corner or a tip of the lining.
 
-These brakes have a table of their own, apart from the random brakes that judge the promise on
-stated errors. Their pressure p grows without bound towards the corner. Where friction makes p grow
-fast enough, no solution has a small error.
+These brakes have a table apart from that of the other random brakes. Their pressure p grows without
+bound towards the corner. With much friction p grows so fast that no solution has a small error.
 """
 
 import math
@@ -24,24 +23,27 @@ from drumlin_studies.tables import matching_rows, values_of_key
 CORNER_TOLERANCES = (5e-3, 1e-3, 1e-4)
 """Relative tolerances to which each brake is solved."""
 FIRST_JUDGED = 420_000
-"""Seed of the first brake. The rules for corners and tips were found on seeds 400000 to 400099, the
-factors of the error estimate on those from `calibration.FIRST_CORNER` on."""
-STEEPEST_JUDGED = -0.3
-"""Power of p at a corner below which no solution has an error of 0.1 % of p.
+"""Seed of the first brake with a corner on which stated errors are tested.
 
-The limit is set by angles as floating-point numbers. The smallest piece of p is 1e-12 rad
-(`corner.SMALLEST_PIECE`), 1e-10 of a contact of half a degree. Of a pressure x^a this piece leaves
-an error of about (1e-10)^(a + 1/2) (`polynomial_error_of_power`): with degree 7 it is 0.13 % at a =
--0.3, 0.8 % at -0.38 and 5 % at -0.45. At -0.5 p is not square-integrable. On a rigid drum these
-powers belong to a friction of 0.31, 0.42 and 0.52 that drags away from the corner.
+Other brakes were used for development: the seeds 400000 to 400099 for the rules at corners, and
+those from `calibration.FIRST_CORNER` on for the safety factors."""
+STEEPEST_JUDGED = -0.3
+"""Exponent a of the pressure p ~ x^a at a corner below which no solution reaches 0.1 % of p.
+
+The limit comes from angles as floating-point numbers. The smallest element of p has 1e-12 rad
+(`corner.SMALLEST_PIECE`), which is 1e-10 of a contact of half a degree. In it, p has an error of
+about (1e-10)^(a + 1/2) (`polynomial_error_of_power`): with degree 7 the error is 0.13 % for
+a = -0.3, 0.8 % for -0.38 and 5 % for -0.45. For -0.5 p is not square-integrable. On a rigid drum
+the three exponents belong to friction coefficients of 0.31, 0.42 and 0.52, with friction that drags
+the lining away from the corner.
 """
 
 
 def error_rows_of_seed(seed: int) -> list[dict[str, Any]]:
-    """A row of stated and true errors of the brake of a seed, for each tolerance.
+    """Rows of stated and true errors of the random brake of a seed, one for each tolerance.
 
-    The rows are those of `stated_true.stated_and_true_row` with the `kind` of the brake and the
-    smallest `power` of p at its pressed corners (0 without a pressed corner).
+    The rows are those of `stated_true.stated_and_true_row`, with the `kind` of the brake and the
+    smallest exponent (`power`) of p at its pressed corners, 0 without a pressed corner.
     """
     base: dict[str, Any] = {"seed": seed, "kind": "none", "power": 0.0}
     try:
@@ -49,7 +51,7 @@ def error_rows_of_seed(seed: int) -> list[dict[str, Any]]:
     except NoAnswer as error:
         return [base | {"outcome": "failed", "reason": str(error)}]
     kind = brake.title.removeprefix("random ").removesuffix(f" {seed}")
-    # The second solver, on triangles that are refined towards the corners, serves as truth.
+    # True errors are taken from drumlin's second solver, with triangles graded to the corners.
     failure, true = "", None
     try:
         true = solve_by_deep_triangles(brake)
@@ -63,7 +65,10 @@ def error_rows_of_seed(seed: int) -> list[dict[str, Any]]:
 
 
 def smallest_corner_power(brake: Brake) -> float:
-    """The smallest power of p at the pressed corners of a brake; 0 without a pressed corner."""
+    """The smallest exponent a of p ~ x^a at the corners of linings that press on the drum.
+
+    x is the distance from the corner. The result is 0 if no corner presses on the drum.
+    """
     smallest = math.inf
     for i, shoe in enumerate(solve(brake).shoes):
         for corner in unbounded_corners(brake, i, shoe):
@@ -72,10 +77,11 @@ def smallest_corner_power(brake: Brake) -> float:
 
 
 def summary_by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """A row for each kind and tolerance: number of brakes, share that reaches it, error ratios.
+    """Summarise rows of errors in a table with a row for each kind of brake and each tolerance.
 
-    The ratios are of stated to true errors of p. The last two groups hold all brakes, and all but
-    those with a power below STEEPEST_JUDGED.
+    A row has the number of brakes, the fraction that reaches the tolerance, and the smallest and
+    the median ratio of stated to true error of p. Two further groups follow: all brakes, and all
+    without those with an exponent below STEEPEST_JUDGED.
     """
     kinds: dict[str, list[Mapping[str, Any]]] = {}
     for kind in sorted(set(values_of_key(rows, "kind"))):
@@ -85,7 +91,7 @@ def summary_by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     for kind, mine in {**kinds, "all": list(rows), "all but the steepest corners": gentle}.items():
         for tolerance in CORNER_TOLERANCES:
             own = matching_rows(mine, tolerance=tolerance)
-            # The ratio of a brake without a truth, or without an answer, is not finite.
+            # A brake without a solution, or without a true error, has no finite ratio.
             ratios = np.array([stated_over_true(one, "pressure") for one in own])
             known = ratios[np.isfinite(ratios)]
             outcomes = Counter(values_of_key(own, "outcome"))

@@ -1,8 +1,8 @@
-"""A designed set of brakes whose parameters (knobs) go to their ends.
+"""A set of brakes with extreme parameters, as a test of drumlin's robustness.
 
-A case starts from one internal shoe like that of a car's rear brake and changes a few knobs. The
-set sweeps each knob to its ends, combines the ends of several knobs and adds a Latin hypercube over
-all knobs at once.
+A case starts from one internal shoe like that of a car's rear brake and changes a few parameters,
+called knobs. The set varies each knob over its whole range, combines extreme values of several
+knobs, and adds a Latin hypercube sample of all knobs.
 """
 
 import dataclasses
@@ -22,12 +22,15 @@ from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.grading import LiningDivision, divide_lining
 
 HYPERCUBE_SEED = 7
-"""Seed of the Latin hypercube."""
+"""Seed of the random numbers of the Latin hypercube sample."""
 SHORT_ELEMENTS = 12
-"""Largest number of elements along a lining in the short set."""
+"""Largest number of elements along a lining in the short set of cases."""
 CASE_RADIUS, CASE_WIDTH = 0.15, 0.04  # m
+"""Radius of the drum, and width of shoe and lining, of the unchanged case."""
 CASE_PIN = (0.125, math.radians(-75.0))  # radius [m], angle [rad]
+"""Polar coordinates of the hinge of the unchanged case."""
 CASE_MODULUS = 3e8  # Pa
+"""Young's modulus of the lining of the unchanged case."""
 CLEARANCES: dict[str, tuple[tuple[float, float], ...]] = {
     "toe": ((0, 3.0), (0.7, 1.0), (1, 0.0)),
     "heel": ((0, 0.0), (0.3, 1.0), (1, 6.0)),
@@ -35,20 +38,21 @@ CLEARANCES: dict[str, tuple[tuple[float, float], ...]] = {
     "point": ((0, 4.0), (0.5, 0.0), (1, 4.0)),
     "waves": ((0, 0.0), (0.2, 0.05), (0.4, 0.0), (0.6, 0.05), (0.8, 0.0), (1, 0.05)),
 }
-"""Tables of clearance by name: fraction of the arc, from heel (0) to toe (1), and clearance [mm].
+"""Tables of clearance along the lining, by name.
 
-The heel is the end at the hinge, the toe the loaded end.
+A row is a fraction of the arc, from the heel (0) at the hinge to the toe (1) at the loaded end, and
+the clearance there [mm].
 """
 
 
 @dataclass(frozen=True)
 class KnobCase:
-    """The knobs of a case, in SI units.
+    """A case of the set: the parameters (knobs) of a brake and of its solve, in SI units.
 
     Attributes
     ----------
     knob : str
-        The sweep that the case belongs to.
+        Name of the sweep to which the case belongs.
     shoes : int
         1, or 2 for a second shoe that is the mirror image of the first.
     assisted : bool
@@ -60,9 +64,9 @@ class KnobCase:
     support : str
         Support of the ring, "fixed" or "free".
     penalty : float
-        Penalty factor of the contact.
+        Contact penalty.
     thickness : float
-        Thickness of the lining over the drum's radius.
+        Thickness of the lining, relative to the drum's radius.
     arc : float
         Arc of the lining [deg].
     clearance : float or str
@@ -74,11 +78,12 @@ class KnobCase:
     nu : float
         Poisson's ratio of the lining.
     elements, kind : int, str
-        Elements along a lining, and their kind.
+        Number of elements along a lining, and kind of the elements.
     aspect : float or None
-        Length over depth of the elements at the heel's surface; None for the usual mesh.
+        Length over height of the elements at the lining's surface at its heel; None for the usual
+        mesh.
     size, pressure : float
-        Factors on all lengths and on all moduli.
+        Factors on all lengths and on all Young's moduli.
     """
 
     knob: str = "base"
@@ -103,13 +108,13 @@ class KnobCase:
 
     @property
     def changes(self) -> dict[str, Any]:
-        """The knobs that differ from their default values."""
+        """The parameters (knobs) of the case that differ from the unchanged case, by name."""
         base, own = dataclasses.asdict(KnobCase()), dataclasses.asdict(self)
         del own["knob"]
         return {key: value for key, value in own.items() if value != base[key]}
 
     def brake(self) -> Brake:
-        """The brake of the case. Raises BadInput where the knobs make no valid brake."""
+        """The brake of the case. Raises BadInput if the knobs give no valid brake."""
         title = ", ".join(f"{key} {value}" for key, value in self.changes.items())
         data: dict[str, Any] = {
             "title": title[:80] or "base",
@@ -128,17 +133,18 @@ class KnobCase:
         return brake_from(data)
 
     def _shoe(self, side: int) -> dict[str, Any]:
-        """The data of the shoe on the right (side 1), or of its mirror image (side -1)."""
+        """The data, as in a brake file, of the right shoe (side 1) or of its mirror image (-1)."""
         arc, size = math.radians(self.arc), self.size
         start = CASE_PIN[1] + math.radians(5.0)
         pin = CASE_PIN[0] * size * np.array([math.cos(CASE_PIN[1]), math.sin(CASE_PIN[1])])
 
         def arc_on_side(a: float, b: float) -> dict[str, float]:
-            """An arc from a to b [rad] on the side of the shoe."""
+            """The start and the end of an arc from a to b [rad], mirrored for the left shoe."""
             return (
                 {"start": a, "end": b} if side > 0 else {"start": math.pi - b, "end": math.pi - a}
             )
 
+        # A table of clearance becomes rows of angle [rad] and clearance [m].
         clearance: Any = self.clearance
         if isinstance(clearance, str):
             rows = [(start + part * arc, gap * 1e-3 * size) for part, gap in CLEARANCES[clearance]]
@@ -172,15 +178,16 @@ class KnobCase:
         return shoe
 
     def mesher(self) -> Callable[[Shoe, float], Any] | None:
-        """The mesher of the shoes, where the case has elements of a given aspect ratio."""
+        """The function that meshes a shoe with the aspect ratio of the case; None without one."""
         return None if self.aspect is None else partial(_mesh_of_aspect_ratio, self)
 
 
 def _mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any:
-    """The mesh whose elements at the heel's surface have the aspect ratio of the case.
+    """The mesh of a shoe whose surface elements at the heel have the aspect ratio of the case.
 
-    From there each element is ten times as large as the one before.
+    Away from the heel's surface each element is ten times as large as the element before.
     """
+    # For a ratio above 1 the elements become flatter, else they become shorter.
     division = divide_lining(shoe, radius, case.elements)
     start, end = shoe.arc
     step = (end - start) / case.elements
@@ -196,16 +203,15 @@ def _mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any:
 
 
 def _geometric_points(first: float, whole: float) -> Floats:
-    """Points from 0 to `whole`: the first at a distance `first`, each next ten times as far."""
+    """Points from 0 to `whole`: the second at `first`, each further one ten times as far from 0."""
     steps = max(0, math.ceil(math.log10(whole / first) - 0.5)) if first < whole else 0
     return np.array([0.0, *(first * 10.0**k for k in range(steps)), whole])
 
 
 def designed_cases(*, short: bool = False) -> list[KnobCase]:
-    """The designed set of cases.
+    """The set of all cases, or a short set of some of them with coarser meshes.
 
-    short : whether coarser meshes, the ends and the middle of each sweep, and about a tenth of the
-    other cases are enough.
+    The short set has the two ends and the middle of each sweep, and some tenth of the other cases.
     """
     sweeps = [_cases_of_sweep(knob, settings) for knob, settings in _sweep_settings().items()]
     if not short:
@@ -221,17 +227,20 @@ def designed_cases(*, short: bool = False) -> list[KnobCase]:
 
 
 def _powers_of_ten(first: int, last: int, step: int = 1) -> list[float]:
-    """Powers of ten from 10^first to 10^last."""
+    """The powers of ten from 10^first to 10^last, in steps of 10^step."""
     return [10.0**k for k in range(first, last + 1, step)]
 
 
 def _vary_knob(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]]:
-    """A knob over its values, with further knobs fixed."""
+    """Changes of parameters (knobs), one dictionary for each value of the knob `name`.
+
+    `rest` are values of other knobs, the same in each dictionary.
+    """
     return [{name: value, **rest} for value in values]
 
 
 def _sweep_settings() -> dict[str, list[dict[str, Any]]]:
-    """The sweeps: for each its changes of the knobs, case by case."""
+    """The changed parameters (knobs) and their values, for each case of each sweep by name."""
     # Values of the knobs that several sweeps share, in the units of KnobCase.
     arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
     gaps = [-1e-2, -1e-3, -1e-4, -1e-6, -1e-9, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2]
@@ -287,12 +296,12 @@ def _sweep_settings() -> dict[str, list[dict[str, Any]]]:
 
 
 def _cases_of_sweep(knob: str, settings: list[dict[str, Any]]) -> list[KnobCase]:
-    """The cases of a sweep, from their changes of the knobs."""
+    """The cases of the sweep named `knob`; `settings` are the changed knobs of each case."""
     return [KnobCase(knob=knob, **setting) for setting in settings]
 
 
 def _corner_cases() -> list[KnobCase]:
-    """All combinations of five knobs at both ends."""
+    """The 32 cases in which each of five knobs has a small or a large value."""
     ends: dict[str, tuple[Any, Any]] = {
         "shoe": (1e-4, 1e6),
         "penalty": (1.0, math.inf),
@@ -306,7 +315,7 @@ def _corner_cases() -> list[KnobCase]:
 
 
 def _grid_cases() -> list[KnobCase]:
-    """Two pairs of knobs, each pair over the whole ranges of both."""
+    """The cases of two grids, each over the whole ranges of two knobs."""
     moduli, mu = _powers_of_ten(-8, 8, 2), [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.5, 2.5, 5.0]
     thicknesses, penalties = (
         [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1 / 3],
@@ -321,19 +330,20 @@ def _grid_cases() -> list[KnobCase]:
 
 
 def _hypercube_cases(count: int) -> list[KnobCase]:
-    """A Latin hypercube over all knobs, most of them on a logarithmic scale."""
+    """`count` cases, a Latin hypercube sample of 13 knobs, most of them on logarithmic scales."""
     rng = np.random.default_rng(HYPERCUBE_SEED)
+    # Each of the 13 columns has one number in each of `count` equal intervals of [0, 1].
     strata = np.array([rng.permutation(count) for _ in range(13)]).T
     samples = (strata + rng.random(strata.shape)) / count
     return [_case_from_sample(row.tolist()) for row in samples]
 
 
 def _case_from_sample(sample: list[float]) -> KnobCase:
-    """A case of the hypercube, from 13 numbers between 0 and 1."""
+    """A case of the Latin hypercube, from a sample of 13 numbers between 0 and 1."""
     u = iter(sample)
 
     def log_uniform(low: float, high: float) -> float:
-        """A number between 10^low and 10^high, even on a logarithmic scale."""
+        """The next number of the sample, scaled logarithmically to 10^low ... 10^high."""
         return float(f"{10 ** (low + (high - low) * next(u)):.3g}")
 
     # The numbers are used up in the order of these lines.

@@ -1,7 +1,7 @@
-"""The benchmark ladder: known answers, from textbook brakes to frictional contact of two bodies.
+"""The benchmark ladder: cases with known results, from simple brakes to contact with friction.
 
-Each case is judged by a closed form, a balance or a published number. No case is judged by an
-earlier result of drumlin.
+Each case compares a result of drumlin with a closed form, an equilibrium or a published number. No
+case compares it with an earlier result of drumlin.
 """
 
 from collections.abc import Sequence
@@ -15,23 +15,24 @@ from drumlin_studies.ladder_laws import LAW_CASES as LAWS
 from drumlin_studies.ladder_pads import PAD_CASES as PADS
 
 LADDER_CASES: tuple[KnownAnswer, ...] = (*LAWS, *BODIES, *CONTACT, *PADS, *FRICTION)
+"""All cases of the benchmark ladder."""
 
 
 def case_families(cases: Sequence[KnownAnswer] = LADDER_CASES) -> tuple[str, ...]:
-    """The families of some cases, each once, in the order of the cases."""
+    """The names of the families of cases, each name once, in the order of the cases."""
     return tuple(dict.fromkeys(case.family for case in cases))
 
 
 def is_within_tolerance(case: KnownAnswer, value: float) -> bool:
-    """Whether a value agrees with the expected one to the tolerance of the case.
+    """Whether a value agrees with the expected value of a case, within the case's tolerance.
 
-    nan never agrees.
+    The value nan never agrees.
     """
     return abs(value - case.expected) <= case.tolerance * abs(case.expected)
 
 
 def case_row(case: KnownAnswer) -> dict[str, Any]:
-    """The row of a case: what is expected, and what drumlin finds."""
+    """Run a case; returns a row of a table with the expected value and drumlin's value."""
     value = case.found()
     return {
         "family": case.family,

@@ -1,4 +1,7 @@
-"""The ladder's elastic bodies and numerical methods: stiffness, order, rings, extrapolation."""
+"""Cases of the benchmark ladder on elastic bodies and on numerical methods, without contact.
+
+They test the stiffness of elements, the order of convergence, rings, and extrapolation.
+"""
 
 import math
 from functools import cache, partial
@@ -26,26 +29,26 @@ from drumlin_studies.two_bodies import LADDER_STEEL, closed_ring_mesh
 from drumlin_studies.uncertainty import Index, grid_convergence
 
 ROACHE = (0.96178, 0.96854, 0.97050)
-"""Roache's values on three meshes, coarse to fine, each twice as fine as the one before."""
+"""Roache's example values on three meshes; each mesh is twice as fine as the mesh before."""
 ON_AXIS = 1e-9
-"""Distance from a line or an edge up to which a node lies on it [m]."""
+"""Distance [m] from an axis of symmetry within which a node counts as lying on it."""
 
 
 def _roache_convergence_index() -> Index:
-    """The grid convergence index of Roache's values."""
+    """The grid convergence index of Roache's example values."""
     coarse, medium, fine = ROACHE
     return grid_convergence(fine, medium, coarse)
 
 
 def _rectangle(length: float, height: float, along: int, through: int) -> tuple[Any, Any]:
-    """Basis and stiffness of a steel rectangle of quadratic quadrilaterals.
+    """The finite-element basis and stiffness of a steel rectangle of quadratic quadrilaterals.
 
     Parameters
     ----------
     length, height : float
         The rectangle is [0, length] x [-height/2, height/2] [m].
     along, through : int
-        Number of elements along and through it.
+        Number of elements along and through the rectangle.
     """
     x = np.linspace(0, length, along + 1)
     y = np.linspace(-height / 2, height / 2, through + 1)
@@ -54,36 +57,39 @@ def _rectangle(length: float, height: float, along: int, through: int) -> tuple[
 
 
 def _basis_and_stiffness(mesh: Any, material: Material) -> tuple[Any, Any]:
-    """Basis and stiffness matrix of a body of one material and unit width."""
+    """The finite-element basis and stiffness matrix of a body of one material and unit width."""
     mesh = mesh.with_subdomains({"body": np.arange(mesh.nelements)})
     basis = scalar_basis(mesh)
     return basis, stiffness(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
 
 
 def solve_displacements(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:
-    """Displacements (2 nodes,) under forces, with some unknowns given.
+    """Nodal displacements (2 nodes,) of a body under nodal forces, some of them prescribed.
 
     Parameters
     ----------
     K : sparse matrix (2 nodes, 2 nodes)
-        Stiffness.
+        Stiffness matrix.
     f : array (2 nodes,)
         Nodal forces.
     held : array of int
-        Indices of the given unknowns.
+        Indices of the prescribed displacements.
     at : array or float
-        Values of the given unknowns.
+        Values of the prescribed displacements.
     """
     u = np.zeros(len(f))
     u[held] = at
-    # The given displacements act on the free unknowns as forces.
+    # The prescribed displacements act on the free unknowns as forces.
     free = np.setdiff1d(np.arange(len(f)), held)
     u[free] = splu(K[free][:, free].tocsc()).solve(f[free] - K[free][:, held] @ u[held])
     return u
 
 
 def _stretched_bar_force() -> float:
-    """End force [N] of a bar under the strain e = 1e-3: u = e x, v = -nu e y."""
+    """End force [N] of a bar under the uniaxial strain e = 1e-3.
+
+    The prescribed displacements are u = e x, v = -nu e y.
+    """
     basis, K = _rectangle(2, 1, 4, 3)
     x, y = basis.doflocs
     u = np.column_stack([1e-3 * x, -LADDER_STEEL.nu * 1e-3 * y]).ravel()
@@ -93,7 +99,7 @@ def _stretched_bar_force() -> float:
 def _bent_bar_moment() -> float:
     """End moment [N m] of a bar of height 1 m, bent to the curvature k = 1e-3 1/m.
 
-    The displacements are u = -k x y, v = k (x^2 + nu y^2)/2.
+    The prescribed displacements are u = -k x y, v = k (x^2 + nu y^2)/2.
     """
     basis, K = _rectangle(2, 1, 4, 3)
     x, y = basis.doflocs
@@ -103,10 +109,10 @@ def _bent_bar_moment() -> float:
 
 
 def _cantilever_tip_force_ratio() -> float:
-    """Tip force of a cantilever of length 4 and height 1 over the closed form.
+    """End force of a cantilever of length 4 and height 1, relative to the closed form.
 
-    The displacements of both ends are given (Timoshenko & Goodier, art. 21). They are cubic, so
-    that quadratic elements have an error.
+    The displacements of both ends are prescribed as in the closed form (Timoshenko & Goodier,
+    art. 21). They are cubic, so that quadratic elements have an error.
     """
     L, c, P = 4.0, 0.5, 1.0
     E, nu, I = LADDER_STEEL.E, LADDER_STEEL.nu, 2 * 0.5**3 / 3  # noqa: E741
@@ -123,9 +129,9 @@ def _cantilever_tip_force_ratio() -> float:
 
 
 def _curved_bar_work() -> float:
-    """Work P u_0 of a quarter ring between the radii 1 and 2, moved by u_0 = 0.01 at its end.
+    """Work P u_0 of the end force P on a quarter ring that is displaced by u_0 = 0.01 at this end.
 
-    The ring has E = 1e4 and nu = 1/4.
+    The ring lies between the radii 1 and 2 and has E = 1e4 and nu = 1/4.
     """
     grid = skfem.MeshQuad.init_tensor(np.linspace(1, 2, 13), np.linspace(0, math.pi / 2, 25))
     mesh = skfem.MeshQuad2.from_mesh(grid)
@@ -133,7 +139,7 @@ def _curved_bar_work() -> float:
     curved = skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t)
     basis, K = _basis_and_stiffness(curved, Material(E=1e4, nu=0.25))
     x, y = basis.doflocs
-    # The base slides along y but for one node; the tip is moved along y by 0.01.
+    # The base is fixed along x, and one node of it along y; the tip is displaced along y by 0.01.
     base, tip = np.flatnonzero(np.abs(x) < 1e-12), np.flatnonzero(np.abs(y) < 1e-12)
     pinned = base[np.argmin(np.abs(y[base] - 1))]
     held = np.concatenate([2 * base, [2 * pinned + 1], 2 * tip])
@@ -143,7 +149,7 @@ def _curved_bar_work() -> float:
 
 
 class EdgeDisplacements(NamedTuple):
-    """Mean radial displacement [m] of the inner and of the outer edge of a ring."""
+    """The mean radial displacements [m] of the inner and of the outer edge of a ring."""
 
     inner: float
     outer: float
@@ -151,11 +157,11 @@ class EdgeDisplacements(NamedTuple):
 
 @cache
 def _lame_ring_displacements() -> EdgeDisplacements:
-    """A ring between the radii 0.1 m and 0.2 m under 60 MPa inside."""
+    """Displacements of a steel ring between the radii 0.1 m and 0.2 m under 60 MPa inside."""
     mesh = closed_ring_mesh(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
     basis, K = _basis_and_stiffness(mesh, Material(E=200e9, nu=0.3))
     line = make_contact_line(basis, mesh.boundaries["contact"], 0.0)
-    # Consistent nodal forces of the pressure on the inner edge.
+    # The nodal forces of the uniform pressure on the inner edge.
     force = couple_with_counterface(line, 1.0, drum_directions(1)).N.T @ np.full(
         len(line.nodes), 60e6
     )
@@ -171,7 +177,7 @@ def _lame_ring_displacements() -> EdgeDisplacements:
 
 
 class DiameterChanges(NamedTuple):
-    """Changes of the diameters of a ring along and across two forces, times EI/(F R^3)."""
+    """Changes of a ring's diameters along and across two opposite forces, times EI/(F R^3)."""
 
     closing: float
     widening: float
@@ -179,7 +185,7 @@ class DiameterChanges(NamedTuple):
 
 @cache
 def _thin_ring_diameter_changes() -> DiameterChanges:
-    """A thin ring, t/R = 0.02, under a diametral pair of forces."""
+    """Diameter changes of a thin ring, t/R = 0.02, under two opposite forces along a diameter."""
     R, t, E = 1.0, 0.02, 1e9
     mesh = closed_ring_mesh(
         np.linspace(-math.pi, math.pi, 241)[:-1], np.array([0.0, t]), R - t / 2, 1
@@ -201,12 +207,18 @@ def _thin_ring_diameter_changes() -> DiameterChanges:
 
 
 def _observed_order(kind: str) -> float:
-    """Observed order of the L2 error on a manufactured solution, of "quad2" or "tri1" elements."""
+    """Observed order of convergence of the L2 error, for elements of a kind.
+
+    The kind is "quad2" or "tri1". The error is that of a manufactured solution on two meshes.
+    """
     return math.log2(_manufactured_error(kind, 8) / _manufactured_error(kind, 16))
 
 
 def _manufactured_error(kind: str, n: int) -> float:
-    """L2 error on u = (sin pi x sin pi y, x y) with its body force, n elements to a side."""
+    """L2 error of the displacements of a unit square with n elements to a side.
+
+    The exact (manufactured) solution is u = (sin pi x sin pi y, x y) with the body force for it.
+    """
     make, raised = {"quad2": (skfem.MeshQuad, skfem.MeshQuad2), "tri1": (skfem.MeshTri, None)}[kind]
     E, nu, pi = 1000.0, 0.3, math.pi
     lam, mu = E * nu / (1 - nu**2), E / (2 * (1 + nu))
@@ -218,12 +230,12 @@ def _manufactured_error(kind: str, n: int) -> float:
     ss = np.sin(pi * points[0]) * np.sin(pi * points[1])
     cc = np.cos(pi * points[0]) * np.cos(pi * points[1])
     force = ((lam + 3 * mu) * pi**2 * ss - (lam + mu), -(lam + mu) * pi**2 * cc)
-    # Consistent nodal forces of the body force.
+    # The nodal forces of the body force, integrated with the shape functions.
     f = np.zeros((basis.N, 2))
     for psi, dofs in zip(basis.basis, basis.element_dofs, strict=True):
         for c in (0, 1):
             np.add.at(f[:, c], dofs, (psi[0] * force[c] * basis.dx).sum(axis=1))
-    # The displacements of the whole edge are given.
+    # The displacements of the whole edge are prescribed.
     exact = _manufactured_displacements(*basis.doflocs)
     edge = basis.get_dofs().flatten()
     held = np.concatenate([2 * edge, 2 * edge + 1])
@@ -234,14 +246,14 @@ def _manufactured_error(kind: str, n: int) -> float:
 
 
 def _manufactured_displacements(x: Floats, y: Floats) -> Floats:
-    """The displacements (2, ...) u = (sin pi x sin pi y, x y) of the manufactured solution."""
+    """The displacements (2, ...) of the manufactured solution, (sin pi x sin pi y, x y)."""
     return np.array([np.sin(math.pi * x) * np.sin(math.pi * y), x * y])
 
 
 def _murty_largest_pressure() -> float:
-    """Largest pressure of a contact problem on which a simpler active-set method cycles.
+    """Largest pressure of Murty's contact problem, on which a simpler active-set method cycles.
 
-    The simpler method swaps the state of all wrong nodes in each step.
+    The simpler method changes the state of all wrong nodes in each step, for ever.
     """
     A = np.array([[1.0, 2, 0], [0, 1, 2], [2, 0, 1]])
     none = np.zeros((3, 0))
@@ -263,12 +275,16 @@ def _lever_spring_force() -> float:
 
 
 LAME_EDGES = closed_forms.lame_displacements(0.1, 0.2, 60e6, 200e9, 0.3)
+"""Displacements [m] of the inner and outer edge of `_lame_ring_displacements`, in closed form."""
 STEEL_MODULUS, STEEL_POISSON = LADDER_STEEL.E, LADDER_STEEL.nu
+"""Young's modulus [Pa] and Poisson's ratio of the steel of the ladder."""
 ROACHE_SAYS = (
     "Roache, Verification and Validation (1998): f = .97050, .96854, .96178, r = 2; "
     "in single precision"
 )
+"""Citation of the example of the grid convergence index, for the ladder's table."""
 TIMOSHENKO = "Timoshenko & Goodier, Theory of Elasticity"
+"""Citation of closed forms of beams and rings, for the ladder's table."""
 BODY_CASES = (
     KnownAnswer(
         family="grid convergence index",
@@ -451,3 +467,4 @@ BODY_CASES = (
         found=_lever_spring_force,
     ),
 )
+"""The cases of the ladder on elastic bodies and numerical methods."""

@@ -1,40 +1,40 @@
-"""A case of the benchmark ladder: what is known, its source, and what drumlin finds."""
+"""A case of the benchmark ladder: a known result, its source, and the computation by drumlin."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 EXACT = "round-off"
-"""The tolerance is round-off: drumlin computes the same formula or the same balance."""
+"""Reason of a tolerance: round-off, since drumlin computes the same formula or equilibrium."""
 PRINTED = "digits given"
-"""The tolerance is half a unit of the last digit that the source prints."""
+"""Reason of a tolerance: half a unit of the last digit that the source prints."""
 DISCRETE = "discretisation"
-"""The tolerance is the error of a mesh of finite size."""
+"""Reason of a tolerance: the discretisation error of drumlin's mesh."""
 MODEL = "limit of the model"
-"""The tolerance is the distance of the case from a limit that the closed form describes."""
+"""Reason of a tolerance: the closed form holds in a limit that the case does not reach."""
 
 
 @dataclass(frozen=True)
 class KnownAnswer:
-    """A known answer.
+    """A case of the benchmark ladder: a quantity with a known value, and drumlin's value of it.
 
     Attributes
     ----------
     family : str
-        What kind of case it is.
+        Name of the group of similar cases.
     shows : str
-        Which part of drumlin the case judges.
+        Part of drumlin that the case tests.
     source : str
-        Where the expected value comes from.
+        Source of the expected value.
     quantity : str
-        What is compared, with its unit.
+        Quantity that is compared, with its unit.
     expected : float
-        The known value.
+        Known value of the quantity.
     tolerance : float
-        Largest relative difference.
+        Largest relative difference that counts as agreement.
     tier : str
-        Why the tolerance is as large as it is: EXACT, PRINTED, DISCRETE or MODEL.
+        Reason of the tolerance: EXACT, PRINTED, DISCRETE or MODEL.
     found : function
-        Computes drumlin's value.
+        Function that computes the quantity by drumlin.
     """
 
     family: str

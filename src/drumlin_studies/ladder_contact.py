@@ -1,4 +1,7 @@
-"""The ladder's contact without stick: half-planes, discs, rings, layers and sharp sliding edges."""
+"""Cases of the benchmark ladder on contact without sticking.
+
+The bodies are half-planes, discs, rings, thin layers and layers with sharp sliding edges.
+"""
 
 import math
 from functools import cache, partial
@@ -29,28 +32,28 @@ from drumlin_studies.two_bodies import (
 HALF_WIDTH = 0.005
 """Half-width of the contact between half-planes [m].
 
-Thick sectors of radius 1 m stand for the half-planes. The contact is so short against the radius
-that the curvature of the sectors has no effect.
+Thick sectors of radius 1 m take the place of half-planes. The contact is so short in relation to
+the radius that the curvature of the sectors has no effect.
 """
 GAP_RADIUS = 2.0
 """Relative radius of curvature of the contact between half-planes [m]."""
 CONTACT_LINING = Material(E=3e8, nu=0.25)
-"""Lining of the thin bonded layer."""
+"""Material of the thin lining on a rigid back."""
 RING_WAVES = 40
-"""Number of waves around a wavy ring."""
+"""Number of waves around the circumference of a wavy ring."""
 
 
 def half_plane_body(sign: int, per_half: int, material: Material = LADDER_STEEL) -> ContactBody:
-    """A thick sector of radius 1 m, with uniform elements near the contact.
+    """A condensed thick sector of radius 1 m as a half-plane, with equal elements at the contact.
 
     Parameters
     ----------
     sign : int
-        1 where the body lies outside the contact, -1 inside.
+        1 for a body outside the radius of 1 m, -1 for a body inside.
     per_half : int
-        Elements to the half-width of the contact.
+        Number of elements in the half-width of the contact.
     material : Material
-        Its material.
+        Material of the body.
     """
     angles = symmetric_angles(2 * HALF_WIDTH, 4 * per_half, 1.35, 0.5)
     return condense_contact_body(
@@ -59,12 +62,12 @@ def half_plane_body(sign: int, per_half: int, material: Material = LADDER_STEEL)
 
 
 def solve_contact_pressure(problem: ContactProblem) -> Floats:
-    """The pressures (n,) [Pa] that solve a contact problem."""
+    """The nodal pressures (n,) [Pa] that solve a contact problem by drumlin's active-set method."""
     return active_set.solve_contact_problem(problem, coarse_contact_set(problem)).p
 
 
 def _hertz_peak_ratio() -> float:
-    """Peak pressure between equal half-planes over the closed form."""
+    """Peak pressure between two equal half-planes, relative to Hertz's closed form."""
     # Under this load Hertz's formula gives a contact of HALF_WIDTH.
     load = HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
     pair = BodyPair.of(half_plane_body(-1, 16), half_plane_body(1, 13), motions="x")
@@ -73,7 +76,7 @@ def _hertz_peak_ratio() -> float:
 
 
 class PeakAndWidth(NamedTuple):
-    """Peak pressure [N/mm^2] and half-width [mm] of a contact."""
+    """The peak pressure [N/mm^2] and the half-width [mm] of a contact."""
 
     peak: float
     half_width: float
@@ -81,10 +84,10 @@ class PeakAndWidth(NamedTuple):
 
 @cache
 def _cylinder_peak_and_width() -> PeakAndWidth:
-    """The benchmark's steel cylinder of radius 50 mm on aluminium, under 35 kN on 1 mm.
+    """Contact of a steel cylinder of radius 50 mm on aluminium under 35 kN for 1 mm of length.
 
-    Plane strain is the plane stress of E/(1 - nu^2), nu/(1 - nu). Lengths are scaled so that the
-    half-width is HALF_WIDTH.
+    The benchmark is in plane strain, which equals plane stress with E/(1 - nu^2) and nu/(1 - nu).
+    Lengths are scaled so that the half-width of the contact is HALF_WIDTH.
     """
     steel = Material(E=210e9 / (1 - 0.3**2), nu=0.3 / 0.7)
     aluminium = Material(E=70e9 / (1 - 0.3**2), nu=0.3 / 0.7)
@@ -95,18 +98,19 @@ def _cylinder_peak_and_width() -> PeakAndWidth:
     )
     s = pair.angle
     p = solve_contact_pressure(pair.normal(s**2 / (2 * 0.05 / scale), [load]))
-    # p^2 falls linearly with s^2 and is zero at the half-width a, whatever the nodes near it.
+    # p^2 falls linearly with s^2 and vanishes at the half-width. A line through values away from
+    # the end gives the half-width independently of the nodes there.
     near = np.abs(s) < 0.8 * HALF_WIDTH
     slope, top = np.polyfit(s[near] ** 2, p[near] ** 2, 1)
     return PeakAndWidth(float(p.max() * 1e-6), math.sqrt(-top / slope) * scale * 1e3)
 
 
 def _flat_punch_pressure_ratio() -> float:
-    """Pressure under the middle half of a rigid flat punch, over the closed form."""
+    """Mean pressure under the middle half of a rigid flat punch, relative to the closed form."""
     pair = BodyPair.of(half_plane_body(-1, 24), None, motions="x")
     s = pair.angle
     load = 1e6
-    # Beyond the punch a gap of 1 m keeps the half-plane free.
+    # Beside the punch a gap of 1 m keeps the half-plane out of contact.
     p = solve_contact_pressure(
         pair.normal(np.where(np.abs(s) < HALF_WIDTH * (1 + 1e-9), 0.0, 1.0), [load])
     )
@@ -115,7 +119,7 @@ def _flat_punch_pressure_ratio() -> float:
 
 
 class DiscInHole(NamedTuple):
-    """Pressure in the middle, and half-angle of contact, of a disc over Persson's."""
+    """Pressure in the middle and half-angle of contact of a disc in a hole, relative to Persson."""
 
     pressure: float
     half_angle: float
@@ -123,11 +127,14 @@ class DiscInHole(NamedTuple):
 
 @cache
 def _disc_in_hole_ratios(half_angle: float) -> DiscInHole:
-    """A disc in a hole of a large plate, loaded for a half-angle of contact [deg]."""
+    """Results for a loaded disc in a hole of a large plate, relative to Persson's closed form.
+
+    The clearance is chosen so that the closed form gives the half-angle of contact [deg].
+    """
     eps, load = math.radians(half_angle), 1e6
 
     def angles_around_contact(count: int) -> Floats:
-        """Angles [rad] around a whole circle, densest at the ends of the contact."""
+        """Angles [rad] of nodes around the circle, closest together at the ends of the contact."""
         inner = points_graded_to_both_ends(-eps, eps, count, eps / 2, 1 / 40)
         return np.concatenate(
             [inner, points_graded_to_both_ends(eps, 2 * math.pi - eps, count, 0.4, eps / 200)[1:-1]]
@@ -153,9 +160,9 @@ def _disc_in_hole_ratios(half_angle: float) -> DiscInHole:
 
 
 def _wavy_ring_pressure_ratio(share: float) -> float:
-    """Pressure at the crests of a wavy ring in a ring over Westergaard's closed form.
+    """Pressure at the crests of a wavy ring in another ring, relative to Westergaard's.
 
-    share : mean pressure over the pressure p* of full contact, about.
+    `share` is roughly the mean pressure divided by the pressure p* of full contact.
     """
     count = 12 * RING_WAVES
     angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
@@ -165,13 +172,13 @@ def _wavy_ring_pressure_ratio(share: float) -> float:
     pair = BodyPair.of(inner, outer)
     height = 1e-6
     full = math.pi * LADDER_STEEL.E / 2 * height * RING_WAVES / (2 * math.pi)
-    # A uniform pressure moves both rings apart by this distance per pressure.
+    # Radial displacement between the two rings under a uniform unit pressure [m/Pa].
     E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
     soft = sum(abs(closed_forms.ring_compliance(0, 1.0, held, E, nu)) for held in (0.5, 1.5))
     p = active_set.solve_contact_problem(
         pair.normal(-height * np.cos(RING_WAVES * pair.angle) - share * full * soft)
     ).p
-    # Westergaard's pressure is that at the mean pressure which the rings really have.
+    # Westergaard's closed form is evaluated at the mean pressure of the computed solution.
     mean = float(integrate(pair.angle, p, 2) / np.ptp(pair.angle))
     crests = np.abs(np.cos(RING_WAVES * pair.angle) - 1) < 1e-9
     return float(p[crests].mean() / closed_forms.westergaard_pressure(mean, full, np.array(0.0)))
@@ -179,7 +186,7 @@ def _wavy_ring_pressure_ratio(share: float) -> float:
 
 @cache
 def _concentric_rings() -> BodyPair:
-    """Two concentric rings held at the radii 0.6 and 1.4, on meshes whose nodes do not meet."""
+    """Two concentric rings, fixed at the radii 0.6 and 1.4, with nodes that do not match."""
     angles = np.linspace(-math.pi, math.pi, 49)[:-1]
     inner = condense_contact_body(
         closed_ring_mesh(angles, np.linspace(0, 0.4, 6), 1.0, -1), LADDER_STEEL
@@ -192,7 +199,7 @@ def _concentric_rings() -> BodyPair:
 
 
 class Harmonics(NamedTuple):
-    """Mean and one harmonic of a pressure around a ring [Pa]."""
+    """The mean and the amplitude of one harmonic of the pressure around a ring [Pa]."""
 
     mean: float
     harmonic: float
@@ -200,12 +207,15 @@ class Harmonics(NamedTuple):
 
 @cache
 def _pressed_rings_harmonics(n: int) -> Harmonics:
-    """Pressure between two rings under the gap that 3 MPa + 1 MPa cos(n theta) closes."""
+    """Harmonics of the pressure between two rings whose exact pressure is known.
+
+    The overlap of the rings is chosen so that it is 3 MPa + 1 MPa cos(n theta).
+    """
     pair = _concentric_rings()
     angle = pair.angle
 
     def apart(k: int) -> float:
-        """How far cos(k theta) moves the rings apart [m/Pa]."""
+        """Amplitude [m/Pa] of the gap between the rings under the pressure cos(k theta)."""
         E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
         inner = closed_forms.ring_compliance(k, 1.0, 0.6, E, nu)
         return inner - closed_forms.ring_compliance(k, 1.0, 1.4, E, nu)
@@ -221,7 +231,7 @@ def _pressed_rings_harmonics(n: int) -> Harmonics:
 
 
 def _bonded_layer_stiffness() -> float:
-    """Stiffness [Pa/m] in the middle of a thin lining on a rigid back, pressed in evenly."""
+    """Pressure per indentation [Pa/m] in the middle of a thin lining on a rigid back."""
     thickness, depth = 1e-3, 1e-6
     angles = np.linspace(-0.03, 0.03, 61)
     pair = BodyPair.of(
@@ -236,9 +246,9 @@ def _bonded_layer_stiffness() -> float:
 
 @cache
 def _strip_on_rigid_back(nu: float) -> BodyPair:
-    """A strip with sharp edges on a rigid back.
+    """A lining with sharp edges on a rigid back, without an opposite body.
 
-    The elements shrink to some 1e-7 of its thickness at its ends and its face.
+    The elements shrink to some 1e-7 of the lining's thickness at its ends and its face.
     """
     fine = growing_steps_to(1e-8, 1.45, 0.1)
     angles = np.concatenate([-0.1 + fine, (0.1 - fine)[::-1][1:]])
@@ -251,7 +261,10 @@ def _strip_on_rigid_back(nu: float) -> BodyPair:
 
 
 def _edge_exponent(mu: float, nu: float) -> float:
-    """The exponent lambda of p ~ r^(lambda - 1) at the edge that the drum runs onto."""
+    """The exponent lambda of p ~ r^(lambda - 1) at the edge where the drum enters the contact.
+
+    r is the distance from the edge, which is sharp and belongs to a lining on a rigid back.
+    """
     pair, thickness = _strip_on_rigid_back(nu), 0.05
     matrix = pair.pressed.T @ (pair.pressed + mu * pair.dragged)
     n = len(pair.angle)
@@ -266,10 +279,12 @@ def _edge_exponent(mu: float, nu: float) -> float:
 
 
 KONTER = "Konter, Advanced FE contact benchmarks (NAFEMS 2006), 2D cylinder; Hertz"
+"""Citation of the benchmark of a cylinder on a block, for the ladder's table."""
 MICHELL, PERSSON = (
     "Michell 1899, rings held at .6 and 1.4",
     "Persson 1964; Ciavarella & Decuzzi 2001",
 )
+"""Citations for rings and for a disc in a hole, for the ladder's table."""
 CONTACT_CASES = (
     KnownAnswer(
         family="equal cylinders",
@@ -408,3 +423,4 @@ CONTACT_CASES = (
         for nu, mu in ((0.1, 0.3), (0.3, 0.3), (0.3, 0.5), (0.45, 0.3))
     ),
 )
+"""The cases of the ladder on contact without sticking."""

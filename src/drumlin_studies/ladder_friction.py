@@ -1,6 +1,6 @@
-"""The ladder's friction and wear: stick and slip, belts, plates, self-locking, running in.
+"""Cases of the benchmark ladder on friction and wear.
 
-The last cases judge a whole brake.
+They are on stick and slip, a belt, a plate, self-locking, running in, and whole brakes.
 """
 
 import math
@@ -38,7 +38,7 @@ from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, coarse_contact_se
 
 
 def _node_on_springs(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
-    """One node on springs, pushed against a drum that has moved.
+    """The frictional contact problem of one node on springs, which is pressed on a moved drum.
 
     Parameters
     ----------
@@ -47,8 +47,9 @@ def _node_on_springs(push: float, shift: float, k: float = 100.0) -> FrictionalP
     shift : float
         Displacement of the drum [m].
     k : float
-        Stiffness of both springs [N/m].
+        Stiffness of the normal and of the tangential spring [N/m].
     """
+    # The arguments are the blocks of the equations of `FrictionalProblem`.
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     across, along = np.zeros((1, 0)), np.zeros((0, 1))
     return FrictionalProblem(
@@ -68,7 +69,7 @@ def _node_on_springs(push: float, shift: float, k: float = 100.0) -> FrictionalP
 
 
 def _node_traction(shift: float) -> float:
-    """Traction of one node under 10 N at mu = 0.5, after a displacement of the drum [m]."""
+    """Friction force [N] on one node under 10 N at mu = 0.5, after the drum moves by `shift`."""
     untouched = SlipHistory(np.zeros(1), np.zeros(1))
     answer = stick_slip.solve_load_increment(
         _node_on_springs(10.0, shift), 0.5, untouched, np.array([STICK])
@@ -77,15 +78,18 @@ def _node_traction(shift: float) -> float:
 
 
 def _loop_dissipation() -> float:
-    """Energy [J] that one node dissipates as the drum moves in a closed loop between +-0.2 m."""
-    # From the start to one end, to the other end, and back to the first.
+    """Energy [J] that one node on springs dissipates when the drum moves once to and fro.
+
+    The drum moves between -0.2 m and 0.2 m.
+    """
+    # The drum moves from 0 to one end, to the other end, and back to the first end.
     path = np.concatenate(
         [np.linspace(0, 0.2, 21), np.linspace(0.2, -0.2, 41), np.linspace(-0.2, 0.2, 41)]
     )
     history, state, dissipated = SlipHistory(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
     for i, shift in enumerate(path):
         answer = stick_slip.solve_load_increment(_node_on_springs(10.0, shift), 0.5, history, state)
-        # The first 21 positions lead from zero to the loop.
+        # The first 21 positions are the way from zero to the loop and do not count.
         if i > 20:
             dissipated += float(answer.t[0] * (answer.s[0] - history.s[0]))
         history, state = answer.history, answer.state
@@ -93,10 +97,13 @@ def _loop_dissipation() -> float:
 
 
 def _constant_directions(normal: Floats, tangent: Floats) -> Directions:
-    """Directions of a plane contact: the same normal and tangent (2,) at all points."""
+    """A function that returns the same normal and tangent at all points of a plane contact.
+
+    `normal` and `tangent` are unit vectors (2,).
+    """
 
     def directions_at(points: Floats) -> tuple[Floats, Floats]:
-        """The same normal and tangent at each of the points."""
+        """The normal and the tangent (2, ...) at each of the points (2, ...)."""
         shape = (2, *([1] * (points.ndim - 1)))
         ones = np.ones_like(points)
         return normal.reshape(shape) * ones, tangent.reshape(shape) * ones
@@ -105,7 +112,7 @@ def _constant_directions(normal: Floats, tangent: Floats) -> Directions:
 
 
 def _wedge_push_ratio() -> float:
-    """Push over weight of a block that slides up a wedge of slope 0.1 at mu = 0.3."""
+    """Horizontal push over weight of a block that slides up a wedge of slope 0.1 at mu = 0.3."""
     slope, x = math.atan(0.1), np.linspace(0, 1, 5)
     up = np.array([math.cos(slope), math.sin(slope)])
     # A straight contact line of two quadratic edges.
@@ -113,6 +120,7 @@ def _wedge_push_ratio() -> float:
     coupling = couple_with_counterface(
         line, 1.0, _constant_directions(np.array([up[1], -up[0]]), -up)
     )
+    # Forces on the block under a uniform pressure: the push and the weight balance them.
     p = np.full(5, 7.0)
     on_block = (-coupling.N.T @ p + 0.3 * coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
     return float(-on_block[0] / on_block[1])
@@ -120,10 +128,10 @@ def _wedge_push_ratio() -> float:
 
 @cache
 def _sticking_half_width_ratio(share: float) -> float:
-    """Half-width c of the sticking zone over half-width a of contact.
+    """Half-width c of the sticking zone over half-width a of the contact of two cylinders.
 
-    The tangential load is `share` times mu P. The ratio follows from the tractions in the middle,
-    (1 - t/(mu p))^2 = c^2/a^2, because the ends of a zone depend on where nodes lie.
+    The tangential load is `share` times mu P. The ratio is computed from the tractions in the
+    middle, (1 - t/(mu p))^2 = c^2/a^2, because the ends of the zones depend on the nodes there.
     """
     mu, load = 0.3, HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
     pair = BodyPair.of(half_plane_body(-1, 14), half_plane_body(1, 12), motions="xy")
@@ -144,8 +152,8 @@ def _sticking_half_width_ratio(share: float) -> float:
         )
     middle = np.abs(s) < 0.2 * HALF_WIDTH
     ratio = np.abs(found.t[middle]).mean() / (mu * found.p[middle].mean())
-    # In the middle t/(mu p) = 1 - c/a, but for a term of second order in the width of the window.
-    # The same window of the closed form corrects this term.
+    # At s = 0 the exact ratio t/(mu p) is 1 - c/a. The mean over a small interval differs by a term
+    # of second order, which is computed from the closed form and corrected.
     exact_p = np.sqrt(1 - (s[middle] / HALF_WIDTH) ** 2)
     c = math.sqrt(1 - share)
     exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * HALF_WIDTH)) ** 2)
@@ -153,16 +161,16 @@ def _sticking_half_width_ratio(share: float) -> float:
 
 
 class FlexibleBody(NamedTuple):
-    """An elastic body with some unknowns held.
+    """An elastic body with some fixed displacements and a contact line.
 
     Attributes
     ----------
     basis, K : skfem basis, sparse matrix
-        Finite elements and stiffness of the body.
+        Finite-element basis and stiffness matrix of the body.
     line, coupling : ContactLine, Coupling
-        Contact line, and how displacements of its nodes open the gap.
+        Contact line of the body, and its coupling matrices between displacements and gaps.
     free : array of int
-        Unknowns that are not held.
+        Numbers of the displacements that are not fixed.
     """
 
     basis: Any
@@ -175,18 +183,18 @@ class FlexibleBody(NamedTuple):
     def of(
         cls, mesh: Any, material: Material, held: Ints, directions: Directions, middle: float
     ) -> "FlexibleBody":
-        """The body of a mesh with the boundary "contact".
+        """The elastic body of a mesh that has the boundary "contact".
 
         Parameters
         ----------
         mesh : skfem mesh
-            Its mesh.
+            Mesh of the body.
         material : Material
-            Its material.
+            Material of the body.
         held : array of int
-            Unknowns that are held.
+            Numbers of the displacements that are fixed.
         directions : function
-            Normal and tangent at points of the contact.
+            Function that returns normal and tangent at points of the contact.
         middle : float
             Angle of the middle of the contact [rad].
         """
@@ -198,36 +206,36 @@ class FlexibleBody(NamedTuple):
 
     @property
     def contact_unknowns(self) -> Ints:
-        """Numbers (2 n,) of the displacements of the contact nodes, x and y of each in turn."""
+        """Numbers (2 n,) of the displacements of the contact nodes, x and y in turn."""
         return np.column_stack([2 * self.line.nodes, 2 * self.line.nodes + 1]).ravel()
 
     def spread(self, matrix: Floats) -> Floats:
-        """Nodal forces (2 nodes, n) of unit pressures or tractions.
+        """Nodal forces (2 nodes, n) of a unit pressure or a unit traction at each contact node.
 
-        matrix : coupling matrix (n, 2 n), as N or T of `Coupling`.
+        `matrix` (n, 2 n) is the coupling matrix N for pressures, or T for tractions.
         """
         f = np.zeros((self.basis.N, 2, len(matrix)))
         f[self.line.nodes] = matrix.T.reshape(-1, 2, len(matrix))
         return f.reshape(2 * self.basis.N, -1)
 
     def moved(self, forces: Floats) -> Floats:
-        """Displacements (2 nodes, m) under forces (2 nodes, m)."""
+        """Nodal displacements (2 nodes, m) of the body under m sets of nodal forces."""
         u = np.zeros_like(forces)
         u[self.free] = splu(self.K[self.free][:, self.free].tocsc()).solve(forces[self.free])
         return u
 
 
 def _quadratic_grid_mesh(grid: Any, to: Any, held: Any) -> Any:
-    """Quadratic mesh of a tensor grid, in contact where the first coordinate is zero.
+    """The quadratic mesh of a mapped tensor grid; its edge with first coordinate 0 is in contact.
 
     Parameters
     ----------
     grid : skfem mesh
         The tensor grid.
     to : function
-        Places (2, nodes) of the nodes, by both coordinates of the grid.
+        Function that maps the two coordinates of the grid to positions (2, nodes).
     held : function
-        Whether an edge is held, by both coordinates of its middle.
+        Function of the two coordinates of an edge's middle that says whether the edge is fixed.
     """
     middle = grid.p[:, grid.facets].mean(axis=1)
     mesh = skfem.MeshQuad2.from_mesh(grid)
@@ -243,7 +251,11 @@ def _quadratic_grid_mesh(grid: Any, to: Any, held: Any) -> Any:
 
 
 def _belt_tension_ratio(mu: float, wrap: float) -> float:
-    """Ratio of the tensions at the held and the pulled end of a belt around a sliding drum."""
+    """Ratio of the tensions at the fixed and the pulled end of a belt around a rotating drum.
+
+    `mu` is the coefficient of friction, `wrap` the angle of wrap [rad].
+    """
+    # A belt of thickness 0.002 on a drum of radius 1, fixed at the angle `wrap`.
     t = 0.002
     grid = skfem.MeshQuad.init_tensor(np.array([0.0, t]), np.linspace(0, wrap, 161))
     mesh = _quadratic_grid_mesh(
@@ -260,7 +272,7 @@ def _belt_tension_ratio(mu: float, wrap: float) -> float:
     pulled = np.flatnonzero((np.abs(y) < 1e-12) & (x > 0))
     f = np.zeros((belt.basis.N, 2))
     weights = np.where(np.abs(x[pulled] - 1 - t / 2) < 1e-9, 4.0, 1.0) / 6
-    # A tension of 1 N, uniform through the thickness.
+    # The other end is pulled by 1 N, uniformly over the thickness.
     f[pulled, 1] = -weights
     u = belt.moved(np.column_stack([f.ravel(), belt.spread(N) + mu * belt.spread(T)]))
     on, n = belt.contact_unknowns, len(N)
@@ -273,10 +285,10 @@ def _belt_tension_ratio(mu: float, wrap: float) -> float:
 
 
 def _patch_largest_pressure(turned: float) -> float:
-    """Largest pressure [Pa] of a strip that is pressed by 0.05 m on an inclined plane.
+    """Largest pressure [Pa] on a strip that is pressed on an inclined plane, 0.05 m deep.
 
-    The strip is 1 m high and has nu = 0, so that the pressure is uniform. turned : inclination of
-    the plane [rad].
+    The strip is 1 m high and has nu = 0, so that the exact pressure is uniform. `turned` is the
+    inclination of the plane [rad].
     """
     c, s = math.cos(turned), math.sin(turned)
     grid = skfem.MeshQuad.init_tensor(np.array([0, 0.4, 0.5, 1.0]), np.array([0, 0.3, 1.1, 2.0]))
@@ -291,7 +303,7 @@ def _patch_largest_pressure(turned: float) -> float:
     strip = FlexibleBody.of(mesh, Material(E=2e6, nu=0.0), held, directions, 0.3)
     N, M = strip.coupling.N, strip.coupling.M
     n = len(M)
-    # Closure of the gap by unit pressures, on a plane that lies 0.05 m inside the strip.
+    # Opening of the gap by unit pressures; at first the plane lies 0.05 m inside the strip.
     closure = N @ strip.moved(strip.spread(N))[strip.contact_unknowns]
     none = np.zeros((n, 0))
     problem = equations.ContactProblem(closure, M @ np.full(n, -0.05), none, none.T, np.zeros(0))
@@ -299,14 +311,14 @@ def _patch_largest_pressure(turned: float) -> float:
 
 
 class Plate(NamedTuple):
-    """A plate on a rigid plane.
+    """Results for an elastic plate on a rigid plane.
 
     Attributes
     ----------
     moment : float
-        Moment of the plane's pressures about the plate's corner, over that of all other forces.
+        Moment of the contact pressure about a corner of the plate, over that of all other forces.
     states : frozenset of int
-        The states that occur among the contact nodes: open, stick or slip.
+        States that occur among the contact nodes: open, stick or slip.
     """
 
     moment: float
@@ -315,11 +327,12 @@ class Plate(NamedTuple):
 
 @cache
 def press_and_push_plate() -> Plate:
-    """An elastic plate on a rigid plane at mu = 1, pressed from above and pushed from its side.
+    """Press an elastic plate on a rigid plane at mu = 1 and push it from its side.
 
-    After Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa from above and 10 MPa from the
-    side, with a plane of symmetry at x = 0. About the corner in the origin, tractions along the
-    plane have no moment, nor has the vertical force that holds the plate there.
+    The plate is that of Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa on its upper edge
+    and 10 MPa on its side, with a plane of symmetry at x = 0. Moments are taken about the corner in
+    the origin. Friction on the rigid plane has no moment about this corner, nor has the vertical
+    force that fixes the plate there.
     """
     L, mu = 40.0, 1.0
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
@@ -346,7 +359,7 @@ def press_and_push_plate() -> Plate:
     on, n = plate.contact_unknowns, len(N)
     u = plate.moved(np.column_stack([f.ravel(), plate.spread(N), plate.spread(T)]))
     by_f, by_N, by_T = u[on, 0], u[on, 1 : 1 + n], u[on, 1 + n :]
-    # The plate moves up and down as a rigid body.
+    # The plate may also move up and down as a rigid body.
     up = np.tile([0.0, 1.0], n)
     B_w, B_s = -(N @ up)[:, None], -(T @ up)[:, None]
     problem = FrictionalProblem(
@@ -379,9 +392,9 @@ def press_and_push_plate() -> Plate:
 
 
 def _edge_nodal_forces(along: Floats, nodes: Ints) -> Floats:
-    """Consistent nodal forces (all nodes,) of a unit traction on a straight edge.
+    """Nodal forces (all nodes,) of a unit traction on a straight edge of quadratic elements.
 
-    along : coordinate along the edge of all nodes; nodes : the nodes of the edge.
+    `along` (all nodes,) is the coordinate along the edge, `nodes` are the nodes on the edge.
     """
     f = np.zeros(len(along))
     # Simpson's weights on each quadratic edge: two ends and the middle between them.
@@ -393,17 +406,26 @@ def _edge_nodal_forces(along: Floats, nodes: Ints) -> Floats:
 
 
 SPRING_STIFFNESS = 4e10  # Pa/m
+"""Pressure per compression K of a lining of springs on a rigid shoe."""
 SPRING_RADIUS, SPRING_WIDTH, SPRING_PIN = 0.15, 0.04, 0.125  # m
+"""Radius of the drum, width of the lining, and distance of the hinge from the drum's centre."""
 SPRING_MOMENT = 250.0  # N m
+"""Moment of the actuation about the hinge of the shoe with a lining of springs."""
 SPRING_MU = 0.25
+"""Coefficient of friction of the lining of springs."""
 SPRING_ARC = (0.3, 2.2)  # rad
+"""Angles of the ends of the lining of springs, from the line to the hinge."""
 SPRING_WEAR = WearLaw(1e-13)
+"""Wear law of the lining of springs, with the wear coefficient k."""
 WEAR_UNIT = 1 / (SPRING_WEAR.coefficient * SPRING_STIFFNESS)
-"""Distance 1/(k K) over which the deviation from the law falls to 1/e [m]."""
+"""Sliding distance 1/(k K) [m] over which the deviation from the sine law falls to 1/e."""
 
 
 def _winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
-    """A hinged rigid shoe with an unevenly worn lining of springs, and its nodes' angles (n,)."""
+    """A hinged rigid shoe with an unevenly worn lining of springs (Winkler foundation).
+
+    Returns its wear problem, and the angles (n,) [rad] of the lining's nodes.
+    """
     phi = np.linspace(*SPRING_ARC, 49)
     xy = SPRING_RADIUS * np.array([np.cos(phi), np.sin(phi)])
     coupling = couple_with_counterface(
@@ -411,7 +433,7 @@ def _winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
         SPRING_WIDTH,
         drum_directions(1),
     )
-    # Displacements of the nodes as the shoe turns about its pin by 1 rad.
+    # Displacements of the nodes per unit rotation of the shoe about its pin.
     turned = np.column_stack([-xy[1], xy[0] - SPRING_PIN]).ravel()
     closing = coupling.N @ turned
     problem = equations.ContactProblem(
@@ -428,8 +450,8 @@ def _winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
 
 
 def _winkler_locking_friction() -> float:
-    """Friction at which the hinged rigid shoe with a lining of springs locks itself."""
-    # The equations are linear in friction, so that two problems give those of every friction.
+    """Coefficient of friction at which the shoe with a lining of springs locks itself."""
+    # The equations are linear in friction: two problems give those at any friction.
     still, unit = _winkler_shoe(0.0)[0].problem, _winkler_shoe(-1.0)[0].problem
     return self_locking.find_friction_limit(
         self_locking.FrictionDependentProblem.from_two_problems(still, unit)
@@ -438,7 +460,11 @@ def _winkler_locking_friction() -> float:
 
 @cache
 def _run_in_winkler_shoe() -> tuple[list[WearState], Floats]:
-    """The states of the shoe as it runs in, and the pressure (n,) of the sine law at 1 N m."""
+    """Wear the shoe with a lining of springs over a sliding distance of 2/(k K).
+
+    Returns the states of the wear run, and the pressure (n,) of the sine law under an actuating
+    moment of 1 N m.
+    """
     interface, phi = _winkler_shoe(SPRING_MU)
     states = wear_linings([interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4)
     # The sine law gives the shape of the pressure; the balance of moments gives its size.
@@ -446,7 +472,7 @@ def _run_in_winkler_shoe() -> tuple[list[WearState], Floats]:
 
 
 def _remaining_deviation() -> float:
-    """Fraction of the deviation from the sine law that is left after a distance of 2/(k K)."""
+    """The deviation from the sine law after a sliding distance of 2/(k K), over that at first."""
     states, law = _run_in_winkler_shoe()
     first = states[0].pressure - SPRING_MOMENT * law
     last = states[-1].pressure - SPRING_MOMENT * law
@@ -454,7 +480,7 @@ def _remaining_deviation() -> float:
 
 
 def _worn_volume_ratio() -> float:
-    """Worn volume over k times the normal force integrated over the distance."""
+    """Worn volume, divided by k times the integral of the normal force over the distance."""
     states, _ = _run_in_winkler_shoe()
     area = _winkler_shoe(SPRING_MU)[0].area
     worn_volume = area @ (states[-1].depth - states[0].depth)
@@ -462,7 +488,10 @@ def _worn_volume_ratio() -> float:
 
 
 class ThinLinings(NamedTuple):
-    """A brake with thin linings on rigid shoes: torque [N m] by law, response by elements."""
+    """A brake with thin linings on rigid shoes: torque [N m] by the sine law, response, brake.
+
+    The response is that by finite elements.
+    """
 
     law_torque: float
     response: Response
@@ -471,13 +500,13 @@ class ThinLinings(NamedTuple):
 
 @cache
 def _thin_linings() -> ThinLinings:
-    """The double-shoe brake with linings of 3 mm on rigid shoes, by sine law and by elements."""
+    """Solve the double-shoe brake with linings of 3 mm on rigid shoes by law and by elements."""
     rigid = vary(DoubleShoe().brake(2000.0), {"shoe.lining.thickness": 3e-3})
     return ThinLinings(sine(rigid).torque, solve(rigid, elements=24), rigid)
 
 
 def _moment_imbalance() -> float:
-    """Moment of all actuations and hinges about the drum's centre, over the torque."""
+    """Moment of all actuations and hinge reactions about the drum's centre, over the torque."""
     response, brake = _thin_linings().response, _thin_linings().brake
     # Moments of the actuation and of the hinge reaction of each shoe.
     moments = []
@@ -616,3 +645,4 @@ FRICTION_CASES = (
         found=_moment_imbalance,
     ),
 )
+"""The cases of the ladder on friction and wear."""

@@ -1,4 +1,4 @@
-"""The ladder's rigid-shoe laws: worked examples of textbooks, and limits in closed form."""
+"""Cases of the benchmark ladder on rigid-shoe laws: textbook examples and closed forms."""
 
 import math
 from functools import cache, partial
@@ -21,12 +21,15 @@ from drumlin_studies.textbook_brakes import hinged_pad_brake, hinged_shoe_brake,
 
 
 def _solve_by_named_law(model: str, brake: object) -> Response:
-    """The response of a brake by a law, given its name."""
+    """The response of a brake by the rigid-shoe law with the name `model`."""
     return MODELS[model].solve(brake)
 
 
 def _shigley_16_2_torques() -> float:
-    """Torque [N m] of both shoes, the self-energising one under a peak pressure of 1 MPa."""
+    """Torque [N m] of both shoes of Shigley's example 16-2.
+
+    The force is such that the self-energising shoe has a peak pressure of 1 MPa.
+    """
     shoe = {
         "R": 0.15,
         "a": math.hypot(0.112, 0.05),
@@ -34,6 +37,7 @@ def _shigley_16_2_torques() -> float:
         "mu": 0.32,
         "width": 0.032,
     }
+    # `rated` scales the force until the peak pressure is 1 MPa; both shoes have this force.
     helped = rated(hinged_shoe_brake(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6)  # type: ignore[arg-type]
     opposed = hinged_shoe_brake(**shoe, moment=helped.shoes[0].actuation.force, spin=1)  # type: ignore[arg-type]
     return _solve_by_named_law("sine", helped).torque + _solve_by_named_law("sine", opposed).torque
@@ -41,7 +45,7 @@ def _shigley_16_2_torques() -> float:
 
 @cache
 def _shigley_p16_1_answer() -> Response:
-    """Two internal shoes under 2.2 kN each."""
+    """Response of the two internal shoes of Shigley's problem 16-1, under 2.2 kN each."""
     block = DoubleShoe(
         r_D=0.15,
         r_p=0.125,
@@ -56,7 +60,7 @@ def _shigley_p16_1_answer() -> Response:
 
 @cache
 def _bhandari_12_7_answer() -> Response:
-    """A block on the pivot of a lever, at a peak pressure of 0.5 MPa."""
+    """Response of the block on a lever's pivot of Bhandari's example 12.7, at a peak of 0.5 MPa."""
     h = float(pivot_radius(0.25, radians(50)))
     lever = hinged_shoe_brake(
         R=0.25,
@@ -80,7 +84,10 @@ class ForceAndTorque(NamedTuple):
 
 @cache
 def _bhandari_12_8_force_and_torque() -> ForceAndTorque:
-    """Two internal shoes on either side of a cylinder, the helped one at a peak of 1 MPa."""
+    """Force and torque of the two internal shoes of Bhandari's example 12.8.
+
+    The force is such that the self-energising shoe has a peak pressure of 1 MPa.
+    """
     shoe = {
         "R": 0.125,
         "a": math.hypot(0.0866, 0.05),
@@ -100,16 +107,19 @@ def _bhandari_12_8_force_and_torque() -> ForceAndTorque:
 
 
 def _block_on_lever(a: float = 0.05, spin: int = 1, mu: float = 0.35, x: float = 0.2) -> Brake:
-    """A block on a lever with a half-arc of 45 degrees; see `lever_block_brake` for the lengths."""
+    """A brake with a block on a lever, with a half-arc of 45 degrees.
+
+    `lever_block_brake` explains the lengths a and x [m].
+    """
     return lever_block_brake(
         R=0.125, arm=0.45, x=x, a=a, P=700.0, mu=mu, half=radians(45), spin=spin
     )
 
 
 def _block_torque_by_statics() -> float:
-    """Torque [N m] of the block of `_block_on_lever` by statics.
+    """Torque [N m] of the block of `_block_on_lever` from equilibrium.
 
-    Under the pressure p_0 cos phi the friction acts at psi R from the drum's centre.
+    Under the pressure p_0 cos phi the friction acts at a distance psi R from the drum's centre.
     """
     psi = closed_forms.block_friction_ratio(radians(45))
     # Moments about the pin of the lever give the normal force.
@@ -118,7 +128,7 @@ def _block_torque_by_statics() -> float:
 
 
 def _block_locking_friction() -> float:
-    """Friction at which a block with a high pin locks itself."""
+    """Coefficient of friction at which a block on a lever with a high pin locks itself."""
     brake = lever_block_brake(
         R=0.125, arm=0.45, x=0.03, a=0.15, P=700.0, mu=0.1, half=radians(20), spin=1
     )
@@ -126,11 +136,11 @@ def _block_locking_friction() -> float:
 
 
 def _double_block_torque_ratio() -> float:
-    """Torque of two opposite blocks over that of one block."""
+    """Torque of a brake with two opposite blocks, over that of a brake with one block."""
     one = lever_block_brake(
         R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1
     )
-    # The second block is the mirror image of the first about the x axis.
+    # The second block is the mirror image of the first about the x axis; its force acts upwards.
     data = one.shoes[0].model_dump()
     data["name"] = "below"
     data["hinge"] = {"x": one.shoes[0].pin.x, "y": -one.shoes[0].pin.y}
@@ -141,7 +151,7 @@ def _double_block_torque_ratio() -> float:
 
 
 def _short_shoe_on_lever() -> Response:
-    """A short shoe on a lever of 1 m."""
+    """Response of a brake with a short shoe on a lever of 1 m."""
     return _solve_by_named_law(
         "short",
         lever_block_brake(
@@ -162,22 +172,27 @@ def _two_short_shoes_torque() -> float:
 
 
 PAD_MOMENT = 90.0  # N m
+"""Moment of the actuation about the pin of the flat shoes."""
 PIN_HEIGHT = 0.06  # m
+"""Height of the pin of the flat shoes above the plane."""
 PAD_START, PAD_END = 0.05, 0.2  # m from the pin
+"""Ends of the lining of the long flat shoe."""
 PAD_MU = 0.4
+"""Coefficient of friction of the flat shoes."""
 
 
 def _long_pad_peak_pressure() -> float:
-    """Peak pressure [Pa] of a long flat shoe."""
+    """Peak pressure [Pa] of the long flat shoe by drumlin's linear law."""
     span = (PAD_START, PAD_END)
     brake = hinged_pad_brake(h=PIN_HEIGHT, span=span, moment=PAD_MOMENT, mu=PAD_MU, width=0.03)
     return _solve_by_named_law("linear", brake).shoes[0].peak_pressure
 
 
 def _long_pad_peak_by_statics() -> float:
-    """Peak pressure [Pa] of the long flat shoe by statics.
+    """Peak pressure [Pa] of the long flat shoe from equilibrium.
 
-    The pressure grows linearly from the pin. Its moment and that of friction balance the actuation.
+    The pressure grows linearly with the distance from the pin. The moments of pressure and friction
+    about the pin balance that of the actuation.
     """
     normal = (PAD_END**3 - PAD_START**3) / 3
     friction = PAD_MU * PIN_HEIGHT * (PAD_END**2 - PAD_START**2) / 2
@@ -185,7 +200,7 @@ def _long_pad_peak_by_statics() -> float:
 
 
 def _short_pad_normal_force() -> float:
-    """Normal force [N] of a short flat shoe."""
+    """Normal force [N] of a short flat shoe by drumlin's short-shoe law."""
     brake = hinged_pad_brake(h=PIN_HEIGHT, span=(0.1, 0.16), moment=PAD_MOMENT, mu=PAD_MU)
     return _solve_by_named_law("short", brake).shoes[0].normal_force
 
@@ -198,11 +213,15 @@ NPTEL_SHOE = {
     "side": "external",
     "width": 0.05,
 }
-"""The long shoe of the NPTEL lesson; lengths in m."""
+"""Dimensions of the external long shoe of the NPTEL lesson; lengths in m, angles in rad."""
 
 
 def _nptel_actuating_moment() -> float:
-    """Actuating moment [N m] for a peak of 0.8 MPa: M_p of the pressure less M_f of friction."""
+    """Actuating moment [N m] of the NPTEL long shoe for a peak pressure of 0.8 MPa.
+
+    It is the moment M_p of the pressure minus the moment M_f of friction about the hinge.
+    """
+    # Peak pressure, width, radius of the drum, distance of the hinge, friction, ends of the lining.
     p, b, R, d, mu, t_1, t_2 = 0.8e6, 0.05, 0.2, 0.23, 0.3, radians(20), radians(130)
     M_p = 0.5 * p * b * R * d * ((t_2 - t_1) + 0.5 * (sin(2 * t_1) - sin(2 * t_2)))
     M_f = mu * p * b * R * (R * (cos(t_1) - cos(t_2)) - d / 4 * (cos(2 * t_1) - cos(2 * t_2)))
@@ -210,7 +229,7 @@ def _nptel_actuating_moment() -> float:
 
 
 def _nptel_long_shoe_torque() -> float:
-    """Torque [N m] of the long shoe at 0.8 MPa."""
+    """Torque [N m] of the NPTEL long shoe at a peak pressure of 0.8 MPa, by the sine law."""
     moment = _nptel_actuating_moment()
     brake = hinged_shoe_brake(**NPTEL_SHOE, moment=moment, spin=1)  # type: ignore[arg-type]
     return _solve_by_named_law("sine", brake).torque
@@ -223,31 +242,37 @@ SHORT_SHOE = {
     "mu": 0.3,
     "side": "external",
 }
+"""Dimensions of a short external shoe; lengths in m, angles in rad."""
 
 
 def _torque_sensitivity() -> float:
-    """Relative change of a short shoe's torque over that of friction, by differences."""
+    """Relative change of a short shoe's torque per relative change of friction, by differences."""
     return sensitivity(hinged_shoe_brake(**SHORT_SHOE, moment=50.0), MODELS["short"].solve)  # type: ignore[arg-type]
 
 
 def _torque_sensitivity_by_formula() -> float:
-    """Relative change of a short shoe's torque over that of friction, by the formula m/(m - n)."""
+    """Relative change of a short shoe's torque per relative change of friction, m/(m - n)."""
     m, n = 0.25 * sin(radians(75)) / (0.3 * 0.2), 1 - 0.25 * cos(radians(75)) / 0.2
     assert np.allclose(m_and_n(0.3, radians(75), 0.2, 0.25), (m, n))
     return m / (m - n)
 
 
 def _simscape_double_shoe(what: str) -> float:
-    """Torque over force [m] of the double-shoe block ("T/F"), or the friction that locks it."""
+    """A result of Simscape's double-shoe brake block with its default parameters.
+
+    It is the torque over the force [m] for `what` = "T/F", else the friction that locks the brake.
+    """
     block = DoubleShoe()
     return float(sum(block.shoe_torques(1.0, 1.0))) if what == "T/F" else block.mu_lock
 
 
 SHIGLEY, BHANDARI = "Shigley, Mechanical Engineering Design", "Bhandari, Design of Machine Elements"
+"""Citations of two textbooks with worked examples, for the ladder's table."""
 LESSON, UWA = (
     "NPTEL, Machine Design II, lesson 12.1",
     "University of Western Australia, notes on brakes",
 )
+"""Citations of lecture notes with worked examples, for the ladder's table."""
 LAW_CASES = (
     KnownAnswer(
         family="internal shoes rated by pressure",
@@ -453,3 +478,4 @@ LAW_CASES = (
         found=partial(_simscape_double_shoe, "mu_lock"),
     ),
 )
+"""The cases of the ladder on rigid-shoe laws."""

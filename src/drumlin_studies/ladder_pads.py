@@ -1,4 +1,8 @@
-"""The ladder's pads on a plane: whole brakes against springs and the exponents of corners."""
+"""Cases of the benchmark ladder on pads on a plane, solved as whole brakes.
+
+They compare the compression of a thin lining with that of springs, and the exponent of the pressure
+at a pad's edge with its closed form.
+"""
 
 import math
 from functools import partial
@@ -16,12 +20,15 @@ from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import DISCRETE, KnownAnswer
 
 PAD_LENGTH, PAD_WIDTH = 0.12, 0.04  # m
+"""Length and width of the pad."""
 PAD_FORCE = 500.0  # N
+"""Force that presses the pad on the plane."""
 SOFT_LINING = Material(E=3e8, nu=0.25)
+"""Material of the thin lining of the pad."""
 
 
 def pad_on_guide(thickness: float, mu: float, lining: Material) -> Brake:
-    """A pad with a rigid back, on a guide that is normal to the plane.
+    """A brake with one pad on a plane; the pad has a rigid back and a guide normal to the plane.
 
     Parameters
     ----------
@@ -53,10 +60,10 @@ def pad_on_guide(thickness: float, mu: float, lining: Material) -> Brake:
 
 
 def _compression_ratio() -> float:
-    """The compression of a thin lining over the closed form p (1 - nu^2) t/E.
+    """The compression of a thin lining, relative to the closed form p (1 - nu^2) t/E.
 
-    The closed form neglects the ends of the lining. Their effect halves with the thickness t and
-    is extrapolated to zero.
+    The closed form neglects the ends of the lining. Their effect is in proportion to the thickness
+    t and is extrapolated to zero.
     """
     pressure = PAD_FORCE / (PAD_LENGTH * PAD_WIDTH)
     ratios = []
@@ -65,12 +72,15 @@ def _compression_ratio() -> float:
         assert pad.motion is not None
         closed_form = pressure * t * (1 - SOFT_LINING.nu**2) / SOFT_LINING.E
         ratios.append(-pad.motion[1] / closed_form)
-    # An error that halves with the thickness vanishes from this combination.
+    # An error that is in proportion to the thickness vanishes from this combination.
     return 2 * ratios[1] - ratios[0]
 
 
 def _leading_edge_exponent(mu: float, nu: float) -> float:
-    """The exponent lambda of p ~ r^(lambda - 1) at the leading edge of a pad."""
+    """The exponent lambda of p ~ r^(lambda - 1) at the leading edge of a pad on a plane.
+
+    r is the distance from the edge.
+    """
     brake = pad_on_guide(0.02, mu, Material(E=3e8, nu=nu))
     (pad,) = solve_prepared_model(prepare(brake, LEVELS[5]), brake).shoes
     # Distances [m] from the edge that are far below the thickness of 20 mm.
@@ -103,3 +113,4 @@ PAD_CASES = (
         for mu in (0.1, 0.3, 0.5)
     ),
 )
+"""The cases of the ladder on pads on a plane."""

@@ -1,4 +1,4 @@
-"""Tables of brakes by every rigid-shoe law: results, reasons against laws, shoe factors."""
+"""Tables of brakes solved by every rigid-shoe law: results, reasons of refusals, shoe factors."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -14,14 +14,16 @@ from drumlin.response.merit import barecki_shoe_factor
 from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
 
 LAW_NAMES = tuple(name for name in MODELS if name not in {"fem", "solid"})
-"""Names of the models that are not finite elements."""
+"""Names of the models of drumlin that are not finite elements."""
 Row = dict[str, Any]
+"""A row of a table: values by the names of their columns."""
 
 
 def law_rows(brake: Brake, file: str) -> list[Row]:
-    """A row for each shoe by each law that applies, and a row with a reason for each other law.
+    """Solve a brake by every law; returns a row for each shoe and law.
 
-    file : name of the brake file, for the rows.
+    A law that cannot solve the brake has one row, with the reason. `file` is the name of the brake
+    file in the rows.
     """
     rows: list[Row] = []
     for name in LAW_NAMES:
@@ -41,7 +43,7 @@ def law_rows(brake: Brake, file: str) -> list[Row]:
 
 
 def shoe_row(response: Response, index: int) -> Row:
-    """The row of one shoe of a response by a law."""
+    """The results of one shoe of a response as a row of a table."""
     shoe, merit = response.shoes[index], response.merits[index]
     row = {
         "shoe": shoe.name,
@@ -64,7 +66,10 @@ def shoe_row(response: Response, index: int) -> Row:
 
 
 def refusal_rows(rows: Sequence[Row]) -> list[Row]:
-    """The laws without an answer among the rows of `law_rows`: a row for each file and reason."""
+    """A row for each brake file and reason, with the laws that could not solve the brake.
+
+    `rows` are those of `law_rows`.
+    """
     laws: dict[tuple[str, str], Row] = {}
     for row in rows:
         if row["status"] == "applies":
@@ -77,10 +82,10 @@ def refusal_rows(rows: Sequence[Row]) -> list[Row]:
 
 
 def shoe_factor_rows(brake: Brake) -> list[Row]:
-    """The shoe factors of the posts of a brake, by eq. 26 of Barecki & Scieszka and by each law.
+    """Rows with the shoe factors of a post brake, by eq. 26 of Barecki & Scieszka and by laws.
 
-    Eq. 26 calls a shoe leading or trailing by the sign of a term. A row tells this word and whether
-    the shoe is self-energising.
+    Eq. 26 calls a shoe leading or trailing by the sign of one of its terms. A row has this word,
+    and whether the shoe is self-energising.
     """
     rows = []
     for law in ("short", "cosine", "uniform", "sine"):
@@ -92,7 +97,7 @@ def shoe_factor_rows(brake: Brake) -> list[Row]:
                 and merit.friction_radius is not None
             )
             R = brake.size
-            # Eq. 26 takes lengths over the drum's radius, and the angle from the hinge.
+            # Eq. 26 uses lengths relative to the drum's radius, and the angle from the hinge.
             arm = abs(data.actuation.moment_about(data.pin) / data.actuation.force)
             angle = data.frame.phi(np.array(merit.resultant_angle))
             S = barecki_shoe_factor(
@@ -118,10 +123,11 @@ def shoe_factor_rows(brake: Brake) -> list[Row]:
 
 
 def first_shoe_by_law(block: Brake, pad: Brake) -> dict[str, ShoeResponse]:
-    """The first shoe by every law.
+    """The response of one shoe by every law, by the names of the laws.
 
-    Drum laws solve the first shoe of the brake `block`. The law of the pivot gets a pivot away from
-    its best place. The law of flat shoes solves the brake `pad`.
+    Laws for drum brakes solve the first shoe of the brake `block`. For the law "pivoted" this shoe
+    gets a pivot away from its best place. The law "linear" solves the first shoe of the brake
+    `pad`, which presses on a plane.
     """
     shoes = {name: MODELS[name].solve(block).shoes[0] for name in LAWS}
     pivoted = vary(block, {"shoe.pivot": {"radius": "140 mm", "angle": "84 deg"}})

@@ -1,20 +1,21 @@
-"""Effect of the numbers in the rule of levels on the errors and the times of answers.
+"""An experiment with the rule by which drumlin refines its hp meshes from level to level.
 
     make levels                        the rule as it is
     make levels ARGS="fall=6"          the rule as it is, then with this number changed
-    make levels ARGS="fall=6 sizes=.7" with both changed
+    make levels ARGS="fall=6 sizes=.7" the rule as it is, then with both numbers changed
 
-The rule, `levels.LEVEL_RULE`, has eight numbers that were found by experiment. For a
-rule this command takes the brakes that the error estimate is fitted on through four levels, and
-prints
+The rule, `levels.LEVEL_RULE`, gives degree and grading of each level; its eight numbers were found
+by experiment. For each rule this command solves the random brakes of the error estimate's fit on
+four levels, and prints
 
-- the factors of the estimate, fitted on these levels alone;
-- for each of three tolerances the processor time of all answers up to the level where a solve would
-  stop, and the share of brakes that reach the tolerance on four levels;
+- the safety factors of the error estimate, fitted on these levels alone;
+- for each of three tolerances, the processor time of all brakes up to the level where a solve would
+  stop, and the percentage of brakes that reach the tolerance on four levels;
 - the median of stated over true error of each quantity, with the number of stated errors that are
   too small.
 
-The far finer solutions take ten minutes on two cores, each rule one to three.
+The far finer solutions, from which true errors are taken, need ten minutes on two cores, each rule
+one to three minutes.
 """
 
 import sys
@@ -44,17 +45,18 @@ from drumlin_studies.stated_true import Truth
 from drumlin_studies.stored_truth import CERTAIN, solve_by_finer_divisions
 
 LEVELS_TRIED = 4
-"""Number of levels that a rule is judged on. The fifth takes more time than the first four together
-and few answers need it."""
+"""Number of levels on which the brakes are solved for each rule.
+
+A fifth level would take more time than the first four together, and few brakes need it."""
 
 
 class LevelsOfRule(NamedTuple):
-    """One brake on the levels of a rule.
+    """Errors and times of one brake that is solved on hp meshes (levels) by a refinement rule.
 
     Attributes
     ----------
-    levels : errors and estimates of each level from the second one on
-    seconds : processor time of each level from the first one on [s]
+    levels : errors and terms of their estimate, for each level from the second one on
+    seconds : processor time [s], for each level from the first one on
     """
 
     levels: list[LevelRecord]
@@ -62,7 +64,7 @@ class LevelsOfRule(NamedTuple):
 
 
 def solve_true_solution(seed: int) -> Truth | None:
-    """The far finer solution of the brake of a seed; None where the brake has no answer."""
+    """The far finer solution of the random brake of a seed, or None if it has no equilibrium."""
     try:
         return solve_by_finer_divisions(draw_calibration_brake(seed)[1])
     except NoAnswer:
@@ -70,10 +72,14 @@ def solve_true_solution(seed: int) -> Truth | None:
 
 
 def try_rule_on_brake(seed: int, truth: Truth | None, rule: LevelRule) -> LevelsOfRule | None:
-    """The brake of a seed on the levels of a rule; None where the brake has no answer."""
+    """Solve the random brake of a seed on meshes by a refinement rule; returns errors and times.
+
+    Returns None if the brake has no equilibrium, or if `truth`, the far finer solution, is None.
+    """
     brake = draw_calibration_brake(seed)[1]
     if truth is None:
         return None
+    # Only the solves are timed, not the comparison with the finer solution.
     found: list[SolvedLevel] = []
     seconds: list[float] = []
     begin = time.process_time()
@@ -90,14 +96,14 @@ def try_rule_on_brake(seed: int, truth: Truth | None, rule: LevelRule) -> Levels
 
 
 class StoppingLevel(NamedTuple):
-    """The level where a solve stops, or the last level tried if no level suffices.
+    """The level at which a solve stops: the first one within the tolerance, or the last one.
 
     Attributes
     ----------
-    seconds : processor time up to this level [s]
+    seconds : processor time of all levels up to this one [s]
     reached : whether the stated errors are within the tolerance
     stated : stated errors by quantity
-    level : errors and estimates of the level
+    level : true errors of the level, and terms of their estimate
     """
 
     seconds: float
@@ -109,7 +115,7 @@ class StoppingLevel(NamedTuple):
 def find_stopping_level(
     brake: LevelsOfRule, factors: Factors, pressure: float, torque: float
 ) -> StoppingLevel:
-    """The level where a solve to given tolerances of p and of the torque stops."""
+    """The mesh (level) at which a solve stops, for relative tolerances of p and of the torque."""
     for k, level in enumerate(brake.levels, 2):
         stated = _stated_errors(level, factors)
         reached = stated["pressure"] <= pressure and stated["torque"] <= torque
@@ -119,7 +125,8 @@ def find_stopping_level(
 
 
 def _stated_errors(level: LevelRecord, factors: Factors) -> dict[str, float]:
-    """The stated errors of a level by quantity, with given factors of the estimate."""
+    """The errors that drumlin would state on a mesh (level) with given safety factors."""
+    # Pressure and peak have factors of their own; torque and reaction share that of forces.
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}
     for name in QUANTITIES:
@@ -130,7 +137,7 @@ def _stated_errors(level: LevelRecord, factors: Factors) -> dict[str, float]:
 
 
 def report_lines(brakes: Sequence[LevelsOfRule]) -> str:
-    """The lines that `main` prints for a rule."""
+    """The text that `main` prints for the brakes solved with one rule."""
     factors = fit_safety_factors([level for brake in brakes for level in brake.levels])
     lines = [f"  {factors}"]
     for asked, tolerance in ASKED.items():
@@ -143,7 +150,8 @@ def report_lines(brakes: Sequence[LevelsOfRule]) -> str:
 
 
 def _ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
-    """In words the median of stated over true error and the number of too small stated errors."""
+    """Text with the median ratio of stated to true error, and the number of too small ratios."""
+    # True errors that are uncertain do not count.
     certain = [
         stop.stated[quantity] / stop.level.true[quantity]
         for stop in stops
@@ -154,7 +162,7 @@ def _ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
 
 
 def changed_rule(words: Sequence[str]) -> LevelRule:
-    """The rule RULE with the numbers that words such as `fall=6` give.
+    """A copy of LEVEL_RULE with the numbers changed that words such as `fall=6` give.
 
     Raises ValueError for a word of another form.
     """
@@ -166,7 +174,7 @@ def changed_rule(words: Sequence[str]) -> LevelRule:
 
 
 def main(words: Sequence[str]) -> int:
-    """Try the rule RULE and, if there are words, the changed rule; return the exit status."""
+    """Try LEVEL_RULE and, if there are words, the changed rule; returns the exit status."""
     seeds = range(FIRST_SEED, FIRST_SEED + FITTED_BRAKES)
     rules = {"as it is": LEVEL_RULE} | ({" ".join(words): changed_rule(words)} if words else {})
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:

@@ -1,6 +1,6 @@
-"""Peers: public solvers that get the same brake on drumlin's own mesh.
+"""Peers: other public finite-element programs that solve the same brake on drumlin's own mesh.
 
-They answer with the same kind of response as drumlin's models.
+A peer's results are put into the same kind of response as those of drumlin's models.
 """
 
 from typing import Any
@@ -11,30 +11,30 @@ from drumlin.peers.peer import Peer, PeerMissing
 from drumlin.response.merit import with_merits
 
 PEERS = {"calculix": "CalculiX", "getfem": "GetFEM"}
-"""The names that the peers give themselves, by their names in options and files."""
+"""The peers: the name in options and files, and the name as the program writes it."""
 
 __all__ = ["PEERS", "Peer", "PeerMissing", "missing", "solve"]
 
 
 def solve(name: str, brake: Brake, **options: Any) -> Peer:
-    """Solve a brake by a peer.
+    """Solve a brake by a peer, another finite-element program.
 
     Parameters
     ----------
-    name : "calculix" for shoes on hinges of a drum, "getfem" for all shoes
+    name : "calculix" for hinged shoes of a drum brake, "getfem" for all kinds of shoes
     brake : the brake
-    options : `elements`, `kind`, `mesher`, and the peer's own
+    options : `elements`, `kind` and `mesher` of the mesh, and further options of the peer
 
     Raises
     ------
     BadInput
-        for a brake that the peer does not take, and for another name
+        for a brake that the peer cannot solve, and for another name
     PeerMissing
-        where the peer is not installed
+        if the peer is not installed
     NoAnswer
-        where the peer has no answer
+        if the peer finds no solution
     """
-    # The peers load the finite elements, which other users of this package do not need.
+    # Importing the peers also imports the finite elements, which takes long.
     from drumlin.peers import calculix, getfem  # noqa: PLC0415
 
     if name not in PEERS:
@@ -44,7 +44,7 @@ def solve(name: str, brake: Brake, **options: Any) -> Peer:
 
 
 def missing(name: str) -> str | None:
-    """A line that says how to install a missing peer; None where the peer is installed."""
+    """How to install a peer, in one line, or None if the peer is installed."""
     from drumlin.peers import calculix, getfem  # noqa: PLC0415
 
     try:

@@ -1,13 +1,14 @@
-"""CalculiX as a peer: decks are written, run by `ccx`, read back and checked.
+"""CalculiX as a peer: an input deck for each shoe is written and run by `ccx`; results are checked.
 
-The drum's nodes move along their tangents. The torque is the moment of the forces on them at their
-first places. The answer is then in proportion to load and rotation, as for small displacements. A
-drum that turns on circles is off by some 1e-3, and so is the moment that CalculiX prints, since it
-refers to the moved surface.
+The nodes of the drum move along their tangents, and the torque is the moment of their forces at
+their undisplaced positions. Results are then in proportion to load and rotation, as in the theory
+of small displacements. If the nodes moved on circles, results would differ by some 0.1 %. The
+moment that CalculiX prints refers to the displaced surface and is off by as much, so it is not
+used.
 
-CalculiX is known to end normally on states that are no equilibria. A state is believed only under
-three conditions: forces and moments balance, enough of the lining touches, and the lining slips
-wherever it touches.
+CalculiX sometimes ends normally although its state is no equilibrium. A state is accepted only
+under three conditions: forces and moments balance, enough of the lining touches the drum, and the
+lining slips wherever it touches.
 """
 
 import functools
@@ -54,38 +55,42 @@ from drumlin.response.response import Balance, ShoeResponse
 INSTALL_CALCULIX = (
     "CalculiX is not installed (no ccx on the PATH); on Debian and Ubuntu: apt install calculix-ccx"
 )
-"""The message where CalculiX is missing."""
+"""The error message if CalculiX is not installed."""
 
 LARGEST_STATE_IMBALANCE = 1e-3
-"""Largest imbalance of forces or moments, relative, with which a state is believed.
+"""Largest relative imbalance of forces or moments of a CalculiX state that is accepted.
 
-The two sides of the contact are apart by the drum's rotation, of 1e-3, and so are their forces."""
+The drum is displaced by its rotation, 1e-3 rad, relative to the lining, and so are the forces on
+the two sides of the contact."""
 
 LEAST_TOUCHING = 0.1
-"""Least part of the lining's elements that must touch. States below it are no equilibria, but a
-handful of contact points."""
+"""Smallest fraction of the lining's elements that must touch the drum in an accepted state.
+
+With fewer elements in contact the state is no equilibrium."""
 
 STICKING = 0.99
-"""Shear relative to mu p below which a contact point counts as sticking."""
+"""Shear stress divided by mu p below which a contact point counts as sticking."""
 
 MOST_STICKING = 0.02
-"""Largest part of the contact points that may stick in a state of full slip."""
+"""Largest fraction of the contact points that may stick in a state that counts as full slip."""
 
 MOST_DOUBLINGS = 4
-"""How often the drum's rotation is doubled until the lining slips everywhere."""
+"""Largest number of times that the drum's rotation is doubled to make the whole lining slip."""
 
 LONGEST_CALCULIX = 3600
-"""Seconds of a run after which CalculiX counts as hung."""
+"""Time [s] after which a run of CalculiX is stopped."""
 
 
 class PosedShoe(NamedTuple):
-    """How a shoe is posed to CalculiX, and how the forces on the drum are read.
+    """How a shoe is written as a CalculiX deck, and how forces on the drum's arc are read back.
+
+    The shoe may be in plane stress or solid; the two need different decks.
 
     Attributes
     ----------
-    text : text(setting, name) is the text of the deck with that setting and that name
-    along : along(forces) takes the forces on the drum's arc from the forces (n, 2) on all nodes of
-        the drum
+    text : function of a setting and a name that returns the text of the deck
+    along : function that takes the forces (n, 2) on all nodes of the drum, and returns the forces
+        on its arc, the row of nodes on the friction surface
     """
 
     text: Callable[[DeckSetting, str], str]
@@ -93,16 +98,16 @@ class PosedShoe(NamedTuple):
 
 
 class CalculixState(NamedTuple):
-    """The state that CalculiX found, in the shoe's frame.
+    """The results of a CalculiX run for one shoe, in the shoe's frame.
 
     Attributes
     ----------
-    contact : forces (n, 2) [N] on the nodes of the drum's arc
+    contact : forces (n, 2) [N] on the nodes of the drum's friction surface
     pin : force (2,) [N] of the pin on the shoe
-    turn : of the shoe about the pin [rad], counter-clockwise in the brake
-    touching : elements of the lining with contact points
-    points : number of contact points
-    sticking : part of the contact points that does not slip
+    turn : rotation of the shoe about the pin [rad], counter-clockwise in the brake
+    touching : number of elements of the lining that touch the drum
+    points : number of contact points, the integration points in contact
+    sticking : fraction of the contact points that stick
     iterations : number of iterations of all increments
     unknowns : number of equations
     seconds : processor time of the run [s]
@@ -121,7 +126,7 @@ class CalculixState(NamedTuple):
 
 @functools.cache
 def version() -> str:
-    """The version of CalculiX, the `ccx` on the PATH. Raises PeerMissing where ccx is missing."""
+    """The version of CalculiX, the `ccx` on the PATH. Raises PeerMissing if ccx is missing."""
     path = shutil.which("ccx")
     if path is None:
         raise PeerMissing(INSTALL_CALCULIX)
@@ -135,18 +140,19 @@ def export(
 ) -> tuple[list[Path], list[str]]:
     """Write a CalculiX deck for each shoe of a brake, with the setting with which `solve` begins.
 
-    It needs no CalculiX. Raises BadInput as `solve` does.
+    CalculiX need not be installed. Raises BadInput as `solve` does.
 
     Parameters
     ----------
     brake : the brake
-    folder : where the decks are written
-    stem : first part of their names
-    elements, kind : of the mesh
+    folder : folder in which the decks are written
+    stem : first part of the names of the deck files
+    elements, kind : number of elements along each lining, and kind of the elements
 
     Returns
     -------
-    the files, and the names of shoes without a deck, which their force turns away from the drum
+    the paths of the decks, and the names of the shoes without a deck; the actuation turns these
+    shoes away from the drum
     """
     setting, decks = DeckSetting(), []
     for loaded in loaded_shoes(brake, elements, kind):
@@ -155,7 +161,7 @@ def export(
 
 
 class ShoeDeck(NamedTuple):
-    """A shoe under its force; `text(name)` is the text of its deck, with the name of the deck."""
+    """A shoe under its actuation, and a function that returns its deck's text for a deck's name."""
 
     loaded: Loaded
     text: Callable[[str], str]
@@ -164,17 +170,18 @@ class ShoeDeck(NamedTuple):
 def write_decks(
     decks: Sequence[ShoeDeck], folder: Path, stem: str, ending: str = ""
 ) -> tuple[list[Path], list[str]]:
-    """Write a deck for each shoe that its force presses on the drum.
+    """Write a CalculiX deck for each shoe that its actuation presses on the drum.
 
     Parameters
     ----------
     decks : the shoes and the texts of their decks
-    folder : where the decks are written
-    stem, ending : first and last part of the names of the decks
+    folder : folder in which the decks are written
+    stem, ending : first and last part of the names of the deck files
 
     Returns
     -------
-    the files, and the names of shoes without a deck, which their force turns away from the drum
+    the paths of the decks, and the names of the shoes without a deck; the actuation turns these
+    shoes away from the drum
     """
     paths, apart = [], []
     for loaded, text in decks:
@@ -197,23 +204,23 @@ def solve(
 ) -> Peer:
     """Solve a brake by CalculiX on drumlin's mesh.
 
-    Where the lining does not slip everywhere, the drum is turned twice as far.
+    If a lining sticks somewhere, its run is repeated with twice the rotation of the drum.
 
     Parameters
     ----------
     brake : the brake
-    elements, kind : of the mesh
-    mesher : who meshes the shoes in their place
-    setting : of the decks
+    elements, kind : number of elements along each lining, and kind of the elements
+    mesher : function that meshes a shoe; None: drumlin's mesher with `elements` and `kind`
+    setting : parameters of the decks; None: the usual ones
 
     Raises
     ------
     PeerMissing
-        where CalculiX is not installed
+        if CalculiX is not installed
     BadInput
         for a brake with a ring, without friction or with a clearance
     NoAnswer
-        where CalculiX fails, or ends on a state that is no equilibrium
+        if CalculiX fails, or ends on a state that is no equilibrium
     """
     installed = version()
     tally = RunTally()
@@ -238,21 +245,21 @@ def solve(
 
 
 class RunTally:
-    """The answers of CalculiX's runs for the shoes of a brake, and the cost of the runs."""
+    """Collects the results and the costs of CalculiX's runs for the shoes of a brake."""
 
     def __init__(self) -> None:
         self.answers: list[tuple[ShoeResponse, Balance]] = []
         self._iterations, self._unknowns, self._seconds = 0, 0, 0.0
 
     def add(self, loaded: Loaded, state: CalculixState) -> None:
-        """Add the state of a shoe to the answers, and its run to the cost."""
+        """Add the results of a shoe, and the iterations, unknowns and time of its run."""
         self.answers.append(response(loaded, state))
         self._iterations = max(self._iterations, state.iterations)
         self._unknowns += state.unknowns
         self._seconds += state.seconds
 
     def peer(self, installed: str, notes: tuple[str, ...]) -> Peer:
-        """The answer of CalculiX for the whole brake; `installed` is CalculiX's version."""
+        """The collected result for the whole brake; `installed` is the version of CalculiX."""
         seconds = self._seconds
         return Peer(
             name="calculix",
@@ -269,7 +276,7 @@ class RunTally:
 
 
 def plane_pose(brake: Brake, loaded: Loaded) -> PosedShoe:
-    """How a shoe in plane stress is posed to CalculiX."""
+    """How a shoe in plane stress is written as a deck, and how its forces are read back."""
     count = len(drum_angles(loaded))
     # The arc is the row of nodes on the friction surface.
     arc = slice(count) if loaded.shoe.sign > 0 else slice(-count, None)
@@ -282,21 +289,21 @@ def plane_pose(brake: Brake, loaded: Loaded) -> PosedShoe:
 def slipping(
     brake: Brake, loaded: Loaded, setting: DeckSetting, posed: PosedShoe | None = None
 ) -> tuple[CalculixState, float]:
-    """Turn the drum until the lining slips everywhere; returns the state and the rotation [rad].
+    """Run CalculiX with larger and larger rotations of the drum, until the whole lining slips.
 
-    Only the run that is kept counts in its time.
+    Returns the state of the last run and its rotation [rad]. The time is that of the last run only.
 
     Parameters
     ----------
     brake : the brake
-    loaded : the shoe
-    setting : of the deck at first
-    posed : how the shoe is posed; None: in plane stress
+    loaded : the shoe under its actuation
+    setting : parameters of the first deck
+    posed : how the shoe is written as a deck; None: in plane stress
 
     Raises
     ------
     NoAnswer
-        where CalculiX fails or the lining still sticks
+        if CalculiX fails, or the lining sticks at the largest rotation
     """
     for _ in range(MOST_DOUBLINGS + 1):
         state = run(brake, loaded, setting, posed)
@@ -314,19 +321,19 @@ def slipping(
 def run(
     brake: Brake, loaded: Loaded, setting: DeckSetting, posed: PosedShoe | None = None
 ) -> CalculixState:
-    """Write a deck into a folder of its own, run `ccx` on one thread, and read its state.
+    """Write the deck of a shoe into a temporary folder, run `ccx` on one thread, read its results.
 
     Parameters
     ----------
     brake : the brake
-    loaded : the shoe
-    setting : of the deck
-    posed : how the shoe is posed; None: in plane stress
+    loaded : the shoe under its actuation
+    setting : parameters of the deck
+    posed : how the shoe is written as a deck; None: in plane stress
 
     Raises
     ------
     NoAnswer
-        where CalculiX does not end normally
+        if CalculiX does not end normally
     """
     version()
     posed = posed or plane_pose(brake, loaded)
@@ -344,7 +351,7 @@ def run(
 
 
 def _fault(output: str) -> str:
-    """The last line in which CalculiX names an error; "" where CalculiX names no error."""
+    """The last line of CalculiX's output that names an error, or "" if no line does."""
     faults = ""
     for line in output.splitlines():
         if "*ERROR" in line or "diverge" in line:
@@ -353,15 +360,15 @@ def _fault(output: str) -> str:
 
 
 class _Results(NamedTuple):
-    """The numbers in CalculiX's text of results.
+    """The numbers in CalculiX's file of results (.dat).
 
     Attributes
     ----------
-    drum : label of each node of the drum, followed by the force (3,) on the node
+    drum : a row for each node of the drum: its label and the force (3,) on it [N]
     pin : displacement (2,) of the pin [mm]
-    turn : turn of the shoe about the pin [rad]
-    stress : element, face, pressure and two shears of each contact point
-    time : part of the load step that was reached, 1 at its end
+    turn : rotation of the shoe about the pin [rad]
+    stress : a row for each contact point: element, face, pressure and two shear stresses [MPa]
+    time : fraction of the load step that was reached, 1 at its end
     """
 
     drum: Floats
@@ -372,7 +379,10 @@ class _Results(NamedTuple):
 
 
 def _read_results(dat: str) -> _Results:
-    """The numbers in CalculiX's text of results. Raises LookupError and ValueError."""
+    """Read the numbers in CalculiX's file of results.
+
+    Raises LookupError or ValueError if numbers are missing.
+    """
     blocks = _blocks(dat)
     return _Results(
         drum=_block(blocks, "forces (fx,fy,fz) for set NDRUM"),
@@ -392,22 +402,22 @@ def read_state(
     setting: DeckSetting,
     posed: PosedShoe | None = None,
 ) -> CalculixState:
-    """Read the state from CalculiX's texts.
+    """Read the state of a shoe from the files that CalculiX has written.
 
     Parameters
     ----------
-    dat : text of the results
-    sta : text of the increments
+    dat : text of the file of results (.dat)
+    sta : text of the file of increments (.sta)
     output : text that CalculiX printed
     brake : the brake
-    loaded : the shoe
-    setting : of the deck
-    posed : how the shoe is posed; None: in plane stress
+    loaded : the shoe under its actuation
+    setting : parameters of the deck
+    posed : how the shoe is written as a deck; None: in plane stress
 
     Raises
     ------
     NoAnswer
-        where the texts hold no state at the end of the step
+        if the files hold no results at the end of the load step
     """
     shoe = loaded.shoe
     try:
@@ -416,14 +426,15 @@ def read_state(
         raise NoAnswer(f"shoe {shoe.name!r}: CalculiX wrote no contact state ({error})") from error
     if abs(results.time - 1) > 1e-6:
         raise NoAnswer(f"shoe {shoe.name!r}: CalculiX ended at {results.time:g} of its step")
-    # Forces on the thin deck are scaled up to the full width of the lining.
+    # The deck has a fraction of the lining's width: its forces are divided by this fraction.
     size = setting.thickness
     along = (posed or plane_pose(brake, loaded)).along
     stress = results.stress
     pressure, shear = stress[:, 2], np.hypot(stress[:, 3], stress[:, 4])
+    # Contact points with nearly no pressure say nothing about sticking.
     pressed = pressure > 1e-3 * pressure.max()
     sticks = shear[pressed] < STICKING * brake.friction * pressure[pressed]
-    # Each increment is a row of the text, whose fourth number counts iterations.
+    # Each row of the .sta file is an increment; its fourth number counts the iterations.
     increments = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
     equations = re.search(r"number of equations\s+(\d+)", output)
     return CalculixState(
@@ -439,9 +450,9 @@ def read_state(
 
 
 def _blocks(dat: str) -> dict[str, str]:
-    """The lines of numbers in CalculiX's results by their heading.
+    """The rows of numbers in CalculiX's file of results, by the heading above them.
 
-    Where a heading is printed again, the last lines count.
+    If a heading comes several times, the rows below the last one are returned.
     """
     found: dict[str, str] = {}
     heading = ""
@@ -458,7 +469,10 @@ def _blocks(dat: str) -> dict[str, str]:
 
 
 def _block(blocks: dict[str, str], start: str) -> Floats:
-    """The numbers (rows, columns) under the heading that begins with a text. Raises LookupError."""
+    """The numbers (rows, columns) below the heading that begins with `start`.
+
+    Raises LookupError if no heading does, or if no numbers are below it.
+    """
     for heading, text in blocks.items():
         if heading.startswith(start) and text:
             rows = list(map(str.split, text.splitlines()))
@@ -467,7 +481,7 @@ def _block(blocks: dict[str, str], start: str) -> Floats:
 
 
 def check(loaded: Loaded, state: CalculixState) -> None:
-    """Raise NoAnswer for a state that is no equilibrium or has a handful of contact points."""
+    """Raise NoAnswer if a shoe's state is no equilibrium or has too few elements in contact."""
     name, lining = loaded.shoe.name, len(loaded.parts.line.pieces[0])
     _, balance = response(loaded, state)
     if not max(balance.force, balance.moment) < LARGEST_STATE_IMBALANCE:
@@ -483,12 +497,13 @@ def check(loaded: Loaded, state: CalculixState) -> None:
 
 
 def response(loaded: Loaded, state: CalculixState) -> tuple[ShoeResponse, Balance]:
-    """The response of a shoe in the state that CalculiX found, and the balance of its forces.
+    """The response of a shoe from CalculiX's results, and the relative imbalance of its forces.
 
-    The pressure and the shear have nodal forces that equal CalculiX's forces on the drum.
+    The pressure is computed from the nodal forces: pressure and shear along the lining are chosen
+    so that their nodal forces equal those that CalculiX gives on the drum.
     """
     shoe, frame = loaded.shoe, loaded.shoe.frame
-    # The nodes of the drum's arc, by growing phi of the shoe's frame.
+    # The nodes of the drum's arc in the order of growing phi, the angle in the shoe's frame.
     forces = state.contact[:: frame.sense]
     phi = frame.phi(drum_angles(loaded))[:: frame.sense]
     radius = float(np.hypot(*loaded.parts.line.xy).mean())
@@ -505,7 +520,7 @@ def response(loaded: Loaded, state: CalculixState) -> tuple[ShoeResponse, Balanc
     friction = (dragging @ shear).reshape(-1, 2).sum(axis=0)
     torque = abs(float(xy[0] @ forces[:, 1] - xy[1] @ forces[:, 0]))
     held = np.array([*state.pin, 0.0])
-    # The springs of the pin bear a force on the hinge's line, too.
+    # If the actuation acts at the hinge, the springs of the pin carry it, too.
     if not loaded.on_body:
         held += [*loaded.force, loaded.couple]
     found = PeerForces(normal, friction, math.copysign(torque, loaded.drag), held, torque)

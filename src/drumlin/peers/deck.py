@@ -1,10 +1,10 @@
 """A shoe against its drum as an input deck for CalculiX, from drumlin's own mesh; units mm, N, MPa.
 
-The elements are plane stress elements of one small thickness (CPS8 or CPS6; thick ones are not
-quite in plane stress there). Every stiffness and force is in proportion to the thickness: layers
-wider than the lining are stiffer instead. Linear equations let the hinge's line turn about the pin.
-The drum is an arc of elements whose nodes are all moved; it reaches past the lining's ends. Contact
-is face to face by a penalty, with friction.
+The elements are plane stress elements CPS8 or CPS6 of one small thickness, since in CalculiX thick
+ones are not exactly in plane stress. All forces are in proportion to this thickness. A layer wider
+than the lining has a larger modulus instead of a larger thickness. Multi-point constraints let the
+hinge's line rotate about the pin. The drum is an arc of elements with prescribed displacements at
+all nodes; it reaches past the lining's ends. Contact is face-to-face with a penalty and friction.
 """
 
 import math
@@ -34,11 +34,12 @@ MPA = 1e-6
 """Megapascals in a pascal: the stresses of a deck are in MPa."""
 
 DECK_CELLS = {"quad9": ("quad8", 4), "triangle6": ("triangle6", 3)}
-"""The cell that a deck has for a cell of drumlin's mesh, and its number of corners."""
+"""For each kind of cell of drumlin's mesh, the kind of cell in a deck and its number of corners."""
 
 DRUM_LAYER = 1 / 30
-"""Thickness of the drum's arc of elements, relative to its radius. It has no effect, since all
-nodes are moved."""
+"""Thickness of the drum's arc of elements, relative to the radius of the drum.
+
+It has no effect on results, since the displacements of all nodes of the drum are prescribed."""
 
 BEYOND_ANGLE = math.radians(3)
 """Angle [rad] by which the drum's arc reaches past each end of the lining."""
@@ -47,25 +48,29 @@ BEYOND_ELEMENTS = 2
 """Number of the drum's elements past each end of the lining."""
 
 BEARING_STIFFNESS = 1e10
-"""Stiffness of the springs that bear the pin [N/mm]. Under 1 kN the pin moves by 1e-7 mm, which
-changes nothing, and CalculiX prints the motion with all its digits."""
+"""Stiffness of the springs that support the pin [N/mm].
+
+The hinge reaction is computed from the displacement of the pin. Under 1 kN the pin moves by
+1e-7 mm, which changes no result, and CalculiX prints the displacement with all its digits."""
 
 DRUM_MODULUS = 1e-6
-"""Modulus of the drum relative to the lining's. All of the drum's nodes are prescribed. A soft drum
-adds nothing to their forces, which are then those of the contact."""
+"""Young's modulus of the drum, relative to that of the lining.
+
+The displacements of all nodes of the drum are prescribed. A soft drum adds nearly nothing to the
+forces on these nodes, so that they equal the contact forces."""
 
 
 class DeckSetting(NamedTuple):
-    """The way in which a brake is posed to CalculiX.
+    """The parameters of a CalculiX deck.
 
     Attributes
     ----------
     rotation : rotation of the drum [rad]
     thickness : thickness of all elements, relative to the lining's width
-    penalty : stiffness of the contact, as a multiple of E/t of the lining
-    stick : tangential stiffness of a sticking contact, as a multiple of E/t of the lining
-    steps : least number of increments
-    accuracy : CalculiX's relative tolerance of forces
+    penalty : normal contact stiffness, relative to Young's modulus / thickness of the lining
+    stick : tangential stiffness of a sticking contact, relative to the same ratio
+    steps : smallest number of increments of the load step
+    accuracy : CalculiX's relative tolerance of the residual forces
     """
 
     rotation: float = 1e-3
@@ -77,21 +82,22 @@ class DeckSetting(NamedTuple):
 
 
 class DeckGrid(NamedTuple):
-    """A shoe's mesh as CalculiX has it.
+    """A shoe's mesh in the form of a CalculiX deck.
 
-    Labels count from 1. The nodes `pin` and `turn` come after those of the mesh, then the drum's.
-    The elements of the drum and of the `bearing` come after the shoe's.
+    Labels are CalculiX's numbers of nodes and elements, from 1 on. The nodes `pin` and `turn` come
+    after those of the mesh, then the nodes of the drum. The elements of the drum and the springs
+    come after the elements of the shoe.
 
     Attributes
     ----------
-    xy : nodes (n, 2) [mm]
-    cells : nodes (m, k) of each cell, corners first
+    xy : positions (n, 2) of the nodes [mm]
+    cells : numbers (m, k) of the nodes of each cell, from 0 on, corners first
     corners : number of corners of a cell
-    kind : CalculiX's name for a cell
-    edges : nodes of the edges of each boundary
+    kind : CalculiX's name of the element type
+    edges : for each boundary by its name, the numbers of the nodes of its edges
     pin : label of the pin's node
-    turn : label of the node whose displacement is the turn of the shoe
-    bearing : label of the first spring at the pin
+    turn : label of a node whose displacement along x is the rotation of the shoe [rad]
+    bearing : label of the first of the two springs at the pin
     """
 
     xy: Floats
@@ -105,28 +111,28 @@ class DeckGrid(NamedTuple):
 
 
 class FirstLabels(NamedTuple):
-    """The numbers that the drum's first node and first element have in a deck."""
+    """The labels of the drum's first node and first element in a CalculiX deck."""
 
     node: int
     element: int
 
 
 class DrumMesh(NamedTuple):
-    """The lines of the drum's nodes and elements, and its nodes (n, 2) [mm]."""
+    """The drum's mesh: the deck's lines of its nodes and elements, and its nodes (n, 2) [mm]."""
 
     lines: list[str]
     xy: Floats
 
 
 def deck(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str = "shoe") -> str:
-    """The text of the deck of one shoe, in the brake's frame.
+    """The text of the CalculiX deck of one shoe, in the brake's frame.
 
     Parameters
     ----------
     brake : the brake
-    loaded : the shoe
-    setting : of the deck
-    name : of the deck's file, without ending
+    loaded : the shoe under its actuation
+    setting : parameters of the deck
+    name : name of the deck's file, without ending
 
     Raises
     ------
@@ -151,7 +157,7 @@ def deck(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str = "shoe")
 
 
 def check_fit(brake: Brake, loaded: Loaded) -> None:
-    """Raise BadInput for a lining that does not fit the drum."""
+    """Raise BadInput if there is a gap between the undeformed lining and the drum."""
     shoe, line = loaded.shoe, loaded.parts.line
     if np.any(unloaded_gaps_at(line.xy, line.phi, brake, shoe)):
         raise BadInput(
@@ -161,7 +167,7 @@ def check_fit(brake: Brake, loaded: Loaded) -> None:
 
 
 def _deck_grid(loaded: Loaded) -> DeckGrid:
-    """The mesh of a shoe as CalculiX has it. Raises BadInput for linear elements."""
+    """The mesh of a shoe in the form of a CalculiX deck. Raises BadInput for linear elements."""
     shoe, parts = loaded.shoe, loaded.parts
     cell = mesh_kind_of(parts.mesh).cell
     if cell not in DECK_CELLS:
@@ -185,10 +191,10 @@ def _deck_grid(loaded: Loaded) -> DeckGrid:
 
 
 def _shoe_lines(loaded: Loaded, grid: DeckGrid) -> list[str]:
-    """The lines of a shoe's nodes and elements."""
+    """The lines of a deck for the nodes and elements of a shoe."""
     hinge = loaded.shoe.pin.xy * MM
     lines = ["*NODE, NSET=NSHOE"]
-    # Only nodes of cells are written: nodes in the middle of a cell have no place in a deck.
+    # CalculiX's cells have no node in the middle, so the middle nodes of drumlin are left out.
     used = np.unique(grid.cells)
     lines += map(_node_line, used + 1, grid.xy[used])
     lines += ["*NODE, NSET=PIN", _node_line(grid.pin, hinge)]
@@ -202,12 +208,15 @@ def _shoe_lines(loaded: Loaded, grid: DeckGrid) -> list[str]:
 
 
 def _node_line(label: int, xy: Floats) -> str:
-    """The line of a node (2,) [mm]."""
+    """The line of a deck for a node at xy (2,) [mm]."""
     return f"{label}, {xy[0]:.12e}, {xy[1]:.12e}, 0."
 
 
 def _material_lines(loaded: Loaded, setting: DeckSetting) -> list[str]:
-    """The lines of materials and thickness; parts wider than the lining are stiffer instead."""
+    """The lines of a deck for the materials and the thickness of the parts of a shoe.
+
+    All parts have one thickness. A part that is wider than the lining gets a larger modulus.
+    """
     lining = loaded.shoe.lining
     thickness = setting.thickness * lining.width * MM
     drum_material = Material(E=DRUM_MODULUS * lining.material.E_through, nu=0.0)
@@ -230,11 +239,11 @@ def _material_lines(loaded: Loaded, setting: DeckSetting) -> list[str]:
 
 
 def _orthotropic_lines(material: Orthotropic, times: float) -> list[str]:
-    """The lines of the nine constants of an orthotropic material, with its moduli times a factor.
+    """The lines of a deck for an orthotropic material, with its moduli multiplied by `times`.
 
     CalculiX's directions 1, 2, 3 are through, along and across the layer, as in its cylindrical
-    systems. The constants across the layer do not matter in plane stress. A file without them gets
-    a material that does not contract across.
+    coordinates. Constants across the layer do not matter in plane stress. If the brake file gives
+    none, the material gets Poisson's ratios of zero across the layer.
     """
     along, through = material.E_along, material.E_through
     E = [through, along, material.E_across or along]
@@ -252,10 +261,10 @@ def _orthotropic_lines(material: Orthotropic, times: float) -> list[str]:
 
 
 def _orientation_lines(name: str, along: Floats | None) -> list[str]:
-    """The lines of the directions through, along and across a layer.
+    """The lines of a deck for the directions through, along and across an orthotropic layer.
 
-    A straight layer has the direction `along` (2,) in the brake's frame. None stands for a layer
-    around the drum's centre.
+    `along` is the direction (2,) of a straight layer in the brake's frame, or None for a layer that
+    is curved around the drum's centre.
     """
     if along is None:
         return [f"*ORIENTATION, NAME={name}, SYSTEM=CYLINDRICAL", "0., 0., 0., 0., 0., 1."]
@@ -269,16 +278,17 @@ def _orientation_lines(name: str, along: Floats | None) -> list[str]:
 def contact_lines(
     brake: Brake, loaded: Loaded, setting: DeckSetting, slave: list[str], master: str
 ) -> list[str]:
-    """The lines of the contact between lining and drum.
+    """The lines of a deck for the contact between lining and drum.
 
     Parameters
     ----------
     brake : the brake
-    loaded : the shoe
-    setting : of the deck
-    slave : faces of the lining, as lines "element, face"
-    master : face of the drum's elements
+    loaded : the shoe under its actuation
+    setting : parameters of the deck
+    slave : faces of the lining on the friction surface, as lines "element, face"
+    master : name of the face of the drum's elements on the friction surface, such as "S1"
     """
+    # The stiffness of the lining through its thickness, per area [MPa/mm].
     lining = loaded.shoe.lining
     unit = lining.material.E_through * MPA / (lining.thickness * MM)
     return [
@@ -297,11 +307,12 @@ def contact_lines(
 
 
 def hinge_lines(loaded: Loaded, grid: DeckGrid) -> list[str]:
-    """The lines of the hinge and its pin.
+    """The lines of a deck for the hinge and its pin.
 
-    The hinge's nodes move as a rigid line with the pin's node and the turn. Stiff springs bear the
-    pin, since CalculiX prints no reaction of a node that is part of a constraint.
+    The nodes of the hinge move as a rigid line with the node of the pin and the rotation. Stiff
+    springs support the pin: CalculiX prints no reaction at a node that is part of a constraint.
     """
+    # A node moves with the pin, and perpendicular to its lever arm about the pin.
     lines = ["** the hinge's line turns about the pin", "*EQUATION"]
     for i in np.unique(grid.edges["hinge"]):
         x, y = grid.xy[i] - loaded.shoe.pin.xy * MM
@@ -321,15 +332,17 @@ def hinge_lines(loaded: Loaded, grid: DeckGrid) -> list[str]:
 def step_lines(
     brake: Brake, setting: DeckSetting, grid: DeckGrid, drum_xy: Floats, load: list[str]
 ) -> list[str]:
-    """The lines of CalculiX's load step: load and rotation together, and the results to print.
+    """The lines of a deck for the load step, which loads the shoe and rotates the drum together.
+
+    The last lines tell CalculiX which results to print.
 
     Parameters
     ----------
     brake : the brake
-    setting : of the deck
+    setting : parameters of the deck
     grid : mesh of the shoe
-    drum_xy : nodes (n, 2) [mm] of the drum
-    load : lines of nodal forces
+    drum_xy : positions (n, 2) [mm] of the drum's nodes
+    load : lines of the deck for the nodal forces of the actuation
     """
     lines = ["*STEP, INC=1000", "*STATIC", f"{1 / setting.steps:.12e}, 1."]
     lines += ["*CONTROLS, PARAMETERS=FIELD"]
@@ -347,9 +360,10 @@ def step_lines(
 
 
 def _load_lines(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[str]:
-    """The lines of the actuation: nodal forces on the loaded end, or force and couple on the pin.
+    """The lines of a deck for the actuation of a shoe.
 
-    The nodal forces are those of drumlin's traction.
+    They are nodal forces on the loaded end of the shoe, the same as in drumlin. For a rigid shoe
+    they are a force and a couple on the pin.
     """
     if "actuation" not in grid.edges:
         return pin_load_lines(loaded, setting, grid)
@@ -361,7 +375,7 @@ def _load_lines(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[st
 
 
 def nodal_load_lines(forces: Floats, nodes: Ints) -> list[str]:
-    """The lines of the forces (n, 2) on some nodes."""
+    """The lines of a deck for the forces (n, 2) [N] on the nodes with the numbers `nodes`."""
     lines = []
     for i in nodes:
         lines += [f"{i + 1}, {c + 1}, {forces[i, c]:.12e}" for c in range(2)]
@@ -369,7 +383,7 @@ def nodal_load_lines(forces: Floats, nodes: Ints) -> list[str]:
 
 
 def pin_load_lines(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[str]:
-    """The lines of the actuation as force and couple on the pin of a rigid shoe."""
+    """The lines of a deck for the actuation as a force and a couple on the pin of a rigid shoe."""
     frame, size = loaded.shoe.frame, setting.thickness
     force = size * frame.to_brake(loaded.force)
     couple = size * frame.sense * loaded.couple * MM
@@ -383,11 +397,11 @@ def header_lines(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str) 
     Parameters
     ----------
     brake : the brake
-    loaded : the shoe
-    setting : of the deck
-    name : of the deck's file, without ending
+    loaded : the shoe under its actuation
+    setting : parameters of the deck
+    name : name of the deck's file, without ending
     """
-    # Names of several lines, or of more than 80 letters, would not fit into a comment line.
+    # Names are put on one line and cut at 80 letters, so that they fit into a comment line.
     title, shoe = (" ".join(text.split())[:80] for text in (brake.title, loaded.shoe.name))
     return [
         f"** {title}",
@@ -400,30 +414,32 @@ def header_lines(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str) 
 
 
 def counter_clockwise(xy: Floats, cells: Ints, corners: int) -> Ints:
-    """Cells whose nodes run counter-clockwise.
+    """The cells with their nodes in counter-clockwise order.
 
     Parameters
     ----------
-    xy : nodes (n, 2)
-    cells : nodes (m, 2 corners) of each cell, corners first, in either sense
-    corners : of a cell
+    xy : positions (n, 2) of the nodes
+    cells : numbers (m, 2 corners) of the nodes of each cell, corners first, in either sense
+    corners : number of corners of a cell
     """
     x, y = xy[cells[:, :corners]].transpose(2, 0, 1)
     area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
-    # The order that turns a cell over: its first corner stays.
+    # The reverse order of a cell's nodes; its first corner stays the first.
     back = [0, *range(corners - 1, 0, -1)]
     middles = list(range(2 * corners - 1, corners - 1, -1))
     return np.where((area > 0)[:, None], cells, cells[:, back + middles])
 
 
 def face_lines(cells: Ints, along: Ints, corners: int) -> list[str]:
-    """The lines "element, S<face>" of some edges; CalculiX counts faces from corner to corner.
+    """The lines "element, S<face>" by which a CalculiX deck names the edges `along` of elements.
+
+    Face i of a plane element of CalculiX is its edge from corner i to the next corner.
 
     Parameters
     ----------
-    cells : nodes (m, k) of each cell, corners first
-    along : nodes (3, edges) of each edge, from end to end
-    corners : of a cell
+    cells : numbers (m, k) of the nodes of each cell, corners first
+    along : numbers (3, edges) of the nodes of each edge, from end to end
+    corners : number of corners of a cell
     """
     # An edge is known by its two ends, in either order.
     wanted = set(map(frozenset, along[[0, -1]].T.tolist()))
@@ -436,10 +452,10 @@ def face_lines(cells: Ints, along: Ints, corners: int) -> list[str]:
 
 
 def drum_angles(loaded: Loaded) -> Floats:
-    """The angles theta [rad] of the nodes of the drum's arc.
+    """The angles theta [rad] of the nodes of the drum's arc in a CalculiX deck.
 
-    They are those of the lining, so that no gap is left between the edges of both, and a few more
-    beyond the lining's ends.
+    They are the angles of the lining's nodes, so that the curved edges of both leave no gap, and a
+    few more angles beyond the lining's ends.
     """
     theta = np.sort(loaded.shoe.frame.theta(loaded.parts.line.phi))
     # The two ends of the arc must not meet.
@@ -449,10 +465,10 @@ def drum_angles(loaded: Loaded) -> Floats:
 
 
 def mesh_drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
-    """The mesh of the drum: one layer of elements CPS8 along the arc.
+    """The mesh of the drum in a CalculiX deck: one layer of elements CPS8 along the arc.
 
     The face S1 of the elements lies on the friction surface of an internal shoe, S3 on that of an
-    external shoe.
+    external shoe. `first` holds the labels of the first node and the first element.
     """
     shoe, R = loaded.shoe, brake.size
     theta = drum_angles(loaded)
@@ -468,7 +484,7 @@ def mesh_drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
     lines.append("*ELEMENT, TYPE=CPS8, ELSET=DRUM")
     for k in range(count):
         i = 2 * k
-        # Counter-clockwise: along the inner arc backwards, out, along the outer arc forwards.
+        # The nodes run counter-clockwise: first the four corners, then the four middle nodes.
         nodes = [a + i + 2, a + i, c + i, c + i + 2, a + i + 1, b + k, c + i + 1, b + k + 1]
         lines.append(", ".join(map(str, [first.element + k, *nodes])))
     return DrumMesh(lines, xy)

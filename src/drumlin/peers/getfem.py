@@ -1,8 +1,8 @@
-"""GetFEM as a peer: the brake goes to a script as numbers, and another Python runs the script.
+"""GetFEM as a peer: the brake is written as arrays, and a script solves it in another Python.
 
-The script, getfem_brake.py beside this module, needs a Python that imports getfem (a Debian
-package, for the system's Python) and nothing of drumlin. Its lengths are in drum radii, its
-stresses in moduli of the lining.
+The script is getfem_brake.py beside this module. It imports getfem, which Debian packages for the
+system's Python, and does not import drumlin. Its unit of length is the drum's radius, its unit of
+stress Young's modulus of the lining.
 """
 
 import functools
@@ -46,33 +46,42 @@ from drumlin.peers.peer import (
 from drumlin.response.response import Balance, ShoeResponse
 
 SCRIPT = Path(__file__).with_name("getfem_brake.py")
-"""The script that another Python runs with GetFEM."""
+"""Path of the script that solves a brake by GetFEM in another Python."""
 
 INSTALL_GETFEM = "GetFEM is not installed; on Debian and Ubuntu: apt install python3-getfem++"
-"""The message where GetFEM is missing."""
+"""The error message if GetFEM is not installed."""
 
 FORMULATIONS = ("full slip", "coulomb")
-"""The formulations of contact with friction; the head of the script describes both."""
+"""The two formulations of contact with friction, which getfem_brake.py describes."""
 
 FURTHER_LOAD_FRICTION = 0.9
-"""Friction coefficient of the further load case, relative to the brake's."""
+"""Friction coefficient of the further load case whose time is measured, relative to the brake's."""
 
 SLIPPING = 0.99
-"""Total shear relative to mu p below which a shoe is not in full slip, and its state is refused."""
+"""Integral of the shear over a lining, divided by that of mu p, below which the lining sticks.
+
+A state with sticking is refused."""
 
 LONGEST_GETFEM = 1800
-"""Seconds of a run after which GetFEM counts as hung."""
+"""Time [s] after which a run of GetFEM is stopped."""
 
 EQUAL_WAYS = 1e-10
-"""Relative difference of the ways of two tips up to which a cam moves them alike."""
+"""Relative difference of the displacements of two shoe tips below which they count as equal.
+
+A cam moves both tips by the same displacement."""
 
 MOST_FORCE_PARTS = 12
-"""Largest number of ways to share the cam's force that are tried. Linings that fit take two."""
+"""Largest number of divisions of the cam's total force between two shoes that are tried.
+
+Linings that fit the drum need two: their problem is linear."""
 
 
 @functools.cache
 def python() -> str:
-    """A Python that imports getfem: `python3` on the PATH, or the system's. Raises PeerMissing."""
+    """Path of a Python that can import getfem: `python3` on the PATH, or that of the system.
+
+    Raises PeerMissing if neither can.
+    """
     for name in ("python3", "/usr/bin/python3"):
         path = shutil.which(name)
         if path is None:
@@ -97,19 +106,19 @@ def solve(
     Parameters
     ----------
     brake : the brake
-    elements, kind : of the mesh
-    mesher : who meshes the shoes in their place
-    formulation : "full slip", or "coulomb", GetFEM's own brick of contact
-    repeats : number of solves from the beginning in one process; seconds are their medians
+    elements, kind : number of elements along each lining, and kind of the elements
+    mesher : function that meshes a shoe; None: drumlin's mesher with `elements` and `kind`
+    formulation : "full slip", or "coulomb" for GetFEM's own contact with friction
+    repeats : number of times that the brake is solved; the times are medians
 
     Raises
     ------
     PeerMissing
-        where GetFEM is not installed
+        if GetFEM is not installed
     BadInput
         for a brake with a ring or without friction
     NoAnswer
-        where GetFEM does not converge
+        if GetFEM does not converge
     """
     if formulation not in FORMULATIONS:
         raise BadInput(
@@ -140,23 +149,23 @@ def solve(
 
 
 class _Run(NamedTuple):
-    """The result of a run of the script, and the processor time [s] of its whole process."""
+    """The result of a run of the GetFEM script, and the processor time [s] of its process."""
 
     result: dict[str, Any]
     seconds: float
 
 
 class _Costs(NamedTuple):
-    """The costs of all runs of the script for a brake.
+    """The costs of all runs of the GetFEM script for a brake.
 
     Attributes
     ----------
     steps : largest number of Newton steps of a shoe
     cold : processor time [s] of a solve from the beginning
-    warm : processor time [s] of a further load case
-    process : processor time [s] of the processes of one solve
+    warm : processor time [s] of a further load case, which reuses mesh and stiffness
+    process : processor time [s] of one solve with the start of its processes
     unknowns : largest number of unknowns of a run
-    version : of GetFEM; "" where no shoe touches
+    version : version of GetFEM; "" if no shoe is pressed on the drum
     """
 
     steps: int
@@ -168,14 +177,14 @@ class _Costs(NamedTuple):
 
 
 class _Solver:
-    """A runner of the GetFEM script for the shoes of one brake, which keeps the results and times.
+    """Runs the GetFEM script for shoes of one brake, and keeps the results and times of all runs.
 
     Parameters
     ----------
     interpreter : path of the Python that runs the script
     brake : the brake
-    meshed : its shoes
-    formulation, repeats : as of `solve`
+    meshed : meshed shoes of the brake
+    formulation, repeats : the arguments of `solve`
     """
 
     def __init__(
@@ -192,18 +201,18 @@ class _Solver:
         self._runs: list[_Run] = []
 
     def run(self, shoes: list[Loaded]) -> list[dict[str, Any]]:
-        """The script's answers for some shoes."""
+        """Run the script for some shoes; returns its results, a dictionary for each shoe."""
         problem = _problem_of(self.brake, shoes, self._formulation, self._repeats)
         self._runs.append(_run_script(self._interpreter, problem))
         return list(self._runs[-1].result["answers"][0])
 
     def costs(self) -> _Costs:
-        """The costs of all runs so far."""
+        """Steps, times and unknowns of all runs so far."""
         steps, unknowns, rests = [0], [0], []
         for ran in self._runs:
             steps += map(itemgetter("steps"), ran.result["answers"][0])
             unknowns.append(ran.result["unknowns"])
-            # A process may hold several solves. The rest of its time counts to one solve.
+            # A process may hold several solves. The time for its start counts once.
             rests.append(ran.seconds - sum(map(sum, ran.result["seconds"])))
         cold = self._median_seconds(0)
         return _Costs(
@@ -216,7 +225,7 @@ class _Solver:
         )
 
     def _median_seconds(self, case: int) -> float:
-        """The seconds of load case 0 or 1, medians of the repeats, summed over the runs."""
+        """The time [s] of load case 0 or 1: the median of the repeats, summed over all runs."""
         medians = []
         for ran in self._runs:
             medians.append(median(map(itemgetter(case), ran.result["seconds"])))
@@ -224,13 +233,13 @@ class _Solver:
 
 
 class ShoeAnswer(NamedTuple):
-    """The answer of GetFEM for a shoe.
+    """GetFEM's result for one shoe.
 
     Attributes
     ----------
     response : response of the shoe
     balance : relative imbalance of GetFEM's forces on the shoe
-    tip : displacement [m] of the force's point along the force
+    tip : displacement [m] of the point where the actuation force acts, along this force
     """
 
     response: ShoeResponse
@@ -239,13 +248,14 @@ class ShoeAnswer(NamedTuple):
 
 
 def _answers_by_name(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
-    """The answers of all shoes by name, solved in the order in which they push each other."""
+    """The results of all shoes by name; a shoe that pushes another shoe is solved before it."""
     pushed_by = {link.to: link.source for link in brake.links}
     answers: dict[str, ShoeAnswer] = {}
     if brake.actuation is not None and brake.actuation.is_cam:
         both = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed_by}
         answers |= _answers_under_cam(brake.actuation.total, both, solver)
-    # Along chains of struts the force on a shoe is the reaction of the shoe before.
+    # A shoe is ready to be solved if its force is known, either from the brake file or as the
+    # support reaction of the shoe that pushes it by a strut.
     while len(answers) < len(brake.shoes):
         ready = {}
         for i, shoe in enumerate(brake.shoes):
@@ -264,23 +274,25 @@ def _answers_by_name(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
 def _answers_under_cam(
     total: float, shoes: Mapping[int, Shoe], solver: _Solver
 ) -> dict[str, ShoeAnswer]:
-    """The answers of two shoes whose tips a cam moves alike, by name.
+    """Find the forces of a cam that moves the tips of two shoes by the same displacement.
 
-    Where the linings fit, the tips go in proportion to the forces, and the first step is the last.
+    Returns the results of the two shoes by name. If both linings fit the drum, the displacements
+    are in proportion to the forces, and the second division of the total force is exact.
 
     Parameters
     ----------
-    total : sum of both forces [N]
-    shoes : the two shoes, by their position in the brake
-    solver : of the brake
+    total : sum of the two forces of the cam [N]
+    shoes : the two shoes, by their number in the brake
+    solver : runner of the GetFEM script for the brake
 
     Raises
     ------
     NoAnswer
-        where the cam does not press a shoe, or the forces do not settle
+        if the cam does not press a shoe, or the forces do not converge
     """
     one, other = shoes
-    # Parts of the force that one shoe got, and by how much its tip went farther than the other's.
+    # Pairs of the fraction of the force on the first shoe, and of the difference of the tips'
+    # displacements.
     tried: list[tuple[float, float]] = []
     part = 0.5
     for _ in range(MOST_FORCE_PARTS):
@@ -296,34 +308,36 @@ def _answers_under_cam(
             return {shoe.name: _with_force(answers[shoe.name], shoe) for shoe in pushed.values()}
         tried.append((part, a - b))
         if len(tried) == 1:
-            # The share at which tips that go in proportion to the forces are equal.
+            # The fraction at which the displacements are equal if they are linear in the forces.
             part = part * b / (part * b + (1 - part) * a)
             continue
-        # The secant method, at most half of the way to a part of 0 or 1.
+        # The secant method; a step goes at most half of the way to a fraction of 0 or 1.
         (x, f), (y, g) = tried[-2:]
         part = min(max(y - g * (y - x) / (g - f), 0.5 * y), 0.5 * (1 + y))
     raise NoAnswer(f"GetFEM: the cam's forces did not settle in {MOST_FORCE_PARTS} steps")
 
 
 def _with_force(answer: ShoeAnswer, shoe: Shoe) -> ShoeAnswer:
-    """The answer of a shoe with the force that the cam puts on it."""
+    """A copy of the result of a shoe that also holds the actuation force on this shoe."""
     return answer._replace(response=replace(answer.response, force=shoe.actuation.force))
 
 
 def _standing_answers(shoes: Mapping[int, Shoe], solver: _Solver) -> dict[str, ShoeAnswer]:
-    """The answers of some shoes by name, with friction of abutments in the sense that stands.
+    """Solve some shoes; returns their results by name.
 
-    `shoes` are given by their position in the brake. Raises NoAnswer.
+    The friction at an abutment may act in several senses, which are tried in turn until the foot of
+    the shoe stays on the abutment. `shoes` are given by their number in the brake. Raises NoAnswer
+    if the foot does not stay with any sense.
     """
     answers: dict[str, ShoeAnswer] = {}
     left = dict(shoes)
-    # Shoes without an answer are tried again with the other sense of their abutment's friction.
+    # Shoes without a result are tried again with another sense of the friction at the abutment.
     for attempt in range(max(len(shoe.senses) for shoe in shoes.values())):
         tried = {}
         for i, shoe in left.items():
             sense = shoe.senses[attempt]
             tried[i] = under_force(solver.brake, shoe, solver.meshed[i], sense)
-        # All shoes that touch go to one process.
+        # One process solves all shoes that are pressed on the drum.
         touching = [loaded for loaded in tried.values() if loaded.approaches]
         found = iter(solver.run(touching) if touching else ())
         for i, loaded in tried.items():
@@ -340,19 +354,19 @@ def _standing_answers(shoes: Mapping[int, Shoe], solver: _Solver) -> dict[str, S
 def _answer_if_standing(
     brake: Brake, loaded: Loaded, attempt: int, found: dict[str, Any]
 ) -> ShoeAnswer | None:
-    """A shoe's answer, or None where another sense of its abutment's friction must be tried.
+    """A shoe's result, or None if another sense of the friction at its abutment must be tried.
 
     Parameters
     ----------
     brake : the brake
-    loaded : the shoe
-    attempt : number of the sense
-    found : the script's numbers
+    loaded : the shoe under its actuation
+    attempt : number of the sense that was tried
+    found : the script's result for the shoe
 
     Raises
     ------
     NoAnswer
-        where the last sense has no answer
+        if the last sense gives no result
     """
     shoe = loaded.shoe
     is_last = attempt == len(shoe.senses) - 1
@@ -373,15 +387,15 @@ def _answer_if_standing(
 def _problem_of(
     brake: Brake, shoes: Sequence[Loaded], formulation: str, repeats: int
 ) -> dict[str, Any]:
-    """The numbers that the script needs: arrays by name, and in "data" a text of JSON.
+    """The problem as the GetFEM script reads it: arrays by name, and under "data" a JSON text.
 
-    Lengths are in drum radii, stresses in moduli of the lining.
+    The unit of length is the drum's radius, the unit of stress Young's modulus of the lining.
 
     Parameters
     ----------
     brake : the brake
     shoes : the shoes to solve
-    formulation, repeats : as of `solve`
+    formulation, repeats : the arguments of `solve`
     """
     arrays: dict[str, Any] = {}
     for loaded in shoes:
@@ -396,10 +410,11 @@ def _problem_of(
 
 
 def _body_arrays(brake: Brake, loaded: Loaded) -> dict[str, Any]:
-    """The mesh and the elastic constants of a shoe's body, by names that end in its number."""
+    """The arrays of a shoe's mesh and elastic constants; their names end in the body's number."""
     shoe, k = loaded.shoe, loaded.body
     basis, mesh = loaded.parts.basis, loaded.parts.mesh
     E, width = shoe.lining.material.E_through, shoe.lining.width
+    # The elastic constants of each cell, and the direction along its layer if that is straight.
     constants, straight = np.zeros((4, mesh.nelements)), np.zeros((2, mesh.nelements))
     for name, elements in mesh.subdomains.items():
         layer = elastic_layers_of_shoe(shoe)[name]
@@ -419,7 +434,7 @@ def _body_arrays(brake: Brake, loaded: Loaded) -> dict[str, Any]:
 
 
 def _shoe_data(brake: Brake, loaded: Loaded) -> dict[str, Any]:
-    """The numbers that the script needs of a shoe besides its body: support, load and gap."""
+    """The support, the load and the gap of a shoe, as plain numbers for the GetFEM script."""
     shoe, parts, R = loaded.shoe, loaded.parts, brake.size
     E, width = shoe.lining.material.E_through, shoe.lining.width
     line = parts.line
@@ -449,13 +464,13 @@ def _shoe_data(brake: Brake, loaded: Loaded) -> dict[str, Any]:
 
 
 class _Modes(NamedTuple):
-    """The modes of a shoe with lengths in drum radii, scaled to the size 1.
+    """The rigid-body modes and test modes of a shoe, in drum radii and scaled to the norm 1.
 
     Attributes
     ----------
-    motions : rigid-body modes (k, 3)
-    tests : test modes (k, 3)
-    test_sizes : sizes (k,) of the test modes before they were scaled
+    motions : rigid-body modes (k, 3): displacements along x and y, and rotation
+    tests : test modes (k, 3), in the same form
+    test_sizes : norms (k,) of the test modes before they were scaled
     """
 
     motions: Floats
@@ -464,7 +479,7 @@ class _Modes(NamedTuple):
 
 
 def _modes_in_radii(loaded: Loaded, R: float) -> _Modes:
-    """The modes of a shoe in drum radii R [m]."""
+    """The rigid-body modes and test modes of a shoe, in units of the drum's radius R [m]."""
     unit = np.array([R, R, 1.0])
     motion_sizes = np.linalg.norm(loaded.motions / unit, axis=1)
     test_sizes = np.linalg.norm(loaded.tests / unit, axis=1)
@@ -476,12 +491,12 @@ def _modes_in_radii(loaded: Loaded, R: float) -> _Modes:
 
 
 def _run_script(interpreter: str, problem: dict[str, Any]) -> _Run:
-    """Run the script on a problem. Raises NoAnswer where its process fails."""
+    """Run the GetFEM script on a problem. Raises NoAnswer if its process fails."""
     with tempfile.TemporaryDirectory(prefix="drumlin-getfem-") as name:
         folder = Path(name)
         source, target = folder / "problem.npz", folder / "result.json"
         np.savez(source, **problem)
-        # Beside this module `import getfem` would find this module: the script runs elsewhere.
+        # The script is copied, because `import getfem` beside this module would import this module.
         script = shutil.copy(SCRIPT, folder)
         command = [interpreter, str(script), str(source), str(target)]
         ended = run_process(command, folder, LONGEST_GETFEM)
@@ -492,9 +507,9 @@ def _run_script(interpreter: str, problem: dict[str, Any]) -> _Run:
 
 
 def _answer_of_shoe(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> ShoeAnswer:
-    """A shoe's answer from the script's numbers.
+    """The result of a shoe in SI units, from the numbers of the GetFEM script.
 
-    Raises NoAnswer where the script did not converge, and where the shoe sticks.
+    Raises NoAnswer if the script did not converge, or if the lining sticks.
     """
     shoe, R = loaded.shoe, brake.size
     if not found["converged"]:
@@ -516,7 +531,7 @@ def _answer_of_shoe(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> Shoe
         held=size * np.array(found["hold"]) * [1, 1, R],
         torque=abs(found["torque"]) * size * brake.scale_factor,
     )
-    # The script's rigid-body modes have the size 1 in drum radii.
+    # The script's rigid-body modes have the norm 1 in drum radii.
     mode_sizes = np.linalg.norm(loaded.motions / [R, R, 1.0], axis=1)
     amounts = np.array(found["amounts"]) / mode_sizes
     pressure = E * np.array(found["pressure"])[order]

@@ -1,20 +1,20 @@
-"""The same brake through GetFEM: run by a Python that imports getfem, without drumlin.
+"""A script that solves a brake by GetFEM, in a Python that imports getfem and not drumlin.
 
     python3 getfem_brake.py PROBLEM.npz RESULT.json
 
-PROBLEM.npz is written by drumlin.peers.getfem. It holds the mesh of each body and, in the text
-"data", all numbers. The model is plane stress, each shoe in its own frame, everything per width of
-the lining. Lengths are in drum radii, stresses in moduli of the lining. There are two formulations
-of full slip:
+drumlin.peers.getfem writes PROBLEM.npz. It holds the mesh of each body as arrays and, in the text
+"data", all other numbers. The model is plane stress. Each shoe has its own frame, and all forces
+are per width of the lining. The unit of length is the drum's radius, the unit of stress Young's
+modulus of the lining. There are two formulations of full slip:
 
     "full slip"  the drum drags the lining by mu p wherever it touches: a weak form written by
                  hand, with the pressure p as multiplier and the law  p = max(0, p + r (u.n - g))
-    "coulomb"    GetFEM's own brick of integral contact with friction on a rigid obstacle; the
-                 obstacle is moved so far that it slips everywhere
+    "coulomb"    GetFEM's own contact with friction on a rigid obstacle, the drum; the obstacle
+                 slides so far that the lining slips everywhere
 
-The tangents are unsymmetric. MUMPS, a direct solver, takes each Newton step. Equal shoes share one
-model. Another friction coefficient starts from each shoe's last state, and keeps mesh, model and
-elastic stiffness.
+The tangent matrices are unsymmetric; the direct solver MUMPS solves each Newton step. Shoes of
+equal shape share one model. With another friction coefficient each shoe starts from its last state,
+and keeps mesh, model and elastic stiffness.
 """
 
 import json
@@ -30,38 +30,41 @@ import getfem as gf  # type: ignore[import-not-found]
 import numpy as np
 
 CONTACT_REGION, HINGE_REGION, ACTUATION_REGION = 1, 2, 3
-"""GetFEM's numbers of the boundaries: friction surface, held edge, loaded end."""
+"""Numbers of three boundaries in GetFEM's mesh of a shoe: the friction surface, the edge at the
+hinge (on which the support acts), and the end on which the actuation acts."""
 
 REGIONS = {CONTACT_REGION: "contact", HINGE_REGION: "hinge", ACTUATION_REGION: "actuation"}
-"""The names of the boundaries in the problem file, by their numbers in GetFEM's mesh."""
+"""Names of the three boundaries in the problem file, by their numbers in GetFEM's mesh."""
 
 SLIDE = 1e-2
-"""Way of the obstacle in the "coulomb" formulation, in drum radii. It must be far more than the
-lining moves, so that the lining slips everywhere."""
+"""Displacement of the sliding drum in the "coulomb" formulation, in drum radii.
+
+It must be much larger than the displacements of the lining, so that the lining slips everywhere."""
 
 UNKNOWNS = ("u", "hold", "p")
-"""The unknowns of a model besides the generalised coordinates of the rigid-body modes:
-displacement, traction that holds the shoe, and pressure or traction of the contact."""
+"""Unknowns of a GetFEM model: the displacement, the traction of the support on the shoe, and the
+pressure or traction of the contact. The coordinates of the rigid-body modes are further unknowns.
+"""
 
 MOST_NEWTON_STEPS = 60
-"""Newton steps after which a solve counts as not converged. A judgement."""
+"""Number of Newton steps after which a solve counts as not converged, chosen by judgement."""
 
 NEWTON_RESIDUAL = 1e-11
-"""Largest residual with which Newton's method ends; smaller ones are round-off."""
+"""Residual at which Newton's method ends; smaller residuals are round-off."""
 
 
 class CellKind(NamedTuple):
-    """GetFEM's names for a kind of cell.
+    """GetFEM's names of the elements and integration methods for one kind of cell.
 
     Attributes
     ----------
-    geometry : transformation of the cell
+    geometry : geometric transformation of the cell
     element : element of the displacement
     constant : element of the elastic constants
-    obstacle : element of the obstacle's distance
-    inside : integration over the cell
-    surface : integration over its edges in contact
-    order : GetFEM's order of the nodes, in terms of that of the problem file
+    obstacle : element of the distance from the drum in the "coulomb" formulation
+    inside : integration method over the cell
+    surface : integration method over the cell's edges in contact
+    order : for each node of a cell in GetFEM's order, its place in the problem file's order
     """
 
     geometry: str
@@ -111,19 +114,19 @@ CELL_KINDS = {
         order=[0, 1, 2],
     ),
 }
-"""The kinds of cells by their number of nodes."""
+"""GetFEM's names for each kind of cell, by the number of nodes of a cell."""
 
 
 class PeerBody:
-    """A meshed body with its elastic model.
+    """GetFEM's mesh and model of a body, which is used for all shoes of this shape.
 
     Load, gap and friction of a shoe are set before each solve.
 
     Parameters
     ----------
     problem : arrays of the problem file
-    number : of the body
-    shoe : numbers of the first shoe with this body
+    number : number of the body
+    shoe : data of the first shoe with this body
     formulation : "full slip" or "coulomb"
     """
 
@@ -153,24 +156,28 @@ class PeerBody:
         self._contact(shoe)
 
     def _set_region(self, region: int, points: Any) -> None:
-        """Give the edges between some nodes (n, 2) the number of a region."""
+        """Give the edges between the nodes at `points` (n, 2) the number `region`."""
         ids = self.mesh.pid_from_coords(points.T, 1e-12)
         self.mesh.set_region(region, self.mesh.faces_from_pid(ids))
 
     def space(self, element: str, components: int = 1) -> Any:
-        """A finite element space on the mesh, of a scalar or of a vector with some components."""
+        """A finite element space on the mesh, for a scalar or for a vector of `components`."""
         space = gf.MeshFem(self.mesh, components)
         space.set_fem(gf.Fem(element))
         return space
 
     def _elasticity(self, constants: Any, straight: Any, numbers: Any) -> None:
-        """Add plane stress with lambda and mu, and further stiffness along and through each layer.
+        """Add the elastic stiffness to the model: plane stress, isotropic or orthotropic.
+
+        It is an isotropic stiffness with lambda and mu, and in an orthotropic layer two further
+        stiffnesses, against strain along and through the layer.
 
         Parameters
         ----------
-        constants : (4, cells), of drumlin.fem.substructure.elasticity.split
-        straight : (2, cells), the direction along a straight layer; (0, 0) in a layer that runs
-            around the origin
+        constants : lambda, mu and the two further stiffnesses of each cell (4, cells), as
+            drumlin.fem.substructure.elasticity.split_elasticity returns them
+        straight : direction along the layer of each cell (2, cells); (0, 0) in a layer that is
+            curved around the origin
         numbers : GetFEM's numbers of the cells
         """
         constant = self.space(self.kind.constant)
@@ -183,7 +190,8 @@ class PeerBody:
         # Isotropic layers have no further stiffness.
         if not constants[2:].any():
             return
-        # The larger component of a unit vector is 0.7 and more.
+        # 1 in cells of curved layers, 0 in those of straight layers: the larger component of a unit
+        # vector is at least 0.7, and is rounded to 1.
         around = 1.0 - np.abs(straight).max(axis=0).round()
         fields = {
             "stiff1": constants[2],
@@ -202,10 +210,10 @@ class PeerBody:
             self.model.add_linear_term(self.inside, f"stiff{k}*{stretch}*{tested}")
 
     def _held(self, shoe: dict[str, Any]) -> None:
-        """Let the held edge move by a sum of the shoe's rigid-body modes.
+        """Add the support to the model: the edge at the hinge moves by rigid-body modes only.
 
-        The unknown traction `hold` holds the edge. Its work on the test modes is that of the loads
-        on the holder.
+        The unknown traction `hold` acts on this edge. Equilibrium of the holder is that `hold` and
+        the loads on the holder do the same work on the test modes.
         """
         dofs = self.displacement.basic_dof_on_region(HINGE_REGION)
         self.model.add_fem_variable("hold", gf.MeshFem("partial", self.displacement, dofs))
@@ -224,9 +232,10 @@ class PeerBody:
             self.model.add_linear_term(self.inside, f"{motion} + {balance}", HINGE_REGION)
 
     def _load(self, shoe: dict[str, Any]) -> None:
-        """Add a force and a couple about `centre` as tractions on the loaded end.
+        """Add the actuation to the model: tractions on the loaded end of the shoe.
 
-        A shoe whose force acts on its holder has no loaded end.
+        The tractions equal a force and a couple about the point `centre`. A shoe whose force acts
+        on its holder has no loaded end.
         """
         for name, size in (("force", 2), ("couple", 1), ("drag", 1)):
             self.model.add_initialized_data(name, np.zeros(size))
@@ -239,7 +248,7 @@ class PeerBody:
             self.model.add_linear_term(self.inside, f"-{self.push}.Test_u", ACTUATION_REGION)
 
     def _contact(self, shoe: dict[str, Any]) -> None:
-        """Add the contact with the drum or the plane to the model."""
+        """Add the contact with the drum, or with a plane surface, to the model."""
         md = self.model
         md.add_initialized_data("side", [float(shoe["side"])])
         md.add_initialized_data("augment", [shoe["augment"]])
@@ -253,7 +262,7 @@ class PeerBody:
             self._coulomb(shoe)
 
     def _full_slip(self) -> None:
-        """Add the contact in which the drum drags the lining by mu p wherever it touches."""
+        """Add a contact in which the friction is mu p wherever the lining touches the drum."""
         pressure = gf.MeshFem("partial", self.scalar, self.nodes)
         self.model.add_fem_variable("p", pressure)
         self.model.add_fem_data("gap", pressure)
@@ -262,7 +271,7 @@ class PeerBody:
         self.model.add_nonlinear_term(self.surface, f"{work} + {law}", CONTACT_REGION)
 
     def _coulomb(self, shoe: dict[str, Any]) -> None:
-        """Add GetFEM's own contact with Coulomb friction on an obstacle that slides past."""
+        """Add GetFEM's own contact with Coulomb friction, on the drum as a sliding obstacle."""
         md = self.model
         dofs = self.displacement.basic_dof_on_region(CONTACT_REGION)
         traction = gf.MeshFem("partial", self.displacement, dofs)
@@ -279,16 +288,16 @@ class PeerBody:
         self.sliding = np.array([-y, x])
 
     def integral(self, expression: str, region: int) -> float:
-        """The integral of an expression of the model over a region."""
+        """The integral over a boundary of an expression in the variables of the model."""
         mim = self.surface if region == CONTACT_REGION else self.inside
         return float(gf.asm_generic(mim, 0, expression, region, self.model))
 
     def integrals(self, expression: str, region: int) -> list[float]:
-        """The integrals of both components of a vector expression over a region."""
+        """The integrals over a boundary of both components of a vector expression."""
         return [self.integral(f"({expression})({k})", region) for k in (1, 2)]
 
     def start(self, shoe: dict[str, Any]) -> dict[str, Any]:
-        """The unknowns at rest, with a pressure under which all of the lining touches."""
+        """The unknowns with which Newton's method starts: no displacement, all in contact."""
         values = {}
         for name in (*UNKNOWNS, *self.amounts):
             values[name] = np.zeros(len(self.model.variable(name)))
@@ -304,7 +313,7 @@ class PeerBody:
 
         The shoe keeps its state under "state", from which its next solve starts.
         """
-        # The drum drags the lining in the sense of the rotation.
+        # The friction coefficient with the sign of the sense in which the drum drags the lining.
         md, drag = self.model, friction * shoe["drag_sense"]
         self._set_loads(shoe, drag)
         self._set_gap(shoe, drag)
@@ -321,7 +330,7 @@ class PeerBody:
         return self._answer(int(steps), bool(converged), drag)
 
     def _set_loads(self, shoe: dict[str, Any], drag: float) -> None:
-        """Set force, couple, friction and rigid-body modes of a shoe."""
+        """Set force, couple, friction and rigid-body modes of a shoe in the model."""
         md = self.model
         md.set_variable("force", np.array(shoe["force"]))
         md.set_variable("couple", np.array([shoe["couple"]]))
@@ -332,12 +341,15 @@ class PeerBody:
             md.set_variable(f"work{k}", np.atleast_1d(shoe["work"][k]))
 
     def _set_gap(self, shoe: dict[str, Any], drag: float) -> None:
-        """Set the gap between lining and drum, for "coulomb" as the obstacle's distance."""
+        """Set the gap between lining and drum in the model.
+
+        The "coulomb" formulation needs the distance of each node from the drum instead.
+        """
         md = self.model
         if self.formulation == "full slip":
             md.set_variable("gap", np.interp(angles(self.xy, shoe), shoe["phi"], shoe["gap"]))
             return
-        # The obstacle's distance is that from the round drum or the plane, plus the clearance.
+        # The distance from the obstacle is that from the round drum or the plane plus clearance.
         x = self.obstacle.basic_dof_nodes()
         clearance = np.interp(angles(x, shoe), shoe["phi"], shoe["clearance"])
         off = x[1] if shoe["flat"] else shoe["side"] * (1 - np.hypot(*x))
@@ -346,9 +358,9 @@ class PeerBody:
         md.set_variable("mu", np.array([abs(drag)]))
 
     def _answer(self, steps: int, converged: bool, drag: float) -> dict[str, Any]:
-        """The numbers of a solved shoe for the result file.
+        """The results of a solved shoe as plain numbers for the result file.
 
-        "slipping" is the shoe's total shear relative to mu p, which is 1 in full slip.
+        "slipping" is the torque of the shear divided by that of mu p, which is 1 in full slip.
         """
         md = self.model
         p = md.variable("p")
@@ -378,16 +390,16 @@ class PeerBody:
 
 
 def normals(x: Any, shoe: dict[str, Any]) -> Any:
-    """Normals (2, n) of the lining at the points x (2, n)."""
+    """Unit normals (2, n) of the lining's face at the points x (2, n), towards the drum."""
     if shoe["flat"]:
         return np.array([np.zeros(x.shape[1]), -np.ones(x.shape[1])])
     return shoe["side"] * x / np.hypot(*x)
 
 
 def angles(x: Any, shoe: dict[str, Any]) -> Any:
-    """Polar angles of the points x (2, n), within pi of the lining's middle.
+    """Polar angles (n,) [rad] of the points x (2, n), within pi of the lining's middle.
 
-    On a plane they are places along it.
+    On a plane surface they are the coordinates along it.
     """
     if shoe["flat"]:
         return x[0]
@@ -395,11 +407,12 @@ def angles(x: Any, shoe: dict[str, Any]) -> Any:
 
 
 def brake(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
-    """Solve all shoes at each friction coefficient in turn, with bodies that are made once.
+    """Solve all shoes of a brake at each friction coefficient in turn.
 
-    Returns the answers and the seconds of processor time for each coefficient.
+    Returns a dictionary: "answers" are the results of the shoes and "seconds" the processor times,
+    each for each coefficient, and "unknowns" is the number of unknowns of all models.
     """
-    # Shoes with equal body, load and number of rigid-body modes share one model.
+    # Shoes with the same body, kind of load and number of rigid-body modes share one model.
     bodies: dict[tuple[int, bool, int], PeerBody] = {}
     shoes = [dict(shoe) for shoe in data["shoes"]]
     answers, seconds = [], []
@@ -418,7 +431,7 @@ def brake(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
 
 
 def version() -> str:
-    """GetFEM's version, which GetFEM states only in the files that it writes."""
+    """The version of GetFEM, read from a mesh file, since no function of GetFEM returns it."""
     with tempfile.NamedTemporaryFile("r") as file:
         gf.Mesh("empty", 2).save(file.name)
         found = re.search(r"VERSION:? *(\S+)", file.read())
@@ -428,7 +441,8 @@ def version() -> str:
 def main(source: str, target: str) -> None:
     """Read a problem file, solve its shoes `repeats` times, and write the result file.
 
-    Each solve starts from the beginning. The results are the last answers and all times.
+    Each solve builds its models anew. The results are those of the last solve; times are kept of
+    all solves.
     """
     gf.util_trace_level(0)
     gf.util_warning_level(0)

@@ -1,4 +1,7 @@
-"""The answer of a peer, and the parts that all peers need: shoes in their own frames, responses."""
+"""What the peers share: shoes in their own frames, responses from forces, runs of processes.
+
+A peer is another public finite-element program, CalculiX or GetFEM.
+"""
 
 import math
 import os
@@ -27,35 +30,36 @@ from drumlin.response.response import Balance, Response, ShoeResponse, pressed_s
 from drumlin.response.resultants import contact_arcs, cross
 
 NO_PRESSURE = 1e-3
-"""Pressure, relative to the peak, below which a peer's lining counts as not touching. Peers with a
-penalty leave small pressures beside the contact."""
+"""Pressure, relative to the peak, below which a lining counts as not touching the drum.
+
+Peers with a contact penalty leave small pressures beside the contact."""
 
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "CCX_NPROC_EQUATION_SOLVER": "1",
 }
-"""Environment in which a peer runs on one thread, so that its times can be compared."""
+"""Environment variables with which a peer runs on one thread, so that times are comparable."""
 
 
 class PeerMissing(BadInput):
-    """A peer is not installed; the line says how to install it."""
+    """Error: a peer is not installed. The message says how to install it."""
 
 
 class Peer(NamedTuple):
-    """A peer's answer for a brake, and its cost in seconds of processor time on one thread.
+    """A brake solved by a peer: its response, and the cost in processor time on one thread.
 
     Attributes
     ----------
-    name : name of the peer
+    name : name of the peer, "calculix" or "getfem"
     version : version of the peer
     response : response of the brake
-    seconds : time of the peer's computing, without the start of its process where this is known
-    process_seconds : time of the whole process or processes, for one solve
-    further_seconds : time of a further load case, another friction coefficient, for which the peer
-        reuses earlier results if it can
+    seconds : time of the peer's computation [s], without the start of its process if it is known
+    process_seconds : time of all processes for one solve [s]
+    further_seconds : time of a further load case [s], another friction coefficient; the peer reuses
+        earlier results if it can
     unknowns : number of unknowns of all systems; equal shoes that share a system count once
-    notes : lines about the solve
+    notes : lines of text about the solve
     """
 
     name: str
@@ -69,7 +73,7 @@ class Peer(NamedTuple):
 
 
 class MeshedShoe(NamedTuple):
-    """A shoe as drumlin meshes it, with a number for its shape; equal shapes share both."""
+    """A shoe's mesh and matrices, and a number for its shape; shoes of equal shape share both."""
 
     body: int
     parts: AssembledShoe
@@ -77,21 +81,21 @@ class MeshedShoe(NamedTuple):
 
 @dataclass(frozen=True)
 class Loaded:
-    """A meshed shoe under its force, in its own frame.
+    """A meshed shoe under its actuation, in the frame of the shoe.
 
     Attributes
     ----------
     shoe : the shoe
-    parts : its mesh and matrices
-    body : number of its shape
+    parts : mesh and matrices of the shoe
+    body : number of the shoe's shape
     force : force (2,) [N] of the actuation
     couple : couple [N m] of the actuation about `parts.load_centre`
-    drag : mu times the sense in which the drum drags the lining, positive towards growing phi
-    approaches : whether the force presses the shoe on the drum anywhere; else it does not touch
-    motions : rigid-body modes (k, 3) of what holds the shoe: dx, dy [m] and turn at the pin
+    drag : friction coefficient, negative if the drum drags the lining towards falling phi
+    approaches : whether the actuation presses the shoe on the drum anywhere
+    motions : rigid-body modes (k, 3) of the shoe's holder: dx, dy [m] and rotation at the pin
     tests : test modes (k, 3), in the same form; see `Held.freedoms`
-    work : (k,), work of the force on the test modes
-    tip : displacement (k,) of the force's point along the force by each rigid-body mode
+    work : work (k,) of the actuation on the test modes
+    tip : displacement (k,) of the force's point of action along the force, for each rigid-body mode
     """
 
     shoe: Shoe
@@ -108,12 +112,12 @@ class Loaded:
 
     @property
     def on_body(self) -> bool:
-        """Whether the force acts on the body's loaded end, and not on the holder of the shoe."""
+        """Whether the actuation acts on an end of the shoe's body, and not on its rigid holder."""
         return "actuation" in self.parts.mesh.boundaries and not self.shoe.gripped
 
     @property
     def radius(self) -> float:
-        """The mean radius [m] of the lining's face; on a plane the length of an angle of 1."""
+        """The mean radius [m] of the lining's face; on a plane, the length of a unit of phi [m]."""
         line = self.parts.line
         if self.shoe.flat:
             return float(np.ptp(line.xy[0]) / np.ptp(line.phi))
@@ -123,13 +127,13 @@ class Loaded:
 def meshed_shoes(
     brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
 ) -> list[MeshedShoe]:
-    """The shoes of a brake as drumlin meshes them.
+    """Mesh the shoes of a brake by drumlin's mesher; returns their meshes and matrices.
 
     Parameters
     ----------
     brake : the brake
-    elements, kind : of the mesh
-    mesher : function that meshes a shoe in place of drumlin's own
+    elements, kind : number of elements along each lining, and kind of the elements
+    mesher : function that meshes a shoe; None: drumlin's mesher with `elements` and `kind`
 
     Raises
     ------
@@ -155,21 +159,21 @@ def meshed_shoes(
 
 
 def under_force(brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1) -> Loaded:
-    """A meshed shoe under its actuation.
+    """A meshed shoe with its actuation, its support and the friction of the drum.
 
     Parameters
     ----------
     brake : the brake
     shoe : the shoe
-    meshed : its mesh
-    sense : of an abutment's friction, see `Held.freedoms`
+    meshed : mesh and matrices of the shoe
+    sense : sense of the friction at an abutment, see `Held.freedoms`
     """
     parts = meshed.parts
     factors, moment = actuation_load_factors(parts, shoe)
     load = parts.columns.factors_of(ACTUATION, factors)
     size, free = abs(shoe.actuation.force), shoe.freedoms(sense)
     if shoe.held_by == "hinge" and not shoe.flat:
-        # The lining at (x, y) closes by -sign a y/r per turn about the pin at (a, 0).
+        # A rotation of 1 about the pin at (a, 0) closes the gap at (x, y) by -sign a y / r.
         closing = -moment * shoe.sign * parts.line.xy[1]
         approaches = size > 0 and bool((closing > 0).any())
     else:
@@ -192,10 +196,10 @@ def under_force(brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1) ->
 def loaded_shoes(
     brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
 ) -> list[Loaded]:
-    """The shoes of a brake on hinges, meshed as drumlin meshes them, each under its own force.
+    """The hinged shoes of a brake, meshed by drumlin's mesher, each under its own actuation.
 
-    Parameters are those of `meshed_shoes`. Raises BadInput for shoes that are held in another way,
-    and as `meshed_shoes`.
+    The parameters are those of `meshed_shoes`. Raises BadInput as `meshed_shoes` does, and for a
+    shoe without a hinge.
     """
     if brake.surface.straight:
         raise BadInput("CalculiX takes brakes on a drum: its shoes press on a plane")
@@ -205,15 +209,15 @@ def loaded_shoes(
 
 
 class PeerForces(NamedTuple):
-    """The forces that a peer found on one shoe, in the shoe's frame.
+    """The forces on one shoe as a peer has computed them, in the shoe's frame.
 
     Attributes
     ----------
-    normal : force of the pressure (2,) [N]
-    friction : force of the friction (2,) [N]
-    moment : of both about the origin [N m]
-    held : (3,), force and moment about the pin of what holds the shoe, on the shoe
-    torque : on the drum [N m], positive; on a plane the braking force [N]
+    normal : resultant of the pressure (2,) [N]
+    friction : resultant of the friction (2,) [N]
+    moment : moment of pressure and friction about the origin [N m]
+    held : force [N] of the holder on the shoe, and its moment [N m] about the pin (3,)
+    torque : braking torque on the drum [N m], positive; on a plane the braking force [N]
     """
 
     normal: Floats
@@ -226,21 +230,22 @@ class PeerForces(NamedTuple):
 def shoe_response(
     loaded: Loaded, phi: Floats, pressure: Floats, order: int, forces: PeerForces, amounts: Floats
 ) -> tuple[ShoeResponse, Balance]:
-    """A shoe's response from a peer's pressure, and the balance of the peer's forces.
+    """A shoe's response from a peer's pressure and forces, and the imbalance of these forces.
 
     Parameters
     ----------
-    loaded : the shoe
-    phi : growing angles [rad] of the pressure's nodes
-    pressure : [Pa] at the nodes
-    order : degree of the pressure between the nodes
-    forces : that the peer found
-    amounts : (k,), generalised coordinates of the rigid-body modes
+    loaded : the shoe under its actuation
+    phi : growing angles (n,) [rad] of the nodes of the pressure
+    pressure : pressure (n,) [Pa] at the nodes
+    order : polynomial degree of the pressure between the nodes
+    forces : forces on the shoe as the peer has computed them
+    amounts : generalised coordinates (k,) of the rigid-body modes
     """
     shoe, frame, pin, tests = loaded.shoe, loaded.shoe.frame, loaded.shoe.own_pin, loaded.tests
     load = _load_at_pin(loaded)
     reaction = forces.held if loaded.on_body else forces.held - load
-    # The moment of the drum's drag about the pin is that of the torque less that of its force.
+    # The friction force and its moment about the pin, which follows from the torque about the
+    # drum's centre.
     drag = np.array([*forces.friction, -float(cross(pin, forces.friction))])
     if not shoe.flat:
         drag[2] += math.copysign(forces.torque, loaded.drag)
@@ -257,7 +262,7 @@ def shoe_response(
         turn=frame.sense * float(amounts @ loaded.motions[:, 2]),
         pivot_reaction=frame.to_brake(forces.held[:2]) if shoe.pivot is not None else None,
         reaction_moment=frame.sense * float(reaction[2]) if shoe.guide is not None else 0.0,
-        # The small pressures that a peer leaves beside the contact hide its ends.
+        # Small pressures beside the contact would hide its ends: these are located below.
         located=False,
     )
     p = response.pressure
@@ -267,7 +272,7 @@ def shoe_response(
 
 
 def _load_at_pin(loaded: Loaded) -> Floats:
-    """The force (2,) [N] on a shoe, followed by the moment [N m] of the actuation about the pin."""
+    """The actuation of a shoe: force (2,) [N], followed by its moment about the pin [N m]."""
     arm = loaded.parts.load_centre - loaded.shoe.own_pin
     return np.array([*loaded.force, loaded.couple + float(cross(arm, loaded.force))])
 
@@ -275,15 +280,16 @@ def _load_at_pin(loaded: Loaded) -> Floats:
 def _balance(loaded: Loaded, forces: PeerForces, load: Floats) -> Balance:
     """The relative imbalance of a peer's forces on a shoe.
 
-    It holds their sum, their moment about the origin, and the forces on what holds the shoe: their
-    work on the test modes must be that of the loads there.
+    Three conditions are checked: the sum of the forces, their moment about the origin, and the
+    equilibrium of the shoe's holder. In the last one, forces and loads on the holder must do the
+    same work on the test modes. `load` is the actuation (3,) as of `_load_at_pin`.
     """
     pin, tests = loaded.shoe.own_pin, loaded.tests
     push = load if loaded.on_body else np.zeros(3)
     normal_force = float(np.linalg.norm(forces.normal))
     moments = [float(cross(pin, forces.held[:2])), float(cross(pin, push[:2]))]
     moments += [float(forces.held[2]), float(push[2])]
-    # The moment scale, twice with opposite signs, is in the balance but not in the sum.
+    # The moment scale is added with both signs: it enlarges the scale, but not the sum.
     size = loaded.radius * normal_force
     balance = relative_balance(
         [forces.normal, forces.friction, forces.held[:2], push[:2]],
@@ -297,12 +303,12 @@ def _balance(loaded: Loaded, forces: PeerForces, load: Floats) -> Balance:
 
 
 def untouched_response(loaded: Loaded) -> tuple[ShoeResponse, Balance]:
-    """The response of a shoe that its force turns away from the drum."""
+    """The response, without pressure, of a shoe that its actuation turns away from the drum."""
     return untouched(loaded.shoe, -loaded.shoe.actuation.vector), Balance(0.0, 0.0)
 
 
 class EndedProcess(NamedTuple):
-    """A process that has ended: its exit status, its printed text, its processor time [s]."""
+    """A process that has ended: its exit status, the text it printed, its processor time [s]."""
 
     status: int
     output: str
@@ -310,14 +316,15 @@ class EndedProcess(NamedTuple):
 
 
 def run_process(command: Sequence[str], folder: Path, longest: float) -> EndedProcess:
-    """Run a peer's command in a folder, on one thread, without the paths of the running Python.
+    """Run a peer's command in a folder, on one thread.
 
-    Raises NoAnswer where it still runs after `longest` seconds.
+    PYTHONPATH and PYTHONHOME of this process are not passed on. Raises NoAnswer if the command
+    still runs after `longest` seconds.
     """
     environment = dict(os.environ)
     for name in ("PYTHONPATH", "PYTHONHOME"):
         environment.pop(name, None)
-    # The processor time is that by which the time of all child processes grows.
+    # The processor time of the command is the growth of the time of all child processes.
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
         done = subprocess.run(
@@ -344,14 +351,14 @@ def brake_response(
     iterations: int,
     seconds: dict[str, float],
 ) -> Response:
-    """The response of the whole brake.
+    """The response of the whole brake, put together from the responses of its shoes.
 
     Parameters
     ----------
     model : name of the peer
-    answers : response and balance of each shoe
-    iterations : of the peer
-    seconds : of processor time, by what they were spent on
+    answers : response of each shoe, and imbalance of its forces
+    iterations : number of iterations of the peer
+    seconds : processor time [s], by the name of the program or step that took it
     """
     return Response(
         model=model,

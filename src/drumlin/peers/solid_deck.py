@@ -1,8 +1,9 @@
-"""Half a solid shoe against its drum as an input deck for CalculiX; units mm, N, MPa.
+"""Half a three-dimensional shoe against its drum as an input deck for CalculiX; mm, N, MPa.
 
-The mesh is drumlin's own. The cells are hexahedra with 20 nodes and reduced integration (C3D20R):
-drumlin's cells without the nodes in the middle of faces and cells. The mid-plane is held along z,
-and forces are half the brake's. All else is as in the plane deck.
+The mesh is drumlin's own mesh of hexahedra, without the nodes in the middle of faces and cells. The
+cells are then CalculiX's hexahedra with 20 nodes and reduced integration (C3D20R). The mid-plane is
+a plane of symmetry: its nodes are fixed along z, and all forces are halved. The rest of the deck
+equals that of a shoe in plane stress.
 """
 
 from functools import partial
@@ -46,21 +47,21 @@ from drumlin.peers.peer import Loaded, Peer, loaded_shoes, untouched_response
 ROTATION = 4e-3
 """Rotation of the drum [rad].
 
-Friction has the direction of the slip. As the lining is pressed it widens and creeps sideways by
-some ten micrometres, which must be little beside the way of the drum."""
+Friction acts along the slip. A pressed lining also widens sideways by some ten micrometres. The
+slip of the drum must be much larger, so that friction acts along the drum's circumference."""
 
 MODELLED_WIDTH = 0.5
-"""Part of the shoe that the deck holds. It takes the place of the plane deck's thickness."""
+"""Fraction of the shoe's width that the deck models, in place of the thickness of a plane deck."""
 
 FACES = [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
-"""Corners of CalculiX's faces S1 to S6 of a hexahedron."""
+"""The four corners of each face S1 to S6 of CalculiX's hexahedron."""
 
 DRUM_WIDTH = 1.1
 """Width of the drum relative to the lining's, so that the lining does not reach its edge."""
 
 
 class _SolidShoe(NamedTuple):
-    """A shoe under its force, and its solid mesh."""
+    """A shoe under its actuation, and its three-dimensional mesh."""
 
     loaded: Loaded
     solid: Solid
@@ -74,19 +75,20 @@ def export(
     elements: int = SOLID_LINING_ELEMENTS,
     across: int | None = None,
 ) -> tuple[list[Path], list[str]]:
-    """Write a CalculiX deck for each solid shoe of a brake.
+    """Write a CalculiX deck of a three-dimensional shoe for each shoe of a brake.
 
     Parameters
     ----------
     brake : the brake
-    folder : where the decks are written
-    stem : first part of their names
-    elements : along each lining
-    across : over half of the lining's width; None: by the mesh along the lining
+    folder : folder in which the decks are written
+    stem : first part of the names of the deck files
+    elements : number of elements along each lining
+    across : number of elements over half of the lining's width; None: it follows from `elements`
 
     Returns
     -------
-    the files, and the names of shoes without a deck, which their force turns away from the drum
+    the paths of the decks, and the names of the shoes without a deck; the actuation turns these
+    shoes away from the drum
     """
     setting = DeckSetting(rotation=ROTATION, thickness=MODELLED_WIDTH)
     decks = []
@@ -102,14 +104,14 @@ def solve(
     across: int | None = None,
     setting: DeckSetting | None = None,
 ) -> Peer:
-    """Solve a brake's solid shoes by CalculiX. Raises the errors of `calculix.solve`.
+    """Solve a brake with three-dimensional shoes by CalculiX. Raises as `calculix.solve` does.
 
     Parameters
     ----------
     brake : the brake
-    elements : along each lining
-    across : over half of the lining's width; None: by the mesh along the lining
-    setting : of the decks
+    elements : number of elements along each lining
+    across : number of elements over half of the lining's width; None: it follows from `elements`
+    setting : parameters of the decks; None: the usual ones with the rotation ROTATION
     """
     installed = calculix.version()
     start = (setting or DeckSetting(rotation=ROTATION))._replace(thickness=MODELLED_WIDTH)
@@ -127,9 +129,9 @@ def solve(
 
 
 def _posed(brake: Brake, elements: int, across: int | None) -> list[_SolidShoe]:
-    """The solid shoes of a brake with their meshes, each under its force.
+    """The shoes of a brake under their actuation, with their three-dimensional meshes.
 
-    Raises BadInput where the model of solid shoes does not apply.
+    Raises BadInput if drumlin's model of solid shoes cannot solve the brake.
     """
     reason = why_not(brake)
     if reason is not None:
@@ -145,15 +147,15 @@ def _posed(brake: Brake, elements: int, across: int | None) -> list[_SolidShoe]:
 def deck(
     brake: Brake, loaded: Loaded, solid: Solid, setting: DeckSetting, name: str = "shoe"
 ) -> str:
-    """The text of the deck of half a shoe, in the brake's frame.
+    """The text of the CalculiX deck of half a three-dimensional shoe, in the brake's frame.
 
     Parameters
     ----------
     brake : the brake
-    loaded : the shoe
-    solid : its mesh
-    setting : of the deck
-    name : of the deck's file, without ending
+    loaded : the shoe under its actuation
+    solid : three-dimensional mesh of the shoe
+    setting : parameters of the deck
+    name : name of the deck's file, without ending
 
     Raises
     ------
@@ -162,7 +164,7 @@ def deck(
     """
     shoe = loaded.shoe
     check_fit(brake, loaded)
-    # Cells keep the node numbers of drumlin's mesh, some of which are then unused.
+    # Nodes keep their numbers in drumlin's mesh; those in the middle of faces and cells are unused.
     x = solid.basis.doflocs
     points = np.column_stack([shoe.frame.to_brake(x[:2].T), x[2]]) * MM
     cells = orient_cells(points, serendipity_cells(solid.basis.element_dofs))
@@ -170,7 +172,8 @@ def deck(
     held = np.intersect1d(hinge_nodes(solid, shoe), used)
     grid = _deck_grid(loaded, points, cells, held)
     drum_mesh = mesh_drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
-    # The mid-plane stays plane. A rigid shoe holds the back of its lining in this direction, too.
+    # The nodes of the mid-plane are fixed along z. In a rigid shoe so are those on the lining's
+    # back.
     mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
     bonded = held if shoe.body is None else held[:0]
     face = friction_face(solid, shoe, brake.size).nodes
@@ -191,14 +194,14 @@ def deck(
 
 
 def _deck_grid(loaded: Loaded, points: Floats, cells: Ints, held: Ints) -> DeckGrid:
-    """The mesh of half a shoe as CalculiX has it.
+    """The mesh of half a three-dimensional shoe in the form of a CalculiX deck.
 
     Parameters
     ----------
-    loaded : the shoe
-    points : nodes (n, 3) [mm]
-    cells : nodes (m, 20) of each cell
-    held : nodes of the hinge
+    loaded : the shoe under its actuation
+    points : positions (n, 3) of the nodes [mm]
+    cells : numbers (m, 20) of the nodes of each cell
+    held : numbers of the nodes at the hinge
     """
     return DeckGrid(
         xy=points[:, :2],
@@ -244,17 +247,20 @@ def _material_lines(shoe: Shoe) -> list[str]:
 
 
 def _node_line(label: int, at: Floats | list[float]) -> str:
-    """The line of a deck for a node (3,) [mm]."""
+    """The line of a deck for a node at the point `at` (3,) [mm]."""
     return f"{label}, {at[0]:.12e}, {at[1]:.12e}, {at[2]:.12e}"
 
 
 def _element_lines(label: int, nodes: Ints) -> list[str]:
-    """The two lines of a deck for an element: a line holds at most 16 entries."""
+    """The two lines of a deck for an element of 20 nodes; a line holds at most 16 entries."""
     return [", ".join(map(str, [label, *nodes[:10]])) + ",", ", ".join(map(str, nodes[10:]))]
 
 
 def _face_lines(cells: Ints, on: Ints) -> list[str]:
-    """The lines "element, S<face>" of the faces whose four corners are all among the nodes `on`."""
+    """The lines "element, S<face>" of a deck for the faces that lie on a surface.
+
+    `on` are the nodes of the surface; a face lies on it if all of its four corners do.
+    """
     inside = np.isin(cells[:, :8], on)
     lines = []
     for k, corners in enumerate(FACES):
@@ -264,7 +270,10 @@ def _face_lines(cells: Ints, on: Ints) -> list[str]:
 
 
 def _load_lines(loaded: Loaded, solid: Solid, setting: DeckSetting, grid: DeckGrid) -> list[str]:
-    """The lines of the actuation: nodal forces on the end face, or force and couple on the pin."""
+    """The lines of a deck for the actuation of half a shoe.
+
+    They are nodal forces on the end face of the shoe, or force and couple on a rigid shoe's pin.
+    """
     if "actuation" not in solid.section.boundaries:
         return pin_load_lines(loaded, setting, grid)
     unit, _ = end_forces(solid)
@@ -274,11 +283,13 @@ def _load_lines(loaded: Loaded, solid: Solid, setting: DeckSetting, grid: DeckGr
 
 
 def _without_middles(solid: Solid, forces: Floats) -> Floats:
-    """Nodal forces (n, 2) moved from the middles of faces to the other nodes of the faces.
+    """Distribute nodal forces (n, 2) in the middle of faces to the other nodes of these faces.
 
-    In the middle of a face a quadratic displacement is -1/4 of those at the corners plus 1/2 of
-    those at the edges.
+    In CalculiX's element the displacement in the middle of a face is -1/4 of the sum of those at
+    the corners plus 1/2 of the sum of those at the middles of edges. The force is distributed with
+    the same factors.
     """
+    # In the unit cube a face's middle has two coordinates 1/2, the middle of an edge has one.
     at, dofs = skfem.ElementHex2.doflocs, solid.basis.element_dofs
     halves = (at == 0.5).sum(axis=1)
     moved, done = forces.copy(), set[int]()
@@ -300,7 +311,7 @@ def _without_middles(solid: Solid, forces: Floats) -> Floats:
 
 
 class _Row(NamedTuple):
-    """A row of the drum's nodes: its radius [m], its angles (k,) [rad], and its place z [m]."""
+    """A row of the drum's nodes along the arc: radius [m], angles (k,) [rad], coordinate z [m]."""
 
     radius: float
     theta: Floats
@@ -308,16 +319,17 @@ class _Row(NamedTuple):
 
     @property
     def xyz(self) -> Floats:
-        """The nodes (k, 3) [m]."""
+        """The positions of the nodes (k, 3) [m]."""
         r, t = self.radius, self.theta
         return np.column_stack([r * np.cos(t), r * np.sin(t), np.full(len(t), self.z)])
 
 
 def mesh_drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
-    """The mesh of the drum: one element over half the width of the lining and a little more.
+    """The mesh of the drum in a three-dimensional CalculiX deck: one row of elements along the arc.
 
-    The face S1 of the elements lies on the friction surface. The nodes of the friction surface come
-    first: the nodes at z = 0, in the middle and on the outer side.
+    The width of the elements is half that of the lining and a little more. Their face S1 lies on
+    the friction surface. The nodes of the friction surface come first: those at z = 0, in the
+    middle of the width and on the outer side. `first` holds the first labels.
     """
     shoe, R = loaded.shoe, brake.size
     theta = drum_angles(loaded)
@@ -346,16 +358,16 @@ def mesh_drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
 
 
 def _drum_cell(labels: list[int], k: int, sign: int) -> Ints:
-    """The nodes (20,) of element k of the drum.
+    """The labels (20,) of the nodes of element k of the drum, in CalculiX's order.
 
     Parameters
     ----------
-    labels : of the first node of each row, in the order of the rows in `mesh_drum`
+    labels : label of the first node of each row, in the order of the rows in `mesh_drum`
     k : number of the element along the arc
-    sign : of the shoe
+    sign : 1 for an internal shoe, -1 for an external one
     """
-    # Rows on the friction face (f), on the back (b) and between both (m): at z = 0 (0), in the
-    # middle of the width (m) and at the outer side (1).
+    # The first letter of a row's name is f on the friction face, b on the back, m between both. The
+    # second one is 0 at z = 0, m in the middle of the width, 1 at the outer side.
     f0, fm, f1, b0, bm, b1, m0, m1 = labels
     i = 2 * k
     front = np.array([f0 + i, f0 + i + 2, f1 + i + 2, f1 + i])
@@ -363,7 +375,7 @@ def _drum_cell(labels: list[int], k: int, sign: int) -> Ints:
     behind = np.array([b0 + i, b0 + i + 2, b1 + i + 2, b1 + i])
     behind_edges = np.array([b0 + i + 1, bm + k + 1, b1 + i + 1, bm + k])
     between = np.array([m0 + k, m0 + k + 1, m1 + k + 1, m1 + k])
-    # From the friction face to the back, in the order that gives the element a positive volume.
+    # The order of the nodes, face first and back later, gives the element a positive volume.
     corners = [0, 1, 2, 3] if sign > 0 else [0, 3, 2, 1]
     edges = [0, 1, 2, 3] if sign > 0 else [3, 2, 1, 0]
     return np.concatenate(
@@ -372,9 +384,10 @@ def _drum_cell(labels: list[int], k: int, sign: int) -> Ints:
 
 
 def along(loaded: Loaded, forces: Floats) -> Floats:
-    """The nodal forces (n, 2) on the drum's arc, summed over the width from all nodes of the drum.
+    """The nodal forces (n, 2) on the drum's arc, summed over the width of the drum.
 
-    The sums are the nodal forces of a quadratic line.
+    `forces` are those on all nodes of the drum. The sums are forces on the nodes of a quadratic
+    line along the arc.
     """
     count = len(drum_angles(loaded))
     ends = (count + 1) // 2

@@ -1,4 +1,4 @@
-"""Comparison of anybody's p(theta), a table in a CSV file, with reference values."""
+"""Comparison of a user's pressure curves p(theta), read from a CSV file, with reference values."""
 
 import csv
 import io
@@ -25,7 +25,7 @@ from drumlin.verification.reference_file import LARGEST_FILE
 
 
 def _place_heading(surface: FrictionSurface) -> str:
-    """The heading of the column of places, with its unit: "theta [deg]" or "x [mm]"."""
+    """The heading of the column of angles or places, with its unit: "theta [deg]" or "x [mm]"."""
     return f"{surface.coordinate} [{surface.shown_unit}]"
 
 
@@ -40,8 +40,8 @@ class PressureTable(NamedTuple):
 
     Attributes
     ----------
-    theta : growing angles (n,) [rad], on a plane places (n,) [m]
-    p : pressures (n,) [Pa] at these angles
+    theta : growing angles (n,) [rad] along the lining; on a plane surface, places x (n,) [m]
+    p : contact pressures (n,) [Pa] at these angles or places
     """
 
     theta: Floats
@@ -49,21 +49,22 @@ class PressureTable(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """How far a shoe's pressure curve is from its reference values.
+    """How far a shoe's pressure curve p(theta) is from the reference values of this shoe.
 
-    Differences of p count at the angles of the reference, outside the edge zones.
+    Differences of the pressure p are taken at the angles that the reference lists. Angles in the
+    edge zones at the lining's ends do not count.
 
     Attributes
     ----------
     shoe : name of the shoe
-    distance : relative L2 distance of p
+    distance : L2 distance of the curve's pressure from the reference, relative to the reference
     largest : largest difference of p, relative to the peak pressure of the reference
-    at : place of the largest difference, in words
-    torque : torque of the curve [N m], on a plane its braking force [N], by trapezia of the curve's
-        points; from its last points to the lining's ends the pressure is taken as constant
-    torque_error : relative change of the torque by the differences of p
-    floor : relative uncertainty of the reference's p
-    torque_floor : relative uncertainty of the reference's torque
+    at : angle or place of the largest difference, as text
+    torque : torque [N m] that the curve gives by the trapezoidal rule, on a plane surface the
+        braking force [N]; between the curve's last point and the lining's end p is constant
+    torque_error : change of the torque due to the differences of p, relative to the reference
+    floor : relative uncertainty of the pressure of the reference
+    torque_floor : relative uncertainty of the torque of the reference
     """
 
     shoe: str
@@ -107,8 +108,9 @@ def read_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
     if "shoe" not in columns and len(names) > 1:
         raise BadInput(f"{path}: line 1: no column 'shoe'; the brake has {', '.join(names)}")
     points: dict[str, list[list[float]]] = {name: [] for name in names}
+    # Each line below the heading is one point (theta, p) of the curve of one shoe.
     for number, line in enumerate(lines[1:], 2):
-        # Empty lines count as lines, and hold no point.
+        # An empty line is skipped, but it counts in the line numbers of the messages.
         if not "".join(line).strip():
             continue
         if len(line) != len(lines[0]):
@@ -137,11 +139,11 @@ class _NumberColumn(NamedTuple):
 def _read_heading(
     path: Path, heading: Sequence[str], wanted: Mapping[str, str], surface: FrictionSurface
 ) -> dict[str, _NumberColumn]:
-    """The columns of a table by name, from cells such as 'theta [deg]'.
+    """The columns of a table of pressures by name, read from cells such as 'theta [deg]'.
 
     Parameters
     ----------
-    path : of the table, for messages
+    path : path of the table, for messages
     heading : cells of the first line
     wanted : SI unit of each quantity that the table must hold, by name of its column
     surface : friction surface of the brake
@@ -188,6 +190,7 @@ def _cell_in_si(place: str, line: Sequence[str], key: str, column: _NumberColumn
         for a cell that holds no finite number
     """
     cell = line[column.position]
+    # A text that is no number becomes NaN, which the comparison below refuses.
     try:
         value = float(cell) * column.factor
     except ValueError:
@@ -209,11 +212,13 @@ def _pressure_curve(path: Path, shoe: Shoe, points: list[list[float]]) -> Pressu
         raise BadInput(f"{path}: shoe {shoe.name!r}: {len(points)} points; must be 2 or more")
     theta, p = np.array(points).T
     if not shoe.flat:
-        # Whole turns do not matter: each angle is moved to within pi of the lining's middle.
+        # 350 and -10 degrees are one angle: each angle is shifted by whole turns until it is
+        # within 180 degrees of the lining's middle.
         middle = shoe.lining.middle
         theta = middle + (theta - middle + math.pi) % (2 * math.pi) - math.pi
     order = np.argsort(theta, kind="stable")
     theta, p = theta[order], p[order]
+    # Two points at one angle would give the curve two pressures there.
     same = np.diff(theta) <= 0
     if same.any():
         place = _place_text(shoe, theta[:-1][same][0])
@@ -229,12 +234,13 @@ def _place_text(shoe: Shoe, at: float) -> str:
 def judge_curves(brake: Brake, known: Reference, curves: dict[str, PressureTable]) -> list[Verdict]:
     """Compare the pressure curve of each shoe with the reference values of a brake.
 
-    Raises BadInput where the reference is of another brake, or where a curve ends before it reaches
-    an edge zone of its lining.
+    Raises BadInput if the reference values are those of another brake, or if a curve ends before it
+    reaches the edge zone at an end of its lining.
     """
     if [shoe.name for shoe in known.shoes] != [shoe.name for shoe in brake.shoes]:
         said = ", ".join(shoe.name for shoe in known.shoes)
         raise BadInput(f"the reference is of another brake, with the shoes {said}")
+    # The reference keeps the text of its brake file, which is compared with this brake.
     key = differing(brake, read_any(Path("brake_file"), known.text))
     if key is not None:
         raise BadInput(f"the reference is of another brake: {key} is not the same")
@@ -245,14 +251,20 @@ def judge_curves(brake: Brake, known: Reference, curves: dict[str, PressureTable
 
 
 def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: PressureTable) -> Verdict:
-    """The verdict on the pressure curve of one shoe. Raises BadInput where the curve is too short.
+    """The verdict on the pressure curve of one shoe.
 
     Parameters
     ----------
     brake : the brake
-    spec : the shoe in the brake file
+    spec : the shoe as the brake file gives it
     known : reference values of the shoe
     curve : pressure curve that is judged
+
+    Raises
+    ------
+    BadInput
+        for a curve that ends before it reaches the edge zones, or a lining that is shorter than
+        its two edge zones
     """
     inside = known.inside
     theta, p = known.theta[inside], known.pressure[inside]
@@ -266,9 +278,10 @@ def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: PressureTabl
             f"to {_place_text(spec, curve.theta[-1])}: must reach "
             f"from {_place_text(spec, theta[0])} to {_place_text(spec, theta[-1])}"
         )
+    # The curve is interpolated linearly to the angles of the reference.
     off = np.interp(theta, *curve) - p
     worst = int(np.abs(off).argmax())
-    # Torque per integral of p over theta.
+    # The torque is mu b R^2 times the integral of p over theta; `lever` is the factor mu b R^2.
     lever = brake.friction * spec.lining.width * brake.scale_factor**2
     torque_off, torque = abs(lever * float(np.trapezoid(off, theta))), known.torque.value
     return Verdict(
@@ -284,12 +297,15 @@ def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: PressureTabl
 
 
 def _relative_difference(difference: float, size: float) -> float:
-    """A difference relative to a size; of the size 0, infinite unless the difference is 0, too."""
+    """A difference divided by a size; for the size 0 infinite, or 0 if the difference is 0."""
     return difference / size if size else math.inf if difference else 0.0
 
 
 def _pressure_integral(shoe: Shoe, curve: PressureTable) -> float:
-    """The integral of p over theta along the lining [Pa rad], by trapezia of the curve's points."""
+    """The integral of p over theta along the lining [Pa rad], by the trapezoidal rule.
+
+    The rule's points are those of the curve inside the lining, and the two ends of the lining.
+    """
     start, end = shoe.lining.start, shoe.lining.end
     within_lining = (curve.theta > start) & (curve.theta < end)
     theta = np.concatenate([[start], curve.theta[within_lining], [end]])
@@ -304,9 +320,9 @@ def are_within_tolerance(verdicts: Sequence[Verdict], tolerance: float) -> bool:
 def verdict_lines(
     verdicts: Sequence[Verdict], tolerance: float, surface: FrictionSurface = DRUM
 ) -> list[str]:
-    """A line of text for each verdict, then a line that says whether all are within a tolerance.
+    """The verdicts as text: one line for each shoe, then whether all are within the tolerance.
 
-    The surface of the brake, drum or plane, gives the name and the unit of the torque.
+    The friction surface of the brake, drum or plane, gives the name and the unit of the torque.
     """
     effect, unit = surface.effect, surface.effect_unit
     text = []

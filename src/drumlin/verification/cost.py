@@ -1,6 +1,6 @@
-"""The time and memory of a solve, compared with the least that a solve must do.
+"""The time and memory of solving a brake, compared with the least work that a solve needs.
 
-The baseline is one assembly of the stiffness, one factorisation and one back-substitution.
+This least work is one assembly of the stiffness, one factorisation and one back-substitution.
 """
 
 import math
@@ -34,34 +34,37 @@ from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.models import pick
 
 COST_ELEMENTS = 140
-"""Elements along the lining of a measured brake: some 20 000 unknowns for a shoe of a car."""
+"""Elements along each lining of a brake whose cost is measured, unless the user gives a number.
+
+A shoe of a car's brake then has some 20 000 unknowns.
+"""
 
 REPEATS = 7
-"""Number of times that a measurement is repeated; the median of the times counts."""
+"""Number of times that each step is timed; the median of the times is reported."""
 
 SIZES = (20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)
-"""Unknowns of a shoe in the rows of the table of cost."""
+"""Number of unknowns of a shoe for each row of the table of cost by size."""
 
 SOLID_ELEMENTS = (16, 24, 32, 48, 72)
-"""Elements along the lining of a solid shoe in the rows of the table of solid shoes."""
+"""Elements along the lining of a three-dimensional shoe for each row of its table of cost."""
 
 LARGEST_FITTED = 600_000
-"""Largest number of unknowns to which the exponent of the time is fitted."""
+"""Number of unknowns above which a row does not count for the exponent k in time ~ unknowns^k."""
 
 
 class Cost(NamedTuple):
-    """The time and memory of the solve of a brake. Times are medians of repeats [s].
+    """The time and memory of solving a brake. All times are medians of repeated runs, in seconds.
 
-    Equal shoes share one body, which counts once.
+    Shoes of equal shape share one finite-element model, which counts once.
 
     Attributes
     ----------
-    unknowns : number of unknowns of all distinct bodies
-    contact_nodes : number of nodes of all distinct bodies on the friction surface
+    unknowns : number of unknowns of all distinct shoes
+    contact_nodes : number of nodes of all distinct shoes on the friction surface
     memory : largest resident memory of the process up to the end of the first solve [bytes]
-    solve : time of a whole solve
-    further : time of a further load case, another friction coefficient on the same bodies
-    assembly : time of assembling the stiffness of all distinct bodies
+    solve : time of a whole solve, from the brake to its pressures
+    further : time of a further load case: another friction coefficient, the same stiffness
+    assembly : time of assembling the stiffness of all distinct shoes
     factorisation : time of one factorisation of each stiffness
     substitution : time of one back-substitution with each factorisation
     """
@@ -77,7 +80,7 @@ class Cost(NamedTuple):
 
     @property
     def solve_ratio(self) -> float:
-        """Time of a whole solve, relative to the baseline of the three parts."""
+        """Time of a whole solve, divided by that of assembly, factorisation and substitution."""
         return self.solve / (self.assembly + self.factorisation + self.substitution)
 
     @property
@@ -99,14 +102,14 @@ def measure_fem_cost(
     Parameters
     ----------
     brake : the brake
-    elements : along each lining
-    penalty : penalty of the contact
-    repeats : number of repeats; with 1 the time of the first solve is that of a whole solve
-    mesher : function that meshes a shoe in place of drumlin's own
+    elements : number of elements along each lining
+    penalty : contact penalty
+    repeats : number of times that each step is timed; with 1 the first solve is the timed one
+    mesher : function that meshes a shoe; None: drumlin's own mesher
     """
 
     def prepare_and_respond() -> PreparedModel:
-        """Solve the brake from the beginning."""
+        """Mesh the brake and solve it; returns the prepared model."""
         scene = prepare(brake, elements=elements, mesher=mesher)
         solve_prepared_model(scene, brake, penalty=penalty)
         return scene
@@ -115,7 +118,7 @@ def measure_fem_cost(
     scene = prepare_and_respond()
     solve = time.perf_counter() - start
     memory = peak_memory()
-    # Equal shoes share one body, which is measured once.
+    # Shoes of equal shape share one body, whose assembly and factorisation are timed once.
     bodies: dict[int, ShoeSubstructure] = {}
     parts = np.zeros(3)
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
@@ -139,16 +142,17 @@ def measure_fem_cost(
 
 
 def _with_less_friction(brake: Brake) -> Brake:
-    """The brake with 0.9 of its friction coefficient: a further load case on the same bodies."""
+    """A copy of the brake with 0.9 times its friction coefficient, as a further load case."""
     return brake.model_copy(update={"friction": 0.9 * brake.friction})
 
 
 def _baseline_seconds(body: ShoeSubstructure, shoe: Shoe, repeats: int) -> Floats:
-    """Seconds (3,) of assembly, factorisation and back-substitution of a body, its hinge clamped.
+    """The times (3,) [s] of assembling, factorising and back-substituting one shoe's stiffness.
 
-    Each time is the median of a number of `repeats`.
+    The shoe is clamped at its hinge. Each time is the median of `repeats` runs.
     """
     K = stiffness(body.basis, elastic_layers_of_shoe(shoe))
+    # The two displacements of each node at the hinge are fixed and leave the matrix.
     free = np.ones(K.shape[0], dtype=bool)
     hinge = body.basis.get_dofs(body.mesh.boundaries["hinge"]).flatten()
     free[2 * hinge] = free[2 * hinge + 1] = False
@@ -171,7 +175,7 @@ def _baseline_seconds(body: ShoeSubstructure, shoe: Shoe, repeats: int) -> Float
 
 
 def mesh_of_given_size(unknowns: int, shoe: Shoe, radius: float) -> object:
-    """The mesh of a shoe with about a number of `unknowns`, on a brake of a `radius` [m].
+    """The mesh of a shoe with some `unknowns` displacements, on a drum of `radius` [m].
 
     The number of elements through the shoe grows in proportion to the number along the lining.
     """
@@ -183,16 +187,20 @@ def mesh_of_given_size(unknowns: int, shoe: Shoe, radius: float) -> object:
 
 
 def _in_new_process(task: Callable[..., Any], *arguments: Any) -> Any:
-    """The result of a task in a process of its own, so that its peak memory is its own."""
+    """The result of task(*arguments), run in a new process.
+
+    The largest memory of that process is then the memory of this task alone.
+    """
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=context) as process:
         return process.submit(task, *arguments).result()
 
 
 def cost_table_lines(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
-    """Lines of a table of cost by number of unknowns, each as soon as it is measured.
+    """Yield the lines of a table of cost, with a row for each number of unknowns in `sizes`.
 
-    A last line states the power of the number of unknowns with which the time grows.
+    Each row comes as soon as it is measured. The last line states the exponent k in
+    time ~ unknowns^k.
     """
     yield "unknowns  contact nodes  solve [s]  of its parts  further [ms]  memory [GiB]"
     costs = []
@@ -209,22 +217,22 @@ def cost_table_lines(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[s
         if row.unknowns <= LARGEST_FITTED:
             costs.append((row.unknowns, row.solve))
     if len(costs) > 1:
-        # The slope of the line through the logarithms is the power.
+        # The slope of log(time) over log(unknowns) is the exponent.
         unknowns, seconds = np.log(costs).T
         exponent = np.polyfit(unknowns, seconds, 1)[0]
         yield f"solve ~ N^{exponent:.2f} up to {costs[-1][0]} unknowns"
 
 
 class _SolidCost(NamedTuple):
-    """The size, memory [bytes] and processor time [s] of a solve of solid shoes.
+    """The size, memory and processor time of solving a brake with three-dimensional shoes.
 
     Attributes
     ----------
-    unknowns : number of unknowns of all distinct bodies
-    nodes : number of nodes of all distinct bodies on the friction surface
-    memory : largest resident memory of the process
-    first : time of the whole solve
-    further : time of another friction coefficient on the same bodies
+    unknowns : number of unknowns of all distinct shoes
+    nodes : number of nodes of all distinct shoes on the friction surface
+    memory : largest resident memory of the process [bytes]
+    first : processor time of the whole solve [s]
+    further : processor time of a further load case [s]: another friction coefficient
     """
 
     unknowns: int
@@ -235,10 +243,11 @@ class _SolidCost(NamedTuple):
 
 
 def solid_cost_table_lines(brake: Brake, elements: Sequence[int] = SOLID_ELEMENTS) -> Iterator[str]:
-    """Lines of a table of the cost of solid shoes, each as soon as it is measured.
+    """Yield the lines of a table of the cost of three-dimensional (solid) shoes.
 
-    `elements` are the numbers of elements along the lining. Times are seconds of processor time. A
-    further load case is another friction coefficient on the same bodies.
+    There is a row for each number of elements along the lining in `elements`. Each row comes as
+    soon as it is measured. Times are seconds of processor time. A further load case is another
+    friction coefficient with the same stiffness.
     """
     yield "unknowns  contact nodes  solve [s]  further [s]  peak memory [GiB]"
     for count in elements:
@@ -250,8 +259,8 @@ def solid_cost_table_lines(brake: Brake, elements: Sequence[int] = SOLID_ELEMENT
 
 
 def _measure_solid_cost(brake: Brake, elements: int) -> _SolidCost:
-    """Measure the solve of a brake's solid shoes with a number of elements along the lining."""
-    # The model of solid shoes loads slowly, and no other cost needs it.
+    """Solve a brake with solid shoes and measure it; `elements` are those along the lining."""
+    # Importing the solid model takes long, and only this function needs it.
     from drumlin.fem.solid import model as solid  # noqa: PLC0415
 
     start = time.process_time()
@@ -261,7 +270,7 @@ def _measure_solid_cost(brake: Brake, elements: int) -> _SolidCost:
     memory, start = peak_memory(), time.process_time()
     solve_prepared_model(scene, _with_less_friction(brake))
     further = time.process_time() - start
-    # Equal shoes share one body.
+    # Shoes of equal shape share one body, which counts once.
     bodies = {id(body): body for body in scene.bodies}.values()
     unknowns = sum(body.unknowns for body in bodies)
     nodes = sum(len(body.line.nodes) for body in bodies)
@@ -271,14 +280,14 @@ def _measure_solid_cost(brake: Brake, elements: int) -> _SolidCost:
 def cost_report_lines(
     brake: Brake, model: str = "fem", *, by_size: bool = False, **options: Any
 ) -> Iterator[str]:
-    """Lines of text on the cost of a brake, each as soon as it is measured.
+    """Yield lines of text on the time and memory of solving a brake, as they are measured.
 
     Parameters
     ----------
     brake : the brake
-    model : "fem", or "solid", whose cost is always a table
-    by_size : whether the lines are a table of the cost by number of unknowns
-    options : `elements` and `penalty` of the finite elements; not with a table
+    model : "fem" for plane shoes, "solid" for three-dimensional ones, which always give a table
+    by_size : True: a table of the cost by number of unknowns; False: the cost of this brake
+    options : `elements` and `penalty` of the finite elements; not allowed with a table
 
     Raises
     ------
@@ -302,7 +311,7 @@ def cost_report_lines(
 
 
 def measured_cost_lines(brake: Brake, **options: Any) -> list[str]:
-    """Lines of text on the cost of a brake; `options` as of `measure_fem_cost`."""
+    """Lines of text on the cost of one brake; `options` are arguments of `measure_fem_cost`."""
     found = measure_fem_cost(brake, **options)
     return [
         f"{found.unknowns} unknowns; medians of {REPEATS} repeats in one run",
@@ -317,7 +326,7 @@ def measured_cost_lines(brake: Brake, **options: Any) -> list[str]:
 
 def peak_memory() -> int:
     """The largest resident memory of this process so far [bytes]."""
-    # On Linux getrusage would count the memory of the process that started this process, too.
+    # On Linux getrusage also counts memory of the parent process, so VmHWM is read instead.
     status = Path("/proc/self/status")
     if status.exists():
         line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
@@ -328,7 +337,7 @@ def peak_memory() -> int:
 
 
 def _median_seconds(call: Callable[[], object], repeats: int) -> float:
-    """The median time [s] of a number of `repeats` of a call."""
+    """The median time [s] of `repeats` runs of `call`."""
     seconds = []
     for _ in range(repeats):
         start = time.perf_counter()

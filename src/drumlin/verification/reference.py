@@ -1,9 +1,10 @@
 """Reference values of a brake that others can cite, and how far somebody's p(theta) is from them.
 
-The value comes from hp elements on the finer of two divisions, with exact contact. The uncertainty
-of the value is the larger of its distances from two other answers. One answer is that of the other
-division, which has another degree and grading. The other answer comes from curved triangles, which
-share nothing with the hp elements but the brake.
+The reference value comes from hp elements on the finer of two meshes, with exact contact. Its
+uncertainty is the larger of its distances from two other solutions. The first one is that of the
+coarser hp mesh, which has another degree and grading. The second one comes from another solver, on
+curved triangles, which shares nothing with the hp elements but the brake. (hp elements are finite
+elements of high polynomial degree whose sizes shrink towards singular points.)
 """
 
 import importlib.metadata
@@ -34,31 +35,31 @@ from drumlin.response.response import Response, ShoeResponse, edge_zone, pressed
 from drumlin.verification import triangles
 
 PACKAGES = ("numpy", "scipy", "scikit-fem")
-"""Packages whose versions a reference states beside drumlin's own."""
+"""Packages whose versions are stored with reference values, beside that of drumlin."""
 
 PROBLEM_SOLVED = (
     "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: "
     "columns of elements of high degree; uncertainty: the "
 )
-"""First words of the method that a reference states."""
+"""First words of the description of the method that is stored with reference values."""
 
 METHOD = PROBLEM_SOLVED + (
     "larger of the distances from another division of them and "
     "from curved triangles with contact node by node"
 )
-"""Method of a reference that curved triangles confirm."""
+"""Description of the method for a brake that the curved triangles have solved, too."""
 
 METHOD_WITHOUT_TRIANGLES = PROBLEM_SOLVED + "distance from another division of them"
-"""Method of a reference of a brake that curved triangles do not cover."""
+"""Description of the method for a brake that the curved triangles cannot solve."""
 
 
 class Refinement(NamedTuple):
-    """How finely a reference is solved.
+    """The meshes on which reference values are computed.
 
     Attributes
     ----------
-    first : number of coarser levels that find the ends of the contact beforehand
-    levels : two divisions of the shoes into hp elements; the answer on the second one is cited
+    first : number of coarse hp meshes that are solved first, to find the ends of the contact
+    levels : degree and grading of two hp meshes; the solution on the second one is the reference
     triangles : meshes of curved triangles, from coarse to fine; empty: no triangles
     """
 
@@ -68,7 +69,7 @@ class Refinement(NamedTuple):
 
 
 ONE_DEGREE = math.pi / 180
-"""A degree [rad]: the step of the angles at which a reference lists the pressure."""
+"""One degree [rad]: the step of the angles at which reference values list the pressure."""
 
 FINE = Refinement(
     3,
@@ -78,21 +79,21 @@ FINE = Refinement(
     ),
     triangles.TRIANGLE_LEVELS,
 )
-"""The refinement of reference values that are published.
+"""The meshes of the reference values that are published.
 
 Element sizes grow slowly away from the ends of the layers and from the hinge, because the torque
-depends on the stresses there. Thinner columns at the lining's ends would cost a stiff shoe more
-digits by round-off than they bring."""
+depends on the stresses there. Still thinner elements at the lining's ends would not help: in a
+stiff shoe their round-off error exceeds the discretisation error that they remove."""
 
 
 class ReferenceResponses(NamedTuple):
-    """The responses of a brake that make a reference.
+    """The solutions of a brake from which its reference values and their uncertainty come.
 
     Attributes
     ----------
-    value : response on the finer division, which is cited
-    before : response on the other division
-    other : response by curved triangles; None where triangles do not cover the brake
+    value : response on the finer hp mesh, which gives the reference values
+    before : response on the coarser hp mesh
+    other : response by curved triangles; None if triangles cannot solve the brake
     """
 
     value: Response
@@ -101,15 +102,15 @@ class ReferenceResponses(NamedTuple):
 
     @property
     def others(self) -> tuple[Response, ...]:
-        """The responses whose distances from the cited response are the uncertainty."""
+        """The responses whose distances from `value` give the uncertainty."""
         return (self.before,) if self.other is None else (self.before, self.other)
 
 
 def solve_reference_responses(brake: Brake, refinement: Refinement = FINE) -> ReferenceResponses:
-    """Solve a brake on both divisions and by triangles.
+    """Solve a brake for its reference values: on two hp meshes, and by curved triangles.
 
-    Raises BadInput where finite elements do not apply or a shoe has a mesh file, NoAnswer where
-    there is no equilibrium.
+    Raises BadInput if finite elements cannot solve the brake or a shoe has a mesh file, and
+    NoAnswer if the brake has no equilibrium.
     """
     for shoe in brake.shoes:
         if shoe.mesh is not None:
@@ -117,7 +118,7 @@ def solve_reference_responses(brake: Brake, refinement: Refinement = FINE) -> Re
                 f"shoe {shoe.name!r} has a mesh file, which is not refined: no reference values"
             )
     solve_exactly = partial(solve_prepared_model, penalty=math.inf)
-    # Coarse levels find the ends of the contact, near which the divisions are fine.
+    # Coarse meshes find the ends of the contact, to which the two fine meshes are graded.
     for step in islice(solved_levels(brake, solve_exactly), refinement.first):
         last = step.response
     found = []
@@ -130,9 +131,10 @@ def solve_reference_responses(brake: Brake, refinement: Refinement = FINE) -> Re
 
 
 def _response_by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Response | None:
-    """The finest response by curved triangles, in the form of the response `like`.
+    """The response by the finest mesh of curved triangles, or None if they cannot solve the brake.
 
-    It is None where triangles do not cover the brake: on a plane, and for some kinds of shoes.
+    Triangles cannot solve a brake on a plane surface and some kinds of shoes. The values that the
+    triangles do not give, such as whether a shoe is self-energising, are copied from `like`.
     """
     if not refinement.triangles or brake.surface.straight:
         return None
@@ -158,9 +160,9 @@ def _response_by_triangles(brake: Brake, like: Response, refinement: Refinement)
 
 
 def peak_pressure_inside(response: ShoeResponse, edge: float, points: int = 2001) -> float:
-    """The largest pressure [Pa] of a shoe outside the edge zones at its lining's ends.
+    """The largest pressure [Pa] of a shoe outside the two edge zones at its lining's ends.
 
-    Each zone is `edge` [rad] long. The pressure is evaluated at a number of evenly spread `points`.
+    Each edge zone is `edge` [rad] long. The pressure is evaluated at `points` equidistant angles.
     """
     start, end = response.theta[0] + edge, response.theta[-1] - edge
     return float(response.pressure_at(np.linspace(start, end, points)).max())
@@ -168,14 +170,14 @@ def peak_pressure_inside(response: ShoeResponse, edge: float, points: int = 2001
 
 @dataclass(frozen=True)
 class UncertainValue:
-    """A quantity, a number or an array, with its absolute uncertainty."""
+    """A number or an array, with its absolute uncertainty in the same unit."""
 
     value: Any
     uncertainty: float
 
     @property
     def relative(self) -> float:
-        """The uncertainty relative to the size of the value; 0 where the uncertainty is 0."""
+        """The uncertainty divided by the norm of the value; 0 if the uncertainty is 0."""
         size = float(np.linalg.norm(self.value))
         return self.uncertainty / size if size else math.inf if self.uncertainty else 0.0
 
@@ -184,7 +186,7 @@ class UncertainValue:
 class ShoeReference:
     """The reference values of one shoe.
 
-    On a plane places x [m] stand for the angles, and the braking force [N] for the torque.
+    On a plane surface the angles are places x [m], and the torque is the braking force [N].
 
     Attributes
     ----------
@@ -193,14 +195,14 @@ class ShoeReference:
     contact_force : force of the drum on the lining (2,) [N], friction included
     hinge_reaction : force of the hinge on the shoe (2,) [N]
     peak_pressure : largest pressure [Pa] outside the edge zones
-    contact_arcs : ends (k, 2) [rad] of the stretches of lining in contact
+    contact_arcs : first and last angle (k, 2) [rad] of each part of the lining in contact
     ends : angles [rad] of the lining's ends
     edge : length [rad] of the edge zone at each end of the lining
     theta : angles (n,) [rad] of the listed pressures: whole degrees, on a plane whole millimetres
     pressure : pressures (n,) [Pa] at these angles
     uncertainty : uncertainties (n,) [Pa] of these pressures
-    distance : largest relative L2 distance of another answer's pressure from the cited one, without
-        the zones EDGE_ZONE at the lining's ends
+    distance : relative uncertainty of the pressure curve: the larger of the L2 distances of the two
+        other solutions' pressures, without the zones EDGE_ZONE at the lining's ends
     """
 
     name: str
@@ -218,7 +220,7 @@ class ShoeReference:
 
     @property
     def inside(self) -> Bools:
-        """Which of the listed angles (n,) are outside the edge zones."""
+        """Whether each of the listed angles (n,) is outside the edge zones."""
         first, last = self.ends
         return np.asarray((self.theta > first + self.edge) & (self.theta < last - self.edge))
 
@@ -237,8 +239,8 @@ class Reference:
     ----------
     title : title of the brake
     text : text of the brake file
-    command : command that makes these values again
-    method : how the values and their uncertainties were computed, in words
+    command : shell command that computes these values again
+    method : description of how the values and their uncertainties were computed
     versions : versions of the packages, by name
     torque : torque of the brake [N m], on a plane its braking force [N]
     shoes : reference values of each shoe
@@ -264,8 +266,8 @@ def compute_reference(
     ----------
     brake : the brake
     text : text of its file, which the reference keeps
-    command : command that makes the values again
-    trio : fine responses of the brake; None: `solve_reference_responses` computes them
+    command : shell command that computes the values again, which the reference keeps
+    trio : the solutions of the brake; None: `solve_reference_responses` computes them
     """
     brake.check_meshable()
     trio = trio or solve_reference_responses(brake)
@@ -273,16 +275,16 @@ def compute_reference(
     for name in PACKAGES:
         versions[name] = importlib.metadata.version(name)
     shoes = tuple(_shoe_reference(brake, i, trio) for i in range(len(brake.shoes)))
-    # Errors of different shoes do not cancel: the brake's uncertainty is their sum.
+    # The errors of the shoes may have one sign, so the uncertainties of their torques are added.
     torque = UncertainValue(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))
     method = METHOD_WITHOUT_TRIANGLES if trio.other is None else METHOD
     return Reference(brake.title, text, command, method, versions, torque, shoes, brake.surface)
 
 
 def _with_uncertainty(values: Sequence[Any]) -> UncertainValue:
-    """The first of some values; its largest distance from the other values is the uncertainty.
+    """The first of `values` with its uncertainty, its largest distance from the other values.
 
-    An array of another shape, such as another number of contact arcs, is infinitely far away.
+    The distance is infinite if an array has another shape, such as another number of contact arcs.
     """
     cited, *others = (np.asarray(value, dtype=float) for value in values)
     distance = 0.0
@@ -297,7 +299,8 @@ def _contact_force(brake: Brake, index: int, response: ShoeResponse) -> Floats:
     shoe = brake.shoes[index]
     if not shoe.flat:
         return contact_resultant(brake, index, response).force
-    # On a plane, contact force, hinge reaction and actuation add up to zero.
+    # On a plane surface the contact force follows from equilibrium of the shoe: contact force,
+    # hinge reaction and actuation add up to zero.
     pushed = shoe if response.force is None else shoe.under(response.force)
     return -response.hinge_reaction - pushed.actuation.vector
 
@@ -316,12 +319,12 @@ def _shoe_reference(brake: Brake, index: int, trio: ReferenceResponses) -> ShoeR
     differences, distances = [], [0.0]
     for other in others:
         differences.append(np.abs(other.pressure_at(theta) - pressure))
-        # A lining that the drum does not press has no relative distance.
+        # A lining without any pressure has no relative distance.
         if cited.pressure.any():
             distances.append(pressure_distance(other, cited, edge_of(brake)))
 
     def compared(quantity: Callable[[ShoeResponse], Any]) -> UncertainValue:
-        """A quantity of the cited answer, with its uncertainty by the other answers."""
+        """A quantity of the shoe in the reference solution, with its uncertainty."""
         return _with_uncertainty([quantity(answer) for answer in answers])
 
     return ShoeReference(

@@ -1,4 +1,4 @@
-"""Files of reference values: writing as JSON, checked reading, search by brake file."""
+"""JSON files of reference values: writing, reading with checks, search for those of a brake."""
 
 import json
 import math
@@ -20,16 +20,18 @@ from drumlin.brake.units import LARGEST_NUMBER_SI
 from drumlin.verification.reference import Reference, ShoeReference, UncertainValue
 
 FORMAT = "drumlin reference values, 1"
-"""Name and version of the format, with which a file of reference values begins."""
+"""Name and version of the file format, stored under the first key of the file."""
 
 FILE_DIGITS = 10
-"""Significant digits of the numbers in a file. Reference values are certain to fewer digits."""
+"""Significant digits of the numbers in a file. Fewer of them are certain."""
 
 _NUMBER_LIST = re.compile(r"\[[-+0-9.eE,\s]*\]")
-"""A list in JSON that holds numbers only."""
+"""Pattern of a list of numbers in a JSON text."""
 
 LARGEST_FILE = 10_000_000
-"""Bytes of a file above which it is refused unread. Reference values take below 100 000."""
+"""Size [bytes] above which a file is refused unread.
+
+A file of reference values has fewer than 100 000 bytes."""
 
 UNCERTAIN_QUANTITIES = (
     "torque",
@@ -38,7 +40,7 @@ UNCERTAIN_QUANTITIES = (
     "peak_pressure",
     "contact_arcs",
 )
-"""The keys of a shoe's quantities that have an uncertainty each."""
+"""Keys, in a file, of the quantities of a shoe that are stored with an uncertainty."""
 
 UNITS = {
     "torque": "N m",
@@ -51,7 +53,7 @@ UNITS = {
     "pressure": "Pa",
     "pressure_uncertainty": "Pa",
 }
-"""The unit of each quantity in a file of a brake on a drum."""
+"""Unit of each quantity by its key, in a file of a brake on a drum."""
 
 SURFACE_UNITS = {
     surface: {
@@ -60,7 +62,7 @@ SURFACE_UNITS = {
     }
     for surface in (DRUM, PLANE)
 }
-"""The units in a file that depend on the friction surface, drum or plane."""
+"""For each friction surface, drum or plane, the units by key that differ between the two."""
 
 UNREADABLE = (
     ValueError,
@@ -70,18 +72,18 @@ UNREADABLE = (
     RecursionError,
     OverflowError,
 )
-"""The errors with which reading fails where a file holds something else."""
+"""Errors that are raised when a file is read as reference values but holds other data."""
 
 
 def _round_numbers(value: Any, digits: int = FILE_DIGITS) -> Any:
-    """A number, or each number in nested lists, rounded to a number of significant digits."""
+    """The number, or nested lists of numbers, rounded to a number of significant digits."""
     if isinstance(value, list):
         return [_round_numbers(each, digits) for each in value]
     return float(f"{value:.{digits}g}")
 
 
 def _uncertain_value_data(sure: UncertainValue) -> dict[str, Any]:
-    """A value and its uncertainty as plain data for JSON, which has no infinity: null stands."""
+    """A value and its uncertainty as a dictionary for JSON; an infinite uncertainty is null."""
     uncertainty = None
     if math.isfinite(sure.uncertainty):
         uncertainty = _round_numbers(sure.uncertainty, 3)
@@ -89,7 +91,7 @@ def _uncertain_value_data(sure: UncertainValue) -> dict[str, Any]:
 
 
 def reference_data(found: Reference) -> dict[str, Any]:
-    """The reference values of a brake as plain data for JSON."""
+    """The reference values of a brake as a dictionary for JSON."""
     return {
         "format": FORMAT,
         "title": found.title,
@@ -104,7 +106,7 @@ def reference_data(found: Reference) -> dict[str, Any]:
 
 
 def _shoe_data(shoe: ShoeReference) -> dict[str, Any]:
-    """The reference values of a shoe as plain data for JSON."""
+    """The reference values of a shoe as a dictionary for JSON."""
     return {
         "name": shoe.name,
         **{key: _uncertain_value_data(getattr(shoe, key)) for key in UNCERTAIN_QUANTITIES},
@@ -120,7 +122,7 @@ def _shoe_data(shoe: ShoeReference) -> dict[str, Any]:
 def write_reference(data: dict[str, Any], path: Path) -> None:
     """Write reference values, as `reference_data` returns them, to a JSON file."""
     text = json.dumps(data, indent=1, allow_nan=False)
-    # Each list of numbers takes one line, in place of a line for each number.
+    # json.dumps writes each number of a list on a line of its own; a list shall take one line.
     write_text(path, _NUMBER_LIST.sub(lambda match: " ".join(match.group().split()), text) + "\n")
 
 
@@ -151,15 +153,16 @@ def read_reference(path: Path) -> Reference:
 def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
     """Rows of a table that summarises the reference values of a brake, one row for each shoe.
 
-    `values` are the reference values as of `reference_data`, `name` is the brake's name in the
-    table. The last column says which of six digits of the torque and four digits of p outside the
-    edge zones are not certain.
+    `values` are the reference values as `reference_data` returns them; `name` is the brake's name
+    in the table. Six digits of the torque and four digits of p outside the edge zones should be
+    certain. The last column says which of the two are not, with the relative uncertainty.
     """
     rows = []
     for shoe in values["shoes"]:
         (start, end), edge = shoe["lining"], shoe["edge"]
         theta = np.array(shoe["theta"])
         uncertainty = np.array(shoe["pressure_uncertainty"])
+        # The largest uncertainty of p outside the edge zones is related to the peak pressure.
         largest = uncertainty[(start + edge < theta) & (theta < end - edge)].max()
         pressure = float(largest / shoe["peak_pressure"]["value"])
         torque = shoe["torque"]["uncertainty"] / shoe["torque"]["value"]
@@ -184,29 +187,29 @@ def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
 
 
 def _refuse_non_finite(word: str) -> float:
-    """Refuse NaN and infinity, which Python's reader of JSON would accept. Raises ValueError."""
+    """Raise ValueError for the word NaN or Infinity, which Python's JSON reader would accept."""
     raise ValueError(f"{word} is no number of JSON")
 
 
 def _checked_text(value: object) -> str:
-    """The value, which must be a text. Raises TypeError."""
+    """Return the value if it is a text, else raise TypeError."""
     if not isinstance(value, str):
         raise TypeError("not a text")
     return value
 
 
 def _checked_text_pair(pair: tuple[object, object]) -> tuple[str, str]:
-    """The two values of a pair, which must be texts. Raises TypeError."""
+    """Return the pair if both of its values are texts, else raise TypeError."""
     return _checked_text(pair[0]), _checked_text(pair[1])
 
 
 def _checked_array(value: object, *shape: int) -> Floats:
-    """An array of finite numbers that must have a shape, in which -1 stands for any length.
+    """The value as an array of finite numbers with the given shape; a length of -1 is any length.
 
-    Raises ValueError or TypeError.
+    Raises ValueError or TypeError for other values.
     """
     array = np.array(value, dtype=float)
-    # An empty list has no second dimension of its own.
+    # NumPy reads an empty list as shape (0,), also where a second dimension is asked for.
     if array.size == 0:
         array = array.reshape([max(length, 0) for length in shape])
     fits = array.ndim == len(shape) and all(
@@ -218,14 +221,14 @@ def _checked_array(value: object, *shape: int) -> Floats:
 
 
 def _read_uncertain_value(data: dict[str, Any], *shape: int) -> UncertainValue:
-    """A value of a shape with its uncertainty, where null stands for infinity."""
+    """Read a value of the given shape and its uncertainty; null is an infinite uncertainty."""
     given = data["uncertainty"]
     uncertainty = math.inf if given is None else _checked_size(given)
     return UncertainValue(_checked_array(data["value"], *shape).tolist(), uncertainty)
 
 
 def _checked_size(value: object) -> float:
-    """The value as a number, which must not be negative. Raises ValueError or TypeError."""
+    """Return the value as a number. Raises ValueError or TypeError if it is none or negative."""
     size = float(_checked_array(value))
     if size < 0:
         raise ValueError("negative")
@@ -233,7 +236,10 @@ def _checked_size(value: object) -> float:
 
 
 def _read_shoe_reference(data: dict[str, Any]) -> ShoeReference:
-    """The reference values of a shoe from data of a file. Raises the errors UNREADABLE."""
+    """The reference values of a shoe from the data of a file.
+
+    Raises one of the errors UNREADABLE if the data are not reference values.
+    """
     theta = _checked_array(data["theta"], -1)
     first, last = _checked_array(data["lining"], 2).tolist()
     if not first < last or (np.diff(theta) <= 0).any():
@@ -255,15 +261,16 @@ def _read_shoe_reference(data: dict[str, Any]) -> ShoeReference:
 
 
 def stored_reference_path(text: str, *folders: Path) -> Path | None:
-    """The path of the reference values of a brake whose file has the text `text`.
+    """The path of the stored reference values of the brake whose brake file has this text.
 
-    The folders are searched in their order. Brake files with the same keys and values count as
-    equal, whatever their comments. The path is None where no folder has such reference values.
+    The folders are searched in their order. Two brake files with the same keys and values count as
+    equal, even if their comments differ. Returns None if no folder has reference values of the
+    brake.
     """
     wanted = _toml_content(text)
     for folder in folders:
         for path in sorted(folder.glob("*.json")):
-            # A JSON file that is unreadable or has no brake file is none of reference values.
+            # A JSON file that is unreadable or has no brake file is skipped.
             with suppress(BadInput, *UNREADABLE):
                 data = json.loads(read_text(path, LARGEST_FILE, "reference values"))
                 if _toml_content(data["brake_file"]) == wanted:
@@ -272,7 +279,7 @@ def stored_reference_path(text: str, *folders: Path) -> Path | None:
 
 
 def _toml_content(text: str) -> object:
-    """The keys and values of a TOML text; of a text that is not TOML the text itself."""
+    """The keys and values of a TOML text; if the text is not TOML, the text itself."""
     try:
         check_toml(text)
         return tomllib.loads(text)

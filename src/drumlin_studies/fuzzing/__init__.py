@@ -1,4 +1,4 @@
-"""Broken brake files, meshes, tables and command lines, and checks of how drumlin ends on them.
+"""Fuzzing: random broken brake files, meshes, tables and command lines, and checks of how runs end.
 
-These modules attack drumlin's command line and import it. No other package imports these modules.
+These modules run drumlin's command line on broken inputs. drumlin itself does not import them.
 """

@@ -1,4 +1,7 @@
-"""Mesh files that are broken on purpose: cut off, mislabelled, torn, folded or without groups."""
+"""Mesh files that are broken on purpose: cut off, mislabelled, torn, folded or without groups.
+
+A group is the set of elements of a part of the shoe, or the set of nodes on one of its boundaries.
+"""
 
 import math
 import random
@@ -18,11 +21,12 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, BrokenInput, brake_text, data_as_toml
 
 MESH_SUFFIXES = (".msh", ".inp", ".vtu")
+"""Suffixes of the mesh files that are broken: Gmsh, Abaqus and VTK."""
 
 
 @cache
 def sound_mesh_files() -> dict[str, bytes]:
-    """Small sound meshes of a shoe, by suffix, and under "brake" the brake file of this shoe."""
+    """Valid mesh files of a small shoe by suffix, and under "brake" the brake file of this shoe."""
     data = tomllib.loads(brake_text(SOUND_BRAKES[0]).decode())
     data["shoe"] = data["shoe"][:1]
     brake = brake_from(data, unit_required=True)
@@ -35,7 +39,7 @@ def sound_mesh_files() -> dict[str, bytes]:
 
 
 def brake_file_with_mesh(brake_file: bytes, name: str) -> bytes:
-    """The brake file whose first shoe is meshed by the file `name`."""
+    """The brake file, with its first shoe taking its mesh from the file `name`."""
     data = tomllib.loads(brake_file.decode())
     data["shoe"][0]["mesh"] = name
     return data_as_toml(data)
@@ -44,18 +48,18 @@ def brake_file_with_mesh(brake_file: bytes, name: str) -> bytes:
 def solve_of_meshed_brake(
     kind: str, mesh: bytes, suffix: str, *, must_fail: bool = True
 ) -> BrokenInput:
-    """A solve of the brake with a mesh.
+    """An input of `drumlin solve`: a brake whose shoe has a mesh file.
 
     Parameters
     ----------
     kind : str
-        What kind of input it is.
+        Kind of the input in tables.
     mesh : bytes
-        The mesh file.
+        Content of the mesh file.
     suffix : str
         Suffix of the mesh file.
     must_fail : bool
-        Whether no model may answer the input.
+        Whether drumlin must refuse the input.
     """
     name = f"m{suffix}"
     files = {"b.toml": brake_file_with_mesh(sound_mesh_files()["brake"], name), name: mesh}
@@ -64,7 +68,7 @@ def solve_of_meshed_brake(
 
 
 def make_impossible_mesh(rng: random.Random) -> BrokenInput:
-    """A solve with a mesh that is cut off, mislabelled, has wrong counts, or is no valid shoe."""
+    """An input whose mesh file is cut off, mislabelled, has wrong counts, or is no valid shoe."""
     (maker,) = rng.choices(
         [_cut_off_mesh, _mislabelled_mesh, _mesh_with_wrong_counts, _invalid_shoe_mesh],
         [3, 1, 1, 6],
@@ -73,7 +77,7 @@ def make_impossible_mesh(rng: random.Random) -> BrokenInput:
 
 
 def _cut_off_mesh(rng: random.Random) -> BrokenInput:
-    """A mesh file of which less than three quarters are left."""
+    """An input whose mesh file is cut off after less than three quarters of its bytes."""
     suffix = rng.choice(MESH_SUFFIXES)
     text = sound_mesh_files()[suffix]
     left = text[: rng.randrange(3 * len(text) // 4)]
@@ -81,7 +85,7 @@ def _cut_off_mesh(rng: random.Random) -> BrokenInput:
 
 
 def _mislabelled_mesh(rng: random.Random) -> BrokenInput:
-    """A mesh under the suffix of another format, or a file that is no mesh at all."""
+    """An input whose mesh file has the suffix of another format, or is no mesh at all."""
     suffix, other = rng.sample(MESH_SUFFIXES, 2)
     noise = bytes(rng.randrange(256) for _ in range(99))
     text = rng.choice([sound_mesh_files()[other], brake_text(rng.choice(SOUND_BRAKES)), b"", noise])
@@ -89,7 +93,7 @@ def _mislabelled_mesh(rng: random.Random) -> BrokenInput:
 
 
 def _mesh_with_wrong_counts(rng: random.Random) -> BrokenInput:
-    """A mesh file with wrong counts, up to more than any memory holds."""
+    """An input whose mesh file states a wrong number of nodes, elements or names."""
     text = sound_mesh_files()[".msh"].decode()
     keyword = rng.choice(["$Nodes\n", "$Elements\n", "$PhysicalNames\n"])
     start = text.index(keyword) + len(keyword)
@@ -99,12 +103,13 @@ def _mesh_with_wrong_counts(rng: random.Random) -> BrokenInput:
 
 
 def _invalid_shoe_mesh(rng: random.Random) -> BrokenInput:
-    """A well-formed mesh file that is no valid shoe: torn, folded, doubled, or without groups."""
+    """An input whose mesh file is readable but no valid shoe: torn, folded, or without groups."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "shoe.vtu"
         path.write_bytes(sound_mesh_files()[".vtu"])
         mesh = meshio.read(path)
         name, spoil = rng.choice(list(SPOILS.items()))
+        # The mesh is taken apart into arrays, spoiled, and written again.
         points, cells = mesh.points.copy(), mesh.cells[0].data.copy()
         cell_data = {key: values[0].copy() for key, values in mesh.cell_data.items()}
         point_data = {key: values.copy() for key, values in mesh.point_data.items()}
@@ -119,23 +124,25 @@ def _invalid_shoe_mesh(rng: random.Random) -> BrokenInput:
 
 
 Spoiled = tuple[Any, Any, dict[str, Any], dict[str, Any]]
-"""Points, cells, data of cells and data of points of a mesh.
+"""A spoiled mesh: its points, its cells, the data of its cells and the data of its points.
 
-The functions below take the same four: `at` are the data of cells, `on` those of points.
+The functions below take these four of a valid mesh and return those of a spoiled one. Their
+argument `at` holds the data of cells by group, `on` the data of points by group.
 """
 
 
 def _mesh_with_inverted_element(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
 ) -> Spoiled:
-    """A mesh with two corners of an element exchanged."""
+    """The mesh with two corners of a random element exchanged."""
     i = rng.randrange(len(cells))
     cells[i, [0, 1]] = cells[i, [1, 0]]
     return points, cells, at, on
 
 
 def _mesh_torn_in_two(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
-    """A mesh without a strip of its elements: two parts are left."""
+    """The mesh without the elements that cross a random angle, which leaves two parts."""
+    # An element stays if all of its corners are on one side of the random angle.
     theta = np.arctan2(points[:, 1], points[:, 0])[cells[:, :3]]
     cut = rng.uniform(-0.6, 0.5)
     keep = (theta.max(axis=1) < cut) | (theta.min(axis=1) > cut)
@@ -145,11 +152,11 @@ def _mesh_torn_in_two(rng: random.Random, points: Any, cells: Any, at: Any, on: 
 def _mesh_with_doubled_node(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
 ) -> Spoiled:
-    """A mesh in which an element does not share a corner with its neighbours."""
+    """The mesh with a node doubled, so that an element does not share it with its neighbours."""
     i, k = rng.randrange(len(cells)), rng.randrange(3)
     points = np.vstack([points, points[cells[i, k]]])
     on = {key: np.append(values, values[cells[i, k]]) for key, values in on.items()}
-    # A corner that belongs to one element only can be doubled without harm.
+    # A corner of one element only can be doubled without harm: an element is inverted instead.
     if np.count_nonzero(cells == cells[i, k]) == 1:
         return _mesh_with_inverted_element(rng, points, cells, at, on)
     cells[i, k] = len(points) - 1
@@ -159,7 +166,7 @@ def _mesh_with_doubled_node(
 def _mesh_with_infinite_coordinate(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
 ) -> Spoiled:
-    """A mesh with a coordinate that is not finite."""
+    """The mesh with one coordinate of a random corner set to NaN or infinity."""
     points[cells[rng.randrange(len(cells)), rng.randrange(3)], rng.randrange(2)] = rng.choice(
         [math.nan, math.inf]
     )
@@ -169,7 +176,7 @@ def _mesh_with_infinite_coordinate(
 def _mesh_with_folded_corner(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
 ) -> Spoiled:
-    """A mesh with a corner moved far across its neighbours."""
+    """The mesh with a random corner moved by 0.3 m, far across the neighbouring elements."""
     points[cells[rng.randrange(len(cells)), rng.randrange(3)], :2] += rng.choice([-1, 1]) * 0.3
     return points, cells, at, on
 
@@ -177,7 +184,7 @@ def _mesh_with_folded_corner(
 def _mesh_with_doubled_element(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
 ) -> Spoiled:
-    """A mesh that has an element twice."""
+    """The mesh with a random element listed twice."""
     i = rng.randrange(len(cells))
     return (
         points,
@@ -188,7 +195,7 @@ def _mesh_with_doubled_element(
 
 
 def _mesh_without_group(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
-    """A mesh without one of its groups, or with an empty group."""
+    """The mesh with one of its groups removed or emptied."""
     data, name = rng.choice(
         [(at, "lining"), (at, "shoe"), (on, "contact"), (on, "hinge"), (on, "actuation")]
     )
@@ -202,7 +209,7 @@ def _mesh_without_group(rng: random.Random, points: Any, cells: Any, at: Any, on
 def _mesh_with_wrong_groups(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
 ) -> Spoiled:
-    """A mesh with an element that belongs to no group of elements, or to all of them."""
+    """The mesh with a random element in no group of elements, or in all of them."""
     i, value = rng.randrange(len(cells)), rng.randrange(2)
     for values in at.values():
         values[i] = value
@@ -210,12 +217,12 @@ def _mesh_with_wrong_groups(
 
 
 def _mesh_in_other_unit(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
-    """A mesh in another unit of length."""
+    """The mesh with its coordinates in another unit of length: mm, km or inches for metres."""
     return points * rng.choice([1e3, 1e-3, 25.4]), cells, at, on
 
 
 def _mesh_off_plane(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
-    """A mesh with a point off the plane."""
+    """The mesh with a random point moved off the plane by 0.01 m."""
     points[rng.randrange(len(points)), 2] = 0.01
     return points, cells, at, on
 
@@ -223,7 +230,7 @@ def _mesh_off_plane(rng: random.Random, points: Any, cells: Any, at: Any, on: An
 def _mesh_with_missing_node(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
 ) -> Spoiled:
-    """A mesh with an element on a node that does not exist."""
+    """The mesh with a random element that refers to a node that does not exist."""
     cells[rng.randrange(len(cells)), rng.randrange(cells.shape[1])] = rng.choice(
         [-1, len(points), 2**40]
     )
@@ -233,7 +240,7 @@ def _mesh_with_missing_node(
 def _mesh_with_far_middle_node(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
 ) -> Spoiled:
-    """A mesh with the middle node of an edge far from the edge, so that an element folds over."""
+    """The mesh with the middle node of an edge moved far away, so that an element folds over."""
     points[cells[rng.randrange(len(cells)), rng.randrange(3, 6)], :2] += 0.2
     return points, cells, at, on
 
@@ -252,4 +259,4 @@ SPOILS: dict[str, Callable[..., Spoiled]] = {
     "undefined node": _mesh_with_missing_node,
     "middle node far off": _mesh_with_far_middle_node,
 }
-"""The function that spoils a mesh, by what is then wrong with it."""
+"""The functions that spoil a mesh, by a short name of the fault that they cause."""

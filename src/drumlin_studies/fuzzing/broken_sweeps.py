@@ -1,4 +1,7 @@
-"""Broken inputs of sweeps: sweep files with values of all sorts, and damaged journals."""
+"""Broken inputs of `drumlin sweep`: sweep files with wrong values or keys, and damaged journals.
+
+A sweep solves a brake for many values; its journal keeps the solved cases.
+"""
 
 import contextlib
 import io
@@ -27,9 +30,11 @@ from drumlin_studies.fuzzing.wrong_values import (
 )
 
 SWEEP_TABLE = "t.csv"
+"""Name of the table that a sweep writes."""
 SWEEP_JOURNAL = f"{SWEEP_TABLE}.journal"
 """Name of the journal of a sweep, beside its table."""
 SWEEP_WORDS = ["sweep", "s.toml", "--jobs", "1", "--output", SWEEP_TABLE]
+"""Words of the command line that runs a sweep."""
 SOUND_SWEEP = """
 brake = "b.toml"
 [model.fem]
@@ -38,6 +43,7 @@ elements = 6
 friction = [0.1, 0.2, 0.3, 0.4]
 "shoe[0].actuation.force" = ["1 kN", "2 kN"]
 """
+"""Text of a valid sweep file with eight cases."""
 WRONG_SWEEP_KEYS = (
     "friction",
     "rotation",
@@ -70,7 +76,9 @@ WRONG_SWEEP_KEYS = (
     "model_fields",
     f"shoe[{'9' * 5000}].hinge.x",
 )
+"""Keys under `vary` of a sweep file: some are allowed, most are not."""
 PLAIN_KEYS = ("friction", "shoe[0].actuation.force", "shoe.lining.thickness", "drum.radius") * 4
+"""Allowed keys under `vary`, four times each, so that some third of the drawn keys is allowed."""
 DISTRIBUTION_NAMES = (
     "normal",
     "uniform",
@@ -81,11 +89,12 @@ DISTRIBUTION_NAMES = (
     ["normal"],
     3,
 )
+"""Names of distributions in a sweep file, allowed ones and wrong ones."""
 
 
 @cache
 def sound_table_and_journal() -> tuple[bytes, bytes]:
-    """Table and journal of the sound sweep."""
+    """The table and the journal that the valid sweep SOUND_SWEEP writes."""
     from drumlin.cli.process import run  # noqa: PLC0415
 
     with tempfile.TemporaryDirectory() as name:
@@ -107,12 +116,13 @@ def sound_table_and_journal() -> tuple[bytes, bytes]:
 
 
 def sound_sweep_files() -> dict[str, bytes]:
-    """A sweep file and its brake file."""
+    """The valid sweep file SOUND_SWEEP and its brake file, by file name."""
     return {"b.toml": brake_text(SOUND_BRAKES[0]), "s.toml": SOUND_SWEEP.encode()}
 
 
 def make_broken_sweep(rng: random.Random) -> BrokenInput:
-    """A sweep file with other values and keys, or with broken bytes."""
+    """An input of `drumlin sweep` whose file has wrong values or keys, or broken bytes."""
+    # Three in ten files have broken bytes; the others are valid TOML with wrong keys or values.
     if rng.random() < 0.3:
         text = add_noise(rng, SOUND_SWEEP.encode(), WRONG_WORDS)
     else:
@@ -136,7 +146,7 @@ def make_broken_sweep(rng: random.Random) -> BrokenInput:
 
 
 def make_changed_sweep(rng: random.Random) -> BrokenInput:
-    """A sweep file of the studies, made small, with one to three changed values or keys."""
+    """An input of `drumlin sweep`: a small sweep of the studies with one to three wrong changes."""
     data = _small_sweep_data(rng)
     for _ in range(rng.choice([1, 1, 2, 3])):
         table = _random_table_of(rng, data)
@@ -159,7 +169,7 @@ def make_changed_sweep(rng: random.Random) -> BrokenInput:
 
 
 SWEEP_LENGTH_KEYS = {"cases", "count", "elements"}
-"""Keys whose number decides how long a sweep takes."""
+"""Keys of a sweep file whose numbers decide how long the sweep takes."""
 WRONG_LENGTHS: tuple[Any, ...] = (
     0,
     -1,
@@ -175,11 +185,14 @@ WRONG_LENGTHS: tuple[Any, ...] = (
     float("nan"),
     float("inf"),
 )
-"""Values of SWEEP_LENGTH_KEYS: small numbers, wrong types, and more than is allowed."""
+"""Values for the keys SWEEP_LENGTH_KEYS: small numbers, wrong types, and too large numbers."""
 
 
 def _small_sweep_data(rng: random.Random) -> dict[str, Any]:
-    """The data of a sweep of the studies with few cases and elements, or of one over mesh files."""
+    """The data of a random sweep file of the studies, with few cases and elements.
+
+    One of the choices is a sweep over mesh files, which no study has.
+    """
     paths = sorted((REPOSITORY / "studies" / "sweeps").glob("*.toml"))
     path = rng.choice([*paths, None])
     if path is None:
@@ -187,6 +200,7 @@ def _small_sweep_data(rng: random.Random) -> dict[str, Any]:
         data: dict[str, Any] = {"combine": "zip", "vary": meshes}
     else:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
+    # Ranges and samples get two or three values, so that the sweep is short.
     for spec in data["vary"].values():
         if isinstance(spec, dict) and "count" in spec:
             spec["count"] = 2
@@ -196,7 +210,7 @@ def _small_sweep_data(rng: random.Random) -> dict[str, Any]:
 
 
 def _random_table_of(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]:
-    """The sweep file itself or a table in it."""
+    """A random table of the sweep file's data: the whole data or a table inside them."""
     table = data
     while rng.random() < 0.7:
         below = [item for item in table.values() if isinstance(item, dict)]
@@ -207,7 +221,8 @@ def _random_table_of(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]
 
 
 def _random_varied_values(rng: random.Random) -> Any:
-    """Values for a key under `vary`: a list, a range or a distribution, right or wrong."""
+    """Random values for a key under `vary`: a list, a range or a distribution, valid or not."""
+    # Values come from one pool: numbers, forces, lengths, or wrong ones.
     pool = rng.choice(
         [
             (0.1, 0.2, 0.3, 0.35),
@@ -240,25 +255,26 @@ def _random_varied_values(rng: random.Random) -> Any:
 
 
 def make_damaged_journal(rng: random.Random) -> BrokenInput:
-    """The sound sweep with a damaged journal."""
+    """An input of `drumlin sweep`: the valid sweep, beside which lies a damaged journal."""
     return damage_journal(rng, *sound_table_and_journal())
 
 
 def damage_journal(rng: random.Random, table: bytes, journal: bytes) -> BrokenInput:
-    """A sweep whose journal has flipped bits, or lost, doubled and zeroed stretches.
+    """An input of `drumlin sweep` with a journal in which bytes are flipped, lost or doubled.
 
-    The sweep must end with the sound table whatever the damage.
+    The sweep must write the same table as without a journal, whatever the damage is.
 
     Parameters
     ----------
     rng : random.Random
-        What the damage is drawn from.
+        Random numbers that decide the damage.
     table, journal : bytes
-        Table and journal of the sound sweep.
+        Table and journal of the undisturbed sweep.
     """
     data = bytearray(journal)
     for _ in range(rng.choice([1, 1, 2, 5, 20])):
         at, length = rng.randrange(len(data)), rng.randrange(1, 200)
+        # A bit is flipped, the rest is cut off, or a piece is doubled, set to zero or left out.
         match rng.randrange(6):
             case 0 | 1:
                 data[at] ^= 1 << rng.randrange(8)

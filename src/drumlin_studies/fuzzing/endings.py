@@ -1,8 +1,8 @@
-"""How a command line ends, and whether it ends as promised.
+"""Runs drumlin's command line on a broken input, and judges how the run ends.
 
-A sound ending has status 0 and finite numbers, or status 2 or 3 and one line. Faults are a
-traceback, a second line, a control character on the screen, a number that is not finite, an input
-that is overwritten, and a run of more than LONGEST_RUN seconds.
+A run ends well with exit status 0 and finite numbers, or with status 2 or 3 and one line of text.
+Faults are a traceback, a second line, a control character on the screen, a number that is not
+finite, an input file that is overwritten, and a run of more than LONGEST_RUN seconds.
 """
 
 import contextlib
@@ -28,24 +28,24 @@ from drumlin.base.errors import ended
 from drumlin_studies.fuzzing.inputs import BrokenInput
 
 LONGEST_RUN = 10.0
-"""Processor time [s] above which a run is a fault."""
+"""Processor time [s] of a run above which the run counts as a fault."""
 LONGEST_WAIT = 300.0
-"""Wall-clock time [s] after which a run is stopped. It allows for a busy machine."""
+"""Wall-clock time [s] after which a run is stopped. It is long because the machine may be busy."""
 
 
 class Ending(NamedTuple):
-    """How a command line ended.
+    """How a run of a command line ended.
 
     Attributes
     ----------
     status : int
-        Exit status.
+        Exit status of the run.
     out, err : str
-        What it printed.
+        Texts that the run wrote to the standard output and to the standard error.
     written : dict
-        Files that it wrote or changed, by name.
+        Contents of the files that the run wrote or changed, by name.
     seconds : float
-        Processor time [s].
+        Processor time of the run [s].
     """
 
     status: int
@@ -56,7 +56,10 @@ class Ending(NamedTuple):
 
 
 def write_input_files(given: BrokenInput, folder: Path) -> None:
-    """Write the files of an input, and beside them a folder and links that its paths may name."""
+    """Write the files of an input into a folder, with a subfolder and links beside them.
+
+    Paths on the command line may name the subfolder or a link.
+    """
     for name, data in given.files.items():
         (folder / name).write_bytes(data)
     (folder / "sub").mkdir()
@@ -66,7 +69,7 @@ def write_input_files(given: BrokenInput, folder: Path) -> None:
 
 
 def read_written_files(folder: Path, given: BrokenInput) -> dict[str, bytes]:
-    """The files of a folder that are new or changed since `write_input_files`."""
+    """The contents, by name, of the files that a run has added or changed in a folder."""
     found = {}
     for path in sorted(folder.rglob("*")):
         name = str(path.relative_to(folder))
@@ -78,9 +81,9 @@ def read_written_files(folder: Path, given: BrokenInput) -> dict[str, bytes]:
 
 
 def run_in_this_process(given: BrokenInput) -> Ending:
-    """The ending of an input that runs in this process.
+    """Run the command line of an input in this process; returns how the run ended.
 
-    It is quick, but a hang inside a library is only found when the library returns.
+    This is faster than a new process, but an endless loop in a library cannot be stopped.
     """
     from drumlin.cli.process import run  # noqa: PLC0415
 
@@ -99,8 +102,7 @@ def run_in_this_process(given: BrokenInput) -> Ending:
                 _limit_run_time(),
             ):
                 warnings.simplefilter("error")
-                # One library deprecates what another one calls: no fault of drumlin. A deprecated
-                # call of drumlin's own is an error of the test run itself.
+                # Deprecated calls of one library by another one are no fault of drumlin.
                 warnings.filterwarnings("ignore", category=DeprecationWarning, module="(?!drumlin)")
                 status = ended(lambda: run(given.words))
         finally:
@@ -112,17 +114,18 @@ def run_in_this_process(given: BrokenInput) -> Ending:
 
 
 class RunTooLong(BaseException):
-    """A run has taken too long."""
+    """Error: a run has taken too long. As a BaseException it is not caught by drumlin itself."""
 
 
 @contextlib.contextmanager
 def _limit_run_time() -> Iterator[None]:
-    """Raise Late in a block that works for too long or waits for too long."""
+    """Raise RunTooLong in a `with` block that takes too much processor time or wall-clock time."""
 
     def raise_too_long(*_: object) -> None:
         """Raise RunTooLong when a timer ends."""
         raise RunTooLong
 
+    # One timer counts processor time, the other one wall-clock time.
     timers = (
         (signal.ITIMER_PROF, signal.SIGPROF, 1.5 * LONGEST_RUN),
         (signal.ITIMER_REAL, signal.SIGALRM, LONGEST_WAIT),
@@ -140,7 +143,10 @@ def _limit_run_time() -> Iterator[None]:
 
 
 def run_in_subprocess(given: BrokenInput, **more: Any) -> Ending:
-    """The ending of an input in a process of its own; `more` goes to subprocess.run."""
+    """Run the command line of an input in a new process; returns how the run ended.
+
+    `more` are further arguments of subprocess.run.
+    """
     command = [sys.executable, "-c", "from drumlin.cli import main; main()"]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -166,17 +172,18 @@ def run_in_subprocess(given: BrokenInput, **more: Any) -> Ending:
 def _children_processor_time() -> float:
     """Processor time [s] of the child processes that have ended.
 
-    On a busy machine the clock tells little.
+    On a busy machine the wall-clock time would depend on other programs.
     """
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
 _NOT_FINITE = re.compile(r"(?<![\w'\"/.-])[-+]?(?:nan|inf|NaN|Infinity)(?![\w'\"/.])")
+"""Pattern of a number in a text that is not finite; words and paths with "nan" do not match."""
 
 
 def find_fault(given: BrokenInput, end: Ending) -> str:
-    """What is wrong with the ending of an input; empty where nothing is."""
+    """The fault with which the run of an input ended, as text, or "" if it ended well."""
     if end.seconds > LONGEST_RUN:
         return f"took {end.seconds:.0f} s"
     if end.status not in {0, 2, 3}:
@@ -189,18 +196,19 @@ def find_fault(given: BrokenInput, end: Ending) -> str:
 
 
 KEPT_FILES = ("m/", "m.", "t.csv")
-"""Beginnings of the files that a refused run may leave.
+"""First letters of the names of files that a run may leave although it ends with an error.
 
-They are meshes that were written before the failure, and a sweep's table and journal.
+The files are meshes that were written before the error, and the table and journal of a sweep.
 """
 _NOTES = re.compile(r"(?:drumlin: t\.csv\.journal: [^\n]*\n)*")
+"""Pattern of the lines by which a sweep reports a repaired journal."""
 
 
 def _find_fault_of_refusal(end: Ending) -> str:
-    """What is wrong with a refusal."""
+    """The fault of a run with exit status 2 or 3, as text, or "" if it ended well."""
     said = _NOTES.sub("", end.err, count=1)
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
-        # A refused journal is named in the same words as a repaired one.
+        # A sweep that refuses its journal prints a line that also matches _NOTES.
         said = end.err
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
         return f"not one line: {end.err[:200]!r}"
@@ -210,13 +218,13 @@ def _find_fault_of_refusal(end: Ending) -> str:
 
 
 def _find_fault_of_answer(given: BrokenInput, end: Ending) -> str:
-    """What is wrong with an answer."""
+    """The fault of a run with exit status 0, as text, or "" if it ended well."""
     if not _NOTES.fullmatch(end.err):
         return f"an answer with {end.err[:200]!r} in stderr"
     if given.must_fail:
         return "an answer of an input that has none"
     names = _odd_shoe_names(given)
-    # The title of the brake comes first and may be any text.
+    # The title of the brake and the names of shoes may be any text: they are left out.
     _, _, numbers = end.out.partition(", drum turns")
     numbers = reduce(lambda text, name: text.replace(name, "_"), names, numbers or end.out)
     if _NOT_FINITE.search(numbers):
@@ -236,7 +244,7 @@ def _find_fault_of_answer(given: BrokenInput, end: Ending) -> str:
 
 
 def _odd_shoe_names(given: BrokenInput) -> list[str]:
-    """Names of shoes that look like a number that is not finite, such as "nan mm"."""
+    """Names of shoes in the brake file that look like an infinite number, such as "inf mm"."""
     try:
         shoes = tomllib.loads(given.files.get("b.toml", b"").decode()).get("shoe", [])
         names = {str(shoe.get("name")) for shoe in shoes}
@@ -246,7 +254,7 @@ def _odd_shoe_names(given: BrokenInput) -> list[str]:
 
 
 def _text_around_bad_number(text: str) -> str:
-    """The surroundings of the first number in a text that is not finite."""
+    """The part of a text around its first number that is not finite; "" if all are finite."""
     match = _NOT_FINITE.search(text)
     return (
         ""
@@ -256,7 +264,17 @@ def _text_around_bad_number(text: str) -> str:
 
 
 def _find_fault_of_file(name: str, data: bytes, names: Sequence[str]) -> str:
-    """What is wrong with a written file. names : names of shoes, which may be any text."""
+    """The fault of a file that a run has written, as text, or "" if it has none.
+
+    Parameters
+    ----------
+    name : str
+        Name of the file.
+    data : bytes
+        Content of the file.
+    names : sequence of str
+        Names of shoes that look like an infinite number; in a table they are no fault.
+    """
     if Path(name).name.startswith(".drumlin-"):
         return f"a temporary file is left: {name}"
     if data.startswith(b"{") and ".journal" not in name:
@@ -274,5 +292,5 @@ def _find_fault_of_file(name: str, data: bytes, names: Sequence[str]) -> str:
 
 
 def _refuse_constant(word: str) -> float:
-    """Refuse NaN and infinity, which Python's reader of JSON would accept."""
+    """Raise ValueError for the word NaN or Infinity, which Python's JSON reader would accept."""
     raise ValueError(f"holds {word}")

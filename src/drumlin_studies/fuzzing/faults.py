@@ -1,6 +1,7 @@
-"""Generators of broken inputs: folders of files with a command line (`endings` judges their end).
+"""Functions that make random broken inputs: brake files, meshes, tables and command lines.
 
-Each input has random numbers of its own, so that input number n of a generator is always the same.
+Each function draws the input from a random generator `rng`. With the same seed it makes the same
+input. The module `endings` runs an input and judges how the run ends.
 """
 
 import csv
@@ -39,17 +40,18 @@ from drumlin_studies.fuzzing.wrong_values import (
 )
 
 REFERENCE_FILE = "reports/reference/values/double_shoe_brake.json"
+"""Path, in the repository, of the reference values of the double-shoe brake."""
 
 
 @cache
 def reference_file_text() -> bytes:
-    """The file of reference values of the double-shoe brake."""
+    """The content of the file of reference values of the double-shoe brake."""
     return (REPOSITORY / REFERENCE_FILE).read_bytes()
 
 
 @cache
 def pressure_table_text() -> bytes:
-    """A table of p(theta) of the double-shoe brake, as a user hands it in."""
+    """A CSV table of p(theta) of the double-shoe brake, as a user gives it to `drumlin check`."""
     from drumlin.models import MODELS  # noqa: PLC0415
     from drumlin.verification.check import curves_text  # noqa: PLC0415
 
@@ -58,20 +60,22 @@ def pressure_table_text() -> bytes:
 
 
 def make_broken_bytes(rng: random.Random) -> BrokenInput:
-    """A brake file with broken bytes."""
+    """An input whose brake file has broken bytes."""
     text = add_noise(rng, brake_text(rng.choice(SOUND_BRAKES)), WRONG_WORDS)
     return BrokenInput("brake file: bytes", {"b.toml": text}, _random_solving_command(rng))
 
 
 def make_scaled_quantities(rng: random.Random) -> BrokenInput:
-    """A brake file with one to four quantities made larger or smaller.
+    """An input whose brake file has one to four quantities multiplied by random factors.
 
-    The result is often still a brake, but an extreme one.
+    The file often still describes a valid but extreme brake.
     """
     text = brake_text(rng.choice(SOUND_BRAKES)).decode()
+    # A number that is followed by a unit or that ends its value.
     number = r"(?<![\w.])(-?\d[\d.]*)(?= \w+\"|\s*(?:[,}#]|$))"
     places = list(re.finditer(number, text, re.MULTILINE))
     chosen = rng.sample(places, min(len(places), rng.choice([1, 1, 2, 4])))
+    # The last number of the text is replaced first, so that the places of the others stay valid.
     for place in sorted(chosen, key=lambda match: -match.start()):
         sizes = [rng.uniform(0.2, 3), 10 ** rng.uniform(-3, 3), 10 ** rng.uniform(-12, 12)]
         size = rng.choice(sizes)
@@ -81,11 +85,12 @@ def make_scaled_quantities(rng: random.Random) -> BrokenInput:
 
 
 def make_wrong_values(rng: random.Random) -> BrokenInput:
-    """A brake file with one to three keys of the schema set to values of all sorts.
+    """An input whose brake file has random values for one to three keys that a brake file may have.
 
-    Keys that the file does not have yet may be added.
+    The keys may be ones that the file did not have.
     """
     data = tomllib.loads(brake_text(rng.choice(SOUND_BRAKES)).decode())
+    # A change may remove a key, add an unknown one, or give a key another value.
     for _ in range(rng.choice([1, 1, 2, 3])):
         places = list(places_by_schema(Brake.shape_of(data), data))
         table, key, annotation = rng.choice(places)
@@ -103,7 +108,7 @@ def make_wrong_values(rng: random.Random) -> BrokenInput:
 
 
 def _random_solving_command(rng: random.Random) -> list[str]:
-    """The words of a command that reads the brake, mostly `solve`."""
+    """The words of a random command line that reads the brake file, mostly `drumlin solve`."""
     model = rng.choice(
         [
             "fem",
@@ -131,7 +136,7 @@ def _random_solving_command(rng: random.Random) -> list[str]:
 
 
 def make_broken_mesh(rng: random.Random) -> BrokenInput:
-    """A mesh file with broken bytes, cut off, of another format, or with a wrong number."""
+    """An input whose mesh file has broken bytes or a wrong number, is cut off, or mislabelled."""
     files = sound_mesh_files()
     suffix = rng.choice([".msh", ".inp", ".vtu"])
     data = files[suffix]
@@ -172,11 +177,11 @@ INP_ENDS = (
     b"*ELEMENT, TYPE=CPS3\n1,2,3\n",
     b"*INCLUDE, INPUT=/etc/passwd\n",
 )
-"""Ends of an .inp file that ask for too much, refer to themselves or are wrong."""
+"""Lines appended to a mesh file .inp: huge sets, sets that contain themselves, wrong keywords."""
 
 
 def make_broken_reference(rng: random.Random) -> BrokenInput:
-    """A check against reference values with other types and sizes, or with broken bytes."""
+    """An input of `drumlin check` whose reference values have wrong types or broken bytes."""
     text = reference_file_text()
     if rng.random() < 0.4:
         text = add_noise(rng, text, WRONG_WORDS)
@@ -215,9 +220,9 @@ def make_broken_reference(rng: random.Random) -> BrokenInput:
 
 
 def _places_in_nested_data(data: Any) -> Iterator[tuple[Any, Any]]:
-    """Each table or list of nested data with each of its keys or indices.
+    """Yield each table or list of nested data with each of its keys or indices.
 
-    Of a long list only the first places are taken.
+    In a list of tables or lists, only the first three places below it are taken.
     """
     for key, value in list(data.items() if isinstance(data, dict) else enumerate(data)):
         yield data, key
@@ -228,7 +233,7 @@ def _places_in_nested_data(data: Any) -> Iterator[tuple[Any, Any]]:
 
 
 def make_broken_table(rng: random.Random) -> BrokenInput:
-    """A check of a table of p(theta) with cells of all sorts, or with broken bytes."""
+    """An input of `drumlin check` whose table of p(theta) has wrong cells or broken bytes."""
     text = pressure_table_text()
     if rng.random() < 0.5:
         text = add_noise(rng, text, WRONG_WORDS)
@@ -253,14 +258,15 @@ def make_broken_table(rng: random.Random) -> BrokenInput:
 
 
 SLOW_COMMANDS = {"study", "sweep", "reference", "cost", "compare", "hold", "explore"}
-"""Commands that take long, or run until they are stopped. They only get wrong options, by
-`make_wrong_command`.
+"""Commands that take long or run until they are stopped.
+
+They are only run with wrong options, by `make_wrong_command`, so that they end at once.
 """
 
 
 @cache
 def _drumlin_commands() -> dict[str, Any]:
-    """The commands of drumlin, by name."""
+    """The commands of drumlin's command line, by name, as objects of the library typer."""
     from typer.main import get_command  # noqa: PLC0415
 
     from drumlin.cli.commands import app  # noqa: PLC0415
@@ -269,11 +275,12 @@ def _drumlin_commands() -> dict[str, Any]:
 
 
 def make_random_command(rng: random.Random) -> BrokenInput:
-    """A command of drumlin with options of all sorts."""
+    """An input that is a random command of drumlin with random values of its options."""
     commands = _drumlin_commands()
     name = rng.choice([name for name in commands if name not in SLOW_COMMANDS - {"hold"}])
     words = [name, "b.toml"]
     chosen = {}
+    # Required arguments always get a word, options only in one case of three.
     for option in commands[name].params:
         required = option.param_type_name == "argument" or option.name == "to"
         if option.name in {"brake_file", "brake_files"} or (not required and rng.random() < 0.65):
@@ -283,6 +290,7 @@ def make_random_command(rng: random.Random) -> BrokenInput:
             words.append(str(value))
         else:
             chosen[option.name] = [option.opts[0], *([] if value is None else [value])]
+    # Most solves get few elements, so that they are quick.
     if name == "hold" or (name != "check" and rng.random() < 0.9):
         chosen.setdefault("elements", ["--elements", FEW_ELEMENTS])
         if chosen.get("model", ["", "fem"])[1] != "fem":
@@ -298,7 +306,7 @@ def make_random_command(rng: random.Random) -> BrokenInput:
 
 
 def _random_option_word(rng: random.Random, option: Any) -> str | None:
-    """A random word for an option by its name and type; None for a flag."""
+    """A random word as the value of an option, chosen by its name and type; None for a flag."""
     if getattr(option, "is_flag", False) or getattr(option, "is_bool_flag", False):
         return None
     if option.name == "result":
@@ -319,7 +327,7 @@ def _random_option_word(rng: random.Random, option: Any) -> str | None:
 
 
 def make_wrong_command(rng: random.Random) -> BrokenInput:
-    """Words that make no valid command line."""
+    """An input whose command line is not valid: random words after the name of a command."""
     name = rng.choice([*_drumlin_commands(), "", "x", "--help", "--version", "-h", "--bad"])
     words = [name] + [
         rng.choice([*WRONG_WORDS, *WRONG_PATHS, "--json", "--elements", "--bad"])
@@ -331,7 +339,7 @@ def make_wrong_command(rng: random.Random) -> BrokenInput:
 
 
 def shown_command_line(given: BrokenInput) -> str:
-    """The command line of an input as a reader sees it, with long words cut."""
+    """The command line of an input as text for people: long words are cut, odd words quoted."""
     safe = set(string.ascii_letters + string.digits + "-_./=")
     cut = [word if len(word) < 40 else word[:20] + f"...({len(word)})" for word in given.words]
     return " ".join(word if word and set(word) <= safe else repr(word) for word in cut)

@@ -1,4 +1,4 @@
-"""Brake files that no model may answer."""
+"""Random brake files that drumlin must refuse, whichever model is to solve them."""
 
 import random
 import tomllib
@@ -29,13 +29,14 @@ WRONG_TYPES: tuple[Any, ...] = (
     "NaN",
     "1e999 m",
 )
-"""Values that no key of a brake file accepts, except titles and names."""
+"""Values that every key of a brake file must refuse, except titles and names."""
 
 
 def make_broken_structure(rng: random.Random) -> BrokenInput:
-    """A brake file with a key renamed or a value of another type."""
+    """An input whose brake file has a renamed key or a value of a wrong type."""
     name = rng.choice(SOUND_BRAKES)
     data = tomllib.loads(brake_text(name).decode())
+    # Titles and names are left out, since any text is valid for them.
     keyed = [place for place in _places_of_leaf_values(data) if isinstance(place[-1], str)]
     named = [place for place in keyed if place[-1] not in {"title", "name"}]
     *parents, key = rng.choice(named)
@@ -48,9 +49,10 @@ def make_broken_structure(rng: random.Random) -> BrokenInput:
 
 
 def make_huge_file(rng: random.Random) -> BrokenInput:
-    """A brake file that is far too deep, long or wide."""
+    """An input whose brake file is far too long, too deeply nested, or has too many shoes."""
     name = rng.choice(SOUND_BRAKES)
     text = brake_text(name).decode()
+    # Functions make the texts, so that only the chosen text takes memory.
     texts: list[Callable[[], str]] = [
         lambda: text + "\nx = " + "[" * 50_000,
         lambda: text + "\n# " + "x" * 2_000_000,
@@ -63,18 +65,20 @@ def make_huge_file(rng: random.Random) -> BrokenInput:
 
 
 def _solve_of_broken_file(rng: random.Random, kind: str, name: str, text: bytes) -> BrokenInput:
-    """A solve of a broken file by a model that would answer the sound brake.
+    """An input of `drumlin solve` with a broken brake file and a random model.
+
+    The model can solve the valid brake file from which the broken one was made.
 
     Parameters
     ----------
     rng : random.Random
-        What the model is drawn from.
+        Random numbers from which the model is drawn.
     kind : str
-        What kind of input it is.
+        Kind of the input in tables.
     name : str
-        Name of the sound brake file.
+        Name of the valid brake file.
     text : bytes
-        The broken file.
+        Content of the broken brake file.
     """
     words = ["solve", "b.toml", "--json", "r.json"]
     model = rng.choice(_answering_models(name))
@@ -84,13 +88,13 @@ def _solve_of_broken_file(rng: random.Random, kind: str, name: str, text: bytes)
 
 @cache
 def _answering_models(name: str) -> tuple[str, ...]:
-    """The names of the models that answer a sound brake."""
+    """The names of the models that can solve the valid brake file `name` of the studies."""
     brake = read_any(REPOSITORY / "studies" / f"{name}.toml")
     return tuple(model.name for model in applicable(brake))
 
 
 def _places_of_leaf_values(data: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """The places of all values in nested data, each as keys and indices from the top."""
+    """Yield the place of each number and text in nested data, as keys and indices from the top."""
     if isinstance(data, dict):
         for key, value in data.items():
             yield from _places_of_leaf_values(value, (*place, key))
@@ -102,7 +106,7 @@ def _places_of_leaf_values(data: Any, place: tuple[Any, ...] = ()) -> Iterator[t
 
 
 def _value_at_place(data: Any, place: tuple[Any, ...]) -> Any:
-    """The value at a place of nested data."""
+    """The value in nested data at a place, given as keys and indices from the top."""
     for step in place:
         data = data[step]
     return data

@@ -1,4 +1,4 @@
-"""Broken inputs: their form, the sound brake files behind them, and how bytes are broken."""
+"""Broken inputs: the class for them, the valid brake files they are made of, and random noise."""
 
 import random
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from drumlin.studies import REPOSITORY
 
 FEW_ELEMENTS = "6"
-"""Elements along a lining in the commands of inputs. A solve then takes some 20 ms."""
+"""Number of elements along a lining on the command lines of inputs; a solve takes some 20 ms."""
 SOUND_BRAKES = (
     "double_shoe/brake",
     "post_brake/brake",
@@ -18,24 +18,24 @@ SOUND_BRAKES = (
     "laws/block",
     "laws/shigley_16_2",
 )
-"""The brake files that inputs are made of, in studies/ and without their suffix."""
+"""Valid brake files from which broken inputs are made, in studies/ and without their suffix."""
 
 
 class BrokenInput(NamedTuple):
-    """A folder of files with a command line that runs in it.
+    """Files of a folder, and a command line of drumlin that runs in the folder.
 
     Attributes
     ----------
     kind : str
-        What kind of input it is.
+        Kind of the input in tables.
     files : dict
         Contents of the files, by name.
     words : list of str
-        The words of the command line.
+        Words of the command line after "drumlin".
     right : mapping
-        Contents that files of an answer must have, by name, where they are known.
+        Contents that written files must have after the run, by name; empty if they are not known.
     must_fail : bool
-        Whether no model may answer the input.
+        Whether drumlin must refuse the input.
     """
 
     kind: str
@@ -53,14 +53,18 @@ class Raw(NamedTuple):
 
 @cache
 def brake_text(name: str) -> bytes:
-    """The text of a brake file of the studies."""
+    """The content of the brake file `name` of the studies."""
     return (REPOSITORY / "studies" / f"{name}.toml").read_bytes()
 
 
 def add_noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> bytes:
-    """Data with some bytes dropped, doubled, overwritten, reversed, or with words inserted."""
+    """A copy of the data with random bytes dropped, doubled, overwritten, reversed or inserted.
+
+    `words` are texts that may be inserted, too.
+    """
     found = bytearray(data)
     for _ in range(rng.choice([1, 1, 2, 5, 40])):
+        # A change concerns the bytes from `at` to `end`.
         at = rng.randrange(len(found) + 1)
         end = min(len(found), at + rng.choice([1, 1, 3, 20, 200]))
         what = rng.randrange(6 if words else 5)
@@ -80,7 +84,7 @@ def add_noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> byt
 
 
 def data_as_toml(data: Any) -> bytes:
-    """Nested data as TOML: everything below the top as inline tables."""
+    """Nested data as the text of a TOML file, a line for each key of the top level."""
     lines = (
         f"{_text_as_toml(str(key))} = {_value_as_toml(value)}\n" for key, value in data.items()
     )
@@ -88,7 +92,7 @@ def data_as_toml(data: Any) -> bytes:
 
 
 def _value_as_toml(value: Any) -> str:
-    """A value in TOML, on one line."""
+    """A value in the syntax of TOML, on one line; a table becomes an inline table."""
     if isinstance(value, dict):
         items = (
             f"{_text_as_toml(str(key))} = {_value_as_toml(item)}" for key, item in value.items()
@@ -104,7 +108,8 @@ def _value_as_toml(value: Any) -> str:
 
 
 def _text_as_toml(text: str) -> str:
-    """A text in TOML, in quotes."""
+    """A text in the syntax of TOML, in quotes and with odd letters escaped."""
+    # Quotes and backslashes are escaped, and so are letters that cannot be printed.
     plain = {'"': '\\"', "\\": "\\\\"}
     letters = (plain.get(c, c if c.isprintable() else f"\\U{ord(c):08x}") for c in text)
     return '"' + "".join(letters) + '"'

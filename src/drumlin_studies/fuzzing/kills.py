@@ -1,6 +1,7 @@
-"""Sweeps that are killed at random moments and resumed.
+"""Sweeps of brakes that are killed at random moments and resumed.
 
-They must end with the table of an undisturbed run, and solve no case twice.
+After the last resumption a sweep must write the table of an undisturbed run. No case may be solved
+twice.
 """
 
 import json
@@ -20,11 +21,13 @@ from drumlin.base.journal import Journal
 from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, brake_text
 
 KILLED_CASES = 150
-"""Number of cases of a sweep."""
+"""Number of cases of a sweep that is killed."""
 RUN_LIMIT = 900.0
-"""Wall-clock time [s] after which a run is stopped. It allows for a busy machine."""
+"""Wall-clock time [s] after which a run is stopped. It is long because the machine may be busy."""
 RUN_WAYS = ("one job", "two jobs", "Dask")
+"""The ways to run a sweep: with one or two processes, or on a Dask cluster."""
 DRUMLIN_PROGRAM = "from drumlin.cli import main; main()"
+"""Python program that runs drumlin's command line."""
 KILLED_SWEEP = f"""
 brake = "b.toml"
 cases = {KILLED_CASES}
@@ -35,15 +38,17 @@ friction = {{ distribution = "uniform", from = 0.2, to = 1.3 }}
 "shoe.lining.clearance" = {{ distribution = "uniform", from = "0 mm", \
 to = "0.2 mm", each_shoe = true }}
 """
+"""Text of the sweep file of the sweeps that are killed."""
 
 
 def killed_sweep_row(case: dict[str, Any]) -> dict[str, Any]:
-    """The row of a sweep that is killed several times and then finishes.
+    """Kill a sweep several times, let it finish, and return a row of a table on how it ended.
 
-    `met` is the number of kills that met a run at work, `fault` what is wrong at the end.
-
-    case : its `way`, one of RUN_WAYS; its `seed`, which decides the moments; the number of `kills`.
+    `case` holds the `way` to run the sweep, one of RUN_WAYS, the number of `kills`, and the `seed`
+    of their moments. The row adds `met`, the number of kills that hit a running sweep, and `fault`,
+    the faults at the end as text, "" if there are none.
     """
+    # A kill comes as soon as the journal has a random number of cases.
     rng = random.Random(f"kills {case['seed']} {case['way']}")
     moments = sorted(rng.sample(range(1, KILLED_CASES - 10), case["kills"]))
     with tempfile.TemporaryDirectory() as name:
@@ -55,6 +60,7 @@ def killed_sweep_row(case: dict[str, Any]) -> dict[str, Any]:
             met = sum(_kill_at_row(moment, folder, words) for moment in moments)
             table = _finish_sweep(folder, "t.csv", words)
         keys = _journal_case_keys(folder / "t.csv.journal")
+    # The final table must be that of the undisturbed run, with each case once in the journal.
     wrong, different = [], len(set(keys))
     if table != whole:
         wrong.append("another table")
@@ -67,9 +73,9 @@ def killed_sweep_row(case: dict[str, Any]) -> dict[str, Any]:
 
 @contextmanager
 def _run_options(way: str, folder: Path) -> Iterator[list[str]]:
-    """The options with which a sweep runs.
+    """The options of `drumlin sweep` for a way to run it, during a `with` block.
 
-    For Dask a scheduler and a worker run on this machine during the block.
+    For the way "Dask" a scheduler and a worker run on this machine during the block.
     """
     if way != "Dask":
         yield ["--jobs", "1" if way == "one job" else "2"]
@@ -81,6 +87,7 @@ def _run_options(way: str, folder: Path) -> Iterator[list[str]]:
     )
     started = [scheduler]
     try:
+        # The scheduler writes its address into a file as soon as it is ready.
         end = time.monotonic() + RUN_LIMIT
         while not known.exists():
             if scheduler.poll() is not None or time.monotonic() > end:
@@ -100,7 +107,7 @@ def _run_options(way: str, folder: Path) -> Iterator[list[str]]:
 
 
 def _start_child_process(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
-    """A Python process with the same path as this process."""
+    """Start Python with the given words in a folder; modules are found as in this process."""
     env = os.environ | {
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
         "OMP_NUM_THREADS": "1",
@@ -115,20 +122,23 @@ def _start_child_process(words: list[str], folder: Path) -> subprocess.Popen[byt
 
 
 def _start_sweep(folder: Path, output: str, words: list[str]) -> subprocess.Popen[bytes]:
-    """The process of a sweep."""
+    """Start the sweep of a folder with further options `words`; returns the process."""
     return _start_child_process(
         ["-c", DRUMLIN_PROGRAM, "sweep", "s.toml", "--output", output, *words], folder
     )
 
 
 def _finish_sweep(folder: Path, output: str, words: list[str]) -> bytes:
-    """The table of a sweep that runs to its end, or its exit status."""
+    """Run the sweep of a folder to its end; returns the table, or the exit status as text."""
     status = _start_sweep(folder, output, words).wait(RUN_LIMIT)
     return (folder / output).read_bytes() if status == 0 else f"status {status}".encode()
 
 
 def _kill_at_row(moment: int, folder: Path, words: list[str]) -> bool:
-    """Kill a run as soon as its journal has `moment` rows; tell whether it was still at work."""
+    """Start the sweep of a folder and kill it as soon as its journal has `moment` cases.
+
+    Returns whether the sweep was still running when it was killed.
+    """
     process, journal = _start_sweep(folder, "t.csv", words), folder / "t.csv.journal"
     end = time.monotonic() + RUN_LIMIT
     while process.poll() is None and time.monotonic() < end:
@@ -143,7 +153,7 @@ def _kill_at_row(moment: int, folder: Path, words: list[str]) -> bool:
 
 
 def _wait_for_unlocked_journal(journal: Path) -> None:
-    """Wait until the workers of a killed run have ended as well. They hold its journal."""
+    """Wait until no process locks the journal: the workers of a killed sweep may still run."""
     end = time.monotonic() + RUN_LIMIT
     while time.monotonic() < end:
         try:
@@ -155,14 +165,14 @@ def _wait_for_unlocked_journal(journal: Path) -> None:
 
 
 def _try_lock(handle: int) -> None:
-    """Lock an open file, or raise BlockingIOError where another process holds its lock."""
+    """Lock an open file. Raises BlockingIOError if another process has locked it."""
     import fcntl  # noqa: PLC0415
 
     fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def _journal_case_keys(journal: Path) -> list[str]:
-    """The keys of the cases in a journal."""
+    """The keys of the cases in the journal of a sweep, a key for each line below the first."""
     return [
         json.loads(line)["key"] for line in journal.read_text(encoding="utf-8").splitlines()[1:]
     ]
@@ -171,18 +181,18 @@ def _journal_case_keys(journal: Path) -> list[str]:
 def kill_sweeps(
     chains: dict[str, int], kills: int, journal: Journal, say: Callable[[str], None]
 ) -> list[dict[str, Any]]:
-    """The rows of sweeps that are killed.
+    """Kill many sweeps and let them finish; returns a row for each sweep on how it ended.
 
     Parameters
     ----------
     chains : dict
-        Number of sweeps in each way.
+        Number of sweeps for each way to run them.
     kills : int
-        Number of kills of each sweep.
+        Number of times that each sweep is killed.
     journal : Journal
-        Sweeps with a row in the journal are not run again.
+        Journal of this experiment; sweeps with a row in it are not run again.
     say : function
-        Is told how far the work is.
+        Function that gets a line of text on the progress.
     """
     cases: list[dict[str, Any]] = []
     for way, count in chains.items():
@@ -195,7 +205,10 @@ def kill_sweeps(
 
 
 def kill_table(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """A row for each way: numbers of sweeps, of kills, of kills that met a run, and of faults."""
+    """Summarise the rows of `kill_sweeps` in a table with a row for each way to run a sweep.
+
+    A row counts the sweeps, the kills, the kills that hit a running sweep, and the faults.
+    """
     lines: list[dict[str, Any]] = []
     for way in RUN_WAYS:
         own = [row for row in rows if row["way"] == way]

@@ -1,6 +1,6 @@
-"""The promises of drumlin, each with the test that holds it, and the meanings of exit statuses.
+"""What drumlin promises its users, each promise with the test that checks it; exit statuses.
 
-A test checks that these tests exist.
+Another test checks that these tests exist.
 """
 
 PROMISES = [
@@ -263,7 +263,7 @@ PROMISES = [
         ),
     )
 ]
-"""Each promise with its test, as rows of a table."""
+"""Rows of a table: each promise of drumlin, and the test that checks it."""
 
 STATUS_MEANINGS = [
     {"status": status, "meaning": meaning}
@@ -276,4 +276,4 @@ STATUS_MEANINGS = [
         ("141", "the program that read the output has ended"),
     )
 ]
-"""Each exit status with its meaning, as rows of a table."""
+"""Rows of a table: each exit status of drumlin's command line, and its meaning."""

@@ -1,4 +1,4 @@
-"""Checks that an answer is finite, in balance, and has the torque of its pressure."""
+"""Checks that a response is finite, in equilibrium, and has the torque that its pressure gives."""
 
 import tempfile
 import warnings
@@ -15,23 +15,23 @@ from drumlin.response.response import Response
 from drumlin_studies.fuzzing.inputs import BrokenInput
 
 SOUND_IMBALANCE = 1e-6
-"""Largest imbalance of a sound answer, relative to the applied forces and moments.
+"""Imbalance above which a response counts as wrong, relative to the applied forces and moments.
 
-The value is a judgement: far above round-off, and far below an error that a user would notice.
+The value is chosen by judgement: far above round-off, and far below an error that users notice.
 """
 TORQUE_SLACK = 0.03
-"""Largest difference between the stated torque and the torque of the pressure, relative.
+"""Relative difference between the torque and the moment of the friction above which one is wrong.
 
-The lining of a mesh may lie off the drum by 1 % of its radius. Its length and its lever are then
-larger by 1 % each.
+The lining of a mesh file may be off the drum by 1 % of the radius. Its length and its lever arm are
+then off by 1 % each.
 """
 
 
 def find_unsound_answer(given: BrokenInput) -> str:
-    """Why the answer of a solve cannot be true; empty where it can.
+    """Why the response to an input of `drumlin solve` must be wrong; "" if it may be right.
 
-    The brake is read and solved again with the options of the input. Raises what a solve raises;
-    warnings are errors.
+    The brake is read and solved again with the options of the input. Raises the errors of the
+    solve, and warnings as errors.
     """
     options: dict[str, Any] = {}
     if "--elements" in given.words:
@@ -46,12 +46,12 @@ def find_unsound_answer(given: BrokenInput) -> str:
 
 
 def _word_after(words: list[str], option: str) -> str:
-    """The word that follows an option on a command line; None without the option."""
+    """The word that follows an option on a command line. Raises ValueError without the option."""
     return words[words.index(option) + 1]
 
 
 def find_unsound_response(brake: Brake, response: Response) -> str:
-    """Why a response cannot be true; empty where it can."""
+    """Why the response of a brake must be wrong, as text; "" if it may be right."""
     numbers = [response.torque, response.balance.force, response.balance.moment]
     for shoe in response.shoes:
         numbers += [shoe.torque, shoe.normal_force, shoe.peak_pressure]

@@ -1,4 +1,7 @@
-"""Runs of thousands of broken inputs, by generator, with a journal of how each input ended."""
+"""Runs drumlin on thousands of broken inputs, and keeps in a journal how each run ended.
+
+A generator is a named function that makes random broken inputs of one kind.
+"""
 
 import itertools
 import os
@@ -23,9 +26,9 @@ from drumlin_studies.fuzzing.soundness import find_unsound_answer
 from drumlin_studies.side_by_side import Case, compute_and_keep_cases
 
 INPUTS_AT_A_TIME = 50
-"""Number of inputs that a process takes at a time."""
+"""Number of inputs that are given to a process together and that make one entry of the journal."""
 KEPT_LETTERS = 300
-"""Number of letters of a refusal that a verdict keeps. They are enough to tell what it refuses."""
+"""Number of letters of an error message that a verdict keeps, enough to see what was refused."""
 
 GENERATORS: dict[str, tuple[Callable[[random.Random], BrokenInput], str]] = {
     "bytes": (faults.make_broken_bytes, "a brake file with its bytes in disorder"),
@@ -58,24 +61,24 @@ GENERATORS: dict[str, tuple[Callable[[random.Random], BrokenInput], str]] = {
     "command lines": (faults.make_random_command, "commands with options of all sorts"),
     "words": (faults.make_wrong_command, "words that are no command line"),
 }
-"""The function that makes an input, and what it makes in words, for each generator."""
+"""The generators of broken inputs by name: a function that makes an input, and a description."""
 
 
 class InputVerdict(NamedTuple):
-    """How an input ended.
+    """How the run of a broken input ended, and whether this is a fault of drumlin.
 
     Attributes
     ----------
     number : int
-        Number of the input.
+        Number of the input of its generator.
     status : int
-        Exit status.
+        Exit status of the run.
     seconds : float
-        Processor time [s].
+        Processor time of the run [s].
     fault : str
-        What is wrong; empty where nothing is.
+        Fault of drumlin; "" if the run ended well.
     line : str
-        The line that refused the input.
+        Error message with which drumlin refused the input; "" if it did not.
     """
 
     number: int
@@ -86,23 +89,25 @@ class InputVerdict(NamedTuple):
 
 
 COUNTED_STATUSES = {"answers": 0, "refused": 2, "no answer": 3}
-"""The exit statuses of a sound ending, by the key of a row that counts them."""
+"""The exit statuses of runs that end well, by the column of the table that counts them."""
 
 
 def make_input(generator: str, number: int) -> BrokenInput:
-    """An input of a generator. The same number always gives the same input."""
+    """Make the input of a generator with a number. The same number gives the same input."""
     return GENERATORS[generator][0](random.Random(f"{generator} {number}"))
 
 
 def try_input(generator: str, number: int, apart: bool = False) -> InputVerdict:
-    """The verdict on an input.
+    """Make the input of a generator with a number, run it, and judge how the run ended.
 
-    apart : whether the input runs in a process of its own.
+    If `apart` is true, the input runs in a new process, else in this one.
     """
+    # A word with a NUL byte cannot be given to a new process.
     given = make_input(generator, number)
     apart = apart and all(map(can_be_process_word, given.words))
     end = run_in_subprocess(given) if apart else run_in_this_process(given)
     fault = find_fault(given, end)
+    # A successful solve is repeated in this process to check its numbers.
     if not fault and end.status == 0 and given.words[0] == "solve" and not apart:
         fault = _find_unsound_answer(given)
     line = end.err.removeprefix("drumlin: ").strip()[:KEPT_LETTERS] if end.status else ""
@@ -111,7 +116,7 @@ def try_input(generator: str, number: int, apart: bool = False) -> InputVerdict:
 
 
 def _find_unsound_answer(given: BrokenInput) -> str:
-    """Why the answer of a solve cannot be true, or how a second solve fails; else empty."""
+    """Why the response to an input must be wrong, or the error of a second solve; "" if neither."""
     try:
         return find_unsound_answer(given)
     except Exception as error:
@@ -119,7 +124,7 @@ def _find_unsound_answer(given: BrokenInput) -> str:
 
 
 def can_be_process_word(word: str) -> bool:
-    """Whether a process can take a word: it has no NUL, and all its letters have bytes."""
+    """Whether a word can be an argument of a process: without NUL, and with letters in UTF-8."""
     try:
         return b"\0" not in os.fsencode(word)
     except UnicodeEncodeError:
@@ -127,7 +132,7 @@ def can_be_process_word(word: str) -> bool:
 
 
 def _verdicts_of_chunk(case: Case) -> dict[str, Any]:
-    """The verdicts on the inputs that a process takes at a time."""
+    """Run the inputs of a generator that a process is given together; returns their verdicts."""
     numbers = range(case["first"], case["first"] + case["count"])
     generator, apart = case["generator"], case["apart"]
     return {"verdicts": [try_input(generator, number, apart)._asdict() for number in numbers]}
@@ -141,21 +146,22 @@ def try_generators(
     processes: int = 0,
     say: Callable[[str], None] = lambda _: None,
 ) -> dict[str, list[InputVerdict]]:
-    """The verdicts on the first inputs of each generator.
+    """Run the first inputs of each generator; returns the verdicts by the generators' names.
 
     Parameters
     ----------
     counts : dict
         Number of inputs of each generator.
     journal : Journal
-        Inputs with a verdict in the journal are not run again.
+        Journal of this experiment; inputs with a verdict in it are not run again.
     apart : bool
-        Whether each input runs in a process of its own.
+        Whether each input runs in a new process.
     processes : int
-        Number of processes besides this one; 0 runs in this one.
+        Number of processes that share the work; 0: this process does it all.
     say : function
-        Is told how far the work is.
+        Function that gets a line of text on the progress.
     """
+    # Each case is a chunk of inputs of one generator, which one process runs together.
     cases: dict[str, list[dict[str, Any]]] = {name: [] for name in counts}
     for name, count in counts.items():
         for first in range(0, count, INPUTS_AT_A_TIME):
@@ -179,9 +185,9 @@ def try_generators(
 
 
 def verdict_table(verdicts: dict[str, list[InputVerdict]]) -> list[dict[str, Any]]:
-    """A row for each generator: how its inputs ended, the faults, and the longest run.
+    """Summarise verdicts in a table with a row for each generator, and a last row for all.
 
-    The last row is on all inputs.
+    A row counts the inputs by how they ended and the faults, and holds the longest time [s].
     """
     rows: list[dict[str, Any]] = []
     for name, of in verdicts.items():
@@ -196,10 +202,11 @@ def verdict_table(verdicts: dict[str, list[InputVerdict]]) -> list[dict[str, Any
 
 
 def refusal_lines(verdicts: dict[str, list[InputVerdict]], count: int = 40) -> str:
-    """The refusals that come most often, most frequent first, each with its number.
+    """The `count` most frequent error messages, a line each, with the number of their inputs.
 
-    Lines that differ in numbers and quoted texts alone count as one, shown by its shortest.
+    Messages that differ only in numbers and quoted texts count as one; the shortest is shown.
     """
+    # Messages are grouped by their form, with numbers and quoted texts left out.
     forms: dict[str, list[str]] = {}
     lines = [verdict.line for verdict in itertools.chain(*verdicts.values())]
     for line in filter(None, lines):

@@ -1,4 +1,4 @@
-"""Values that are wrong or unusual for brakes, paths and options, and functions that place them."""
+"""Wrong or unusual values for brake files, paths and options, and functions that draw from them."""
 
 import math
 import random
@@ -57,7 +57,7 @@ WRONG_WORDS = (
     "<b>&amp;</b>",
     "[red]x[/]",
 )
-"""Texts for keys and options: numbers, control characters, letters of all alphabets, long words."""
+"""Texts for keys and options: odd numbers, control characters, foreign letters, long words."""
 WRONG_QUANTITIES = (
     "0 mm",
     "-1 mm",
@@ -146,13 +146,13 @@ WRONG_PATHS = (
     "r.PNG",
     "hard.json",
 )
-"""Paths: of files that exist or not, of folders and links, with letters that files cannot have."""
+"""Paths of existing and missing files, folders and links, and paths with forbidden letters."""
 
 
 def random_toml_value(rng: random.Random, deep: int = 2) -> Any:
     """A random value of any type that a TOML file can hold.
 
-    deep : how many tables and lists may lie in each other.
+    Tables and lists are nested up to `deep` levels.
     """
     simple: list[Callable[[], Any]] = [
         lambda: rng.choice(WRONG_WORDS),
@@ -185,7 +185,7 @@ def random_toml_value(rng: random.Random, deep: int = 2) -> Any:
 
 
 def _models_in_annotation(kind: Any) -> Iterator[type[BaseModel]]:
-    """The pydantic models in the annotation of a field."""
+    """Yield the pydantic models in the type annotation of a field."""
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         yield kind
     for part in typing.get_args(kind):
@@ -194,7 +194,10 @@ def _models_in_annotation(kind: Any) -> Iterator[type[BaseModel]]:
 
 
 def places_by_schema(kind: type[BaseModel], data: Any) -> Iterator[tuple[Any, str, Any]]:
-    """Each table of nested data with each key of its schema, and the annotation of the key."""
+    """Yield each key that the tables of nested data may have, by the pydantic model of the data.
+
+    Yields the table, the key, and the type annotation of the key. The data are a brake file's.
+    """
     for name, field in kind.model_fields.items():
         key = field.alias or name
         yield data, key, field.annotation
@@ -206,10 +209,18 @@ def places_by_schema(kind: type[BaseModel], data: Any) -> Iterator[tuple[Any, st
 
 
 def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> Any:
-    """A random value near the type that the schema asks for.
+    """A random value for a key, mostly near its type or near its present value.
 
-    annotation : type of the key; before : its present value, or None.
+    Parameters
+    ----------
+    rng : random.Random
+        Random numbers.
+    annotation : type
+        Type annotation of the key in the pydantic model.
+    before : object
+        Present value of the key, or None.
     """
+    # Each type that occurs in the annotation adds values near this type.
     said = str(annotation)
     choices: list[Any] = [
         rng.choice(WRONG_QUANTITIES),
@@ -226,6 +237,7 @@ def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> 
         choices += [rows, []]
     if "Path" in said:
         choices += list(WRONG_PATHS)
+    # A quantity with a unit is scaled, which is drawn more often than other values.
     if isinstance(before, str) and (match := re.fullmatch(r"([-\d.]+) (.+)", before)):
         scaled = float(match[1]) * rng.choice(
             [-1, 0, 0.1, 0.5, 0.99, 1.01, 2, 10, 1e6, 1e-6, 1e-15]
@@ -256,7 +268,7 @@ WRONG_INTEGERS = (
     "2.5",
     "²",
 )
-"""Words for options that take an integer."""
+"""Words for command-line options that take an integer, valid and wrong ones."""
 WRONG_FLOATS = (
     "-1",
     "0",
@@ -275,7 +287,7 @@ WRONG_FLOATS = (
     "",
     "9" * 4301,
 )
-"""Words for options that take a number."""
+"""Words for command-line options that take a number, valid and wrong ones."""
 WRONG_TEXTS = {
     "model": ("fem", "sine", "foundation", "short", "guess", ""),
     "kind": ("quad2", "quad1", "tri2", "tri1", "hex8", ""),
@@ -316,4 +328,4 @@ WRONG_TEXTS = {
     ),
     "name": ("x", "", "../y", "a\nb", "λ", "x" * 300, "\0", "/"),
 }
-"""Words for options that take a name or a quantity, by option."""
+"""Words for command-line options that take a name or a quantity, by the option's name."""

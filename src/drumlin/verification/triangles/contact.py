@@ -1,7 +1,7 @@
 """Contact forces at the nodes of lining faces, with Coulomb friction at full slip.
 
-Each node of a face is either open or carries a force. The set of nodes that carry forces is found
-by changing the set until no force pulls and no open node lies inside the drum.
+Each node of a face is either open or carries a contact force. The set of nodes that carry forces is
+changed until no contact force is tensile and no open node penetrates the drum.
 """
 
 import math
@@ -17,26 +17,34 @@ from drumlin.brake.support import moved
 from drumlin.verification.triangles.face import CondensedFace
 
 MOST_SETS_TRIED = 600
-"""Largest number of contact sets that are tried before a shoe counts as without an answer."""
+"""Largest number of contact sets that are tried before the solver raises NoAnswer.
+
+A contact set is the set of nodes that carry contact forces."""
 SPARE = 8
-"""Number of contact sets in a row without fewer wrong nodes, after which only one node at a time is
-changed (Judice & Pires 1994). Changing all wrong nodes is faster, but may run in circles."""
+"""Number of contact sets in a row without fewer wrong nodes, until one node at a time changes.
+
+A node is wrong if it carries a tensile force or penetrates the drum. Changing all wrong nodes at
+once is faster, but may repeat the same sets for ever (Judice & Pires 1994)."""
 NOISE = 1e-13
-"""Sum of the pulling forces and the overlaps of all wrong nodes, relative to the normal force,
-below which a contact set is accepted. Wrong nodes below this limit come from round-off."""
+"""Largest error of a contact set that is accepted, relative to the normal force.
+
+The error is the sum of the tensile forces and of the penetrations, scaled to forces. Errors below
+this limit come from round-off."""
 ACCEPTED_AFTER = 40
-"""Number of contact sets after which NEARLY is enough in place of NOISE."""
+"""Number of contact sets after which the larger limit NEARLY takes the place of NOISE."""
 NEARLY = 1e-9
-"""The limit NOISE for contact sets that round-off keeps changing to and fro."""
+"""Largest relative error of a contact set that is accepted if round-off keeps changing the set.
+
+The error is the sum of tensile forces and penetrations, relative to the normal force."""
 
 
 class CondensedRing(NamedTuple):
-    """An elastic ring condensed to its nodes under the linings.
+    """An elastic drum ring, statically condensed to its m nodes under the linings.
 
     Attributes
     ----------
-    compliance : (2m, 2m) displacements of these m nodes under forces on them [m/N]
-    of : for each lining's face the numbers (n,) of the opposite nodes among the m
+    compliance : (2m, 2m) displacements of these m nodes under unit forces on them [m/N]
+    of : for each lining, the positions (n,) of its opposite ring nodes among the m nodes
     """
 
     compliance: Floats
@@ -44,12 +52,12 @@ class CondensedRing(NamedTuple):
 
 
 class ContactForces(NamedTuple):
-    """Contact forces of one shoe or of several shoes together.
+    """Nodal contact forces and rigid-body motions of one shoe, or of several shoes together.
 
     Attributes
     ----------
-    force : (n,) nodal forces along the normals [N]
-    motions : (k,) amounts of the rigid-body modes of the shoes
+    force : (n,) nodal contact forces along the normals [N], 0 at open nodes
+    motions : (k,) generalised coordinates of the rigid-body modes of the shoes
     active : (n,) whether a node is in contact
     """
 
@@ -61,11 +69,12 @@ class ContactForces(NamedTuple):
 def solve_complementarity(
     A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, weight: Floats, first: Bools
 ) -> ContactForces:
-    """The solution f, y of w = q + A f + B y >= 0, f >= 0, w f = 0 and C f = h.
+    """Solve the contact problem w = q + A f + B y >= 0, f >= 0, w f = 0, C f = h for f and y.
 
-    The gaps w and the forces f at the nodes exclude each other; the last equation is the balance of
-    the shoes. The set of active nodes is changed at all wrong nodes at once, or one by one where
-    the number of wrong nodes does not fall.
+    Here f are the nodal contact forces, w the gaps at the nodes, and y the coordinates of the
+    rigid-body modes. At each node the gap or the force is zero; C f = h is the equilibrium of the
+    shoes. An active node is one in contact. All nodes with a tensile force or a penetration change
+    at once between open and active. If their number does not fall, they change one by one.
 
     Parameters
     ----------
@@ -74,8 +83,8 @@ def solve_complementarity(
     B : (n, k) change of the gaps by the rigid-body modes
     C : (k, n) work of nodal forces on the test modes
     h : (k,) work of the actuation on the test modes, with opposite sign
-    weight : (n,) area of each node [m^2], which makes gaps and forces comparable
-    first : (n,) active nodes to begin with
+    weight : (n,) area of each node [m^2], which scales gaps to forces
+    first : (n,) whether each node is active at the start
 
     Raises
     ------
@@ -88,6 +97,7 @@ def solve_complementarity(
     fewest, spare, least = n + 1, SPARE, math.inf
     best: ContactForces | None = None
     for step in range(MOST_SETS_TRIED):
+        # The active nodes have zero gap: their forces and the rigid-body motions are solved for.
         a = np.flatnonzero(active)
         if not len(a):
             raise NoAnswer("no node in contact")
@@ -101,8 +111,10 @@ def solve_complementarity(
             raise NoAnswer("a contact set is singular") from error
         f, y = np.zeros(n), x[len(a) :]
         f[a] = x[: len(a)]
-        w = (q + A @ f + B @ y) * weight / scale  # a force, as f is
+        # The gaps are scaled to forces [N], so that they compare with the contact forces.
+        w = (q + A @ f + B @ y) * weight / scale
         size_of = float(np.abs(f).sum())
+        # A node is wrong if it is active with a tensile force or open with a negative gap.
         off = np.where(active, f, w)
         wrong = np.flatnonzero(off < 0)
         wrongness = -float(off[wrong].sum()) / size_of
@@ -111,6 +123,7 @@ def solve_complementarity(
         if wrongness < NOISE or (step > ACCEPTED_AFTER and least < NEARLY):
             assert best is not None
             return best
+        # While the number of wrong nodes falls, all of them change; later only the last one.
         if len(wrong) < fewest:
             fewest, spare = len(wrong), SPARE
         else:
@@ -128,17 +141,17 @@ def solve_contact_forces(
     first: list[Bools],
     senses: tuple[int, ...] | None = None,
 ) -> list[ContactForces]:
-    """The contact forces of shoes that are solved together, one `ContactForces` for each shoe.
+    """The contact forces of shoes that are solved in one system, in the order of the shoes.
 
     Parameters
     ----------
-    brake : friction, sense of rotation and drum
-    faces : lining faces of the shoes
-    shoes : hinges or abutments and actuation of the shoes
-    rim : the elastic ring, or None for a rigid drum
-    first : for each shoe the nodes (n,) that are in contact to begin with
-    senses : senses of the friction at the abutments, one for each shoe; by default those for which
-        every foot stands on its abutment
+    brake : the brake, for its friction, sense of rotation and drum
+    faces : the shoes, condensed to the faces of their linings
+    shoes : the same shoes, for their hinges or abutments and their actuation
+    rim : the elastic ring of the drum, or None for a rigid drum
+    first : for each shoe, whether each node (n,) is in contact at the start
+    senses : sense (+1, 0, -1) of the friction on the foot of each shoe at its abutment; None: all
+        combinations are tried until every foot stays on its abutment
 
     Raises
     ------
@@ -147,6 +160,7 @@ def solve_contact_forces(
         friction at an abutment neither opposes the slide of the foot nor holds the foot.
     """
     failure: NoAnswer | None = None
+    # Each combination of the senses of friction at the abutments is tried in turn.
     for chosen in product(*(shoe.senses for shoe in shoes)) if senses is None else [senses]:
         try:
             found = _solve_for_friction_senses(brake, faces, shoes, rim, first, chosen)
@@ -161,7 +175,8 @@ def solve_contact_forces(
 def _foot_stands(
     brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
 ) -> bool:
-    """Whether the foot of a shoe stays on its abutment with the friction that `sense` assumes."""
+    """Whether the foot of a shoe stays on its abutment with the assumed sense of friction there."""
+    # `drum` is the force of the drum on the lining per unit of normal force, at each node.
     drum = brake.friction * brake.spin * one.tangent - one.normal
     reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.actuation.vector
     return shoe.stands(reaction, sense, float(found.motions[-1]))
@@ -175,18 +190,22 @@ def _solve_for_friction_senses(
     first: list[Bools],
     senses: tuple[int, ...],
 ) -> list[ContactForces]:
-    """The contact forces of shoes for given senses of the friction at the abutments."""
+    """The contact forces of each shoe, for an assumed sense of the friction at each abutment."""
+    # Friction at full slip is `drag` times the normal force, along growing theta.
     drag = brake.friction * brake.spin
     free = [shoe.freedoms(sense) for shoe, sense in zip(shoes, senses, strict=True)]
     begin = np.concatenate([[0], np.cumsum([len(face.theta) for face in faces])])
     rows = np.concatenate([[0], np.cumsum([len(own.work) for own in free])])
     n, k = int(begin[-1]), int(rows[-1])
+    # Each shoe has its own block of the matrices of `solve_complementarity`.
     A, B, C = np.zeros((n, n)), np.zeros((n, k)), np.zeros((k, n))
     q, h, weight = np.zeros(n), np.zeros(k), np.zeros(n)
     spread = []
     for i, (one, own) in enumerate(zip(faces, free, strict=True)):
         part, row = slice(begin[i], begin[i + 1]), slice(rows[i], rows[i + 1])
         m = len(one.theta)
+        # `normal` takes the normal component of displacements; `pull` turns normal forces into
+        # nodal forces on the lining, friction included.
         normal, pull = np.zeros((m, 2 * m)), np.zeros((2 * m, m))
         for c in range(2):
             normal[np.arange(m), 2 * np.arange(m) + c] = one.normal[:, c]
@@ -202,6 +221,7 @@ def _solve_for_friction_senses(
         h[row] = -own.work
         weight[part] = one.mass.sum(axis=1)
         spread.append((normal, pull))
+    # The gaps at one lining also change by the displacements of the ring under every lining.
     if rim is not None:
         for i, j in np.ndindex(len(faces), len(faces)):
             on, under = ((2 * rim.of[x][:, None] + np.arange(2)).ravel() for x in (i, j))
@@ -218,7 +238,10 @@ def _solve_for_friction_senses(
 def tip_displacement(
     brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
 ) -> float:
-    """Displacement of the actuation's point along its force F > 0 [m], from the work of F."""
+    """Displacement [m] of the point where the actuation force F > 0 acts, along this force.
+
+    It is the work of F divided by F: the elastic part and the part of the rigid-body motion.
+    """
     drum = brake.friction * brake.spin * one.tangent - one.normal
     elastic = float(one.loaded @ (found.force[:, None] * drum).ravel()) + one.yields
     return elastic / shoe.actuation.force + float(shoe.freedoms(sense).tip @ found.motions)

@@ -1,4 +1,4 @@
-"""Shoes meshed by triangles, and condensed to the faces of their linings."""
+"""Shoes meshed by triangles, and statically condensed to the faces of their linings."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -15,19 +15,20 @@ from drumlin.verification.triangles.outline import Outline
 from drumlin.verification.triangles.triangulation import Triangles
 
 FACE_GAUSS, FACE_WEIGHTS = legendre.leggauss(8)
+"""Points in [-1, 1] and weights of the Gauss rule on an edge of a triangle at the lining's face."""
 
 
 class MeshedBody(NamedTuple):
-    """A meshed body before its condensation.
+    """A shoe or a drum ring meshed by triangles, before its static condensation.
 
     Attributes
     ----------
-    shape : outline of the body
-    mesh : its triangles
-    nodes : the nodes of these triangles
-    K : (m, 2n, 2n) stiffness of each triangle [N/m]
-    surface : numbers of the nodes on the surface d = 0, by growing s
-    degree : degree of the triangles
+    shape : outline of the body, in coordinates s along and d across its layers
+    mesh : triangles of the body
+    nodes : nodes of these triangles
+    K : (m, 2n, 2n) stiffness matrix of each triangle [N/m]
+    surface : numbers of the nodes on the friction surface d = 0, by growing s
+    degree : polynomial degree of the triangles
     """
 
     shape: Outline
@@ -39,7 +40,7 @@ class MeshedBody(NamedTuple):
 
 
 def mesh_body(shape: Outline, mesh: Triangles, degree: int) -> MeshedBody:
-    """The body `shape` with nodes and stiffnesses of the triangles of `mesh`."""
+    """The body of outline `shape` with the nodes and the stiffness matrices of its triangles."""
     nodes = lagrange.make_nodes(mesh, shape.place, degree)
     K = lagrange.triangle_stiffnesses(mesh, nodes, shape.layers, degree)
     surface = np.flatnonzero(nodes.at[:, 1] == 0)
@@ -48,19 +49,20 @@ def mesh_body(shape: Outline, mesh: Triangles, degree: int) -> MeshedBody:
 
 @dataclass(frozen=True)
 class CondensedFace:
-    """A shoe condensed to the n nodes of its lining's face.
+    """A shoe, statically condensed to the n nodes of its lining's face.
 
     Attributes
     ----------
     theta : (n,) angles of the nodes, growing [rad]
-    xy : (n, 2) the nodes [m]
+    xy : (n, 2) positions of the nodes [m]
     normal, tangent : (n, 2) unit normals into the drum and unit tangents along growing theta
-    mass : (n, n) integrals of psi_i psi_j over the face, times the lining's width [m^2]
-    compliance : (2n, 2n) displacements of the nodes under forces on them [m/N]
+    mass : (n, n) integrals over the face of products of two shape functions, times the lining's
+        width [m^2]
+    compliance : (2n, 2n) displacements of the nodes under unit forces on them [m/N]
     loaded : (2n,) displacements of the nodes under the actuation [m]
     yields : work of the actuation on the elastic displacement due to the actuation alone [N m]
     gap : (n,) gap between lining and drum before loading [m]
-    degree : degree of the triangles
+    degree : polynomial degree of the triangles
     unknowns : number of unknowns of the shoe before its condensation
     """
 
@@ -78,16 +80,20 @@ class CondensedFace:
 
 
 def edge_nodes(nodes: Nodes, tri: Ints, edge: Ints, degree: int) -> Ints:
-    """Numbers (k, degree + 1) of the nodes along one `edge` (k,) of each of the triangles `tri`."""
+    """Numbers (k, degree + 1) of the nodes along one edge of each of k triangles.
+
+    `tri` (k,) are the numbers of the triangles, `edge` (k,) the numbers 0 to 2 of their edges.
+    """
     inner = 3 + edge[:, None] * (degree - 1) + np.arange(degree - 1)
     local = np.concatenate([edge[:, None], inner, ((edge + 1) % 3)[:, None]], axis=1)
     return nodes.of[tri[:, None], local]
 
 
 def edge_polynomials(degree: int, at: Floats) -> tuple[Floats, Floats]:
-    """Values and slopes (degree + 1, q) of an edge's Lagrange polynomials at `at` (q,) in [0, 1].
+    """Values and derivatives (degree + 1, q) of the shape functions of an edge at q points.
 
-    The polynomials interpolate on the Gauss-Lobatto nodes of the edge.
+    The shape functions are Lagrange polynomials on the Gauss-Lobatto nodes of the edge. The points
+    `at` (q,) lie in [0, 1] along the edge.
     """
     nodes = lagrange.lobatto_points(degree)
     V = np.linalg.inv(legendre.legvander(2 * nodes - 1, degree))
@@ -98,10 +104,11 @@ def edge_polynomials(degree: int, at: Floats) -> tuple[Floats, Floats]:
 
 
 def edge_quadrature(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
-    """Gauss's rule on curved edges: shape functions (degree + 1, q), points (k, q, 2), ds (k, q).
+    """The Gauss rule on k curved edges: shape functions, points and lengths at its q points.
 
-    The nodes of the edges are xy (k, degree + 1, 2) [m]. The lengths ds [m] include the weights of
-    the rule.
+    The nodes of the edges are xy (k, degree + 1, 2) [m]. Returned are the values (degree + 1, q) of
+    the shape functions, the points (k, q, 2) [m], and the lengths ds (k, q) [m], which include the
+    weights of the rule.
     """
     psi, slope = edge_polynomials(degree, 0.5 + 0.5 * FACE_GAUSS)
     x, dx = (np.einsum("kac,aq->kqc", xy, values) for values in (psi, slope))
@@ -109,11 +116,13 @@ def edge_quadrature(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
 
 
 def _nodal_end_load(body: MeshedBody, force: Floats, point: Floats) -> Floats:
-    """Nodal forces (2N,) [N] that load a body's end as a force (2,) [N] through a point (2,) [m].
+    """Nodal forces (2N,) [N] on the loaded end of a shoe that equal a force through a point.
 
-    The force is spread evenly over the loaded end. Tractions that grow linearly from the centre of
-    the end add the couple of the force about this centre.
+    The force (2,) [N] is spread evenly over the loaded end. Tractions that grow linearly from the
+    centre of the end add the couple that the force through the point (2,) [m] has about this
+    centre.
     """
+    # The edges of triangles on the loaded end of the body behind the lining.
     at = body.mesh.at
     assert body.shape.loaded is not None
     on = (np.abs(at[..., 0] - body.shape.loaded) < 1e-12) & (at[..., 1] >= body.shape.front - 1e-12)
@@ -136,8 +145,10 @@ def _nodal_end_load(body: MeshedBody, force: Floats, point: Floats) -> Floats:
 
 
 def condense_to_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> CondensedFace:
-    """The shoe of a meshed body, condensed to the nodes of its lining's face."""
+    """A meshed shoe, statically condensed to the nodes of its lining's face."""
     shape, nodes, kept = body.shape, body.nodes, body.surface
+    # A shoe without a hinged end is fixed at its back; other shoes are fixed at the hinged end and
+    # loaded at the other end.
     if shape.held is None:
         fixed = nodes.at[:, 1] > len(shape.layers) - 1e-12
         if shape.grip is not None:
@@ -149,10 +160,12 @@ def condense_to_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> CondensedFac
             nodes.at[:, 1] > shape.front - 1e-12
         )
         loads = _nodal_end_load(body, shoe.actuation.vector, shoe.actuation.point.xy)[:, None]
+    # The nodes of the face are put in the order of growing theta.
     theta = shape.origin + shape.turn * nodes.at[kept, 0]
     kept, theta = kept[:: shape.turn], theta[:: shape.turn]
     compliance = lagrange.condense_body(body.K, nodes, np.repeat(fixed, 2), kept, loads)
     er = np.stack([np.cos(theta), np.sin(theta)], axis=1)
+    # The mass matrix of the face turns nodal forces into a pressure.
     place = np.empty(len(nodes.xy), dtype=np.int64)
     place[kept] = np.arange(len(kept))
     of = place[edge_nodes(nodes, *body.mesh.surface, body.degree)]

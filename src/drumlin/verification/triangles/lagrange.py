@@ -1,8 +1,8 @@
-"""Curved triangles of any degree in plane stress, and their static condensation to some nodes.
+"""Curved triangles of any degree in plane stress, and static condensation of a mesh to some nodes.
 
 The shape functions are Lagrange polynomials on nodes that are Gauss-Lobatto points on each edge.
-The shape of a triangle is interpolated on the same nodes. All other unknowns are eliminated by
-dense Cholesky factors, part of the mesh by part (multifrontal elimination).
+The geometry of a triangle is interpolated on the same nodes. The condensation eliminates all other
+unknowns by dense Cholesky factors, one part of the mesh after another (multifrontal elimination).
 """
 
 from dataclasses import dataclass
@@ -26,8 +26,9 @@ from drumlin.verification.triangles.triangulation import (
 )
 
 LEAF_TRIANGLES = 8
-"""Number of triangles up to which the elimination does not halve a part of the mesh any more.
-Smaller parts cost more calls, larger ones more arithmetic."""
+"""Number of triangles up to which a part of the mesh is eliminated without being halved again.
+
+Smaller parts need more calls, larger parts need more arithmetic."""
 
 
 @cache
@@ -41,8 +42,8 @@ def lobatto_points(degree: int) -> Floats:
 def reference_nodes(degree: int) -> Floats:
     """Barycentric coordinates (n, 3) of the nodes of a triangle.
 
-    The order is: corners 0, 1, 2; edges 01, 12, 20, each from its first to its second corner; the
-    inside.
+    The nodes of the corners 0, 1, 2 come first, then those of the edges 01, 12, 20, each from its
+    first to its second corner, then those inside the triangle.
     """
     x = lobatto_points(degree)[1:-1]
     zero = 0 * x
@@ -51,6 +52,7 @@ def reference_nodes(degree: int) -> Floats:
         np.stack([zero, 1 - x, x], 1),
         np.stack([x, zero, 1 - x], 1),
     ]
+    # The nodes inside come from three Gauss-Lobatto points, scaled so that their sum is 1.
     full = lobatto_points(degree)
     inside = [
         (full[i], full[j], full[k])
@@ -63,9 +65,10 @@ def reference_nodes(degree: int) -> Floats:
 
 
 def _legendre_products(degree: int, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
-    """Products of Legendre polynomials in x and y and their slopes in x and in y: (n, points) each.
+    """Products P_i(x) P_j(y) of Legendre polynomials with i + j <= degree, and their derivatives.
 
-    The products are those whose two degrees have a sum of at most `degree`.
+    Returned are three arrays (n, points): the n products, their derivatives by x, and by y. The
+    polynomials are those on [0, 1].
     """
     V = (
         legendre.legvander(2 * np.asarray(x) - 1, degree).T,
@@ -87,9 +90,10 @@ def _legendre_products(degree: int, x: Floats, y: Floats) -> tuple[Floats, Float
 
 @cache
 def shape_functions(degree: int) -> tuple[Floats, Floats, Floats]:
-    """Shape functions (n, q), their slopes (n, 2, q) and weights (q,) at points of quadrature.
+    """Shape functions of the reference triangle at the q points of a quadrature rule.
 
-    The rule on the reference triangle is exact up to twice the degree.
+    Returned are the values (n, q), the gradients (n, 2, q) and the weights (q,) of the rule. The
+    rule is exact for polynomials of twice the degree.
     """
     nodes = reference_nodes(degree)
     X, W = get_quadrature_tri(2 * degree)
@@ -101,13 +105,14 @@ def shape_functions(degree: int) -> tuple[Floats, Floats, Floats]:
 
 @dataclass(frozen=True)
 class Nodes:
-    """The nodes of a mesh.
+    """The N nodes of a mesh of m triangles.
 
     Attributes
     ----------
-    of : (m, n) node numbers of each triangle
-    at : (N, 2) s and d of each node, as one of its triangles has them
-    xy : (N, 2) the nodes [m]
+    of : (m, n) numbers of the nodes of each triangle
+    at : (N, 2) coordinates s and d of each node; where a closed ring begins and ends, s is that
+        of one of the two sides
+    xy : (N, 2) positions of the nodes [m]
     """
 
     of: Ints
@@ -116,12 +121,13 @@ class Nodes:
 
 
 def make_nodes(mesh: Triangles, place: PointMap, degree: int) -> Nodes:
-    """The nodes of a mesh of triangles: corners, edges, insides."""
+    """The nodes of a mesh of triangles of a polynomial degree: at corners, on edges and inside."""
     edges, of_edge = mesh_edges(mesh)
     corners = int(mesh.vertices.max()) + 1
     inner = degree - 1
     m = len(mesh.vertices)
     parts = [mesh.vertices]
+    # Two triangles number the nodes of their common edge from its end with the smaller number.
     for e in range(3):
         first, last = mesh.vertices[:, e], mesh.vertices[:, (e + 1) % 3]
         along = np.where((first < last)[:, None], np.arange(inner), np.arange(inner)[::-1])
@@ -140,7 +146,7 @@ def make_nodes(mesh: Triangles, place: PointMap, degree: int) -> Nodes:
 def triangle_stiffnesses(
     mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int
 ) -> Floats:
-    """Plane-stress stiffness (m, 2n, 2n) of each triangle [N/m].
+    """The plane-stress stiffness matrices (m, 2n, 2n) of m triangles of n nodes [N/m].
 
     Unknown 2 i + c of a triangle is component c of the displacement of its node i.
     """
@@ -149,6 +155,7 @@ def triangle_stiffnesses(
     directed = has_directions(matrices)
     n = slopes.shape[0]
     found = np.empty((len(mesh.layer), 2 * n, 2 * n))
+    # Some 2000 triangles are integrated at once, which bounds the memory.
     for part in np.array_split(np.arange(len(mesh.layer)), max(1, len(mesh.layer) // 2000)):
         x = nodes.xy[nodes.of[part]]  # (m, n, 2)
         J = np.einsum("mnc,ndq->mqcd", x, slopes)
@@ -158,7 +165,8 @@ def triangle_stiffnesses(
         inverse = np.stack([J[..., 1, 1], -J[..., 0, 1], -J[..., 1, 0], J[..., 0, 0]], -1).reshape(
             J.shape
         )
-        G = np.einsum("ndq,mqdc->mncq", slopes, inverse / det[..., None, None])  # d psi_n / d x_c
+        # The gradients of the shape functions: G[m, n, c, q] = d psi_n / d x_c.
+        G = np.einsum("ndq,mqdc->mncq", slopes, inverse / det[..., None, None])
         lam, mu = matrices[mesh.layer[part]][:, [0, 2], [1, 2]].T
         H = np.einsum("mncq,mq,mkdq->mnckd", G, np.abs(det) * weights, G, optimize=True)
         K = lam[:, None, None, None, None] * H + mu[:, None, None, None, None] * H.transpose(
@@ -168,6 +176,7 @@ def triangle_stiffnesses(
         K[:, :, 0, :, 0] += same
         K[:, :, 1, :, 1] += same
         found[part] = K.reshape(len(part), 2 * n, 2 * n)
+        # Triangles in orthotropic layers get the stiffness in the directions of their layer.
         for number in np.flatnonzero(directed):
             own = np.flatnonzero(mesh.layer[part] == number)
             points = np.einsum("mnc,nq->cmq", x[own], values)
@@ -177,7 +186,7 @@ def triangle_stiffnesses(
 
 
 def _directed_stiffness(G: Floats, area: Floats, layer: ElasticLayer, points: Floats) -> Floats:
-    """Stiffness (m, 2n, 2n) of triangles in a layer with directions of its own [N/m].
+    """Stiffness matrices (m, 2n, 2n) of triangles in an orthotropic layer [N/m].
 
     The stiffness is the integral of B^T Q^T D Q B. The matrix Q takes strains in x and y to strains
     in the layer's directions (Cook et al., Concepts and Applications of Finite Element Analysis,
@@ -185,10 +194,10 @@ def _directed_stiffness(G: Floats, area: Floats, layer: ElasticLayer, points: Fl
 
     Parameters
     ----------
-    G : (m, n, 2, q) gradients of the shape functions [1/m]
-    area : (m, q) areas that the points stand for [m^2]
-    layer : elasticity and directions
-    points : (2, m, q) [m]
+    G : (m, n, 2, q) gradients of the shape functions at the quadrature points [1/m]
+    area : (m, q) quadrature weights times the Jacobian determinant [m^2]
+    layer : elastic constants and directions of the layer
+    points : (2, m, q) quadrature points [m]
     """
     m, n, _, q = G.shape
     c, s = layer.directions(points)
@@ -206,11 +215,11 @@ def _directed_stiffness(G: Floats, area: Floats, layer: ElasticLayer, points: Fl
 
 @dataclass(frozen=True)
 class Compliance:
-    """A body condensed to n kept nodes.
+    """A body, statically condensed to n kept nodes.
 
     Attributes
     ----------
-    of : (2n, 2n) displacements of the kept nodes under forces on them [m/N]
+    of : (2n, 2n) displacements of the kept nodes under unit forces on them [m/N]
     loaded : (2n, l) displacements of the kept nodes under l further loads on the body [m]
     work : (l, l) work of each of these loads on the displacements due to each of them [N m]
     """
@@ -221,14 +230,14 @@ class Compliance:
 
 
 class PartialSchurComplement(NamedTuple):
-    """The Schur complement of a part of a body, on the unknowns that are not eliminated yet.
+    """The Schur complement of a part of a body, on its unknowns that are not eliminated yet.
 
     Attributes
     ----------
-    dofs : (k,) numbers of these unknowns, growing; other parts share them or they are kept
+    dofs : (k,) growing numbers of these unknowns, which are kept or belong to other parts, too
     triangles : (k,) number of triangles of the part at each of these unknowns
     K : (k, k) stiffness [N/m]
-    loads : (k, l) loads [N]
+    loads : (k, l) l loads on these unknowns [N]
     work : (l, l) work of the loads on the eliminated unknowns [N m]
     """
 
@@ -240,17 +249,17 @@ class PartialSchurComplement(NamedTuple):
 
 
 def condense_body(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) -> Compliance:
-    """The body condensed to the nodes `kept`: their compliance, and displacements under loads.
+    """Condense a body statically to the nodes `kept`; returns their compliance.
 
-    The set of triangles is halved across its longer side, again and again. The parts are assembled
-    in the reverse order. An unknown is eliminated, by dense Cholesky factors, as soon as all of its
-    triangles are assembled.
+    The set of triangles is halved across its longer side, and its halves again. The parts are
+    assembled in the reverse order. An unknown is eliminated, by dense Cholesky factors, as soon as
+    all of its triangles are assembled.
 
     Parameters
     ----------
     K : (m, 2n, 2n) stiffness of each triangle [N/m]
     nodes : nodes of the triangles
-    held : (2N,) whether an unknown is fixed
+    held : (2N,) whether a displacement is fixed to 0
     kept : numbers of the nodes that remain
     loads : (2N, l) nodal forces of l loads [N]
 
@@ -261,14 +270,16 @@ def condense_body(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Float
     """
     dofs = (2 * nodes.of[:, :, None] + np.arange(2)).reshape(len(nodes.of), -1)
     triangles = np.bincount(dofs.ravel(), minlength=2 * len(nodes.xy))
-    triangles[(2 * kept[:, None] + np.arange(2)).ravel()] += 1  # never whole
+    # Kept unknowns count one triangle too many, so that they are never eliminated.
+    triangles[(2 * kept[:, None] + np.arange(2)).ravel()] += 1
     centres = nodes.xy[nodes.of].mean(axis=1)
     place = np.empty(2 * len(nodes.xy), dtype=np.int64)
     loads = np.where(held[:, None], 0.0, loads)
     columns = loads.shape[1]
 
     def assembled(parts: list[PartialSchurComplement]) -> PartialSchurComplement:
-        """The parts assembled; the unknowns that no other part shares are eliminated."""
+        """Assemble parts of the body and eliminate the unknowns that no other part shares."""
+        # An unknown can be eliminated if all of its triangles are in these parts.
         all_dofs, where = np.unique(
             np.concatenate([part.dofs for part in parts]), return_inverse=True
         )
@@ -277,6 +288,7 @@ def condense_body(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Float
         order, n = np.concatenate([all_dofs[gone], all_dofs[~gone]]), int(gone.sum())
         place[order] = np.arange(len(order))
         S, f = np.zeros((len(order), len(order))), np.zeros((len(order), columns))
+        # The n unknowns to eliminate come first in S and f.
         for part in parts:
             at = place[part.dofs]
             S[at[:, None], at] += part.K
@@ -285,6 +297,7 @@ def condense_body(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Float
         if n == 0:
             return PartialSchurComplement(order, count, S, f, work)
         f[:n] += loads[order[:n]]
+        # Schur complement: S22 - S21 S11^-1 S12, with S11 = L L^T.
         L, info = dpotrf(S[:n, :n], lower=1, clean=0)
         if info:
             raise NoAnswer("singular stiffness")
@@ -299,7 +312,8 @@ def condense_body(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Float
         )
 
     def front_of(members: Ints) -> PartialSchurComplement:
-        """The Schur complement of the triangles with the numbers `members`."""
+        """The Schur complement of the part of the body with the triangles numbered `members`."""
+        # A small part is assembled from its triangles, a larger one from its two halves.
         if len(members) <= LEAF_TRIANGLES:
             free = ~held[dofs[members]]
             none = np.zeros((columns, columns))
@@ -321,7 +335,8 @@ def condense_body(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Float
 
     whole = front_of(np.arange(len(centres)))
     order = (2 * kept[:, None] + np.arange(2)).ravel()
-    at = np.searchsorted(whole.dofs, order)  # growing, and nothing else is left
+    # The unknowns that are left are the kept ones, in growing order.
+    at = np.searchsorted(whole.dofs, order)
     S, f = whole.K[np.ix_(at, at)], whole.loads[at] + loads[order]
     compliance = inv(0.5 * (S + S.T))
     compliance = 0.5 * (compliance + compliance.T)

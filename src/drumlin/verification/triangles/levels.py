@@ -1,4 +1,4 @@
-"""Solutions of a brake on a sequence of ever finer meshes of triangles."""
+"""Solves a brake on a sequence of finer and finer meshes of curved triangles."""
 
 import math
 from collections.abc import Sequence
@@ -26,22 +26,27 @@ from drumlin.verification.triangles.shared import solve_shoes_that_share_forces
 from drumlin.verification.triangles.solution import ShoeSolution, shoe_solution
 
 ENDS = 13
-"""Largest number of halvings of triangles towards an end of the contact, where p is small, and
-towards a kink of the gap that does not point to the drum."""
+"""Largest number of times that triangles are halved towards an end of the contact.
+
+The pressure p is small there, so that smaller triangles change nothing. The number also holds at a
+kink of the gap that does not point to the drum."""
 END_SLACK = 1e-9
-"""Distance from an end of the lining, relative to the lining's length, up to which a place counts
-as this end."""
+"""Distance from an end of the lining, relative to the lining's length, within which a kink or an
+end of the contact counts as lying at the end of the lining."""
 NARROWEST = 1e-4
-"""Width of a contact, relative to `Outline.least`, below which triangles become no smaller."""
+"""Width of a contact, relative to `Outline.least`, below which its triangles become no smaller."""
 
 FINDING = TriangleLevel(3, 8, 1.4, 1.0)
-"""The coarse mesh on which the ends of the contact are found."""
+"""Degree and grading of the coarse meshes on which the ends of the contact are found."""
 PASSES = 6
-"""Largest number of solutions on the mesh FINDING. Each mesh is graded to the ends of the contact
-in the solution before."""
+"""Largest number of times that the brake is solved on coarse meshes to find the contact's ends.
+
+Each of these meshes is graded to the ends of the contact in the solution before."""
 LESS = (0.0, 0.5)
-"""Fractions of the coefficient of friction that are solved first. With much friction a brake may
-have several answers. The answer that grows from the frictionless one is the answer sought."""
+"""Fractions of the coefficient of friction for which the brake is solved first.
+
+With much friction a brake may have several solutions. The one sought is the one that is reached
+when friction grows from zero."""
 SETTLED_ENDS = 2e-3
 """Movement of the ends of a contact between two solutions, relative to the contact's length, below
 which the ends count as found."""
@@ -50,11 +55,15 @@ TRIANGLE_LEVELS = (
     TriangleLevel(4, 13, 0.7, 0.8),
     TriangleLevel(5, 15, 0.7, 0.8),
 )
-"""The meshes of `solve_sequence`, from coarse to fine."""
+"""Degree and grading of the meshes on which `solve_sequence` solves a brake, coarse to fine."""
 
 
 def pressed_shoes(brake: Brake) -> list[int]:
-    """Numbers of the shoes without a hinge and of those that the actuation turns to the drum."""
+    """Numbers of the shoes that the actuation presses on the drum.
+
+    A shoe on a hinge is pressed if the moment of its actuation closes the gap at some angle. Shoes
+    held in another way, and shoes that share forces, always count as pressed.
+    """
     found = []
     for i, shoe in enumerate(brake.shoes):
         if shoe.held_by != "hinge" or brake.shares:
@@ -70,7 +79,7 @@ def pressed_shoes(brake: Brake) -> list[int]:
 
 
 def _shortest_wavelength(brake: Brake) -> float:
-    """Shortest wavelength of the drum's out-of-roundness along its circumference [m]."""
+    """Shortest wavelength [m] of the drum's out-of-roundness; of a round drum the circumference."""
     highest = max((part.order for part in brake.lobes if part.amplitude), default=0)
     return 2 * math.pi * brake.size / max(highest, 1)
 
@@ -78,14 +87,14 @@ def _shortest_wavelength(brake: Brake) -> float:
 def solve(
     brake: Brake, level: TriangleLevel, before: Sequence[ShoeSolution] | None = None
 ) -> list[ShoeSolution]:
-    """The solution of each shoe on meshes of one level.
+    """Solve a brake on triangles of one degree and grading; returns the solution of each shoe.
 
     Parameters
     ----------
     brake : the brake
     level : degree and grading of the triangles
-    before : an earlier solution of each shoe, to whose contact's ends the triangles are graded;
-        without it the whole lining is taken to be in contact at first
+    before : an earlier solution of each shoe; the triangles are graded to the ends of its contact.
+        None: the solver starts with the whole lining in contact
 
     Raises
     ------
@@ -101,6 +110,7 @@ def solve(
     if len(pressed_shoes(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")
     earlier = [None] * len(shoes) if before is None else list(before)
+    # Each shoe gets a mesh that is graded to its corners and to the ends of its contact.
     drafts = []
     for shoe, its in zip(shoes, earlier, strict=True):
         shape = make_outline(shoe, brake.size)
@@ -112,6 +122,7 @@ def solve(
     meshes, opposite = [one.mesh for one in drafts], None
     if brake.ring is not None:
         meshes, opposite = mesh_linings_and_ring(brake, drafts, level)
+    # Shoes that share forces are condensed under a unit force, which is scaled later.
     faces = [
         condense_to_face(
             brake,
@@ -143,13 +154,15 @@ def solve(
 def _singular_places(
     shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel
 ) -> SingularPlaces:
-    """Kinks of a lining's gap and ends of its contact inside the lining, with lengths of triangles.
+    """The places on a lining's face where p is not smooth, with the triangles' lengths there.
 
-    Triangles at the ends of a contact are the smaller the shorter the contact is.
+    These places are the kinks of the gap and the ends of the contact inside the lining. Shorter
+    contacts get shorter triangles at their ends.
     """
     lining, tips = shoe.lining, {angle for angle, _ in clearance.tips(shoe.lining)}
     most = min(ENDS, level.halvings)
-    beyond = 0.5 ** (level.halvings - most)  # under a tip p has no bound
+    # Under a tip of the lining that points to the drum p has no bound: triangles are smaller.
+    beyond = 0.5 ** (level.halvings - most)
     places = [
         (angle, shape.least * (beyond if angle in tips else 1.0))
         for angle in clearance.kinks(lining)
@@ -164,9 +177,9 @@ def _singular_places(
 
 
 def _initial_contact(one: CondensedFace, before: ShoeSolution | None) -> Bools:
-    """Whether each node (n,) of a face is in contact at first.
+    """Whether each node (n,) of a lining's face is in contact when the contact solver starts.
 
-    All nodes are, or with an earlier solution those on the arcs of its contacts.
+    The nodes in contact are those of the earlier solution `before`, or all nodes if it is None.
     """
     if before is None:
         return np.ones(len(one.theta), dtype=bool)
@@ -177,19 +190,21 @@ def _initial_contact(one: CondensedFace, before: ShoeSolution | None) -> Bools:
 def solve_sequence(
     brake: Brake, levels: Sequence[TriangleLevel] = TRIANGLE_LEVELS
 ) -> list[list[ShoeSolution]]:
-    """The solutions of all shoes on each of a sequence of meshes.
+    """Solve a brake on a sequence of meshes; returns for each mesh the solutions of all shoes.
 
-    Every mesh is graded to the ends of the contact that the mesh before has found. Solutions on the
-    coarse mesh FINDING come first, until these ends settle. They begin with the parts LESS of the
-    coefficient of friction, because with much friction a brake may have several answers and the
-    answer that grows from the frictionless one is sought.
+    Every mesh is graded to the ends of the contact that the mesh before has found. Coarse meshes
+    FINDING come first, until these ends settle. They begin with the fractions LESS of the
+    coefficient of friction: with much friction a brake may have several solutions, and the one
+    sought is reached when friction grows from zero.
 
     Raises BadInput and NoAnswer as `solve` does.
     """
     before = None
+    # A failed solution at lower friction only means a worse start.
     for part in LESS:
         with suppress(NoAnswer):
             before = solve(vary(brake, {"friction": part * brake.friction}), FINDING, before)
+    # The coarse mesh is graded again until the ends of the contact stay in their places.
     for _ in range(PASSES):
         after = solve(brake, FINDING, before)
         same = before is not None and all(
@@ -205,7 +220,7 @@ def solve_sequence(
 
 
 def _have_same_contact_arcs(a: Floats, b: Floats) -> bool:
-    """Whether two solutions have the same contacts, up to SETTLED_ENDS."""
+    """Whether two solutions have the same contact arcs (k, 2) [rad], within SETTLED_ENDS."""
     return a.shape == b.shape and bool(
         (np.abs(a - b).max(axis=1) < SETTLED_ENDS * np.diff(b, axis=1)[:, 0]).all()
     )

@@ -1,4 +1,4 @@
-"""The outlines of shoes as layered bodies, and their meshes of triangles."""
+"""The outlines of shoes as layered bodies, and the meshes of triangles that fill them."""
 
 import math
 from collections.abc import Sequence
@@ -23,16 +23,17 @@ from drumlin.verification.triangles.triangulation import (
 )
 
 SLENDER = 12.0
-"""Largest length of triangles far from all corners, relative to the thinnest layer."""
+"""Largest length of triangles far from all corners, relative to the thickness of the thinnest
+layer."""
 
 
 class TriangleLevel(NamedTuple):
-    """How fine a mesh is.
+    """The degree and the grading of a mesh of triangles.
 
     Attributes
     ----------
-    degree : degree of the triangles
-    halvings : number of halvings of triangles towards each corner
+    degree : polynomial degree of the triangles
+    halvings : number of times that the triangles are halved towards each corner
     steep : largest length of a triangle, relative to its distance from the corner
     size : factor on the lengths of triangles far from all corners
     """
@@ -48,8 +49,8 @@ class SingularPlaces(NamedTuple):
 
     Attributes
     ----------
-    s : (k,) coordinate of each place along the face
-    smallest : (k,) length of the triangles at each place [m]
+    s : (k,) coordinate of each place along the lining's face
+    smallest : (k,) length of the smallest triangles at each place [m]
     """
 
     s: Floats
@@ -58,21 +59,23 @@ class SingularPlaces(NamedTuple):
 
 @dataclass(frozen=True)
 class Outline:
-    """A layered body in the coordinates s along the body and d across its layers.
+    """A shoe or a ring as a body of layers, in the coordinates s along it and d across its layers.
+
+    Layer j fills j <= d <= j + 1; the friction surface is d = 0.
 
     Attributes
     ----------
-    place : map from s, d to points in the brake's frame
-    layers : the layers, from the lining's face on
+    place : function that returns the points [m] in the brake's frame for given s and d
+    layers : the layers, beginning at the lining's face
     thickness : (layers,) thickness of each layer [m]
     s : the ends of all layers, growing
     corners : (k, 2) s and d of the points to which triangles are graded
-    held : s of the end face that is fixed, or None if the back of the body is fixed
-    loaded : s of the end face that the actuation loads, or None
-    origin, turn : a place s of the face lies at theta = origin + turn s, with turn = 1 or -1
+    held : s of the end face at the hinge, which is fixed, or None if the back of the body is fixed
+    loaded : s of the end face on which the actuation force acts, or None
+    origin, turn : a point s of the lining's face lies at theta = origin + turn s; turn is 1 or -1
     length : length along the body per unit of s [m]
     grip : first and last s of the fixed part of the back, or None if the whole back is fixed
-    plates : number of layers, counted from the back, that form the body behind the lining
+    plates : number of layers of the shoe's body, behind lining and backing
     """
 
     place: PointMap
@@ -90,7 +93,7 @@ class Outline:
 
     @property
     def front(self) -> int:
-        """The d at which the plates behind lining and backing begin."""
+        """The coordinate d at which the shoe's body begins, behind lining and backing."""
         return len(self.layers) - self.plates
 
     @property
@@ -113,6 +116,7 @@ def make_outline(shoe: Shoe, R: float) -> Outline:
     parts = [(lining.thickness, lining.material)] + (
         [(backing.thickness, backing.material)] if backing else []
     )
+    # Lining and backing come first, then the plates of the shoe's body; s is the angle theta.
     layers = [
         TriangleLayer(lining.start, lining.end, ElasticLayer.of(material, lining.width))
         for _, material in parts
@@ -138,7 +142,8 @@ def make_outline(shoe: Shoe, R: float) -> Outline:
             held, loaded = sorted(
                 (body.start, body.end), key=lambda end: abs(float(shoe.frame.phi(np.array(end))))
             )
-        else:  # the force acts on what holds the back
+        else:
+            # A part of the body's back is fixed to a holder, and the force acts on the holder.
             first, last = sorted(shoe.frame.theta(np.array(of)).tolist())
             grip = first, last
             s += grip
@@ -146,6 +151,7 @@ def make_outline(shoe: Shoe, R: float) -> Outline:
     depths = np.concatenate([[0.0], np.cumsum(thickness)])
 
     def place(s: Floats, d: Floats) -> Floats:
+        """Points (..., 2) [m] of the shoe at the angles s and the layer coordinates d."""
         r = R - shoe.sign * np.interp(d, np.arange(len(depths)), depths)
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
@@ -156,10 +162,10 @@ def make_outline(shoe: Shoe, R: float) -> Outline:
 
 
 def _beam_outline(shoe: Shoe, R: float) -> Outline:
-    """The outline of a straight beam with a lining on a square-cut block.
+    """The outline of a straight beam that carries its lining on a rectangular block.
 
     The coordinate s is the angle of a point on the lining's back, seen from the drum's centre.
-    Beside the block s continues linearly along the beam.
+    On the beam's ends beside the block, s grows in proportion to the length along the beam.
     """
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     assert isinstance(body, Beam)
@@ -168,6 +174,7 @@ def _beam_outline(shoe: Shoe, R: float) -> Outline:
         raise BadInput(
             f"shoe {shoe.name!r}: its beam has no constant section, or nothing before it"
         )
+    # s of the lining's ends (first, last) and of the beam's ends (low, high).
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     first, last = np.sort(axis.angle(np.array([lining.start, lining.end]))).tolist()
     t, back = lining.thickness, R + lining.thickness
@@ -176,6 +183,7 @@ def _beam_outline(shoe: Shoe, R: float) -> Outline:
     face = section.thickness / 2
 
     def place(s: Floats, d: Floats) -> Floats:
+        """Points (..., 2) [m] of lining (d < 1), block (d < 2) and beam, in the brake's frame."""
         inside = np.clip(s, first, last)
         along = axis.foot + back * (np.sin(inside) + (s - inside))
         r = R + t * np.minimum(d, 1)
@@ -203,7 +211,7 @@ def _beam_outline(shoe: Shoe, R: float) -> Outline:
 
 
 def _sorted_distinct(values: Sequence[float]) -> Floats:
-    """The values in growing order, without repetitions up to round-off."""
+    """The values in growing order; of values that differ by less than 1e-9 only the first."""
     grown = np.unique(values)
     return grown[np.append(True, np.diff(grown) > 1e-9)]
 
@@ -211,9 +219,10 @@ def _sorted_distinct(values: Sequence[float]) -> Floats:
 def grid_lines(
     shape: Outline, size: float, wavelength: float, points: Sequence[float]
 ) -> tuple[Floats, list[Floats]]:
-    """Grid lines with which a mesh begins: their s, and for each layer their d.
+    """The grid lines of a body's first mesh: their s, and for each layer their d.
 
-    The cells are nearly square at the corners and at the places `points`, and slender elsewhere.
+    Each cell of this grid becomes two triangles. The cells are nearly square at the corners of the
+    body and at the places `points`, and slender elsewhere.
 
     Parameters
     ----------
@@ -222,6 +231,7 @@ def grid_lines(
     wavelength : shortest wavelength of the gap [m]
     points : s of places on the face where the pressure is not smooth
     """
+    # The cells are smallest at the ends of the lining and at the points, and largest far from them.
     face = shape.layers[0]
     arc = (face.end - face.start) * shape.length
     thinnest = float(
@@ -236,7 +246,7 @@ def grid_lines(
     near = np.where(ends, least, max(least, float(shape.thickness[-1]) / 4 * size))
 
     def step_along(s: float) -> float:
-        """The step of the grid lines at s."""
+        """The distance in s between two grid lines near s."""
         return (
             min(most, float((near + 0.5 * shape.length * np.abs(dense - s)).min())) / shape.length
         )
@@ -247,7 +257,7 @@ def grid_lines(
         coarsest = t * (1.0 if j == 0 else 0.5) * min(1.0, 1.25 * size)
 
         def step_across(x: float, t: float = t, coarsest: float = coarsest) -> float:
-            """The step at the relative depth x of a layer of thickness t, in fractions of t."""
+            """The distance of two grid lines at the relative depth x of a layer, relative to t."""
             return min(coarsest / t, least / t + min(x, 1 - x))
 
         d.append(j + spaced_points(np.array([0.0, 1.0]), step_across))
@@ -255,13 +265,13 @@ def grid_lines(
 
 
 class Draft(NamedTuple):
-    """A body's mesh of triangles before it has nodes.
+    """A shoe's mesh of triangles, before the nodes on their edges and inside are made.
 
     Attributes
     ----------
-    shape : outline of the body
-    s : grid lines with which the mesh began
-    sharp : places on the face to which the mesh is graded
+    shape : outline of the shoe
+    s : grid lines along the shoe from which the mesh was made
+    sharp : places on the lining's face to which the mesh is graded
     mesh : the triangles
     """
 
@@ -274,9 +284,14 @@ class Draft(NamedTuple):
 def draft_mesh(
     shape: Outline, sharp: SingularPlaces, level: TriangleLevel, wavelength: float
 ) -> Draft:
-    """The mesh of a body, graded to its corners and to the places `sharp` on its face.
+    """Mesh a shoe by triangles that shrink towards its corners and the places `sharp` on its face.
 
-    wavelength : shortest wavelength of the gap [m]
+    Parameters
+    ----------
+    shape : outline of the shoe
+    sharp : places on the lining's face where the pressure is not smooth
+    level : grading of the triangles
+    wavelength : shortest wavelength of the gap between lining and drum [m]
     """
     s, d = grid_lines(shape, level.size, wavelength, sharp.s.tolist())
     points = np.concatenate([shape.corners, np.stack([sharp.s, 0 * sharp.s], axis=1)])

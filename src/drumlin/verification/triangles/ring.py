@@ -1,6 +1,6 @@
-"""The elastic ring: its mesh, and its compliance under the linings.
+"""The elastic ring of a drum: its mesh of triangles, and its compliance under the linings.
 
-The edges of the ring's triangles match those of the linings' triangles in every contact.
+On the friction surface each node of a lining has a node of the ring opposite to it.
 """
 
 import math
@@ -34,7 +34,7 @@ from drumlin.verification.triangles.triangulation import (
 ANGLE_SLACK = 1e-12
 """Difference [rad] up to which two angles count as equal. Round-off is some 1e-15."""
 ROUNDS = 20
-"""Largest number of rounds in which the edges of ring and linings are halved to match."""
+"""Largest number of rounds in which edges of ring and linings are halved until their ends match."""
 WHOLE_TURN = 2 * math.pi
 """The angle of a full circle [rad]."""
 
@@ -42,9 +42,10 @@ WHOLE_TURN = 2 * math.pi
 def mesh_linings_and_ring(
     brake: Brake, drafts: list[Draft], level: TriangleLevel
 ) -> tuple[list[Triangles], MeshedBody]:
-    """The meshes of the linings, and the ring with its mesh; edges in contact match.
+    """Mesh the drum ring, and refine the shoes' meshes so that the nodes in contact match.
 
-    Raises BadInput for a ring without a section and for shoes on both sides of the ring.
+    Returns the refined meshes of the shoes, and the meshed ring. Raises BadInput for a ring without
+    a section and for shoes on both sides of the ring.
     """
     ring, R = brake.ring, brake.size
     section = None if ring is None else ring.section
@@ -54,6 +55,7 @@ def mesh_linings_and_ring(
     if any(shoe.sign != sign for shoe in brake.shoes):
         raise BadInput("shoes inside and outside of one ring")
     first = min(shoe.lining.start for shoe in brake.shoes)
+    # Whole turns are taken off the angles of a lining, so that all linings lie on one turn.
     turns = [
         WHOLE_TURN * math.floor((shoe.lining.start - first) / WHOLE_TURN + ANGLE_SLACK)
         for shoe in brake.shoes
@@ -70,9 +72,11 @@ def mesh_linings_and_ring(
         return np.sort((theta + turns[i] - shape.origin) * shape.turn)
 
     def place(s: Floats, d: Floats) -> Floats:
+        """Points (..., 2) [m] of the ring at the angles s and the fractions d of its thickness."""
         r = R + sign * section.thickness * d
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
+    # The ring's grid lines under a lining are those of the lining.
     under = []
     for i, one in enumerate(drafts):
         face = one.shape.layers[0]
@@ -93,6 +97,8 @@ def mesh_linings_and_ring(
         1,
         R,
     )
+    # The ring's mesh is graded to the points below the linings' ends and below the places where
+    # the pressure is not smooth.
     ends = np.concatenate([part[[0, -1]] for part in under])
     sharp = np.concatenate([ring_angles(i, one.sharp.s) for i, one in enumerate(drafts)])
     smallest = np.concatenate(
@@ -103,6 +109,7 @@ def mesh_linings_and_ring(
         initial_mesh(s, [d], [layer], WHOLE_TURN), place, place(at, 0 * at), smallest, level.steep
     )
     meshes = [one.mesh for one in drafts]
+    # Halving an edge may halve others: ring and linings are halved until neither changes.
     for _ in range(ROUNDS):
         before = len(mesh.layer), [len(one.layer) for one in meshes]
         above = [ring_angles(i, np.unique(one.surface_spans())) for i, one in enumerate(meshes)]
@@ -119,7 +126,7 @@ def mesh_linings_and_ring(
 def _ring_grid_lines(
     under: list[Floats], section: Section, R: float, least: float, size: float
 ) -> tuple[Floats, Floats]:
-    """Grid lines with which the ring's mesh begins: their angles [rad] and their d.
+    """The grid lines of the ring's first mesh: their angles [rad], and their d across the ring.
 
     Parameters
     ----------
@@ -136,7 +143,7 @@ def _ring_grid_lines(
         gap = np.array([part[-1], after[0]])
 
         def relative_step(x: float, gap: Floats = gap) -> float:
-            """The step between grid lines at x, relative to the gap between two breaks."""
+            """The angle [rad] between two grid lines near the angle x, between two linings."""
             return min(2.5 * t * size / R, least * size / R + 0.5 * float(np.abs(gap - x).min()))
 
         lines += [part, spaced_points(gap, relative_step)[1:-1]]
@@ -147,10 +154,11 @@ def _ring_grid_lines(
 
 
 def condense_ring(brake: Brake, ring: MeshedBody, faces: list[CondensedFace]) -> CondensedRing:
-    """The ring condensed to the nodes opposite to those of the lining faces.
+    """A meshed ring, statically condensed to the nodes opposite to those of the linings.
 
-    A ring is fixed at its rim or free. On a free ring's rim tractions balance the contact forces;
-    they are combinations of the three rigid motions of the rim. The mean motion of the rim is zero.
+    A ring is fixed at its rim or free. On the rim of a free ring, tractions balance the contact
+    forces. These tractions are combinations of the three rigid-body modes of the rim. The mean
+    motion of the rim is zero.
     """
     nodes = ring.nodes
     chosen, of = _opposite_nodes(brake, ring, faces)
@@ -165,6 +173,7 @@ def condense_ring(brake: Brake, ring: MeshedBody, faces: list[CondensedFace]) ->
             ).of,
             of,
         )
+    # Three loads on the rim, with tractions in the shape of the three rigid-body modes.
     on = ring.mesh.at[..., 1] > 1 - ANGLE_SLACK
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
     edges = edge_nodes(nodes, tri, edge, ring.degree)
@@ -173,12 +182,13 @@ def condense_ring(brake: Brake, ring: MeshedBody, faces: list[CondensedFace]) ->
     np.add.at(spread, edges, np.einsum("aq,kqcl,kq->kacl", psi, _rigid_motions(x), ds / ds.sum()))
     loads = spread.reshape(-1, 3)
     rigid = _rigid_motions(nodes.xy).reshape(-1, 3)
+    # Three displacements are fixed for the condensation; the mean motion is corrected below.
     right, left = (outer[which(nodes.xy[outer, 0])] for which in (np.argmax, np.argmin))
     held[right] = held[left, 1] = True
     found = lagrange.condense_body(ring.K, nodes, held.ravel(), chosen, loads)
     own = rigid[(2 * chosen[:, None] + np.arange(2)).ravel()]
-    # Forces f are met by -loads l on the rim, l = (rigid^T loads)^-1 own^T f; then the mean motion
-    # is taken away.
+    # Contact forces f are balanced by the tractions -loads l with l = (rigid^T loads)^-1 own^T f.
+    # After that the mean motion of the rim is subtracted.
     share = np.linalg.solve(rigid.T @ loads, own.T)
     moved = found.of - found.loaded @ share
     mean = found.loaded.T - found.work @ share
@@ -186,7 +196,10 @@ def condense_ring(brake: Brake, ring: MeshedBody, faces: list[CondensedFace]) ->
 
 
 def _rigid_motions(xy: Floats) -> Floats:
-    """Rigid motions (..., 2, 3) of points (..., 2): along x, along y, turn about the origin."""
+    """Displacements (..., 2, 3) of points (..., 2) by the three rigid-body modes.
+
+    The modes are a unit displacement along x, one along y, and a unit rotation about the origin.
+    """
     x, y = xy[..., 0], xy[..., 1]
     one, zero = np.ones_like(x), np.zeros_like(x)
     return np.stack(
@@ -197,9 +210,10 @@ def _rigid_motions(xy: Floats) -> Floats:
 def _opposite_nodes(
     brake: Brake, ring: MeshedBody, faces: list[CondensedFace]
 ) -> tuple[Ints, list[Ints]]:
-    """The ring's nodes opposite to those of all faces, and for each face the places of its nodes.
+    """The ring's nodes opposite to those of the linings' faces.
 
-    The places (n,) count in the array of the ring's nodes.
+    Returned are the numbers (m,) of these ring nodes and, for each lining, the positions (n,) of
+    its opposite nodes among the m.
     """
     xy = ring.nodes.xy[ring.surface]
     chosen, of, count = [], [], 0

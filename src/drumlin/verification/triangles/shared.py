@@ -1,7 +1,7 @@
-"""Shoes on a rigid drum that share forces, by a cam or by struts.
+"""Shoes on a rigid drum that a common cam actuates or that push each other by struts.
 
-The force on a shoe depends on the answers of the other shoes. It is found by solving shoe after
-shoe.
+The force on one shoe depends on the solution of another shoe. Struts are followed from shoe to
+shoe; the two forces of a cam are the root of an equation.
 """
 
 from dataclasses import replace
@@ -23,16 +23,17 @@ from drumlin.verification.triangles.face import CondensedFace
 def solve_shoes_that_share_forces(
     brake: Brake, faces: list[CondensedFace], first: list[Bools]
 ) -> tuple[list[Shoe], list[ContactForces]]:
-    """The shoes under the forces that they share, and the contact forces of each shoe.
+    """Find the forces of a cam or of struts; returns the shoes under them, and the contact forces.
 
-    A strut pushes the next shoe with the force by which the foot of the shoe before bears on it. A
-    cam moves the tips of both shoes by the same length, and its two forces have a given sum.
+    A strut pushes the next shoe with the force by which the foot of the shoe before presses on the
+    strut. A cam moves the tips of both shoes by the same length, and its two forces have a given
+    sum.
 
     Parameters
     ----------
-    brake : shoes and the cam or the struts between them
-    faces : lining faces of the shoes, each under an actuation of 1 N
-    first : for each shoe the nodes (n,) that are in contact to begin with
+    brake : the brake, with its shoes and the cam or the struts between them
+    faces : the shoes, condensed to the faces of their linings, each under an actuation of 1 N
+    first : for each shoe, whether each node (n,) is in contact at the start
 
     Raises
     ------
@@ -43,7 +44,11 @@ def solve_shoes_that_share_forces(
     shoes, found = list(brake.shoes), dict[int, ContactForces]()
 
     def solve_under(i: int, force: float) -> float:
-        """Solve shoe i under a force [N]; the displacement of its tip along the force [m]."""
+        """Solve shoe i under a force [N]; returns the displacement [m] of its tip along the force.
+
+        The solved shoe and its contact forces are stored in `shoes` and `found`.
+        """
+        # The elastic response to the actuation is in proportion to the force.
         one, shoe = faces[i], shoes[i].under(force)
         one = replace(one, loaded=force * one.loaded, yields=force**2 * one.yields)
         failure: NoAnswer | None = None
@@ -58,6 +63,7 @@ def solve_shoes_that_share_forces(
         assert failure is not None
         raise failure
 
+    # Shoes that no strut pushes have a known force, or share that of the cam.
     behind = {names.index(link.to) for link in brake.links}
     free = [i for i in range(len(names)) if i not in behind]
     if brake.actuation is not None and brake.actuation.is_cam:
@@ -72,7 +78,7 @@ def solve_shoes_that_share_forces(
         for i in free:
             solve_under(i, shoes[i].actuation.force)
     left = list(brake.links)
-    # A chain of links goes from shoe to shoe: the link whose first shoe is solved comes next.
+    # Struts form a chain from shoe to shoe: the next strut is one whose first shoe is solved.
     while left:
         link = next(one for one in left if names.index(one.source) in found)
         left.remove(link)

@@ -1,4 +1,4 @@
-"""Pressure, torque and reaction of a shoe, from the contact forces at its face's nodes."""
+"""Pressure, torque and hinge reaction of a shoe, from the nodal forces on its lining's face."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,17 +19,19 @@ from drumlin.verification.triangles.face import (
 
 @dataclass(frozen=True)
 class ShoeSolution:
-    """The solution of one shoe.
+    """The solution of one shoe on a mesh of curved triangles.
+
+    The pressure p is a piecewise polynomial: a piece is an edge of a triangle on the lining's face.
 
     Attributes
     ----------
-    theta : (n,) angles of the nodes of p, growing [rad]; the Gauss-Lobatto points of its pieces
+    theta : (n,) growing angles [rad] of the nodes of p, the Gauss-Lobatto points of the pieces
     pressure : (n,) p at these angles, 0 where the lining is open [Pa]
-    order : degree of the pieces of p
+    order : polynomial degree of the pieces of p
     torque : brake torque of the shoe [N m]
     normal_force : magnitude of the resultant of the pressure [N]
     hinge_reaction : (2,) force of the pin on the shoe [N]
-    arcs : (k, 2) first and last angle of each contact [rad]
+    arcs : (k, 2) first and last angle of each part of the lining in contact [rad]
     unknowns : number of unknowns of the shoe's mesh
     """
 
@@ -44,12 +46,13 @@ class ShoeSolution:
 
     @cached_property
     def _barycentric(self) -> Floats:
-        """Weights (order + 1,) of the barycentric formula for Lagrange's interpolation."""
+        """Weights (order + 1,) of the barycentric formula of Lagrange interpolation on a piece."""
         x = lagrange.lobatto_points(self.order)
         return np.array([1 / np.prod([a - b for b in x if b != a]) for a in x])
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at the angles `theta` [rad], with their shape; 0 beyond the lining."""
+        # For each angle, the nodes of its piece of p and the distances from them.
         at = np.asarray(theta, dtype=float)
         ends = self.theta[:: self.order]
         piece = np.clip(np.searchsorted(ends, at, side="right") - 1, 0, len(ends) - 2)
@@ -58,6 +61,7 @@ class ShoeSolution:
         with np.errstate(divide="ignore", invalid="ignore"):
             weight = self._barycentric / off
             value = (weight * self.pressure[nodes]).sum(axis=-1) / weight.sum(axis=-1)
+        # At a node the formula would divide by zero; p is that of the node.
         hit = np.abs(off) < 1e-15
         value = np.where(hit.any(axis=-1), (hit * self.pressure[nodes]).sum(axis=-1), value)
         return np.where((at >= ends[0]) & (at <= ends[-1]), value, 0.0)
@@ -66,9 +70,10 @@ class ShoeSolution:
 def shoe_solution(
     brake: Brake, shoe: Shoe, one: CondensedFace, found: ContactForces
 ) -> ShoeSolution:
-    """The solution of a shoe from its contact forces.
+    """The solution of a shoe, computed from its nodal contact forces.
 
-    The pressure has the same work as the nodal forces on every shape function of a node in contact.
+    The pressure does the same work as the nodal forces on the shape function of every node in
+    contact.
     """
     a = np.flatnonzero(found.active)
     p = np.zeros(len(one.theta))
@@ -89,12 +94,14 @@ def shoe_solution(
 
 
 def _contact_arcs(theta: Floats, p: Floats, active: Bools, degree: int) -> Floats:
-    """First and last angle (k, 2) of each contact [rad].
+    """First and last angle (k, 2) [rad] of each part of the lining in contact.
 
-    An end of the contact inside the lining is extrapolated. The pressure rises there as the root of
-    the distance from the end, so that the force F between the end and a point grows as the power
-    3/2 of the distance. The end lies where F^(2/3), taken at the next two ends of pieces, vanishes.
+    An end of the contact inside the lining is extrapolated. The pressure rises there as the square
+    root of the distance from the end, so that the force F between the end and a point grows as the
+    distance to the power 3/2. The end is where the straight line through F^(2/3) at the next two
+    ends of pieces vanishes.
     """
+    # Neighbouring nodes in contact form one part of the contact.
     steps = np.diff(np.concatenate([[0], active.astype(int), [0]]))
     firsts, lasts = np.flatnonzero(steps == 1), np.flatnonzero(steps == -1) - 1
     last = len(theta) - 1
@@ -110,16 +117,18 @@ def _contact_arcs(theta: Floats, p: Floats, active: Bools, degree: int) -> Float
 
 
 def _contact_start(theta: Floats, p: Floats, node: int, degree: int) -> float:
-    """The angle [rad] where the contact begins whose first node in contact is `node`."""
+    """The angle [rad] at which a contact begins; `node` is its first node in contact."""
     if node == 0:
         return float(theta[0])
-    # The last node of the piece of p in which the contact begins.
+    # The last node of the piece (edge of a triangle) in which the contact begins, and the last node
+    # of the piece after it.
     near = (node - 1) // degree * degree + degree
     far = near + degree
     if far >= len(theta):
         return float(theta[node])
     psi, _ = edge_polynomials(degree, 0.5 + 0.5 * FACE_GAUSS)
     weight = psi @ (0.5 * FACE_WEIGHTS)
+    # The forces from the beginning of the contact up to these two nodes, per width.
     F = np.cumsum(
         [
             (theta[b] - theta[b - degree]) * float(weight @ p[b - degree : b + 1])

@@ -1,9 +1,9 @@
-"""Triangulations graded geometrically to given points, in the coordinates (s, d) of a layered body.
+"""Meshes whose triangles shrink geometrically towards given points of a layered body.
 
-The coordinate s runs along the body and d counts its layers: layer j fills j <= d <= j + 1.
-Triangles are halved by newest-vertex bisection, which keeps their shapes (Mitchell 1989; the
-closure after Funken, Praetorius & Wissgott 2011), until each triangle is short enough for its
-distance from the nearest of the given points.
+The coordinate s runs along the body and d across its layers: layer j fills j <= d <= j + 1.
+Triangles are halved by newest-vertex bisection, which bounds their angles (Mitchell 1989; hanging
+nodes are avoided as by Funken, Praetorius & Wissgott 2011), until each triangle is short enough for
+its distance from the nearest of the given points.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,20 +16,21 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer
 
 PointMap = Callable[[Floats, Floats], Floats]
-"""A function from s, d (...) to points (..., 2) [m]."""
+"""A function that returns the points (..., 2) [m] of a body for given s (...) and d (...)."""
 MOST_ROUNDS = 200
-"""Largest number of rounds of bisection. Two rounds halve the triangles' lengths, and the finest
-meshes ask for 26 halvings; so more rounds mean an endless loop."""
+"""Largest number of rounds of bisection, above which the refinement counts as endless.
+
+Two rounds halve the lengths of the triangles, and the finest meshes need some 26 halvings."""
 
 
 @dataclass(frozen=True)
 class TriangleLayer:
-    """A layer of a body.
+    """One layer of a layered body that triangles mesh.
 
     Attributes
     ----------
-    start, end : first and last s of the layer
-    elastic : elasticity of the layer, with directions in the brake's frame
+    start, end : first and last coordinate s of the layer
+    elastic : elastic constants of the layer, with directions in the brake's frame
     """
 
     start: float
@@ -39,12 +40,12 @@ class TriangleLayer:
 
 @dataclass(frozen=True)
 class Triangles:
-    """A mesh of triangles.
+    """A mesh of m triangles in the coordinates s and d of a layered body.
 
     Attributes
     ----------
-    vertices : (m, 3) numbers of the corners; the edge between the first two is halved next
-    at : (m, 3, 2) s and d of the corners
+    vertices : (m, 3) numbers of the corners; bisection halves the edge between the first two
+    at : (m, 3, 2) coordinates s and d of the corners
     layer : (m,) number of the layer in which each triangle lies
     """
 
@@ -54,7 +55,7 @@ class Triangles:
 
     @property
     def surface(self) -> tuple[Ints, Ints]:
-        """Numbers of the triangles with an edge on d = 0, and which edge lies there.
+        """Numbers (k,) of the triangles with an edge on the surface d = 0, and of these edges.
 
         Edge 0 goes from corner 0 to 1, edge 1 from 1 to 2, edge 2 from 2 to 0.
         """
@@ -63,7 +64,7 @@ class Triangles:
         return tri, edge
 
     def surface_spans(self) -> Floats:
-        """The s (k, 2) at both ends of each edge on d = 0, the smaller first."""
+        """The coordinates s (k, 2) of both ends of each edge on the surface d = 0, growing."""
         tri, edge = self.surface
         return np.sort(
             np.stack([self.at[tri, edge, 0], self.at[tri, (edge + 1) % 3, 0]], axis=1), axis=1
@@ -73,18 +74,21 @@ class Triangles:
 def initial_mesh(
     s: Floats, d: Sequence[Floats], layers: Sequence[TriangleLayer], period: float | None = None
 ) -> Triangles:
-    """A mesh of two triangles for each cell of a grid, as far as the layers reach.
+    """Mesh a layered body by a grid, each cell of which is cut into two triangles.
+
+    The grid covers the whole range of s and d. A cell is left out if its layer does not reach it.
 
     Parameters
     ----------
-    s : (n,) grid lines along the body, growing
-    d : for each layer its grid lines across, growing
+    s : (n,) growing coordinates of the grid lines along the body
+    d : for each layer, the growing coordinates of its grid lines across
     layers : the layers
-    period : the s at which a closed body begins again, equal to the last of `s`; None if the body
-        has two ends
+    period : for a ring, the s of the last grid line, which is the first one again; None for a body
+        with two ends
     """
     depths = np.unique(np.concatenate(d))
     count = len(s) - (period is not None)
+    # Cell (i, j) lies between grid lines i, i + 1 along the body and j, j + 1 across it.
     i = np.repeat(np.arange(len(s) - 1), len(depths) - 1)
     j = np.tile(np.arange(len(depths) - 1), len(s) - 1)
     layer = np.floor(0.5 * (depths[j] + depths[j + 1])).astype(int)
@@ -94,11 +98,12 @@ def initial_mesh(
     i, j, layer = i[there], j[there], layer[there]
 
     def corner_of_cells(a: int, b: int) -> tuple[Ints, Floats]:
-        """Numbers (n,) and places s, d (n, 2) of one corner of all cells; a and b are 0 or 1."""
+        """Numbers (n,) and coordinates s, d (n, 2) of the corner (i + a, j + b) of all cells."""
         at = np.stack([s[i + a], depths[j + b]], axis=1)
         return ((i + a) % count) * len(depths) + j + b, at
 
-    flip = (i + j) % 2 == 1  # diagonals to and fro: no slant
+    # Neighbouring cells are cut along opposite diagonals, so that the mesh has no slant.
+    flip = (i + j) % 2 == 1
     quads = [
         corner_of_cells(0, 0),
         corner_of_cells(1, 0),
@@ -120,9 +125,9 @@ def initial_mesh(
 
 
 def mesh_edges(mesh: Triangles) -> tuple[Ints, Ints]:
-    """The edges (k, 2) of a mesh, and for each triangle the numbers (m, 3) of its edges.
+    """The k edges of a mesh, and the numbers (m, 3) of the edges of each triangle.
 
-    An edge is given by the numbers of its two ends, the smaller first.
+    An edge (2,) is given by the numbers of its two ends, the smaller first.
     """
     pairs = np.sort(np.stack([mesh.vertices, np.roll(mesh.vertices, -1, axis=1)], axis=2), axis=2)
     flat = pairs.reshape(-1, 2)
@@ -134,13 +139,14 @@ def mesh_edges(mesh: Triangles) -> tuple[Ints, Ints]:
 
 
 def bisect_triangles(mesh: Triangles, marked: Bools) -> Triangles:
-    """The mesh with the marked (m,) triangles halved.
+    """The mesh with the triangles halved for which `marked` (m,) is true.
 
-    Other triangles are halved where a mesh without hanging nodes needs it.
+    Further triangles are halved so that no node hangs on the edge of another triangle.
     """
     edges, of = mesh_edges(mesh)
     halved = np.zeros(len(edges), dtype=bool)
     halved[of[marked, 0]] = True
+    # A triangle with any halved edge must have its first edge halved, too.
     while True:
         due = halved[of].any(axis=1) & ~halved[of[:, 0]]
         if not due.any():
@@ -150,6 +156,7 @@ def bisect_triangles(mesh: Triangles, marked: Bools) -> Triangles:
     # The columns are the corners 0, 1, 2 and the middles 3, 4, 5 of the edges 01, 12, 20.
     v = np.concatenate([mesh.vertices, number[of]], axis=1)
     at = np.concatenate([mesh.at, 0.5 * (mesh.at + np.roll(mesh.at, -1, axis=1))], axis=1)
+    # Which edges of a triangle are halved decides into which smaller triangles it is cut.
     cut = halved[of]
     kinds = [
         (~cut[:, 0], [[0, 1, 2]]),
@@ -169,17 +176,18 @@ def bisect_triangles(mesh: Triangles, marked: Bools) -> Triangles:
 def graded_mesh(
     mesh: Triangles, place: PointMap, points: Floats, smallest: Floats, steep: float
 ) -> Triangles:
-    """The mesh with its triangles halved until each is short for its distance from the points.
+    """Halve the triangles of a mesh until they are short in relation to their distance from points.
 
     Parameters
     ----------
-    mesh : the triangles to begin with
-    place : map from s, d to points in the brake's frame
-    points : (k, 2) points to which the mesh is graded [m]
-    smallest : (k,) length up to which a triangle is never halved for the sake of a point [m]
+    mesh : the mesh to refine
+    place : function that returns the points [m] for given s and d
+    points : (k, 2) points towards which the triangles shrink [m]
+    smallest : (k,) length of the smallest triangles at each point [m]
     steep : largest length of a triangle, relative to the distance of its centre from a point
     """
     for _ in range(MOST_ROUNDS):
+        # A triangle is marked if its longest edge exceeds the length allowed at its centre.
         corners = place(mesh.at[..., 0], mesh.at[..., 1])
         size = np.hypot(*np.moveaxis(corners - np.roll(corners, -1, axis=1), 2, 0)).max(axis=1)
         centre = corners.mean(axis=1)
@@ -196,13 +204,15 @@ def graded_mesh(
 
 
 def matched_mesh(first: Triangles, breaks: Floats, slack: float) -> Triangles:
-    """The mesh `first` with edges on its surface halved until none has a break inside.
+    """Halve the edges of a mesh on the surface d = 0 until no edge has a break inside.
+
+    Breaks are places where edges of an opposite mesh end, so that the edges of both meshes match.
 
     Parameters
     ----------
-    first : the triangles to begin with
-    breaks : (k,) s of the breaks, growing
-    slack : distance in s from an end of an edge up to which a break counts as this end
+    first : the mesh to refine
+    breaks : (k,) growing coordinates s of the breaks
+    slack : distance in s from an end of an edge within which a break counts as lying on this end
     """
     for _ in range(MOST_ROUNDS):
         tri, _ = first.surface
@@ -225,6 +235,7 @@ def spaced_points(breaks: Floats, size: Callable[[float], float]) -> Floats:
     """
     points = [np.array(breaks[:1])]
     for a, b in pairwise(breaks.tolist()):
+        # The integral of 1/size counts the steps; points lie where it is a whole number.
         x = np.linspace(a, b, 400)
         density = np.array([1 / size(float(one)) for one in x])
         count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
