@@ -48,6 +48,7 @@ def shoe_grid(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
     radius : radius of the drum [m]
     div : division of the shoe into columns and layers of elements
     """
+    # The nodes under the lining are numbered first, row by row from the contact inwards.
     p, first = div.degree, div.first_body_layer
     depth, along = node_positions_of_row(div.depths, p), node_positions_of_row(div.angles, p)
     rows, n = len(depth), len(along)

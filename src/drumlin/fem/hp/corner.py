@@ -343,6 +343,7 @@ def unbounded_corners(brake: Brake, index: int, response: NodalPressure) -> list
     theta, p = response.theta, response.pressure
     if max(p[0], p[-1]) <= 0:
         return []
+    # Above zero, `edge_left_out` is the length at the lining's ends whose error is not stated.
     zone = singular_zone(float(theta[-1] - theta[0]), brake.unit)
     if edge_left_out(theta, p, response.order, zone) > 0:
         return []
@@ -451,6 +452,7 @@ def _power_function_at_nodes(x: Floats, exponent: float, order: int) -> Floats:
     the polynomial of degree `order` that is nearest to the power function in L2. The Legendre
     coefficients of this polynomial have a closed form.
     """
+    # The power function itself, outside the piece at 0.
     values = np.empty_like(x)
     values[order:] = (x[order:] / x[-1]) ** exponent
     gamma, first = math.gamma, 2 * x[:order] / x[order] - 1
@@ -513,6 +515,7 @@ def logarithmic_pressures_at_tips(shoe: Shoe, scale_factor: float) -> list[Logar
     of slope s at the kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `scale_factor` is
     the length [m] of one unit of the surface's coordinate.
     """
+    # The factor c per change of slope, for slopes by the surface's coordinate.
     half_plane = shoe.lining.material.E_half_plane / (2 * math.pi * scale_factor)
     tips = clearance.tips(shoe.lining)
     return [LogarithmicPressure(theta, half_plane * slope) for theta, slope in tips]
@@ -529,6 +532,7 @@ def pressure_error_under_tips(shoe: Shoe, scale_factor: float, response: ShoeRes
     column_ends, pressed = theta[::order], p[::order] > 0
     squared_error = 0.0
     for tip in logarithmic_pressures_at_tips(shoe, scale_factor):
+        # The tip counts if a column ends there, has a neighbour, and is pressed.
         k = int(np.abs(column_ends - tip.theta).argmin())
         has_two_columns = 0 < k < len(column_ends) - 1
         at_tip = abs(column_ends[k] - tip.theta) < TIP_TOLERANCE * shoe.frame.unit

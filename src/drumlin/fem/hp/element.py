@@ -55,6 +55,7 @@ class ReferenceElement(NamedTuple):
 @cache
 def reference_element(p: int, *, precise: bool = False) -> ReferenceElement:
     """The reference element of degree p >= 2; with `precise` its slopes are in long double."""
+    # The nodes on the left and the right side come first, then the rest of the first and last edge.
     x, w = unit_gauss_rule(p)
     number = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
     edges = number[:, 0], number[:, -1], number[0, 1:-1], number[-1, 1:-1]
@@ -120,6 +121,7 @@ def _long_double_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
     They are computed at the points of the square grid with the coordinates x, as products of
     Lagrange's polynomials. The element is that of `shape_functions`.
     """
+    # The 1 on the diagonal stands for the distance of a node from itself, which is never used.
     nodes = unit_edge_nodes(p).astype(np.longdouble)
     x = x.astype(np.longdouble)
     apart = nodes[:, None] - nodes + np.eye(p + 1)
@@ -192,6 +194,7 @@ class _ElementIntegrals(NamedTuple):
 
         This block of the stiffness is (e, rows, 2, columns, 2) for e elements.
         """
+        # The isotropic part has four blocks: forces in x and y by displacements in x and y.
         lam, mu = self.constants[:, :1, None], self.constants[:, 1:2, None]
         xx, xy = self.products[:, 0, rows, 0, columns], self.products[:, 0, rows, 1, columns]
         yx, yy = self.products[:, 1, rows, 0, columns], self.products[:, 1, rows, 1, columns]
@@ -232,6 +235,7 @@ def _element_integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _Element
     e, _, a, q = slopes.shape
     flat = slopes.reshape(e, 2 * a, q)
     products = (flat @ flat.transpose(0, 2, 1)).reshape(e, 2, a, 2, a)
+    # Only elements of orthotropic material need the strains along and through their layers.
     directed = np.flatnonzero(constants[:, 2:].any(axis=1))
     strains: tuple[Any, ...] = ()
     if len(directed):
@@ -367,6 +371,7 @@ def condensed_element_stiffness(
     along : (l, c, 2, q) unit vectors along the layers at the `element_gauss_points`; None where all
         layers are isotropic
     """
+    # The elements of all layers are treated as one list, in batches.
     shape = xy.shape[:2]
     xy = xy.reshape(-1, *xy.shape[2:])
     elasticity = np.repeat(elasticity, shape[1], axis=0)
@@ -402,6 +407,7 @@ def condense_inner_forces(
     count = inner_forces.shape[2]
     forces, work = np.empty((len(xy), 8 * p, count)), np.zeros((count, count))
     for part, _, coupling, inner in _stiffness_blocks_in_batches(xy, elasticity, p, along):
+        # The displacements of the inner nodes while the boundary is held give its reactions.
         own = inner_forces[part]
         displacements = np.linalg.solve(inner, own)
         forces[part] = -(coupling.transpose(0, 2, 1) @ displacements)
@@ -448,6 +454,7 @@ def inner_node_displacements(
     inner_count = 2 * xy.shape[2] - 8 * p
     found = np.empty((len(xy), inner_count, u.shape[2]))
     for part, _, coupling, inner in _stiffness_blocks_in_batches(xy, elasticity, p, along):
+        # The inner nodes are in equilibrium: inner stiffness times displacements = -right side.
         right = coupling @ u[part]
         if inner_forces is not None:
             right -= inner_forces[part]

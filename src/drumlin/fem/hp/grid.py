@@ -92,6 +92,7 @@ class ColumnGrid:
         p = self.degree
         nodes = []
         for block in self.blocks:
+            # Each element has the nodes of p + 1 rows and p + 1 columns of the block.
             rows, columns = (np.arange(0, size - 1, p) for size in block.number.shape)
             i = rows[:, None, None, None] + np.arange(p + 1)[:, None]
             j = columns[None, :, None, None] + np.arange(p + 1)
@@ -125,6 +126,7 @@ class ColumnGrid:
     @cached_property
     def outline(self) -> Ints:
         """The nodes on the boundary of each element (4 p, elements), once around the element."""
+        # The nodes along the first edge, the right side, the last edge and the left side.
         at = self._local_numbers
         around = np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])
         return self.element_dofs[around]
@@ -135,6 +137,7 @@ class ColumnGrid:
         The first axis counts shape functions, the second x and y, the last nodes. `elements` are
         the numbers of the elements.
         """
+        # The derivatives on the unit square are multiplied with the inverse of the element's map.
         _, slopes = shape_functions(self.degree, square_grid_points(unit_edge_nodes(self.degree)))
         J = np.einsum("can,adq->nqcd", self.doflocs[:, self.element_dofs[:, elements]], slopes)
         return np.asarray(np.einsum("adq,nqdc->acnq", slopes, np.linalg.inv(J)))
@@ -280,6 +283,7 @@ class Skeleton:
         """
         grid, count = self.grid, forces.shape[1]
         xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
+        # The forces inside elements become forces on their boundaries, and are added to the others.
         inner = self._inner_forces(forces)
         condensed = condense_inner_forces(xy, grid.elasticity(layers), grid.degree, along, inner)
         on_sides = forces.reshape(grid.N, 2, count)[self.nodes]
@@ -312,6 +316,7 @@ class Skeleton:
         everywhere = np.empty((grid.N, 2, u.shape[1]))
         on_sides = u.reshape(self.N, 2, -1)
         everywhere[self.nodes] = on_sides
+        # The inner nodes of each element follow from its boundary nodes.
         outer = on_sides[self.element_dofs.T].reshape(len(grid.ordered_dofs), -1, u.shape[1])
         xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
         own = None if forces is None else self._inner_forces(forces)
@@ -379,6 +384,7 @@ class GridUnknowns:
         sides = self.grid.skeleton
         on_sides, inner_work = sides.condense_forces(self.layers, self.further)
         system = self._add_further(self.whole_system(sides), on_sides)
+        # The work inside elements is missing in the work of the loads on the skeleton.
         S, loads, work = system.eliminate_loads()
         first = len(work) - len(inner_work)
         work[first:, first:] += inner_work
@@ -392,6 +398,7 @@ class GridUnknowns:
         """
         sides, count = self.grid.skeleton, self.further.shape[1]
         system = self.whole_system(sides)
+        # Without further loads no force acts inside elements.
         if not count:
             on_sides = system.displacements(nodal, frame, loads)
             return sides.displacements_of_all_nodes(self.layers, on_sides)

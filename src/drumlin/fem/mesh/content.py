@@ -44,6 +44,7 @@ def digest_of_mesh_file(path: Path, depth: int = 0) -> str:
         data = read_mesh_bytes(path)
     except DrumlinError:
         return "none"
+    # The digests of included files are digested too, in the order of their lines.
     found = hashlib.sha256(data)
     for name in INCLUDED.findall(data) if depth < MOST_NESTED else ():
         included = path.parent / name.decode(errors="replace").strip().strip("\"'")

@@ -72,6 +72,7 @@ def rounding_errors_of_coordinates(points: Floats) -> Floats:
     number of significant digits. The smallest number with which all coordinates are exact is found.
     The rounding error is half of its last digit.
     """
+    # If both numbers of digits are possible, the larger rounding error counts.
     size = np.abs(points)
     exponents = np.floor(np.log10(np.where(size > 0, size, 1.0))) + 1
     found = np.zeros(points.shape)
@@ -87,6 +88,7 @@ def _find_decimal_steps(points: Floats) -> Floats | None:
     For two decimals the value is 0.01. It is repeated for each coordinate (n, k). None is returned
     if the coordinates have more than about MOST_DECIMALS digits.
     """
+    # More and more decimals are tried, beginning with the leading digit of the largest coordinate.
     largest = int(np.floor(np.log10(max(float(np.abs(points).max(initial=0.0)), 1e-300))))
     for decimals in range(-largest, MOST_DECIMALS - largest):
         step = 10.0**-decimals

@@ -104,6 +104,7 @@ def notes_on_mesh_file(
     compression = mean_compression(shoe, response)
     if compression <= 0:
         return
+    # Nodes that were moved farther than a small part of the compression are reported.
     contact, surface = made.contact, shoe.surface.word
     moves = (
         (contact.rounded, contact.rounded_by, "nodes", "the rounding of the file's coordinates"),
@@ -115,6 +116,7 @@ def notes_on_mesh_file(
                 f"{lead}: {count} {nodes} of the contact line were put on the {surface}, "
                 f"by up to {_distance_in_words(by, compression)}: {cause}"
             )
+    # Offsets that remain count as a gap, unless they are a zigzag.
     off = shoe.off(xy, radius)
     _check_smooth(off, compression, lead, surface)
     most = float(np.abs(off).max())

@@ -118,6 +118,7 @@ def element_ends_beyond_lining(near: float, far: float, division: LiningDivision
     length, step = abs(far - near), division.step
     if length < 1e-9:
         return np.array([near])
+    # Equal elements, or elements whose lengths grow by a constant ratio if there were too many.
     count = max(1, round(length / step))
     parts = np.linspace(0, 1, min(count, MOST_OVERHANG_ELEMENTS) + 1)
     if count > MOST_OVERHANG_ELEMENTS:
@@ -229,5 +230,6 @@ def number_of_inner_steps(d: float, half: float, zone: float, smallest: float) -
     zone : length over which the steps become smaller
     smallest : step at the end relative to h_0
     """
+    # The steps reach h_0 at the distance `reach`.
     reach = min(zone * (1 - smallest), half)
     return zone * math.log1p(min(d, reach) / (zone * smallest)) + max(d - reach, 0.0)

@@ -70,6 +70,7 @@ def _choose_bodies(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
 
     They are those with elements in the wanted groups, or all if no group has elements.
     """
+    # The owners are the instances that have an element in one of the wanted groups.
     bodies = [body for body in deck.bodies if body.part.nodes]
     owners = set()
     for body in deck.bodies:
@@ -252,6 +253,7 @@ class _Assembled:
         named : function that returns the names of the groups of a body
         found : function that returns the members of a group of a body
         """
+        # The assembly is first, so that its groups are known before those of parts.
         groups: dict[str, list[Parsed]] = {}
         assembly = self.deck.bodies[-1]
         bodies = [body for body in self.bodies if body.part is not assembly.part]
@@ -287,6 +289,7 @@ class _Assembled:
             if name in body.part.refused:
                 raise ValueError(f"the surface {name.upper()}: {body.part.refused[name]}")
             kind, rows = body.part.surfaces[name]
+            # A surface of nodes has labels or sets of nodes, a surface of elements also faces.
             if kind == "NODE":
                 keys = [
                     key for row in rows for key in self._members_of_word(body, "node_sets", row[0])

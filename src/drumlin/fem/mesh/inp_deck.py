@@ -124,6 +124,7 @@ class Deck:
             if self._system is not IN_PLACE:
                 xyz = self._system(np.array(xyz)).tolist()
             scope.add_node(label, xyz, [*written, 0.0, 0.0][:2])
+        # The option NSET of a *NODE section makes a set of these nodes.
         labels = InputSection("NSET", {}, [[row[0]] for row in section.rows])
         self._add_to_set(scope.node_sets, labels, section.options.get("NSET"))
 
@@ -139,6 +140,7 @@ class Deck:
                 raise ValueError(f"element {label} is defined twice")
             found[label] = nodes
         self._scope.add_elements(kind, found)
+        # The option ELSET of an *ELEMENT section makes a set of these elements.
         labels = InputSection("ELSET", {}, [[str(label)] for label in found])
         self._add_to_set(self._scope.element_sets, labels, section.options.get("ELSET"))
 

@@ -132,6 +132,7 @@ def placement_of_instance(rows: list[list[str]], name: str) -> Placement:
     """
     if len(rows) > 2:
         raise ValueError(f"*INSTANCE, NAME={name} has {len(rows)} data lines; must have at most 2")
+    # The first line is the translation x, y, z.
     shift = np.zeros(3)
     if rows:
         given = parse_numbers(rows[0], f"*INSTANCE, NAME={name}")
@@ -146,6 +147,7 @@ def placement_of_instance(rows: list[list[str]], name: str) -> Placement:
         raise ValueError(
             f"*INSTANCE, NAME={name}: its second data line must be two points and an angle"
         )
+    # The translated part is turned about the axis, which need not run through the origin.
     turn = _rotation_matrix(
         (second - first) / np.linalg.norm(second - first), math.radians(given[6])
     )
@@ -174,6 +176,7 @@ def placement_by_system(rows: list[list[str]]) -> Placement:
     third = parse_numbers(rows[1], "*SYSTEM") if len(rows) == 2 else [0.0, 0.0, 1.0]
     if len(given) != 6 or len(rows) > 2 or len(third) not in (2, 3):
         raise ValueError("*SYSTEM needs an origin, a point on its x-axis and one in its x-y plane")
+    # The axes of the system are x, normal times x, and the normal of the x-y plane.
     beside = np.array([*third, 0.0][:3]) - origin
     x = along - origin
     normal = np.cross(x, beside) if len(rows) == 2 else np.array([0.0, 0.0, 1.0])

@@ -54,6 +54,7 @@ def read_deck_sections(text: str, folder: Path | None, depth: int = 0) -> Iterat
     """
     section, goes_on = InputSection("", {}, []), False
     for line in _join_continued_lines(text):
+        # This is a data line of the section before it.
         if not line.startswith("*"):
             row = [word for word in map(_strip_quotes, line.split(",")) if word]
             if goes_on:

@@ -111,6 +111,7 @@ def make_plane_cells_of_one_kind(content: FileContent, points: Floats, fault: st
             f"its mixed cells ({counts}) are solved as {len(found.cells)} quadratic triangles"
         )
         return replace(found, notes=tuple(notes))
+    # All cells are of one type. Eight-node quadrilaterals get a node in their centre.
     ((source, cells),) = kinds.items()
     cell = LOWER.get(source, source)
     if cell == "quad8":
