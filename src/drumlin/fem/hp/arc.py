@@ -81,7 +81,8 @@ def nodal_functions(p: int) -> NodalFunctions:
     n = p + 1
     x, weights = unit_gauss_rule(p)
     value, slope = shape_functions(p, square_grid_points(x))
-    # The functions are summed over the nodes across the column, at the first Gauss point there.
+    # The sum of an element's shape functions over the nodes across the column is the nodal function
+    # along the column. It is the same at all Gauss points across, so that the first one is taken.
     values = value.reshape(n, n, n, n).sum(axis=0)[:, 0]
     slopes = slope[:, 1].reshape(n, n, n, n).sum(axis=0)[:, 0]
     node = np.repeat(np.arange(n), 2)
@@ -218,7 +219,8 @@ def _weighted_strains(angles: Floats, at: Floats, by: Floats, p: int, *, flat: b
     turn[:, ::p] = 0.0 if flat else angles[:, ::p]
     c, s = np.array([np.cos(turn), np.sin(turn)])[:, :, None, :, None]
     (cx, cy), (sy, sx) = c * gradient, s * gradient[::-1]
-    # The last axes but one are the node's two displacements and the strains xx, yy, sqrt(2) xy.
+    # The axes of `strain` are the column, the term of the gradient, the node, its displacement, the
+    # strain xx, yy or sqrt(2) xy, and the Gauss point.
     strain = np.empty((count, 2, n, 2, 3, len(functions.x)))
     strain[..., 0, 0, :], strain[..., 1, 0, :] = cx, -sx
     strain[..., 0, 1, :], strain[..., 1, 1, :] = sy, cy
@@ -324,7 +326,7 @@ def arc_column_stiffness(
     mirror = np.ones(half.line)
     mirror[1::2] = -1.0
     np.add(S[:, left, left], A[:, left, left], out=whole[:, left, left])
-    # The products are made in place, since new memory would take as long as the products.
+    # The blocks are computed in place, since making new arrays would double the time.
     left_right = whole[:, left, right]
     np.subtract(S[:, left, lines], A[:, left, lines], out=left_right)
     left_right *= mirror
@@ -334,7 +336,7 @@ def arc_column_stiffness(
     right_right = whole[:, right, right]
     np.multiply(whole[:, lines, lines], mirror, out=right_right)
     right_right *= mirror[:, None]
-    # The nodes of the contact, and their coupling with both sides.
+    # The stiffness of the contact nodes, and its coupling with the nodes on both sides.
     if contact:
         functions = nodal_functions(p)
         (even, odd), place = functions.sign, own + functions.place

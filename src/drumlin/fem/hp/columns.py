@@ -67,20 +67,22 @@ def order_of_column_unknowns(
     """
     side, edge, node = 2 * (p + 1), sides * (p - 1), 2 * contact
     line = 2 * (layers * p + (not held)) - node
-    # In an element the unknowns on edges follow those on the sides, from the number `own` on. In
-    # the column the right line follows the contact, from the number `far` on.
+    # A line is the nodes on one side of the column. In an element the unknowns on its first and
+    # last edge follow those on its sides, from the number `own` on. In the column the right line
+    # follows the contact, from the number `far` on.
     own = sides * side
     far = line + (edge + sides * node if contact else 0)
     kept, inside = [], []
     for k in range(layers):
-        # The unknowns of this element on the left and the right line.
+        # The unknowns of this element on the left and the right line of the column.
         skipped = node if k == 0 else 0
         start, stop = 2 * k * p - node + skipped, min(2 * (k + 1) * p + 2 - node, line)
         count = skipped + stop - start
         left = slice(skipped, count), slice(start, stop)
         right = slice(side + skipped, side + count), slice(far + start, far + stop)
         places = [left, right][:sides]
-        # The contact node of each line and the inner contact nodes stand between the lines.
+        # All contact nodes of the column, those at its two ends included, are numbered after the
+        # left line and before the right line.
         if k == 0 and contact:
             corners = [
                 (slice(node), slice(line, line + node)),
@@ -88,8 +90,8 @@ def order_of_column_unknowns(
             ]
             between = slice(own, own + edge), slice(line + node, line + node + edge)
             places += [*corners[:sides], between]
-        # The two edges of this element are eliminated, but not a held edge, whose nodes do not
-        # move, nor the contact edge, whose nodes are kept.
+        # The inner nodes of this element's first and last edge are eliminated. The contact edge is
+        # kept, and a held edge has no unknowns.
         first_edge = (k == 0 and contact) * edge
         last_edge = (2 - (k + 1 == layers and held)) * edge
         above = (k - contact) * edge
@@ -133,8 +135,8 @@ def column_stiffness(
         _add_element_blocks(part, (inside,), kept, coupling)
         _add_element_blocks(part, (inside,), (inside,), inner)
     if loads is not None:
-        # The first two unknowns of the innermost edge end the line; its other unknowns are
-        # eliminated.
+        # The loads act on the edge farthest from the contact. The first node of this edge ends the
+        # side line of the column; the unknowns of the other nodes are eliminated.
         at = slice(extra + unknowns.line - 2, extra + unknowns.line)
         K[:, at, :extra] = -loads[:, :2]
         K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)
@@ -155,7 +157,7 @@ def _add_element_blocks(
     """
     for own, at in rows:
         for other, to in columns:
-            # The statement target[...] += would look the view up twice.
+            # The statement `target[...] += ...` would index the array twice, which takes longer.
             view = target[:, at, to]
             view += part[:, own, other]
 
@@ -194,7 +196,7 @@ def assemble_column_pair(
     rest = slice(before - shared, None)
     K[:before, :before] = A.K[:before, :before]
     C[:, :before] = A.K[before:, :before]
-    # The statement K[...] += would write the views twice.
+    # The statement `K[...] += ...` would index the array twice, which takes longer.
     own, coupling = K[rest, rest], C[:, rest]
     own += B.K[beyond:, beyond:]
     coupling += B.K[extra:beyond, beyond:]
@@ -226,7 +228,8 @@ def assemble_column_row(
         """The number of unknowns that each pair of neighbours in the row would have, assembled."""
         return [len(made[i].K) + len(made[j].K) - 2 * made[i].right for i, j in pairwise(row)]
 
-    # The row holds numbers of substructures in `made`. It shrinks by one with each assembled pair.
+    # The list `row` has the numbers of the substructures that are still separate. In each step two
+    # neighbours are replaced by one.
     sizes = sizes_of(row)
     while sizes:
         k = sizes.index(min(sizes))
@@ -235,7 +238,7 @@ def assemble_column_row(
             made_of[pair] = len(made)
             made.append(assemble_column_pair(made[pair[0]], made[pair[1]], shared, extra))
         row[k : k + 2] = [made_of[pair]]
-        # Only the pairs with the new substructure have new sizes.
+        # The numbers of unknowns change only for the pairs with the new substructure.
         near = max(k - 1, 0)
         sizes[near : k + 2] = sizes_of(row[near : k + 2])
     return made[row[0]]

@@ -119,12 +119,13 @@ def corner_exponent(
         of_drum = stiffness_ratio * difference * slope_of_drum
         return math.sin(math.pi * root) - of_wedge - of_drum
 
-    # Without a change of sign in the interval, its nearer end is returned.
+    # If no exponent in the interval fulfils the equation, the nearer end of the interval is
+    # returned.
     if residual(SMALLEST_ROOT) <= 0:
         return SMALLEST_ROOT - 1
     if residual(1 - BOUNDED_EXPONENT) >= 0:
         return 0.0
-    # Only few brakes press with a corner and need scipy.optimize.
+    # scipy.optimize is loaded here, since only few brakes press with a corner.
     from scipy.optimize import brentq  # noqa: PLC0415
 
     return float(brentq(residual, SMALLEST_ROOT, 1 - BOUNDED_EXPONENT)) - 1
@@ -178,7 +179,8 @@ def orthotropic_corner_exponent(
         rows = np.array([mu**2 * rotated, mu * rotated, mu + friction, slope * unit])
         return float(np.linalg.det(np.hstack([rows.real, -rows.imag])))
 
-    # The smallest zero lies at the first change of sign of the determinant.
+    # The determinant is evaluated at many exponents. Its smallest zero lies at its first change of
+    # sign.
     roots = np.linspace(SMALLEST_ROOT, 1 - BOUNDED_EXPONENT, ROOTS_TRIED)
     values = [determinant(root, inward_friction) for root in roots.tolist()]
     signs = np.sign(values)
@@ -188,7 +190,7 @@ def orthotropic_corner_exponent(
         below_smallest = signs[0] != np.sign(determinant(SMALLEST_ROOT, 0.0))
         return SMALLEST_ROOT - 1 if below_smallest else 0.0
     first = int(changes[0])
-    # Only few brakes press with a corner and need scipy.optimize.
+    # scipy.optimize is loaded here, since only few brakes press with a corner.
     from scipy.optimize import brentq  # noqa: PLC0415
 
     return float(brentq(determinant, roots[first], roots[first + 1], args=(inward_friction,))) - 1
@@ -343,11 +345,11 @@ def unbounded_corners(brake: Brake, index: int, response: NodalPressure) -> list
     theta, p = response.theta, response.pressure
     if max(p[0], p[-1]) <= 0:
         return []
-    # Above zero, `edge_left_out` is the length at the lining's ends whose error is not stated.
+    # The corners do not count if the stated error of the pressure leaves out the lining's ends.
     zone = singular_zone(float(theta[-1] - theta[0]), brake.unit)
     if edge_left_out(theta, p, response.order, zone) > 0:
         return []
-    # The exponents are in the order of phi, which may grow against theta.
+    # The exponents are in the order of the shoe's own angle phi, which may be opposite to theta.
     exponents = corner_exponents_of(brake, index)[:: brake.shoes[index].frame.sense]
     corners = []
     for at_start, value, exponent in ((True, p[0], exponents[0]), (False, p[-1], exponents[1])):
@@ -409,7 +411,7 @@ def pressure_with_power_law(
     sign = 1 if corner.at_start else -1
     at_corner = float(theta[0 if corner.at_start else -1])
     x, p = np.abs(theta - at_corner)[::sign], pressure[::sign]
-    # The replaced part ends with a whole piece. Without a whole piece in reach, p stays.
+    # Whole polynomial pieces are replaced. If no piece lies within `reach`, p is not changed.
     last = order * (int(np.searchsorted(x[::order], reach, side="right")) - 1)
     if last <= 0 or x[last] <= unit * SMALLEST_PIECE:
         return theta, pressure
@@ -515,7 +517,7 @@ def logarithmic_pressures_at_tips(shoe: Shoe, scale_factor: float) -> list[Logar
     of slope s at the kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `scale_factor` is
     the length [m] of one unit of the surface's coordinate.
     """
-    # The factor c per change of slope, for slopes by the surface's coordinate.
+    # The factor c of a tip whose slope changes by 1 per unit of the surface's coordinate.
     half_plane = shoe.lining.material.E_half_plane / (2 * math.pi * scale_factor)
     tips = clearance.tips(shoe.lining)
     return [LogarithmicPressure(theta, half_plane * slope) for theta, slope in tips]
@@ -532,7 +534,7 @@ def pressure_error_under_tips(shoe: Shoe, scale_factor: float, response: ShoeRes
     column_ends, pressed = theta[::order], p[::order] > 0
     squared_error = 0.0
     for tip in logarithmic_pressures_at_tips(shoe, scale_factor):
-        # The tip counts if a column ends there, has a neighbour, and is pressed.
+        # The tip counts if it is pressed, and if two element columns meet there.
         k = int(np.abs(column_ends - tip.theta).argmin())
         has_two_columns = 0 < k < len(column_ends) - 1
         at_tip = abs(column_ends[k] - tip.theta) < TIP_TOLERANCE * shoe.frame.unit

@@ -264,7 +264,7 @@ def graded_sizes(
     first: list[float] = []
     last: list[float] = []
     while True:
-        # Pieces are added at the end with the smaller next piece, while the rest is long enough.
+        # The next piece is added at the end where it is smaller, as long as enough length is left.
         rest = length - math.fsum(first) - math.fsum(last)
         smaller = min(left, right)
         if smaller >= largest or rest <= 1.6 * smaller:
@@ -275,7 +275,8 @@ def graded_sizes(
         else:
             last.append(right)
             right /= right_ratio
-    # Equal pieces, at most 1.6 times as large as their neighbours, fill the rest.
+    # The length that is left is filled with equal pieces, at most 1.6 times as large as the next
+    # graded piece.
     count = max(1, math.ceil(rest / min(largest, 1.6 * smaller) - 1e-9))
     return [*first, *[rest / count] * count, *last[::-1]]
 
@@ -311,7 +312,7 @@ def shoe_layers(shoe: Shoe, radius: float) -> list[ShoeLayer]:
     """
     layers = [ShoeLayer("lining", shoe.lining.thickness)]
     if isinstance(shoe.body, Beam):
-        # The assertion holds for every brake that `scene.why_not` lets pass.
+        # `scene.why_not` refuses beams without section or block, so that the assertion holds.
         assert shoe.body.section is not None and shoe.backing is not None
         beam_thickness = shoe.body.section.thickness
         axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
@@ -378,7 +379,8 @@ def divide_shoe(
         math.inf,
     )
     face_size = max(face_size, contact.smallest_column)
-    # Under an unbounded pressure the layer at the face is as thick as the columns there are wide.
+    # Under an unbounded pressure the layer of elements at the lining's face is as thick as the
+    # columns at this point are wide.
     tips = [point for point in points if point.kind == Singularity.TIP]
     tip_sizes = [_column_size_at_tip(level, t, tip.length) for tip in tips]
     singular_size = min(*tip_sizes, *corner_sizes)

@@ -98,7 +98,7 @@ def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
     The element of degree p is the unit square [0, 1]^2. Each shape function is 1 at its node and 0
     at the others. The nodes form a grid and are numbered row by row.
     """
-    # scikit-fem loads only with finite elements; the pressure laws do without.
+    # scikit-fem takes long to load, and the pressure laws do not need it.
     import skfem  # noqa: PLC0415
 
     hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
@@ -272,7 +272,8 @@ def _weighted_gradients(xy: Any, p: int) -> Any:
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
     J *= np.sqrt(reference.weights / np.abs(det))[:, None, None]
     first, second = reference.slopes[:, :q], reference.slopes[:, q:]
-    # The gradient G is d psi / d x_c times the root of dA, but for the sign of det.
+    # G is the gradient d psi / d x_c times the root of dA. If det is negative, G has the opposite
+    # sign.
     G = np.empty((e, 2, a, q), dtype=xy.dtype)
     np.subtract(J[:, 1, 1][:, None] * first, J[:, 1, 0][:, None] * second, out=G[:, 0])
     np.subtract(J[:, 0, 0][:, None] * second, J[:, 0, 1][:, None] * first, out=G[:, 1])
@@ -472,7 +473,7 @@ def shape_function_gradients(xy: Floats, p: int) -> tuple[Floats, Floats]:
     q = len(reference.weights)
     J = (xy @ reference.slopes).reshape(*xy.shape[:2], 2, q)  # d x_c / d xi_d
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
-    # The inverse has the derivatives d xi_d / d x_c, (d, c, e, q).
+    # The inverse (d, c, e, q) of the Jacobian matrix J has the derivatives d xi_d / d x_c.
     inverse = np.array([[J[:, 1, 1], -J[:, 0, 1]], [-J[:, 1, 0], J[:, 0, 0]]]) / det
     slopes = reference.slopes.reshape(len(reference.order), 2, q)
     return np.einsum("adq,dceq->ecaq", slopes, inverse), np.abs(det) * reference.weights

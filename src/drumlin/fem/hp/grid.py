@@ -384,7 +384,7 @@ class GridUnknowns:
         sides = self.grid.skeleton
         on_sides, inner_work = sides.condense_forces(self.layers, self.further)
         system = self._add_further(self.whole_system(sides), on_sides)
-        # The work inside elements is missing in the work of the loads on the skeleton.
+        # The work of the loads on the skeleton lacks the work of the forces inside elements.
         S, loads, work = system.eliminate_loads()
         first = len(work) - len(inner_work)
         work[first:, first:] += inner_work

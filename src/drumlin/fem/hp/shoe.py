@@ -89,7 +89,7 @@ def unit_actuation_loads(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
     depths : (n,) depths of the nodes, in proportion to the distance along the end face
     p : degree of the elements
     """
-    # Positions along the end face count from -1/2 to 1/2. These are the ends of its elements.
+    # The ends of the elements along the end face, as positions from -1/2 to 1/2.
     ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5
     at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)
     psi, _ = at_gauss(p)
@@ -209,7 +209,7 @@ def element_nodes(place: PointMap, depths: Floats, along: Floats, p: int) -> Flo
     along : (c, p + 1) positions of the columns' nodes along the lining
     p : degree of the elements
     """
-    # xy are the points of all nodes, (2, layers, columns, p + 1, p + 1).
+    # The array xy (2, layers, columns, p + 1, p + 1) has the points of the nodes of all elements.
     xy = place(node_positions_of_elements(depths, p)[:, None, :, None], along[:, None, :])
     xy = xy.reshape(*xy.shape[:3], -1).transpose(1, 2, 0, 3)
     return np.ascontiguousarray(xy[..., reference_element(p).order])
@@ -513,7 +513,7 @@ def condensed_shoe_in_balance(
     load = -forces_in_frame(A[loads, contact]).T
     on_frame = -A[frame, loads]
 
-    # The contact nodes take the difference that puts the condensed loads in balance.
+    # The forces that put the condensed loads in balance are added to the contact nodes.
     imbalance = end.resultants(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
     corrected = correct_rigid_modes(S, R, forces_in_frame(A[frame, contact]).T)

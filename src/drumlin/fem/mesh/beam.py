@@ -147,10 +147,11 @@ def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -
     division : division of the lining into elements
     shape : scikit-fem's class of the mesh
     """
-    # Only meshes load scikit-fem.
+    # scikit-fem takes long to load, and only meshes need it.
     import skfem  # noqa: PLC0415
 
-    assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
+    # `reason_why_not_meshed` refuses beams without section before, so that the assertion holds.
+    assert isinstance(shoe.body, Beam) and shoe.body.section is not None
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
     form = _beam_shape_of(shoe, shoe.body.section, axis, radius, angles)

@@ -169,8 +169,8 @@ def _keep_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str])
             f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found} "
             f"(names or numbers of its own: groups = {{ {missing[0]} = ... }})"
         )
-    # Elements in no group lower the number of distinct members, and elements in two groups raise
-    # the number of all members.
+    # An element in no group is missing among the distinct members of all groups. An element in two
+    # groups makes the total number of members larger than the number of elements.
     named = np.concatenate([subdomains[name] for name in needed])
     if len(np.unique(named)) < mesh.nelements or len(named) > mesh.nelements:
         raise BadInput(

@@ -105,7 +105,7 @@ def number_of_lining_layers(elements: int) -> int:
 def element_ends_beyond_lining(near: float, far: float, division: LiningDivision) -> Floats:
     """The ends (m + 1,) of m elements of a shoe's body beyond one end of the lining [rad].
 
-    The elements have about the length `division.step`. If there would be more than
+    The elements have about the length of the division's `step`. If there would be more than
     MOST_OVERHANG_ELEMENTS of them, only the first one has this length, and the lengths grow by a
     constant ratio.
 
@@ -230,6 +230,6 @@ def number_of_inner_steps(d: float, half: float, zone: float, smallest: float) -
     zone : length over which the steps become smaller
     smallest : step at the end relative to h_0
     """
-    # The steps reach h_0 at the distance `reach`.
+    # At distances from the end above `reach` all steps are h_0.
     reach = min(zone * (1 - smallest), half)
     return zone * math.log1p(min(d, reach) / (zone * smallest)) + max(d - reach, 0.0)

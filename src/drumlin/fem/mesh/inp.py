@@ -289,7 +289,8 @@ class _Assembled:
             if name in body.part.refused:
                 raise ValueError(f"the surface {name.upper()}: {body.part.refused[name]}")
             kind, rows = body.part.surfaces[name]
-            # A surface of nodes has labels or sets of nodes, a surface of elements also faces.
+            # A line of a surface of nodes has a label or a set of nodes. A line of a surface of
+            # elements has a label or a set of elements, and may have a face (S1 to S4).
             if kind == "NODE":
                 keys = [
                     key for row in rows for key in self._members_of_word(body, "node_sets", row[0])

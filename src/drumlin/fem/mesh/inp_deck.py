@@ -254,7 +254,8 @@ class Deck:
                 yield from self.members(holder, which, word, above)
                 continue
             labels = word if isinstance(word, range) else (_member_label(word, name),)
-            # A range may be too long for len, so that a slice tells whether it is too long.
+            # The function len fails for a very long range. A slice that is not empty also shows
+            # that there are more labels than allowed.
             if labels[self._room :]:
                 raise ValueError(f"the sets have more than {MOST_MEMBERS} members together")
             self._room -= len(labels)

@@ -43,7 +43,7 @@ def _cell_groups(raw: Any) -> dict[str, dict[str, Ints]]:
     # Gmsh's physical groups with a name.
     tags = raw.cell_data_dict.get("gmsh:physical", {})
     for name, (tag, dim) in raw.field_data.items():
-        # The same number may stand for a line and for a surface.
+        # Gmsh may give a curve and a surface the same number, so that the dimension is compared.
         for cell, values in tags.items():
             members = np.flatnonzero(np.asarray(values) == tag)
             if len(members) and meshio._mesh.topological_dimension[cell] == dim:

@@ -198,7 +198,7 @@ def _make_triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCe
             middles[key] = added((points[first] + points[last]) / 2)
         return middles[key]
 
-    # A triangle stays one, and a quadrilateral becomes two.
+    # Each triangle of the file makes one triangle, and each quadrilateral makes two.
     made: list[list[int]] = []
     parent = {}
     for source, cells in kinds.items():
