@@ -1,7 +1,8 @@
-"""Division and hp elements: finite elements of high degree, few and graded to the singular points.
+"""hp elements of shoes and rings: few finite elements of high degree, smaller near singular points.
 
-The room divides a parametric shoe, a pad or the drum's ring into columns of elements. A shoe with
-its layers, a level (degree and grading) and the points where the stress is not smooth come in.
-Condensed bodies, with the unknowns that contact and supports need, and a grid of all nodes for
-pictures and slopes go out.
+This package divides a parametric shoe, a pad or the drum's ring into columns of elements. A column
+is a stack of elements through the thickness of the body. The inputs are a shoe with its layers, the
+degree and grading of the elements, and the points where the stress is not smooth. The outputs are
+bodies that are statically condensed to their contact nodes and supports, and a grid of all nodes,
+from which pictures and slopes are computed.
 """

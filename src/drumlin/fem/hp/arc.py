@@ -1,22 +1,24 @@
-"""Element columns on an arc or a pad, by their symmetric and their antisymmetric displacements.
+"""The stiffness of element columns on an arc or a pad, from symmetric and antisymmetric parts.
 
-Between circles about one centre the map of an element is a product, x = r(eta) c(xi). Here c(xi) is
-the polynomial through nodes of the unit circle. So the stiffness of an element is a sum of products
-too. Each product has a factor A of the angle of its column and a factor B of the radii of its
-layer:
+An element column is a stack of elements from the contact through the thickness of a body. Between
+circles about one centre the map of an element is a product, x = r(eta) c(xi). Here c(xi) is the
+polynomial through nodes of the unit circle. So the stiffness of an element is a sum of products
+too. Each product has a factor A, which depends on the angle of the column alone, and a factor B,
+which depends on the radii of the layer alone:
 
     K         = sum_kl (lambda A_kl + 2 mu A'_kl) B_kl
     grad psi  = t f'(xi) g(eta) / r + n f(xi) g'(eta) / (r_2 - r_1)
 
-with psi = f g, with k and l = 1, 2 for the two terms of the gradients, and with t and n functions
-of xi alone. On a plane the radius does not change, and n is the plane's normal. The directions
-along and through a layer are functions of xi alone too. So the stiffness that a layer with
-directions adds (see fem.substructure.elasticity) has two terms of the same form,
+The shape function is psi = f g, and k and l = 1, 2 count the two terms of its gradient. The vectors
+t and n are functions of xi alone. On a plane the radius does not change, and n is the plane's
+normal. The directions along and through a layer are functions of xi alone too. So the stiffness
+that an orthotropic layer adds (see fem.substructure.elasticity) has two terms of the same form,
 a A''_kl B_kl + b A'''_kl B_kl.
 
-A column is its own mirror image. Its displacements are the sum of symmetric ones (radial components
-even about its middle and tangential ones odd) and of antisymmetric ones. The two kinds do no work
-on each other and have half the unknowns each.
+A column is symmetric about the radius through its middle. Its displacements are the sum of
+symmetric ones (radial components even about the middle, tangential components odd) and of
+antisymmetric ones. The forces of one kind do no work on the displacements of the other kind, and
+each kind has half the unknowns.
 """
 
 from functools import cache
@@ -36,20 +38,25 @@ from drumlin.fem.substructure.elasticity import split_elasticity
 
 
 class NodalFunctions(NamedTuple):
-    """Nodal functions of degree p along one direction of an element column, and its symmetry.
+    """Nodal functions of degree p along an element column, with its symmetric unknowns.
+
+    A column of elements is symmetric about its middle, so that each pair of mirrored nodes has two
+    symmetric and two antisymmetric unknowns. The components x and y of a node stand next to each
+    other in all vectors of displacements and forces.
 
     Attributes
     ----------
     x, weights : (q,) Gauss points of [0, 1] and their weights
-    values, slopes : (p + 1, q) the nodal functions at the Gauss points
-    sign : (2, 2 (p + 1)) sign with which nodal displacements, x and y together, count in the
-        symmetric and in the antisymmetric unknowns
-    place : (2 (p + 1),) the unknown of each nodal displacement, of p + 1: first those of the two
-        ends, then those of each pair further in
-    fold : (2, p + 1, 2 (p + 1)) from forces on nodes to forces on the unknowns of both symmetries
-    outer, mixed, inner : positions of the three blocks of an element's stiffness (boundary
-        unknowns, inner by boundary unknowns, inner unknowns) in the unordered stiffness, which has
-        the indices (along, along, across, across)
+    values, slopes : (p + 1, q) values and derivatives of the nodal functions at the Gauss points
+    sign : (2, 2 (p + 1)) sign of each nodal displacement in the symmetric unknowns, and in the
+        antisymmetric ones
+    place : (2 (p + 1),) number of the symmetric unknown, 0 to p, that each nodal displacement
+        belongs to; the pair of end nodes comes first, and the pairs further inside follow
+    fold : (2, p + 1, 2 (p + 1)) matrices that turn forces on nodes into forces on the symmetric and
+        on the antisymmetric unknowns
+    outer, mixed, inner : positions of three blocks of an element's stiffness: boundary unknowns,
+        inner by boundary unknowns, and inner unknowns. They are positions in the stiffness before
+        it is ordered, which has the indices (along, along, across, across) the column.
     """
 
     x: Floats
@@ -66,32 +73,35 @@ class NodalFunctions(NamedTuple):
 
 @cache
 def nodal_functions(p: int) -> NodalFunctions:
-    """The nodal functions of degree p along one direction, and the symmetry of a column.
+    """The nodal functions of degree p along an element column, with its symmetric unknowns.
 
-    The sums of the shape functions of scikit-fem's quadrilateral over one direction are the nodal
-    functions along the other direction.
+    They are made from the shape functions of scikit-fem's quadrilateral: the sum of these functions
+    over the nodes in one direction is the nodal function in the other direction.
     """
     n = p + 1
     x, weights = unit_gauss_rule(p)
     value, slope = shape_functions(p, square_grid_points(x))
-    # The functions are summed over the nodes across the column, at the first Gauss point there.
+    # The sum of an element's shape functions over the nodes across the column is the nodal function
+    # along the column. It is the same at all Gauss points across, so that the first one is taken.
     values = value.reshape(n, n, n, n).sum(axis=0)[:, 0]
     slopes = slope[:, 1].reshape(n, n, n, n).sum(axis=0)[:, 0]
     node = np.repeat(np.arange(n), 2)
     place = 2 * np.minimum(node, p - node) + np.tile([0, 1], n)
     sign = np.ones((2, n, 2))
     sign[0, n // 2 :, 1] = sign[1, n // 2 :, 0] = -1.0
-    # The middle node of an even degree moves along the radius in the symmetric displacements, and
-    # around the drum in the antisymmetric ones.
+    # An edge of even degree has a node in the middle of the column. This node moves along the
+    # radius in symmetric displacements, and around the drum in antisymmetric ones.
     if p % 2 == 0:
         sign[:, p // 2] = np.eye(2)
         place[p : p + 2] = p
+    # The force on a symmetric unknown is the mean of the forces on both mirrored nodes.
     fold = np.zeros((2, n, 2 * n))
     fold[:, place, np.arange(2 * n)] = sign.reshape(2, -1)
     fold /= np.abs(fold).sum(axis=2, keepdims=True)
 
-    # The unknowns of an element by their two numbers, along and across the column: first those on
-    # the sides, on the first and on the last edge, then those inside the element.
+    # Each unknown of an element has a number along the column and a number across it. The unknowns
+    # on the element's two sides come first, then those on its first and its last edge, then those
+    # inside.
     further = np.arange(2, n)
     outer_along = np.concatenate([np.tile([0, 1], n), further, further])
     outer_across = np.repeat([*range(n), 0, p], [2] * n + [p - 1] * 2)
@@ -99,7 +109,10 @@ def nodal_functions(p: int) -> NodalFunctions:
     inner = np.tile(further, p - 1), np.repeat(np.arange(1, p), p - 1)
 
     def positions(rows: tuple[Ints, Ints], columns: tuple[Ints, Ints]) -> Ints:
-        """Positions of a block in the unordered stiffness, by its rows and its columns."""
+        """Positions (rows, columns) of a block of the stiffness in the stiffness before ordering.
+
+        Rows and columns are unknowns, given by their numbers along and across the column.
+        """
         along, across = rows[0][:, None], rows[1][:, None]
         return np.asarray(((along * n + columns[0]) * n + across) * n + columns[1])
 
@@ -108,25 +121,30 @@ def nodal_functions(p: int) -> NodalFunctions:
 
 
 def _forces_by_symmetry(V: Floats, p: int) -> Floats:
-    """Forces on symmetric and on antisymmetric unknowns (2, ..., p + 1, m) of a column.
+    """The forces (2, ..., p + 1, m) on the symmetric and the antisymmetric unknowns of a column.
 
-    They follow from the forces V (..., 2 (p + 1), m) on its nodes, with x and y together.
+    The column of elements is symmetric about its middle. V (..., 2 (p + 1), m) are the forces on
+    its nodes, with x and y of a node next to each other, and p is the degree of the elements.
     """
     fold = nodal_functions(p).fold
     return np.asarray(fold.reshape(2, *(1,) * (V.ndim - 2), *fold.shape[1:]) @ V)
 
 
 def circle_at_gauss_points(angles: Floats, p: int, *, flat: bool) -> tuple[Floats, Floats]:
-    """Points (2, c, q) of the unit circle at the Gauss points of columns; their derivatives by xi.
+    """The points of the unit circle at the Gauss points of c element columns, and their slopes.
 
-    Both are interpolated between the nodes of the columns. On a plane the line x = 1 takes the
-    place of the circle.
+    Both are polynomials through the nodes of the columns. On a plane the line x = 1 takes the place
+    of the circle.
 
     Parameters
     ----------
-    angles : (c, p + 1) nodes of the columns about their middle [rad]; lengths on a plane
-    p : degree
+    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; lengths on a plane
+    p : degree of the elements
     flat : whether the columns are on a plane
+
+    Returns
+    -------
+    the points (2, c, q), and their derivatives (2, c, q) by the coordinate xi along the column
     """
     functions = nodal_functions(p)
     if flat:
@@ -140,16 +158,18 @@ def circle_at_gauss_points(angles: Floats, p: int, *, flat: bool) -> tuple[Float
 def angular_integrals(
     angles: Floats, p: int, *, flat: bool = False, directed: bool = False
 ) -> Floats:
-    """The factors A_kl and 2 A'_kl of the stiffness of columns, (2, c, (p + 1)^2, 8).
+    """The integrals along element columns, which are the angular factors of their stiffness.
 
-    The first axis counts the symmetric and the antisymmetric displacements.
+    They are the factors A_kl and 2 A'_kl of the module's formula, (2, c, (p + 1)^2, 8). The first
+    axis counts the symmetric and the antisymmetric displacements of the c columns.
 
     Parameters
     ----------
-    angles : (c, p + 1) nodes of the columns about their middle [rad]; lengths on a plane
-    p : degree
+    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; lengths on a plane
+    p : degree of the elements
     flat : whether the columns are on a plane
-    directed : whether A''_kl and A'''_kl follow, (2, c, (p + 1)^2, 16), for layers with directions
+    directed : whether the factors A''_kl and A'''_kl for orthotropic layers are appended; the
+        result then is (2, c, (p + 1)^2, 16)
     """
     count, n = angles.shape
     at, by = circle_at_gauss_points(angles, p, flat=flat)
@@ -158,11 +178,12 @@ def angular_integrals(
     whole = np.sqrt(2) * strain.reshape(2 * count, 2 * n, -1)
     parts = [trace, whole]
     if directed:
-        # Both components (2 c, 1, q) of the unit vector through the layers.
+        # x and y (2 c, 1, q) are the components of the unit vector through the layers.
         x, y = np.tile(at / np.hypot(*at), (1, 2, 1))[:, :, None]
         xx, yy, xy = strain[:, :, 0], strain[:, :, 1], strain[:, :, 2]
         through = x**2 * xx + y**2 * yy + np.sqrt(2) * x * y * xy
         parts += [trace - through, through]
+    # Each factor is the integral of the product of two strains of the same kind.
     factors = np.empty((2 * count, n, n, len(parts), 2, 2))
     for k, each in enumerate(parts):
         work = (each @ each.swapaxes(1, 2)).reshape(-1, 2, n, 2, n)
@@ -171,16 +192,18 @@ def angular_integrals(
 
 
 def _weighted_strains(angles: Floats, at: Floats, by: Floats, p: int, *, flat: bool) -> Floats:
-    """Strains xx, yy and sqrt(2) xy of columns, (2 c, 2 (p + 1), 3, q), by unit displacements.
+    """The strains xx, yy and sqrt(2) xy due to unit displacements of element columns.
 
-    The strains are those of both terms of the gradients, by the unknowns of both symmetries. They
-    contain the root of the quadrature's weights, so that products of two strains are integrals.
+    The result is (2 c, 2 (p + 1), 3, q). The first axis counts the symmetric unknowns of all c
+    columns and then the antisymmetric ones, the second axis the two terms of the gradient times the
+    unknowns. The strains are multiplied with the root of the quadrature weights, so that the sum of
+    products of two strains is an integral.
 
     Parameters
     ----------
-    angles : (c, p + 1) nodes of the columns about their middle [rad]; lengths on a plane
-    at, by : (2, c, q) points of the unit circle (or the plane) and their derivative by xi
-    p : degree
+    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; lengths on a plane
+    at, by : (2, c, q) points of the unit circle (or the plane), and their derivatives by xi
+    p : degree of the elements
     flat : whether the columns are on a plane
     """
     functions, (count, n) = nodal_functions(p), angles.shape
@@ -190,12 +213,14 @@ def _weighted_strains(angles: Floats, at: Floats, by: Floats, p: int, *, flat: b
     gradient[:, :, 0] = tangent[:, :, None] * functions.slopes
     gradient[:, :, 1] = normal[:, :, None] * functions.values
 
-    # A displacement on a side of a column counts along the radius of the side and across the
-    # radius.
+    # The displacements of nodes on a side of a column are measured along the radius at this side
+    # and around the drum.
     turn = np.zeros((count, n))
     turn[:, ::p] = 0.0 if flat else angles[:, ::p]
     c, s = np.array([np.cos(turn), np.sin(turn)])[:, :, None, :, None]
     (cx, cy), (sy, sx) = c * gradient, s * gradient[::-1]
+    # The axes of `strain` are the column, the term of the gradient, the node, its displacement, the
+    # strain xx, yy or sqrt(2) xy, and the Gauss point.
     strain = np.empty((count, 2, n, 2, 3, len(functions.x)))
     strain[..., 0, 0, :], strain[..., 1, 0, :] = cx, -sx
     strain[..., 0, 1, :], strain[..., 1, 1, :] = sy, cy
@@ -206,14 +231,17 @@ def _weighted_strains(angles: Floats, at: Floats, by: Floats, p: int, *, flat: b
 
 
 def _radial_integrals(radii: Floats, constants: Floats, p: int, plane: float | None) -> Floats:
-    """The factors B_kl of the stiffness of layers times m constants, (l, 4 m, (p + 1)^2).
+    """The integrals through l layers, times m elastic constants: the radial factors of stiffness.
+
+    They are the factors B_kl of the module's formula, (l, 4 m, (p + 1)^2).
 
     Parameters
     ----------
-    radii : (l + 1,) radii between which the layers lie [m]
-    constants : (l, m) lambda, mu and, if the layers have directions, a and b [N/m]
-    p : degree
-    plane : radius that divides the lengths of elements on a plane [m]; None on a drum
+    radii : (l + 1,) radii of the faces of the layers [m]
+    constants : (l, m) lambda, mu and, if a layer is orthotropic, a and b [N/m]
+    p : degree of the elements
+    plane : on a plane, the radius [m] that lengths are divided by to make them angles; None on a
+        drum
     """
     functions = nodal_functions(p)
     weights, values, slopes = functions.weights, functions.values, functions.slopes
@@ -231,18 +259,20 @@ def _radial_integrals(radii: Floats, constants: Floats, p: int, plane: float | N
 def condensed_arc_element_stiffness(
     radii: Floats, A: Floats, elasticity: Floats, p: int, plane: float | None = None
 ) -> Floats:
-    """Stiffness (l, 2, c, 4 p, 4 p) of condensed arc elements, for both symmetries.
+    """The stiffness (l, 2, c, 4 p, 4 p) of elements on an arc, condensed to their boundary.
 
-    The unknowns are those on the boundary of an element. Displacements
-    on the left and the right side are measured along the side's own radius and across it.
+    There are l layers of c elements. The second axis counts the symmetric and the antisymmetric
+    unknowns. The inner unknowns of each element are eliminated. Displacements on the left and the
+    right side of an element are measured along the radius at this side and around the drum.
 
     Parameters
     ----------
-    radii : (l + 1,) radii between which the layers lie [m]
-    A : the `angular_integrals` of the columns, directed where a layer is not isotropic
+    radii : (l + 1,) radii of the faces of the layers [m]
+    A : the `angular_integrals` of the columns, directed where a layer is orthotropic
     elasticity : (l, 3, 3) elasticity matrices times the width [N/m]
-    p : degree
-    plane : radius that divides the lengths of elements on a plane [m]; None on a drum
+    p : degree of the elements
+    plane : on a plane, the radius [m] that lengths are divided by to make them angles; None on a
+        drum
     """
     functions = nodal_functions(p)
     A = A.reshape(-1, *A.shape[2:])
@@ -262,18 +292,20 @@ def condensed_arc_element_stiffness(
 def arc_column_stiffness(
     parts: Floats, p: int, *, contact: bool, held: bool, loads: Floats | None = None
 ) -> Floats:
-    """The stiffness (c, n, n) of columns on an arc or a pad, without their inner unknowns.
+    """The stiffness (c, n, n) of element columns on an arc or a pad, condensed to side and contact.
 
-    The unknowns are those of `columns.ColumnSubstructure`.
+    The unknowns are those of `columns.ColumnSubstructure`: the nodes on both sides of a column and
+    its contact nodes.
 
     Parameters
     ----------
-    parts : (l, 2, c, 4 p, 4 p) stiffness of `condensed_arc_element_stiffness`
-    p : degree
-    contact : whether the outermost edge of the columns is in contact
-    held : whether the innermost edge of the columns is held
-    loads : (c, 2 (p + 1), m) unit loads on the innermost edge; the factors of the loads
-        become m extra unknowns
+    parts : (l, 2, c, 4 p, 4 p) stiffness of the l elements of each of c columns, as returned by
+        `condensed_arc_element_stiffness`
+    p : degree of the elements
+    contact : whether the edge of the columns at the lining's face is in contact
+    held : whether the edge of the columns farthest from the contact is held
+    loads : (c, 2 (p + 1), m) unit loads on the edge farthest from the contact; the factors of the
+        m loads become extra unknowns
     """
     half = order_of_column_unknowns(p, len(parts), contact=contact, held=held, sides=1)
     n = 2 * (p + 1) * contact
@@ -283,16 +315,18 @@ def arc_column_stiffness(
     K = column_stiffness(parts.reshape(len(parts), -1, 4 * p, 4 * p), half, folded)
     S, A = K.reshape(2, -1, *K.shape[1:])
 
-    # A column has the unknowns of the loads and of the left line, the contact, and the right line.
+    # The unknowns of a column are [loads | left side | contact | right side]. The symmetric
+    # stiffness S and the antisymmetric stiffness A have those of the left side and the contact.
     extra = K.shape[-1] - half.sides
     own = extra + half.line
     lines = slice(extra, own)
     left, middle, right = slice(own), slice(own, own + n), slice(own + n, None)
     whole = np.empty((S.shape[0], own + n + half.line, own + n + half.line))
+    # Mirroring a node on a side changes the sign of its displacement around the drum.
     mirror = np.ones(half.line)
     mirror[1::2] = -1.0
     np.add(S[:, left, left], A[:, left, left], out=whole[:, left, left])
-    # The products are made in place, since new memory would take as long as the products.
+    # The blocks are computed in place, since making new arrays would double the time.
     left_right = whole[:, left, right]
     np.subtract(S[:, left, lines], A[:, left, lines], out=left_right)
     left_right *= mirror
@@ -302,6 +336,7 @@ def arc_column_stiffness(
     right_right = whole[:, right, right]
     np.multiply(whole[:, lines, lines], mirror, out=right_right)
     right_right *= mirror[:, None]
+    # The stiffness of the contact nodes, and its coupling with the nodes on both sides.
     if contact:
         functions = nodal_functions(p)
         (even, odd), place = functions.sign, own + functions.place

@@ -1,4 +1,8 @@
-"""The condensed body of a parametric shoe of columns, as contact, sweeps and wear need it."""
+"""The condensed body of a parametric shoe in hp elements, and the grid of all of its nodes.
+
+The condensed body has the unknowns that the contact problem, sweeps and wear need: the contact
+nodes and the frame of the hinge.
+"""
 
 from functools import partial
 
@@ -32,22 +36,25 @@ from drumlin.response.response import own_edge_zone
 
 
 def shoe_grid(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
-    """All nodes and elements of a shoe, with the sets "hinge" and, if it is elastic, "actuation".
+    """The grid of all nodes and hp elements of a shoe.
 
-    The nodes of a set stand from the lining's side on.
+    Its node set "hinge" is the face that the hinge holds. An elastic shoe also has the node set
+    "actuation", the face that the actuation force acts on. The nodes of both sets are in order of
+    their depth, the nearest to the lining first.
 
     Parameters
     ----------
     shoe : a parametric shoe
-    radius : of the drum [m]
-    div : division of the shoe
+    radius : radius of the drum [m]
+    div : division of the shoe into columns and layers of elements
     """
+    # The nodes under the lining are numbered first, row by row from the contact inwards.
     p, first = div.degree, div.first_body_layer
     depth, along = node_positions_of_row(div.depths, p), node_positions_of_row(div.angles, p)
     rows, n = len(depth), len(along)
     under = np.arange(rows * n).reshape(rows, n)
     blocks, count = [ElementBlock(under, depth, along, div.part)], rows * n
-    # At these two faces the body continues beyond the lining, before and behind the lining.
+    # The body continues beyond the lining at these two columns of nodes, under the lining's ends.
     faces = [under[first * p :, 0], under[first * p :, -1]]
     for k, ends in enumerate((div.before, div.after)):
         if first == div.layers or len(ends) == 1:
@@ -71,14 +78,16 @@ def _held_and_loaded_nodes(
     back: Ints,
     faces: list[Ints],
 ) -> dict[str, Ints]:
-    """The node sets of a shoe: "hinge" moves with the frame, "actuation" is the loaded end.
+    """The node sets of a shoe by name: "hinge" moves rigidly with the hinge, "actuation" is loaded.
+
+    The set "actuation" is missing where the back of the shoe is held by a grip or is rigid.
 
     Parameters
     ----------
-    shoe, radius, div : as of `shoe_grid`
-    along : (n,) positions along the lining of the nodes on the back
-    back : (n,) nodes on the back under the lining
-    faces : nodes of both end faces of the body
+    shoe, radius, div : as in `shoe_grid`
+    along : (n,) positions along the lining of the nodes on the shoe's back
+    back : (n,) nodes on the shoe's back under the lining
+    faces : nodes of the body's two end faces, at the hinge and at the actuation
     """
     if div.first_body_layer == div.layers:
         return {"hinge": back}
@@ -95,14 +104,16 @@ def condensed_shoe_body(
     grid: ColumnGrid,
     end_loads: EndLoads = unit_actuation_loads,
 ) -> CondensedBody:
-    """The condensed body of a shoe, with its contact stiffness factorised.
+    """The condensed body of a shoe, with the Cholesky factor of its contact stiffness.
+
+    The eliminated unknowns, which pictures need, are computed from `grid` when asked for.
 
     Parameters
     ----------
-    shoe, div : the shoe and its division
-    found : the condensed shoe, with unit loads of `end_loads`
+    shoe, div : the shoe and its division into elements
+    found : the condensed shoe, with the unit loads of `end_loads`
     grid : all nodes and elements of the shoe
-    end_loads : makes the unit loads on the loaded end
+    end_loads : function that makes the unit loads on the end face that the actuation acts on
 
     Raises
     ------
@@ -114,12 +125,12 @@ def condensed_shoe_body(
 
 
 def factorised_shoe(found: CondensedShoe, inner: InnerUnknowns) -> CondensedBody:
-    """The condensed body of a condensed shoe, with its contact stiffness factorised.
+    """The condensed body of a shoe, with the Cholesky factor of its contact stiffness.
 
     Parameters
     ----------
-    found : the condensed shoe
-    inner : the unknowns that condensation has eliminated
+    found : the shoe, condensed to its contact nodes and the hinge's frame
+    inner : the displacements that condensation has eliminated
 
     Raises
     ------
@@ -130,7 +141,8 @@ def factorised_shoe(found: CondensedShoe, inner: InnerUnknowns) -> CondensedBody
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
-    # Forces that round-off leaves on the rigid-body modes move the contact nodes.
+    # Round-off leaves small forces on the rigid-body modes. The displacements of the contact nodes
+    # by these forces are an estimate of the round-off error.
     half_error = solve_lower(L, found.rigid_mode_forces)
     return CondensedBody(
         L,
@@ -152,12 +164,13 @@ def _uncondensed_shoe_system(
     end_loads: EndLoads,
     basis: ColumnGrid | Skeleton,
 ) -> InnerSystem:
-    """The stiffness, constraints and loads of a shoe on all nodes of its grid or its skeleton.
+    """The stiffness, constraints and loads of a shoe before condensation.
 
     Parameters
     ----------
-    shoe, div, grid, end_loads : as of `condensed_shoe_body`
-    basis : the grid or its skeleton
+    shoe, div, grid, end_loads : as in `condensed_shoe_body`
+    basis : the nodes that the system has: all nodes of the grid, or those of its skeleton alone,
+        which lie on the sides of elements
     """
     contact = basis.numbers_of(np.arange(div.contact_nodes))
     constraints = body_constraints(
@@ -167,32 +180,39 @@ def _uncondensed_shoe_system(
         forces = _end_forces_on_grid(grid, _unit_loads_on_end(div, grid, end_loads).forces)
         loads = constraints.matrix.T @ forces[basis.dofs]
     else:
-        # The three unit actuations act on the frame.
+        # The back of the shoe is held. Unit force x, unit force y and unit couple act on the frame.
         loads = np.zeros((constraints.matrix.shape[1], FRAME))
         loads[-FRAME:] = np.eye(FRAME)
     return InnerSystem.of(basis.stiffness(elastic_layers_of_shoe(shoe)), constraints, loads)
 
 
 def unit_actuation_forces(div: ShoeDivision, grid: ColumnGrid) -> tuple[Floats, Floats]:
-    """Nodal forces (2 N, 3) of the unit actuations on the loaded end, and its centre (2,) [m]."""
+    """The nodal forces of the unit actuations on a shoe's loaded end face, and its centre.
+
+    The nodal forces (2 N, 3), on all N nodes, are those of unit force x, unit force y and unit
+    couple. The centre of the end face is (2,) [m].
+    """
     end = _unit_loads_on_end(div, grid, unit_actuation_loads)
     return _end_forces_on_grid(grid, end.forces), end.centre
 
 
 def _unit_loads_on_end(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> LoadedEnd:
-    """The unit loads on the nodes of the loaded end of a divided shoe.
+    """The unit loads on the end face of a shoe that the actuation force acts on.
 
     Parameters
     ----------
     div, grid : the division and the grid of the shoe
-    end_loads : makes the unit loads from the nodes of the end
+    end_loads : function that makes the unit loads from the nodes of the end face
     """
     depths = node_positions_of_row(div.depths[div.first_body_layer :], div.degree)
     return end_loads(grid.doflocs[:, grid.sets["actuation"]], depths, div.degree)
 
 
 def _end_forces_on_grid(grid: ColumnGrid, forces: Floats) -> Floats:
-    """Nodal forces (2 N, l) on the whole grid, from forces (2n, l) on the loaded end."""
+    """The nodal forces (2 N, l) on all N nodes, from the forces (2n, l) on the loaded end face.
+
+    The forces are zero on all other nodes.
+    """
     nodes, count = grid.sets["actuation"], forces.shape[1]
     full = np.zeros((grid.N, 2, count))
     full[nodes] = forces.reshape(-1, 2, count)
@@ -200,13 +220,13 @@ def _end_forces_on_grid(grid: ColumnGrid, forces: Floats) -> Floats:
 
 
 def shoe_contact_line(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLine:
-    """The contact line of a divided shoe; its nodes come first in the grid.
+    """The contact line of a shoe: the nodes on the lining's face, which come first in the grid.
 
     Parameters
     ----------
     shoe : a parametric shoe
     radius : radius of the drum [m]
-    div : division of the shoe
+    div : division of the shoe into columns and layers of elements
     """
     p = div.degree
     phi = node_positions_of_row(div.angles, p)

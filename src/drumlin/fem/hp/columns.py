@@ -5,11 +5,12 @@ on each side are measured along the radius and around the drum. Displacements of
 sides are measured in the axes of the column's middle. Columns of equal shape then have equal
 stiffness wherever they lie, and the stiffness is computed once for each shape.
 
-The nodes on a side of a column form a line. The unknowns of a substructure are [left line | contact
-| right line], with x and y of a node together. A line goes from the contact inwards and lacks its
-contact node, which belongs to the contact. In a substructure without contact the lines are whole.
-`extra` unknowns, which all substructures share, may stand before the others. They are factors of
-unit loads, and have a negative stiffness.
+The nodes on a side of a column form its left or right line. A line goes from the contact inwards.
+The unknowns of a substructure are [left line | contact | right line], with x and y of a node next
+to each other. The contact node at the outer end of a line belongs to the contact, not to the line.
+In a substructure without contact the line has this node too. `extra` unknowns, which all
+substructures share, may stand before the others. They are the factors of unit loads, and their
+diagonal blocks of the condensed stiffness are negative.
 """
 
 from collections.abc import Sequence
@@ -23,21 +24,23 @@ from drumlin.base.arrays import Floats
 from drumlin.fem.hp.element import schur_complement, schur_complements
 
 UnknownsAt = tuple[slice, slice]
-"""The slices of some unknowns: in the stiffness of an element, and in that of its column."""
+"""Two slices for the same unknowns: in the stiffness of an element, and in that of its column."""
 
 
 class ColumnUnknowns(NamedTuple):
-    """The order of unknowns: which unknowns of an element are which unknowns of its column.
+    """The order of the unknowns of an element column: where those of each element stand in it.
+
+    A column is a stack of elements from the contact inwards, one in each layer. Its condensation
+    keeps the unknowns on its two sides and its contact, and eliminates the others.
 
     Attributes
     ----------
-    kept : (layers,) unknowns of each element that the condensed column keeps: those on the two
-        lines and on the contact
-    inside : (layers,) unknowns of each element that are eliminated, by edges from the contact
-        inwards
+    kept : (layers,) the unknowns of each element that are kept, on both sides and on the contact
+    inside : (layers,) the unknowns of each element that are eliminated, edge by edge from the
+        contact inwards
     sides : number of kept unknowns of the column
     rest : number of eliminated unknowns of the column
-    line : number of unknowns of a line
+    line : number of unknowns on one side of the column
     """
 
     kept: tuple[tuple[UnknownsAt, ...], ...]
@@ -51,31 +54,35 @@ class ColumnUnknowns(NamedTuple):
 def order_of_column_unknowns(
     p: int, layers: int, *, contact: bool, held: bool, sides: int = 2
 ) -> ColumnUnknowns:
-    """The order of the unknowns of a column and of its elements.
+    """The order of the unknowns of an element column: where those of each element stand in it.
 
     Parameters
     ----------
-    p : degree
-    layers : number of elements
-    contact : whether the outermost edge is in contact; otherwise its inner nodes are eliminated
-    held : whether the innermost edge is held
-    sides : 2; or 1 for the symmetric or the antisymmetric unknowns alone, half of all
+    p : degree of the elements
+    layers : number of elements in the column
+    contact : whether the column's edge at the lining's face is in contact; otherwise the nodes
+        inside this edge are eliminated
+    held : whether the edge farthest from the contact is held
+    sides : 2 for all unknowns; 1 for the symmetric or the antisymmetric half of them
     """
     side, edge, node = 2 * (p + 1), sides * (p - 1), 2 * contact
     line = 2 * (layers * p + (not held)) - node
-    # In an element the edges begin behind the sides (`own`); in the column the right line begins
-    # behind the contact (`far`).
+    # A line is the nodes on one side of the column. In an element the unknowns on its first and
+    # last edge follow those on its sides, from the number `own` on. In the column the right line
+    # follows the contact, from the number `far` on.
     own = sides * side
     far = line + (edge + sides * node if contact else 0)
     kept, inside = [], []
     for k in range(layers):
+        # The unknowns of this element on the left and the right line of the column.
         skipped = node if k == 0 else 0
         start, stop = 2 * k * p - node + skipped, min(2 * (k + 1) * p + 2 - node, line)
         count = skipped + stop - start
         left = slice(skipped, count), slice(start, stop)
         right = slice(side + skipped, side + count), slice(far + start, far + stop)
         places = [left, right][:sides]
-        # The contact node of each line and the inner contact nodes stand between the lines.
+        # All contact nodes of the column, those at its two ends included, are numbered after the
+        # left line and before the right line.
         if k == 0 and contact:
             corners = [
                 (slice(node), slice(line, line + node)),
@@ -83,7 +90,8 @@ def order_of_column_unknowns(
             ]
             between = slice(own, own + edge), slice(line + node, line + node + edge)
             places += [*corners[:sides], between]
-        # The inner nodes of a held edge do not move, and the inner nodes of the contact are kept.
+        # The inner nodes of this element's first and last edge are eliminated. The contact edge is
+        # kept, and a held edge has no unknowns.
         first_edge = (k == 0 and contact) * edge
         last_edge = (2 - (k + 1 == layers and held)) * edge
         above = (k - contact) * edge
@@ -103,14 +111,17 @@ def order_of_column_unknowns(
 def column_stiffness(
     elements: Floats, unknowns: ColumnUnknowns, loads: Floats | None = None
 ) -> Floats:
-    """The condensed stiffness (c, n, n) of c columns of equal layers.
+    """The condensed stiffness (c, n, n) of c element columns with the same layers.
+
+    The stiffness of the elements of each column is assembled. Then all unknowns are eliminated that
+    are neither on a side of the column nor on its contact.
 
     Parameters
     ----------
-    elements : (layers, c, m, m) stiffness of condensed elements
-    unknowns : order of the unknowns
-    loads : (c, k, l) unit loads on the k unknowns of the innermost edge, of one side; they become
-        l extra unknowns
+    elements : (layers, c, m, m) stiffness of each element on its boundary nodes
+    unknowns : order of the unknowns of a column
+    loads : (c, k, l) unit loads on the k unknowns of the edge farthest from the contact; the
+        factors of the l loads become extra unknowns. With loads the columns have one side.
     """
     count = elements.shape[1]
     extra = 0 if loads is None else loads.shape[2]
@@ -124,8 +135,8 @@ def column_stiffness(
         _add_element_blocks(part, (inside,), kept, coupling)
         _add_element_blocks(part, (inside,), (inside,), inner)
     if loads is not None:
-        # The first two unknowns of the innermost edge end the line; its other unknowns are
-        # eliminated.
+        # The loads act on the edge farthest from the contact. The first node of this edge ends the
+        # side line of the column; the unknowns of the other nodes are eliminated.
         at = slice(extra + unknowns.line - 2, extra + unknowns.line)
         K[:, at, :extra] = -loads[:, :2]
         K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)
@@ -136,25 +147,27 @@ def column_stiffness(
 def _add_element_blocks(
     part: Floats, rows: Sequence[UnknownsAt], columns: Sequence[UnknownsAt], target: Floats
 ) -> None:
-    """Add blocks of the elements `part` (c, m, m) of one layer to the columns `target`.
+    """Add blocks of element stiffness to the stiffness of their element columns, in place.
 
     Parameters
     ----------
-    part : (c, m, m) stiffness of one element in each of c columns
-    rows, columns : the unknowns of the rows and of the columns of the blocks
-    target : (c, n, n) matrices that the blocks are added to
+    part : (c, m, m) stiffness of the element of one layer in each of c element columns
+    rows, columns : unknowns that are the rows and the columns of each block
+    target : (c, n, n) stiffness of the element columns, which the blocks are added to
     """
     for own, at in rows:
         for other, to in columns:
-            # The statement target[...] += would look the view up twice.
+            # The statement `target[...] += ...` would index the array twice, which takes longer.
             view = target[:, at, to]
             view += part[:, own, other]
 
 
 class ColumnSubstructure(NamedTuple):
-    """A substructure: the stiffness `K` (n, n) of one column, or of several assembled columns.
+    """A substructure of one element column, or of several that are assembled side by side.
 
-    `left` and `right` are the numbers of unknowns of the left and the right line.
+    `K` (n, n) is its condensed stiffness, with the unknowns [left line | contact | right line]. A
+    line is the nodes on one side of the substructure. `left` and `right` are the numbers of
+    unknowns of the two lines.
     """
 
     K: Floats
@@ -165,15 +178,17 @@ class ColumnSubstructure(NamedTuple):
 def assemble_column_pair(
     A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
 ) -> ColumnSubstructure:
-    """Two neighbouring substructures as one; the line between them is eliminated.
+    """Two neighbouring substructures of element columns as one substructure.
+
+    The nodes on the line between the two substructures are eliminated.
 
     Parameters
     ----------
     A, B : the left and the right substructure
-    shared : number of contact unknowns that both share, the last of A and the first of B
-    extra : number of extra unknowns, which both share
+    shared : number of contact unknowns that belong to both: the last ones of A, the first ones of B
+    extra : number of extra unknowns (factors of unit loads), which belong to both
     """
-    # The shared line begins at `before` in A, and ends at `beyond` in B.
+    # The common line begins at the unknown `before` in A, and ends at the unknown `beyond` in B.
     line = A.right
     before, beyond = len(A.K) - line, extra + line
     n = before - shared + len(B.K) - beyond
@@ -181,7 +196,7 @@ def assemble_column_pair(
     rest = slice(before - shared, None)
     K[:before, :before] = A.K[:before, :before]
     C[:, :before] = A.K[before:, :before]
-    # The statement K[...] += would write the views twice.
+    # The statement `K[...] += ...` would index the array twice, which takes longer.
     own, coupling = K[rest, rest], C[:, rest]
     own += B.K[beyond:, beyond:]
     coupling += B.K[extra:beyond, beyond:]
@@ -197,11 +212,12 @@ def assemble_column_pair(
 def assemble_column_row(
     pieces: Sequence[ColumnSubstructure], shared: int, extra: int = 0
 ) -> ColumnSubstructure:
-    """All substructures of a row as one, condensed to its outer lines and its contact.
+    """A row of element columns as one substructure, condensed to its two ends and its contact.
 
-    `shared` and `extra` are numbers of unknowns, as in `assemble_column_pair`. The two neighbours
-    that make the smallest substructure are assembled first, which takes within a few percent of the
-    fewest multiplications. Equal pairs, of the same two objects, are assembled once.
+    `shared` and `extra` are numbers of unknowns, as in `assemble_column_pair`. The pair of
+    neighbours that makes the smallest substructure is assembled first. The number of
+    multiplications is then within a few percent of the smallest one. A pair of the same two objects
+    that occurs again is not assembled again.
     """
     made = list(pieces)
     first = dict[int, int]()
@@ -209,9 +225,11 @@ def assemble_column_row(
     made_of: dict[tuple[int, int], int] = {}
 
     def sizes_of(row: list[int]) -> list[int]:
-        """Number of unknowns that each pair of neighbours would have."""
+        """The number of unknowns that each pair of neighbours in the row would have, assembled."""
         return [len(made[i].K) + len(made[j].K) - 2 * made[i].right for i, j in pairwise(row)]
 
+    # The list `row` has the numbers of the substructures that are still separate. In each step two
+    # neighbours are replaced by one.
     sizes = sizes_of(row)
     while sizes:
         k = sizes.index(min(sizes))
@@ -220,7 +238,7 @@ def assemble_column_row(
             made_of[pair] = len(made)
             made.append(assemble_column_pair(made[pair[0]], made[pair[1]], shared, extra))
         row[k : k + 2] = [made_of[pair]]
-        # Only the sizes of the pairs with the new substructure change.
+        # The numbers of unknowns change only for the pairs with the new substructure.
         near = max(k - 1, 0)
         sizes[near : k + 2] = sizes_of(row[near : k + 2])
     return made[row[0]]
@@ -229,20 +247,22 @@ def assemble_column_row(
 def eliminate_side_line(
     piece: ColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
 ) -> ColumnSubstructure:
-    """The substructure without the unknowns of its left or right line, which has no neighbour.
+    """The substructure without the unknowns on its left or right line, which are eliminated.
 
     Parameters
     ----------
-    piece : the substructure
-    end : (l + part, l + part) stiffness of a body that hangs on the line; the l own unknowns of the
-        body take the place of the line, on [own | part] on the left, [part | own] on the right
-    part : number of the last unknowns of the line that the body hangs on
+    piece : the substructure of element columns; it has no neighbour at the line
+    end : (l + part, l + part) stiffness of a body that is attached to the line; None without a
+        body. The l own unknowns of the body take the place of the line. The unknowns of `end` are
+        [own | part] at the left line and [part | own] at the right line.
+    part : number of unknowns, the last ones of the line, at which the body is attached
     right : whether the right line is eliminated; otherwise the left line is
     """
     own = 0 if end is None else len(end) - part
     n, line = len(piece.K), piece.right if right else piece.left
-    # In the substructure the unknowns `rest` remain and the unknowns `gone` go. In the result the
-    # remaining unknowns are `kept`, and those of the body are `added`.
+    # The slices `rest` and `gone` are the remaining and the eliminated unknowns of the given
+    # substructure. The slices `kept` and `added` are the remaining unknowns and the body's own
+    # unknowns in the result.
     if right:
         rest, gone = slice(n - line), slice(n - line, n)
         kept, added = rest, slice(n - line, None)
@@ -263,13 +283,18 @@ def eliminate_side_line(
 
 
 def rotate_matrix_components(K: Floats, angle: Floats) -> Floats:
-    """The matrix K (n, n) with each node's components in axes turned by an angle (n/2,) [rad]."""
+    """The matrix K (n, n) with the x and y of each node measured in turned axes.
+
+    `angle` (n/2,) [rad] are the angles that the axes of each node are turned by.
+    """
     return rotate_vector_components(rotate_vector_components(K, angle).T, angle)
 
 
 def rotate_vector_components(V: Floats, angle: Floats) -> Floats:
-    """Vectors V (..., m, n) with each node's components in axes turned by the node's angle.
+    """The vectors V (..., m, n) with the x and y of each node measured in turned axes.
 
-    Each row has x and y of a node together; the angles (..., n/2) are in rad.
+    Each row of V is a vector, with x and y of a node next to each other. `angle` (..., n/2) [rad]
+    are the angles that the axes of each node are turned by.
     """
+    # The components x + i y of a node are one complex number.
     return (np.ascontiguousarray(V).view(complex) * np.exp(-1j * angle)[..., None, :]).view(float)

@@ -5,8 +5,8 @@ degrees that slides on a half-plane, and the pressure p goes as x^a, where x is 
 the corner. If the exponent a is negative, p is unbounded. Under a tip of the gap, a kink that
 points to the drum, p goes as ln(1/x) (Johnson, Contact Mechanics, ch. 5).
 
-The module computes the exponents, replaces p near the corners by its power law, and estimates the
-errors of p that columns of hp elements leave at corners and under tips.
+This module computes the exponents a. It replaces p near the corners by its power law. It estimates
+the errors of p that columns of hp elements leave at corners and under tips.
 """
 
 import math
@@ -25,44 +25,53 @@ from drumlin.response.response import Response, ShoeResponse, singular_zone
 from drumlin.response.resultants import edge_left_out, gauss_points, lobatto
 
 SMALLEST_ROOT = 1e-3
-"""Smallest root l = a + 1 that is searched for the exponent a of p at a corner.
+"""Lower end of the interval in which the root l = a + 1 is searched, with a the exponent of p.
 
-Below l = 1/2 the pressure is not square-integrable. On a rigid drum that takes a friction
-coefficient of 0.57 to 0.61.
+The pressure p goes as x^a at the distance x from a pressed corner of a lining. With l below 1/2 the
+pressure is not square-integrable. On a rigid drum such a pressure takes a friction coefficient of
+0.57 to 0.61 or more.
 """
 BOUNDED_EXPONENT = 1e-6
-"""Absolute value of the exponent a below which p counts as bounded at the corner.
+"""Absolute value of the exponent a of the pressure below which it counts as bounded at a corner.
 
-A smaller exponent cannot be distinguished from a constant: the equations for the coefficients of
-both functions have 16 digits.
+The pressure goes as x^a at the distance x from the corner. With a smaller a the function x^a cannot
+be distinguished from a constant: the equations for the coefficients of both have 16 digits.
 """
 
 ROOTS_TRIED = 200
-"""Number of roots l at which the determinant of an orthotropic corner is evaluated in search of a
-change of sign. Two zeros between neighbouring values would be missed.
+"""Number of exponents at which the determinant for an orthotropic corner is evaluated.
+
+A change of sign between two neighbouring exponents encloses the exponent of the pressure. Two zeros
+between neighbouring exponents would be missed.
 """
 
 POWER_LAW_PART = 2e-3
-"""Part of a contact, from the corner on, in which p is replaced by the power law of the corner.
+"""Part of a contact, from a pressed corner of the lining on, in which p follows a power law.
 
-The part holds three or four columns. In the column next to the corner, and a little in the next
+In this part the polynomials of the pressure p are replaced by the power law of the corner. The part
+holds three or four element columns. In the column next to the corner, and a little in the second
 one, polynomials are a poor approximation of the power law. Columns farther away feel the rest of
 the lining. On two brakes the error of p was the same with three to six columns, and 10 to 30 times
 as large with one.
 """
 SMALLEST_PIECE = 1e-12
-"""Length [rad] of the piece of p next to the corner. Angles of 3 rad are known to 4e-16, and the
-nodes of a piece of degree 7 are a sixteenth of its length apart.
+"""Length [rad] of the polynomial piece of the pressure next to a pressed corner of a lining.
+
+Angles of 3 rad are known to 4e-16, and the nodes of a piece of degree 7 are a sixteenth of its
+length apart. A shorter piece would lose digits of its nodes' angles.
 """
 PIECE_RATIO = 0.4
-"""Ratio of the lengths of neighbouring pieces of p at a corner. Polynomials of degree 5 follow a
-power function to about 1e-4 on each piece. A smaller ratio is less exact, and a larger ratio takes
-more pieces.
+"""Ratio of the lengths of neighbouring polynomial pieces of the pressure at a pressed corner.
+
+The pieces become shorter towards the corner of the lining. Polynomials of degree 5 follow a power
+function to about 1e-4 on each piece. A smaller ratio is less exact, and a larger ratio takes more
+pieces.
 """
 
 TIP_TOLERANCE = 1e-9
-"""Distance [rad] from a tip of the gap below which columns count as ending at the tip. Such a
-distance is round-off.
+"""Distance [rad] from a tip of the gap below which an element column counts as ending at the tip.
+
+A tip is a kink of the gap that points to the drum. Such a small distance is round-off.
 """
 
 
@@ -70,11 +79,12 @@ distance is round-off.
 def corner_exponent(
     inward_friction: float, nu: float, stiffness_ratio: float = 0.0, nu_drum: float = 0.0
 ) -> float:
-    """The exponent a of p ~ x^a at a pressed corner of an isotropic lining: at most 0, above -1.
+    """The exponent a of the pressure p ~ x^a at a pressed corner of an isotropic lining.
 
-    The distance from the corner is x. With l = a + 1 and s = sin(pi l/2), the displacements of the
-    wedge go as r^l (Williams 1952). The wedge is free on one face, and has the shear stress f p on
-    the other face, which meets the half-plane where
+    The distance from the corner is x. The exponent is at most 0 and above -1. With l = a + 1 and
+    s = sin(pi l/2), the displacements of the wedge go as r^l (Williams 1952). The wedge is free on
+    one face and has the shear stress f p on the other face. This other face stays in contact with
+    the half-plane if
 
         sin(pi l) = f (2 (l + s^2) + (1 + nu) (l^2 - s^2))
                     + k (l^2 - s^2) ((1 - nu_drum) f + 2 cot(pi l)).
@@ -101,7 +111,7 @@ def corner_exponent(
         return 0.0
 
     def residual(root: float) -> float:
-        """Left minus right side of the condition at l = root."""
+        """Left minus right side of the equation for the root l = a + 1, at l = `root`."""
         s2 = math.sin(0.5 * math.pi * root) ** 2
         difference = root**2 - s2
         of_wedge = inward_friction * (2 * (root + s2) + (1 + nu) * difference)
@@ -109,11 +119,13 @@ def corner_exponent(
         of_drum = stiffness_ratio * difference * slope_of_drum
         return math.sin(math.pi * root) - of_wedge - of_drum
 
+    # If no exponent in the interval fulfils the equation, the nearer end of the interval is
+    # returned.
     if residual(SMALLEST_ROOT) <= 0:
         return SMALLEST_ROOT - 1
     if residual(1 - BOUNDED_EXPONENT) >= 0:
         return 0.0
-    # Only few brakes press with a corner and need scipy.optimize.
+    # scipy.optimize is loaded here, since only few brakes press with a corner.
     from scipy.optimize import brentq  # noqa: PLC0415
 
     return float(brentq(residual, SMALLEST_ROOT, 1 - BOUNDED_EXPONENT)) - 1
@@ -126,9 +138,10 @@ def orthotropic_corner_exponent(
     drum: AnyMaterial | None = None,
     width_ratio: float = 1.0,
 ) -> float:
-    """The exponent a of p at a corner, see `corner_exponent`, for orthotropic materials.
+    """The exponent a of the pressure p ~ x^a at a pressed corner, for orthotropic materials.
 
-    The axes of the materials lie along the drum and square to it. Stresses are
+    The distance from the corner is x; for isotropic materials see `corner_exponent`. The axes of
+    the materials lie along the drum and square to it. Stresses are
     2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with z_k = x + mu_k y and the roots mu_k of
     Lekhnitskii's equation (Anisotropic Plates, section 19). Two conditions on the free face, the
     friction, and the equal slopes of both surfaces are four real equations for c_1 and c_2. The
@@ -137,16 +150,16 @@ def orthotropic_corner_exponent(
     Parameters
     ----------
     inward_friction : float
-        As of `corner_exponent`.
+        Friction coefficient [1], with its sign as in `corner_exponent`.
     material : AnyMaterial
         Material of the lining.
     drum : AnyMaterial | None
-        Material of the ring; None for a rigid drum.
+        Material of the drum's elastic ring; None for a rigid drum.
     width_ratio : float
-        Width of the lining over that of the ring.
+        Width of the lining over the width of the ring.
     """
     compliances, unit = _plane_stress_compliances(material), material.E_through
-    # Lekhnitskii's roots with positive imaginary part.
+    # The roots mu_k of Lekhnitskii's equation, with positive imaginary part.
     squares = np.roots(
         [compliances.along, 2 * compliances.mixed + compliances.shear, compliances.through]
     )
@@ -156,7 +169,7 @@ def orthotropic_corner_exponent(
     of_drum = None if drum is None else _plane_stress_compliances(drum)
 
     def determinant(root: float, friction: float) -> float:
-        """The determinant of the four equations at l = root."""
+        """The determinant of the four equations for c_1 and c_2, at l = `root`."""
         rotated = mu ** (root - 1)
         slope = slopes
         if drum is not None and of_drum is not None:
@@ -166,6 +179,8 @@ def orthotropic_corner_exponent(
         rows = np.array([mu**2 * rotated, mu * rotated, mu + friction, slope * unit])
         return float(np.linalg.det(np.hstack([rows.real, -rows.imag])))
 
+    # The determinant is evaluated at many exponents. Its smallest zero lies at its first change of
+    # sign.
     roots = np.linspace(SMALLEST_ROOT, 1 - BOUNDED_EXPONENT, ROOTS_TRIED)
     values = [determinant(root, inward_friction) for root in roots.tolist()]
     signs = np.sign(values)
@@ -175,20 +190,20 @@ def orthotropic_corner_exponent(
         below_smallest = signs[0] != np.sign(determinant(SMALLEST_ROOT, 0.0))
         return SMALLEST_ROOT - 1 if below_smallest else 0.0
     first = int(changes[0])
-    # Only few brakes press with a corner and need scipy.optimize.
+    # scipy.optimize is loaded here, since only few brakes press with a corner.
     from scipy.optimize import brentq  # noqa: PLC0415
 
     return float(brentq(determinant, roots[first], roots[first + 1], args=(inward_friction,))) - 1
 
 
 class _PlaneStressCompliances(NamedTuple):
-    """Compliances of a material in plane stress [1/Pa].
+    """The compliances of an orthotropic material in plane stress [1/Pa].
 
     Attributes
     ----------
-    along : strain per stress along the drum
-    through : strain per stress square to the drum
-    mixed : strain in either direction per stress in the other
+    along : strain per stress, both along the drum
+    through : strain per stress, both square to the drum
+    mixed : strain in one of these directions per stress in the other direction
     shear : shear strain per shear stress
     """
 
@@ -199,7 +214,7 @@ class _PlaneStressCompliances(NamedTuple):
 
 
 def _plane_stress_compliances(material: AnyMaterial) -> _PlaneStressCompliances:
-    """The compliances of a material in plane stress."""
+    """The compliances [1/Pa] of a material in plane stress, along the drum and square to it."""
     return _PlaneStressCompliances(
         along=1 / material.E_along,
         through=1 / material.E_through,
@@ -209,10 +224,11 @@ def _plane_stress_compliances(material: AnyMaterial) -> _PlaneStressCompliances:
 
 
 def corner_exponents_of(brake: Brake, index: int) -> tuple[float, float]:
-    """The exponents of p at both corners of the lining of shoe `index`, at its start and its end.
+    """The exponents a of the pressure p ~ x^a at both corners of the lining of shoe `index`.
 
-    The start is the end of the lining with the smaller angle phi in the shoe's own frame. For the
-    exponent see `corner_exponent`.
+    The distance from the corner is x, see `corner_exponent`. The first exponent is that of the
+    lining's start: the corner with the smaller angle phi in the shoe's own frame. The second
+    exponent is that of the lining's end.
     """
     shoe, ring = brake.shoes[index], brake.ring
     lining, inward_friction = shoe.lining, brake.drag_on(shoe)
@@ -228,6 +244,7 @@ def corner_exponents_of(brake: Brake, index: int) -> tuple[float, float]:
             -inward_friction, lining.material, drum_material, width_ratio
         )
         return at_start, at_end
+    # All materials are isotropic. A rigid drum has the stiffness ratio 0.
     stiffness_ratio = nu_drum = 0.0
     if drum is not None:
         lining_stiffness = lining.material.E_along * lining.width
@@ -240,37 +257,39 @@ def corner_exponents_of(brake: Brake, index: int) -> tuple[float, float]:
 
 
 def polynomial_error_of_power(exponent: float, degree: int) -> float:
-    """The distance in L2 of x^exponent from the polynomials of a degree on [0, 1].
+    """The relative error in L2 of the best polynomial of a degree for x^exponent on [0, 1].
 
-    The distance is relative to the norm of the power function, and the exponent must be above -1/2.
-    The closed form is that of Muntz: the product of |a - k|/(a + k + 1) over k = 0 to the degree.
+    The error is relative to the norm of the power function. The exponent must be above -1/2. The
+    error of x^a has a closed form (Muntz): the product of |a - k|/(a + k + 1) over k = 0 to the
+    degree.
     """
     return math.prod(abs(exponent - k) / (exponent + k + 1) for k in range(degree + 1))
 
 
 def column_size_at_tip(length: float, degree: int, error: float) -> float:
-    """The size of the columns [rad] on both sides of a tip that leaves a given error of p in L2.
+    """The size [rad] of the element columns beside a tip of the gap, for a given error of p.
 
-    A polynomial leaves an error of 1/(degree + 1) of ln x on [0, 1], by the sum of its Legendre
+    A tip is a kink of the gap that points to the drum. The pressure p goes there as c ln(1/x). A
+    polynomial leaves an error in L2 of 1/(degree + 1) of ln x on [0, 1], by the sum of the Legendre
     coefficients.
 
     Parameters
     ----------
-    length : (N/c)^2 [rad] for a pressure of the norm N [Pa rad^0.5] that goes as c ln(1/x)
+    length : (N/c)^2 [rad], where N [Pa rad^0.5] is the norm of p in L2
     degree : degree of the hp elements in the columns
-    error : error of p, relative to its norm
+    error : error of p in L2, relative to the norm of p
     """
     return 0.5 * length * (error * (degree + 1)) ** 2
 
 
 def response_with_power_laws(brake: Brake, response: Response) -> Response:
-    """The response with p replaced by its power law near the corners where p is unbounded.
+    """The response with a power law in place of p near the corners where p is unbounded.
 
-    A polynomial in a column at the corner leaves an error that goes as the column's size to the
-    power a + 1/2, which falls slowly. The power function that has the force and the moment of a few
-    columns is far more exact there. Only contacts are changed that are so short that the zone at
-    the lining's ends counts, see `edge_left_out`. For longer contacts p at the corner is not
-    judged.
+    The pressure p goes as x^a at the distance x from a pressed corner of a lining. A polynomial in
+    the element column at the corner leaves an error that goes as the column's size to the power
+    a + 1/2, which falls slowly. The power function that has the force and the moment of a few
+    columns is far more exact there. The response of longer contacts is not changed: its stated
+    error leaves out p in the zone at the lining's ends, see `edge_left_out`.
     """
     shoes = tuple(
         _shoe_response_with_power_laws(brake, i, shoe) for i, shoe in enumerate(response.shoes)
@@ -282,14 +301,14 @@ def response_with_power_laws(brake: Brake, response: Response) -> Response:
 def _shoe_response_with_power_laws(
     brake: Brake, index: int, response: ShoeResponse
 ) -> ShoeResponse:
-    """The response of shoe `index` with power laws, see `response_with_power_laws`."""
+    """The response of shoe `index` with a power law in place of p at each unbounded corner."""
     for corner in unbounded_corners(brake, index, response):
         response = _shoe_response_with_power_law(response, corner, brake.unit)
     return response
 
 
 class NodalPressure(Protocol):
-    """The nodal pressure of a shoe, see `ShoeResponse`."""
+    """The pressure of a shoe at its nodes: a part of `ShoeResponse`."""
 
     @property
     def theta(self) -> Floats:
@@ -301,16 +320,16 @@ class NodalPressure(Protocol):
 
     @property
     def order(self) -> int:
-        """Degree of the polynomial pieces."""
+        """Degree of the polynomial pieces of the pressure."""
 
 
 class UnboundedCorner(NamedTuple):
-    """A corner of a lining at which the pressure is unbounded.
+    """A corner of a lining at which the pressure p ~ x^a is unbounded.
 
     Attributes
     ----------
-    at_start : whether the corner lies at the smallest theta, not at the largest
-    exponent : negative exponent of p, see `corner_exponent`
+    at_start : whether the corner is the lining's end with the smaller angle theta
+    exponent : the exponent a, which is negative; see `corner_exponent`
     """
 
     at_start: bool
@@ -318,18 +337,19 @@ class UnboundedCorner(NamedTuple):
 
 
 def unbounded_corners(brake: Brake, index: int, response: NodalPressure) -> list[UnboundedCorner]:
-    """The pressed corners of shoe `index` at which p is unbounded and counts for its error.
+    """The pressed corners of the lining of shoe `index` at which its pressure p is unbounded.
 
-    The corners count where the contact is so short that p in the zone at the lining's ends is
-    judged, see `edge_left_out`.
+    The list is empty for a long contact. The stated error of its pressure leaves out the zone at
+    the lining's ends, see `edge_left_out`, so that the corners do not count.
     """
     theta, p = response.theta, response.pressure
     if max(p[0], p[-1]) <= 0:
         return []
+    # The corners do not count if the stated error of the pressure leaves out the lining's ends.
     zone = singular_zone(float(theta[-1] - theta[0]), brake.unit)
     if edge_left_out(theta, p, response.order, zone) > 0:
         return []
-    # The exponents are in the order of phi, which may grow against theta.
+    # The exponents are in the order of the shoe's own angle phi, which may be opposite to theta.
     exponents = corner_exponents_of(brake, index)[:: brake.shoes[index].frame.sense]
     corners = []
     for at_start, value, exponent in ((True, p[0], exponents[0]), (False, p[-1], exponents[1])):
@@ -341,9 +361,9 @@ def unbounded_corners(brake: Brake, index: int, response: NodalPressure) -> list
 def _shoe_response_with_power_law(
     response: ShoeResponse, corner: UnboundedCorner, unit: float
 ) -> ShoeResponse:
-    """The response of a shoe with the power law at one of its corners.
+    """The response of a shoe with a power law in place of p near one corner of its lining.
 
-    `unit` is the surface's coordinate per unit of phi, see `pressure_with_power_law`.
+    `unit` is the surface's coordinate per unit of phi, as in `pressure_with_power_law`.
     """
     at_corner = float(response.theta[0 if corner.at_start else -1])
     arcs = response.contact_arcs
@@ -368,29 +388,30 @@ def pressure_with_power_law(
     reach: float,
     unit: float = 1.0,
 ) -> tuple[Floats, Floats]:
-    """Nodes and values of a pressure that goes as c x^a + d + e x near a corner.
+    """The pressure with c x^a + d + e x in place of its polynomials near a corner of the lining.
 
     The distance from the corner is x. The coefficients c, d and e follow from three conditions: the
     new pieces have the force and the moment of the pieces that they replace, and p is continuous
-    where the replaced part ends. The new pieces have the same degree and shrink towards the corner.
+    where the replaced part ends. The new pieces have the same degree and become shorter towards the
+    corner. The new nodes [rad] and values [Pa] are returned.
 
     Parameters
     ----------
     theta, pressure : (n,) [rad], [Pa]
-        Growing nodes and values of a piecewise polynomial.
+        Nodes, in growing order, and values of the pressure, a piecewise polynomial.
     order : int
         Degree of the pieces.
     corner : UnboundedCorner
-        The end of theta at which the corner lies, and the exponent a of p, above -1.
+        The end of the lining at which the corner lies, and the exponent a of p, above -1.
     reach : float
         Distance [rad] from the corner up to which pieces are replaced.
     unit : float
-        The surface's coordinate, in which theta counts, per unit of phi: see `ShoeFrame`.
+        The surface's coordinate, which theta is measured in, per unit of phi: see `ShoeFrame`.
     """
     sign = 1 if corner.at_start else -1
     at_corner = float(theta[0 if corner.at_start else -1])
     x, p = np.abs(theta - at_corner)[::sign], pressure[::sign]
-    # The last replaced node ends a piece.
+    # Whole polynomial pieces are replaced. If no piece lies within `reach`, p is not changed.
     last = order * (int(np.searchsorted(x[::order], reach, side="right")) - 1)
     if last <= 0 or x[last] <= unit * SMALLEST_PIECE:
         return theta, pressure
@@ -399,7 +420,7 @@ def pressure_with_power_law(
     nodes = np.abs(angles - at_corner)
     nodes[-1] = x[last]
 
-    # The three functions, and their three coefficients from the three conditions.
+    # The coefficients c, d and e of the three functions follow from force, moment and continuity.
     power = _power_function_at_nodes(nodes, corner.exponent, order)
     functions = np.array([power, np.ones_like(nodes), nodes / x[last]])
     columns = [[*_force_and_moment(nodes, values, order), values[-1]] for values in functions]
@@ -412,13 +433,13 @@ def pressure_with_power_law(
 
 
 def _nodes_of_shrinking_pieces(length: float, order: int, smallest: float) -> Floats:
-    """Nodes (n,) of pieces that shrink towards 0 and together cover 0 to `length`.
+    """The nodes (n,) [rad] of polynomial pieces from 0 to `length`, the shortest at 0.
 
     Parameters
     ----------
-    length : length of all pieces [rad]
+    length : length of all pieces together [rad]
     order : degree of the pieces
-    smallest : largest length of the piece at 0 [rad]
+    smallest : upper limit of the length of the piece at 0 [rad]
     """
     count = math.ceil(math.log(smallest / length) / math.log(PIECE_RATIO))
     ends = np.append(0.0, length * PIECE_RATIO ** np.arange(count, -1, -1))
@@ -429,9 +450,11 @@ def _nodes_of_shrinking_pieces(length: float, order: int, smallest: float) -> Fl
 def _power_function_at_nodes(x: Floats, exponent: float, order: int) -> Floats:
     """The values (n,) of the power function (x/x[-1])^exponent at the nodes x (n,).
 
-    In the piece at 0, where the function is unbounded, the values are those of the polynomial of
-    degree `order` that is nearest in L2. Its Legendre coefficients have a closed form.
+    The power function is unbounded at x = 0. In the piece at 0 the values are therefore those of
+    the polynomial of degree `order` that is nearest to the power function in L2. The Legendre
+    coefficients of this polynomial have a closed form.
     """
+    # The power function itself, outside the piece at 0.
     values = np.empty_like(x)
     values[order:] = (x[order:] / x[-1]) ** exponent
     gamma, first = math.gamma, 2 * x[:order] / x[order] - 1
@@ -444,7 +467,11 @@ def _power_function_at_nodes(x: Floats, exponent: float, order: int) -> Floats:
 
 
 def _force_and_moment(x: Floats, p: Floats, order: int) -> tuple[float, float]:
-    """The integrals of p and of p x over x; the second integral is divided by the last x."""
+    """The force Int p dx, and the moment Int p x dx divided by the last x, of a pressure p.
+
+    The pressure has the values `p` at the nodes `x` and is a polynomial of degree `order` on each
+    piece.
+    """
     points, values, weights = gauss_points(x, p, order)
     force = float(np.sum(values * weights))
     moment = float(np.sum(values * weights * points))
@@ -452,10 +479,10 @@ def _force_and_moment(x: Floats, p: Floats, order: int) -> tuple[float, float]:
 
 
 def pressure_error_at_corners(brake: Brake, index: int, response: NodalPressure) -> float:
-    """The relative error of p in L2 that the smallest pieces at unbounded corners leave.
+    """The relative error in L2 of the pressure p of shoe `index`, left by its unbounded corners.
 
-    The pieces at the corners of shoe `index` are as small as round-off of angles allows. The error
-    is 1 where p is not square-integrable.
+    It is the error of the polynomial pieces next to the corners, which are as short as the
+    round-off of angles allows. The error is 1 where p is not square-integrable.
     """
     error = 0.0
     _, p, weight = gauss_points(response.theta, response.pressure, response.order)
@@ -469,12 +496,14 @@ def pressure_error_at_corners(brake: Brake, index: int, response: NodalPressure)
 
 
 class LogarithmicPressure(NamedTuple):
-    """The pressure p = c ln(1/x) near a tip of the gap, at the distance x from it.
+    """The pressure p = c ln(1/x) at the distance x from a tip of the gap, for small x.
+
+    A tip is a kink of the gap that points to the drum.
 
     Attributes
     ----------
     theta : position of the tip [rad]
-    factor : c [Pa]
+    factor : the factor c [Pa]
     """
 
     theta: float
@@ -482,26 +511,30 @@ class LogarithmicPressure(NamedTuple):
 
 
 def logarithmic_pressures_at_tips(shoe: Shoe, scale_factor: float) -> list[LogarithmicPressure]:
-    """The logarithmic pressure under each tip of a lining's gap.
+    """The logarithmic pressure c ln(1/x) under each tip of a lining's gap.
 
-    A half-plane of modulus E whose slope changes by s has c = E s/(2 pi) (Johnson, Contact
-    Mechanics, ch. 5). `scale_factor` is the length [m] of the surface's coordinate 1.
+    A tip is a kink of the gap that points to the drum. For a half-plane of modulus E and a change
+    of slope s at the kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `scale_factor` is
+    the length [m] of one unit of the surface's coordinate.
     """
+    # The factor c of a tip whose slope changes by 1 per unit of the surface's coordinate.
     half_plane = shoe.lining.material.E_half_plane / (2 * math.pi * scale_factor)
     tips = clearance.tips(shoe.lining)
     return [LogarithmicPressure(theta, half_plane * slope) for theta, slope in tips]
 
 
 def pressure_error_under_tips(shoe: Shoe, scale_factor: float, response: ShoeResponse) -> float:
-    """The relative error of p in L2 that the columns at pressed tips of the gap leave.
+    """The relative error in L2 of a shoe's pressure p, left by the pressed tips of its gap.
 
-    The error of a column is that of `column_size_at_tip`. `scale_factor` is the length [m] of the
-    surface's coordinate 1.
+    A tip is a kink of the gap that points to the drum, where p goes as ln(1/x). The error arises in
+    the element columns on both sides of each tip, as in `column_size_at_tip`. `scale_factor` is the
+    length [m] of one unit of the surface's coordinate.
     """
     theta, p, order = response.theta, response.pressure, response.order
     column_ends, pressed = theta[::order], p[::order] > 0
     squared_error = 0.0
     for tip in logarithmic_pressures_at_tips(shoe, scale_factor):
+        # The tip counts if it is pressed, and if two element columns meet there.
         k = int(np.abs(column_ends - tip.theta).argmin())
         has_two_columns = 0 < k < len(column_ends) - 1
         at_tip = abs(column_ends[k] - tip.theta) < TIP_TOLERANCE * shoe.frame.unit

@@ -1,9 +1,10 @@
-"""The division of a shoe into columns along its lining and layers through its thickness.
+"""The division of a shoe into hp elements: columns along its lining, layers through its thickness.
 
-Sizes grow geometrically away from singular points, where the stress is not smooth: the lining's
-ends, the ends of the contact and kinks of its gap, the interfaces of layers where these end, and
-the corners at the face that the hinge holds. Together with the degree the grading makes the error
-fall exponentially (Babuska & Guo 1986; Schwab, p- and hp-Finite Element Methods, ch. 4).
+The sizes of columns and layers grow geometrically away from singular points, where the stress is
+not smooth. Singular points are the lining's ends, the ends of the contact, kinks of the gap, the
+ends of the interfaces between layers, and the corners of the face that the hinge holds. Such a
+grading, together with a higher degree, makes the error fall exponentially (Babuska & Guo 1986;
+Schwab, p- and hp-Finite Element Methods, ch. 4).
 """
 
 import math
@@ -23,55 +24,56 @@ from drumlin.fem.hp.corner import column_size_at_tip
 from drumlin.response.response import EDGE_ZONE
 
 SMALLEST_COLUMN = 1e-7
-"""Smallest size of a column or layer, relative to the lining's thickness: set by arithmetic.
+"""Smallest size of a column or layer of elements, relative to the lining's thickness.
 
-Columns of a size w through layers of the thickness t lose about 1e-16 (t/w)^2 of p in the column
-itself, and so some 1e-6 of p in L2 at w = 2e-7 t. Smaller columns would lose all digits of p.
-Columns a hundred times larger would leave an error of 1e-3 of p under a tip of the gap, where the
-error in L2 falls as the root of w.
+The limit is set by round-off. Columns of a size w through layers of the thickness t lose about
+1e-16 (t/w)^2 of the pressure p in the column itself, and so some 1e-6 of p in L2 at w = 2e-7 t.
+Smaller columns would lose all digits of p. Columns a hundred times larger would leave an error of
+1e-3 of p under a tip of the gap, where the error in L2 falls as the root of w.
 """
 UNRESOLVED_LENGTH = 0.02
-"""Length along a contact, relative to the contact's length, that columns do not resolve.
+"""Length along a contact, relative to the contact's length, that the hp mesh does not resolve.
 
-An end of the contact that moved by less between two passes counts as settled, and an opening that
-is shorter counts as closed. With a larger value columns end where the contact does not, and the
-error of p is that of a coarser level. With a smaller value a level takes more passes for an end of
-the contact that it already knows well.
+If an end of the contact moves by less from one solution to the next, it counts as settled. An
+opening in the contact that is shorter counts as closed. With a larger value element columns end
+beside the end of the contact, and the error of the pressure is that of a coarser mesh. With a
+smaller value the mesh is made anew for an end of the contact that is already known well enough.
 """
 CORNER_COLUMN = 1e-4
-"""Size of columns and layers at a pressed corner where p is unbounded, relative to the length of
-the contact.
+"""Size of element columns and layers at a corner of the lining with unbounded pressure.
 
-Nearer to the corner p is given by its power law, see `corner.response_with_power_laws`. With 1e-3
-the error of p on the second level of two brakes was 2.5 times as large. With 1e-5 the error was the
-same, on a sixth more unknowns. Columns of 0.03 of the contact or more feel the rest of the contact,
-not the power law alone.
+The size is relative to the length of the contact. Nearer to the corner the pressure p is given by
+its power law, see `corner.response_with_power_laws`. With 1e-3 the error of p on the second level
+of two brakes was 2.5 times as large. With 1e-5 the error was the same, with a sixth more unknowns.
+In columns of 0.03 of the contact or more, p depends on the rest of the contact too, and not on the
+power law alone.
 """
 HALF_FORCE_PART = 0.1632
-"""Part of a contact, from a corner on, that bears half of the force of the contact.
+"""Part of a contact, from a corner of the lining on, that bears half of the contact's force.
 
-The pressure is assumed to go as x^(-1/2) at the corner and as a root at the other end. The part is
-then the median of the beta distribution of 1/2 and 3/2. No square-integrable p is more concentrated
-at the corner.
+The pressure is assumed to go as x^(-1/2) at the distance x from the corner, and to fall to zero as
+a square root at the other end. The part is then the median of the beta distribution with the
+parameters 1/2 and 3/2. No square-integrable pressure is more concentrated at the corner.
 """
 LONGEST_CORNER_CONTACT = EDGE_ZONE / HALF_FORCE_PART
-"""Length of a contact [rad] up to which the corner that it reaches is graded for its power law.
+"""Length of a contact [rad] up to which element columns shrink towards the corner that it reaches.
 
-Half the force of a longer contact is farther than EDGE_ZONE from the corner, and only p at these
-distances is judged.
+The corner of the lining has an unbounded pressure p. Half the force of a longer contact is farther
+than EDGE_ZONE from the corner. The error of p is then stated for these distances alone, so that no
+small columns are needed at the corner.
 """
 
 
 class Singularity(IntEnum):
-    """The kind of a singular point: the function that is not smooth there.
+    """The kind of a singular point of the contact: which function is not smooth there.
 
     Attributes
     ----------
-    END : the pressure, at an end of the contact
-    KINK : the slope of the gap
-    STEP : the curvature of the gap, at an end of a step between blocks of the lining
-    OPEN_STEP : the same where no pressure acts
-    TIP : the slope of the gap where the gap points to the drum; p is unbounded there
+    END : the slope of the pressure is not smooth, at an end of the contact
+    KINK : the slope of the gap jumps
+    STEP : the curvature of the gap jumps, at an end of a step between blocks of the lining
+    OPEN_STEP : as STEP, but no pressure acts at this step
+    TIP : the slope of the gap jumps and the kink points to the drum; the pressure is unbounded
     """
 
     END = 0
@@ -82,15 +84,15 @@ class Singularity(IntEnum):
 
 
 class SingularPoint(NamedTuple):
-    """A singular point of the pressure or of the gap.
+    """A singular point: a position along the lining where the pressure or the gap is not smooth.
 
     Attributes
     ----------
-    at : its position phi [rad]
-    length : length over which the pressure changes there [rad]: the length of the contact or of
-        the opening at an end of the contact, of the lining at a kink, and of the step at a step; at
-        a tip the length of `corner.column_size_at_tip`
-    kind : which function is not smooth there
+    at : position phi of the point [rad]
+    length : length over which the pressure changes at the point [rad]. At an end of the contact it
+        is the length of the contact or of the opening, at a kink that of the lining, at a step that
+        of the step, and at a tip the length that `corner.column_size_at_tip` takes.
+    kind : which function is not smooth
     """
 
     at: float
@@ -99,13 +101,15 @@ class SingularPoint(NamedTuple):
 
 
 class GradingPoint(NamedTuple):
-    """A position from which columns grow in both directions; columns end there.
+    """A position along the lining at which two element columns meet, the smallest ones around.
+
+    The sizes of the columns grow geometrically away from the point in both directions.
 
     Attributes
     ----------
-    at : its position phi [rad]
+    at : position phi of the point [rad]
     size : size of the columns on both sides of the point [rad]
-    ratio : ratio of the sizes of neighbouring columns: sizes grow by 1/ratio away from the point
+    ratio : size of a column relative to the size of the next column away from the point, below 1
     """
 
     at: float
@@ -115,28 +119,31 @@ class GradingPoint(NamedTuple):
 
 @dataclass(frozen=True)
 class Level:
-    """The degree of the hp elements of a body, and the sizes of its columns and layers of elements.
+    """A level of refinement: the degree of hp elements, and sizes of their columns and layers.
+
+    A column is a stack of elements through the thickness of a body. Sizes grow geometrically away
+    from points where the stress is singular.
 
     Attributes
     ----------
     degree : degree of the hp elements
-    zone : size of the outermost layer of elements, relative to EDGE_ZONE; and of the columns at the
-        lining's ends where this is less than the size by `edge`
+    zone : size of the layer of elements at the lining's face, relative to EDGE_ZONE. Columns at the
+        lining's ends have this size if it is less than their size by `edge`.
     edge : size of the columns at the lining's ends, relative to the lining's thickness or to half
-        its length, whichever is less; relative to half the length of a contact that reaches the
-        lining's end
-    end : size of the columns at ends of the contact and at kinks, relative to the contact's length,
-        or to the geometric mean of length and thickness where this is less. The pressure rises from
-        an end of the contact over the thickness. The longer the contact, the smaller is the part of
-        p there.
-    ratio : ratio of the sizes of neighbouring columns: sizes grow by 1/ratio away from a point
-    opening : the same at the ends of a contact that is shorter than the lining is thick
+        its length, whichever is less. At an end that a contact reaches, the size is relative to
+        half the contact's length.
+    end : size of the columns at ends of the contact and at kinks of the gap. It is relative to the
+        contact's length, or to the geometric mean of this length and the lining's thickness where
+        this is less. The pressure rises from an end of the contact over a distance of the order of
+        the thickness. The longer the contact, the smaller is the part of the pressure there.
+    ratio : size of a column relative to the next column away from a singular point, below 1
+    opening : the same ratio at the ends of a contact that is shorter than the lining is thick
     largest : upper limit of the size of a column [rad]
     back : size of the layers of elements at the interface of two layers of the shoe, relative to
-        the thinner of both
+        the thinner one of these two layers
     hinge : size of columns and layers of elements at the face that the hinge holds, relative to the
         body's thickness
-    through : ratio of the sizes of neighbouring layers of elements
+    through : size of a layer of elements relative to the next one away from an interface, below 1
     """
 
     degree: int
@@ -152,14 +159,17 @@ class Level:
 
     @property
     def error(self) -> float:
-        """The relative error of p in L2 that growth by 1/`ratio` leaves, see `levels.LevelRule`."""
+        """The relative error in L2 of the pressure due to the ratio of neighbouring column sizes.
+
+        For the formula see `levels.LevelRule`.
+        """
         root = math.sqrt(self.ratio)
         return ((1 - root) / (1 + root)) ** self.degree
 
 
 @dataclass(frozen=True)
 class ShoeLayer:
-    """A layer of a shoe: the name of the `part` that it belongs to, and its `thickness` [m]."""
+    """A layer of a shoe: the name of its `part` ("lining", "shoe", ...) and its `thickness` [m]."""
 
     part: str
     thickness: float
@@ -167,19 +177,19 @@ class ShoeLayer:
 
 @dataclass(frozen=True)
 class ShoeDivision:
-    """The division of a shoe into m columns and l layers of elements.
+    """The division of a shoe into m columns and l layers of hp elements.
 
     Attributes
     ----------
     degree : degree of the elements
     angles : (m + 1,) positions phi of the ends of the columns under the lining [rad]
     before, after : positions phi of the ends of the columns of the body before and behind the
-        lining, from the lining on [rad]
-    depths : (l + 1,) ends of the layers from the contact inwards [m]; for a straight beam in layers
-        of the shoe
-    part : (l,) name of the part of the shoe that each layer belongs to
-    singular_layer_size : size [m] of the layer of elements at the face where an unbounded p, at a
-        corner or under a tip, needs a thinner layer than the contact does; inf elsewhere
+        lining [rad], the nearest to the lining first
+    depths : (l + 1,) depths of the faces of the layers, from the contact inwards [m]. For a
+        straight beam the depth grows by 1 through each layer of the shoe.
+    part : (l,) name of the part of the shoe that each layer of elements belongs to
+    singular_layer_size : size [m] of the layer of elements at the lining's face, if an unbounded
+        pressure (at a corner or under a tip) makes it thinner than the contact does; inf otherwise
     """
 
     degree: int
@@ -192,7 +202,7 @@ class ShoeDivision:
 
     @property
     def key(self) -> tuple[int, bytes, bytes, bytes, bytes]:
-        """A key that is equal for equal divisions of a shoe."""
+        """A dictionary key of the division, which is equal for equal divisions of a shoe."""
         return (
             self.degree,
             self.angles.tobytes(),
@@ -203,14 +213,15 @@ class ShoeDivision:
 
     @property
     def layers(self) -> int:
-        """Number of layers under the lining."""
+        """Number of layers of elements under the lining, those of the lining included."""
         return len(self.part)
 
     @property
     def first_body_layer(self) -> int:
-        """The number of the outermost layer of the body, which continues beyond the lining.
+        """The index of the first layer of elements that belongs to the body of the shoe.
 
-        It is the number of all layers for a rigid shoe, where no layer continues.
+        Layers are counted from 0 at the contact. Only the body continues beyond the lining's ends.
+        For a rigid shoe, which has no body of elements, the count of all layers is returned.
         """
         for i, part in enumerate(self.part):
             if part in {"table", "shoe"}:
@@ -219,12 +230,12 @@ class ShoeDivision:
 
     @property
     def contact_nodes(self) -> int:
-        """Number of nodes on the contact."""
+        """Number of nodes on the lining's face."""
         return (len(self.angles) - 1) * self.degree + 1
 
     @property
     def unknowns(self) -> int:
-        """Number of degrees of freedom."""
+        """Number of degrees of freedom of the whole shoe, two at each node."""
         p, beyond = self.degree, self.layers - self.first_body_layer
         under = (self.layers * p + 1) * self.contact_nodes
         over = (beyond * p + 1) * p * (len(self.before) + len(self.after) - 2) if beyond else 0
@@ -239,20 +250,21 @@ def graded_sizes(
     largest: float,
     right_ratio: float | None = None,
 ) -> list[float]:
-    """The sizes of pieces that fill a `length`, growing from both ends, with equal ones between.
+    """The sizes of pieces that fill a `length`, small at both ends and equal in the middle.
 
     Parameters
     ----------
     length : length to be filled
-    left, right : sizes of the pieces at both ends
-    ratio : sizes grow by 1/ratio from the left end
-    largest : upper limit of the size of the equal pieces
-    right_ratio : sizes grow by 1/right_ratio from the right end; as from the left if it is None
+    left, right : sizes of the first and of the last piece
+    ratio : size of a piece relative to the next one, counted from the left end, below 1
+    largest : upper limit of the size of the equal pieces in the middle
+    right_ratio : the same ratio counted from the right end; None if it equals `ratio`
     """
     right_ratio = right_ratio or ratio
     first: list[float] = []
     last: list[float] = []
     while True:
+        # The next piece is added at the end where it is smaller, as long as enough length is left.
         rest = length - math.fsum(first) - math.fsum(last)
         smaller = min(left, right)
         if smaller >= largest or rest <= 1.6 * smaller:
@@ -263,22 +275,24 @@ def graded_sizes(
         else:
             last.append(right)
             right /= right_ratio
+    # The length that is left is filled with equal pieces, at most 1.6 times as large as the next
+    # graded piece.
     count = max(1, math.ceil(rest / min(largest, 1.6 * smaller) - 1e-9))
     return [*first, *[rest / count] * count, *last[::-1]]
 
 
 def size_far_from_contact(size: float, distance: float, *, coarsens: bool) -> float:
-    """The relative size of pieces at a corner of a layer at some distance from the contact.
+    """The size of elements at a corner of a layer far from the contact, relative to the thickness.
 
     Beyond a short contact stresses fall at least as the inverse distance. The size may therefore
-    grow in proportion to the distance, up to 1, a whole layer. It grows in powers of two, so that
-    the bodies of nearly equal contacts are the same.
+    grow in proportion to the distance, up to 1, a whole layer. It grows in powers of two. Nearly
+    equal contacts then have the same mesh, and the condensed body of one serves the other.
 
     Parameters
     ----------
-    size : relative size beside the contact
+    size : size of the elements beside the contact, relative to the layer's thickness
     distance : distance of the corner from the contact, in lengths of the contact
-    coarsens : whether the size may grow with the distance; if not, `size` is returned
+    coarsens : whether the size grows with the distance; otherwise `size` is returned
     """
     if not coarsens:
         return size
@@ -286,18 +300,19 @@ def size_far_from_contact(size: float, distance: float, *, coarsens: bool) -> fl
 
 
 def piece_ends(sizes: Sequence[float], start: float, end: float) -> Floats:
-    """The ends (m + 1,) of m pieces of the given sizes from `start` on; the last one is `end`."""
+    """The ends (m + 1,) of m pieces in a row, from their sizes (m,), between `start` and `end`."""
     return np.append(start + np.concatenate([[0.0], np.cumsum(sizes[:-1])]), end)
 
 
 def shoe_layers(shoe: Shoe, radius: float) -> list[ShoeLayer]:
-    """The layers of a shoe from the contact inwards, on a drum of the radius [m].
+    """The layers of a shoe with their thickness, from the lining's face inwards.
 
-    The block between the lining and a straight beam counts with its smallest thickness.
+    The block between the lining and a straight beam is a layer with its smallest thickness.
+    `radius` is that of the drum [m].
     """
     layers = [ShoeLayer("lining", shoe.lining.thickness)]
     if isinstance(shoe.body, Beam):
-        # The assertion holds for every brake that `scene.why_not` lets pass.
+        # `scene.why_not` refuses beams without section or block, so that the assertion holds.
         assert shoe.body.section is not None and shoe.backing is not None
         beam_thickness = shoe.body.section.thickness
         axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
@@ -322,21 +337,21 @@ def divide_shoe(
     grades_loaded_end: bool = False,
     exponents: tuple[float, float] = (0.0, 0.0),
 ) -> ShoeDivision:
-    """The division of a shoe into columns and layers.
+    """The division of a shoe into columns and layers of hp elements.
 
-    Where the contact does not reach an end of the lining, the lining's end is graded like the ends
-    of other layers. All these corners are coarser beyond a short contact, see
-    `size_far_from_contact`.
+    If the contact does not reach an end of the lining, the elements at this end are as small as
+    those at the ends of other layers. Far from a short contact elements at all these corners are
+    larger, see `size_far_from_contact`.
 
     Parameters
     ----------
     shoe : the shoe
     radius : radius of the drum [m]
-    level : degree and grading
-    points : singular points of the pressure, growing
-    grades_loaded_end : whether the body's loaded end is graded, because its position matters;
-        otherwise the contact feels only the force there
-    exponents : exponents of p at the lining's start and end where these press, see
+    level : degree of the elements, and sizes of columns and layers
+    points : singular points along the lining, in the order of their positions
+    grades_loaded_end : whether columns shrink towards the end of the body that the actuation force
+        acts on. They do if the position of this end matters; the contact depends on the force only.
+    exponents : exponents of the pressure at the lining's start and end if these are pressed, see
         `corner.corner_exponents_of`
     """
     layers = shoe_layers(shoe, radius)
@@ -354,7 +369,8 @@ def divide_shoe(
         shoe, radius, level, layers, end_sizes, grades_loaded_end=grades_loaded_end
     )
 
-    # Under a short contact the layer at the face is as thick as the columns at its ends are wide.
+    # Under a short contact the layer of elements at the lining's face is as thick as the columns at
+    # the contact's ends are wide.
     start, end = shoe.arc
     t = contact.thickness
     face_size = min(
@@ -363,6 +379,8 @@ def divide_shoe(
         math.inf,
     )
     face_size = max(face_size, contact.smallest_column)
+    # Under an unbounded pressure the layer of elements at the lining's face is as thick as the
+    # columns at this point are wide.
     tips = [point for point in points if point.kind == Singularity.TIP]
     tip_sizes = [_column_size_at_tip(level, t, tip.length) for tip in tips]
     singular_size = min(*tip_sizes, *corner_sizes)
@@ -386,19 +404,22 @@ def divide_shoe(
 
 
 class _ContactExtent(NamedTuple):
-    """The contact of a lining as far as a division depends on it; lengths and sizes in rad.
+    """The extent of the contacts of a lining, as the division into elements needs it.
+
+    All lengths and sizes are in rad.
 
     Attributes
     ----------
     thickness : thickness of the lining
-    smallest_column : smallest size of a column
-    lengths : length of the contact at each end of a contact
-    longest : length of the longest contact, which the grading far from the contact depends on; the
-        length of the lining where no contact is known
-    open_lengths : distances of the outermost contacts from the lining's start and end
-    reaching_lengths : lengths of the contacts that reach the lining's start and end; inf where no
-        contact does
-    coarsens : whether pieces at corners far from the contact may be coarser
+    smallest_column : smallest allowed size of an element column
+    lengths : for each end of a contact the length of this contact
+    longest : length of the longest contact, which sets the sizes of elements far from the contact;
+        the length of the lining if no contact is known
+    open_lengths : distance of the first contact from the lining's start, and of the last contact
+        from the lining's end
+    reaching_lengths : lengths of the contacts that reach the lining's start and end; inf for an end
+        that no contact reaches
+    coarsens : whether elements at corners far from the contact may be larger
     """
 
     thickness: float
@@ -417,11 +438,13 @@ def _contact_extent(
     layers: list[ShoeLayer],
     points: Sequence[SingularPoint],
 ) -> _ContactExtent:
-    """The extent of the contact; the whole lining if no singular point is an end of contact.
+    """The extent of the contacts of a lining, from the singular points at their ends.
+
+    If no singular point is an end of a contact, the contact is assumed to cover the whole lining.
 
     Parameters
     ----------
-    shoe, radius, level, points : as of `divide_shoe`
+    shoe, radius, level, points : as in `divide_shoe`
     layers : layers of the shoe
     """
     start, end = shoe.arc
@@ -431,11 +454,11 @@ def _contact_extent(
     lengths = [point.length for point in contact_ends]
     smallest_column = SMALLEST_COLUMN * t
     longest = max(*lengths, smallest_column) if lengths else end - start
-    # A shoe that is deeper than long carries a force down to its foot, whose corners feel the
-    # force.
+    # A shoe whose depth is more than half its length carries the force of the contact down to its
+    # foot. The corners of the foot are then loaded too.
     deep = 2 * sum(layer.thickness for layer in layers) > radius * (end - start)
-    # The force of one short contact follows from balance. The forces of several contacts on an
-    # elastic shoe depend on how the shoe bends, and far corners feel the bending too.
+    # The force of one short contact follows from balance alone. The forces of several contacts on
+    # an elastic shoe depend on how the shoe bends, and so on the stress at far corners.
     one_short = len(lengths) == 2 and longest < t
     return _ContactExtent(
         thickness=t,
@@ -451,10 +474,11 @@ def _contact_extent(
 def _column_sizes_at_corners(
     contact: _ContactExtent, exponents: tuple[float, float]
 ) -> tuple[float, float]:
-    """The sizes of columns [rad] that the power laws at both corners of the lining need.
+    """The sizes of the element columns [rad] that unbounded pressures at the lining's corners need.
 
-    The size is inf where p is bounded at the corner or where p at the corner does not count.
-    `exponents` are those of p at the lining's start and end.
+    The first size is for the corner at the lining's start, the second for its end. A size is inf if
+    the pressure is bounded at the corner, or if the contact is so long that the stated error leaves
+    out the corner. `exponents` are those of the pressure at both corners.
     """
     sizes = []
     for length, exponent in zip(contact.reaching_lengths, exponents, strict=True):
@@ -467,13 +491,13 @@ def _column_sizes_at_corners(
 def _column_sizes_at_lining_ends(
     shoe: Shoe, level: Level, contact: _ContactExtent, corner_sizes: tuple[float, float]
 ) -> tuple[float, float]:
-    """The sizes of the columns at the lining's start and end [rad].
+    """The sizes of the element columns at the lining's start and end [rad].
 
     Parameters
     ----------
-    shoe, level : the shoe and the level of the division
+    shoe, level : the shoe, and the degree and sizes of its elements
     contact : extent of the contact
-    corner_sizes : sizes of columns that power laws at both corners need [rad]
+    corner_sizes : sizes of columns that unbounded pressures at both corners need [rad]
     """
     start, end = shoe.arc
     t, smallest = contact.thickness, contact.smallest_column
@@ -481,7 +505,7 @@ def _column_sizes_at_lining_ends(
     sizes = []
     both_ends = zip(contact.open_lengths, contact.reaching_lengths, corner_sizes, strict=True)
     for open_length, reaching_length, corner_size in both_ends:
-        # An open gap before the contact is at least two columns long.
+        # An open gap between the lining's end and the contact holds two columns at least.
         is_open = open_length > 0 and math.isinf(reaching_length)
         gap_size = max(0.5 * open_length, smallest) if is_open else math.inf
         size_without_force = size_far_from_contact(
@@ -501,13 +525,16 @@ def _grading_points(
     contact: _ContactExtent,
     end_sizes: tuple[float, float],
 ) -> list[GradingPoint]:
-    """The grading points along the lining: its ends, singular points, and the ends of a grip.
+    """The grading points along the lining, in the order of their positions.
+
+    Element columns shrink towards these points: the lining's ends, the singular points, and the
+    ends of a grip that holds the shoe's back.
 
     Parameters
     ----------
-    shoe, radius, level, points : as of `divide_shoe`
+    shoe, radius, level, points : as in `divide_shoe`
     contact : extent of the contact
-    end_sizes : sizes of columns at the lining's start and end [rad]
+    end_sizes : sizes of the columns at the lining's start and end [rad]
     """
     start, end = shoe.arc
     first = GradingPoint(start, end_sizes[0], level.ratio)
@@ -520,7 +547,7 @@ def _grading_points(
     grip = shoe.grip(radius)
     if grip is None:
         return grading_points
-    # The ends of the grip replace the grading points beside them.
+    # The ends of the grip are grading points, and replace others that are too near to them.
     grip_size = level.hinge * shoe_layers(shoe, radius)[-1].thickness / radius
     kept = []
     for candidate in grading_points[1:-1]:
@@ -540,13 +567,16 @@ def _column_ends_beyond_lining(
     *,
     grades_loaded_end: bool,
 ) -> tuple[Floats, Floats]:
-    """The ends of the columns of the body before and behind the lining [rad], from the lining on.
+    """The ends of the element columns of a shoe's body before and behind the lining [rad].
+
+    The nearest end to the lining comes first. The body reaches beyond the lining towards the hinge
+    and towards the actuation force.
 
     Parameters
     ----------
-    shoe, radius, level, grades_loaded_end : as of `divide_shoe`
+    shoe, radius, level, grades_loaded_end : as in `divide_shoe`
     layers : layers of the shoe
-    end_sizes : sizes of columns at the lining's start and end [rad]
+    end_sizes : sizes of the columns at the lining's start and end [rad]
     """
     start, end = shoe.arc
     near, far = _body_ends(shoe, radius)
@@ -571,25 +601,25 @@ def _column_ends_beyond_lining(
 def _grading_point_of(
     point: SingularPoint, level: Level, thickness: float, distance: float
 ) -> GradingPoint:
-    """The grading point at a singular point.
+    """The grading point at a singular point: its position, and the size of the columns beside it.
 
-    An end of the contact is rounded to half a column, so that brakes whose contacts differ by less
-    have the same bodies. Where nothing presses, columns of half a step reproduce the cubic of the
-    gap exactly.
+    The position of an end of the contact is rounded to half an element column. Brakes whose
+    contacts differ by less then have the same mesh. At a step under no pressure, columns of half
+    the step's length reproduce the cubic of the gap exactly.
 
-    At an end of the contact p rises as the root of the distance x, and at the end of a step it goes
-    as x ln x. Columns of size w therefore leave errors in L2 that go as w and as w^1.5. So columns
-    at a step, relative to the step, need to shrink less from level to level: as the root of `end`.
-    With the power 2/3 in place of the root both errors would fall alike. On brakes with 10 and 12
-    steps the root is as accurate on the second level, and takes an eighth fewer unknowns.
+    At an end of the contact the pressure p rises as the root of the distance x, and at the end of a
+    step p goes as x ln x. Columns of size w therefore leave errors in L2 that go as w and as w^1.5.
+    So columns at a step, relative to the step, need to shrink less from level to level: as the root
+    of `end`. With the power 2/3 in place of the root both errors would fall alike. On brakes with
+    10 and 12 steps the root is as accurate on the second level, and takes an eighth fewer unknowns.
 
     Parameters
     ----------
     point : the singular point
-    level : degree and grading
+    level : degree of the elements, and sizes of columns and layers
     thickness : thickness of the lining [rad]
-    distance : distance of the point from the nearer end of the lining [rad], which at least two
-        columns fill
+    distance : distance of the point from the nearer end of the lining [rad]; at least two columns
+        fit into it
     """
     if point.kind == Singularity.OPEN_STEP:
         return GradingPoint(point.at, 0.5 * point.length, level.ratio)
@@ -598,6 +628,7 @@ def _grading_point_of(
     if point.kind == Singularity.TIP:
         size = _column_size_at_tip(level, thickness, point.length)
         return GradingPoint(point.at, size, level.ratio)
+    # The size at an end of the contact or a kink is a power of two, so that meshes can be equal.
     size = _column_size_at_contact_end(level, thickness, point.length)
     if distance > size:
         size = min(size, 0.5 * distance)
@@ -609,22 +640,24 @@ def _grading_point_of(
 
 
 def _column_size_at_contact_end(level: Level, thickness: float, length: float) -> float:
-    """The size of the columns at an end of a contact [rad].
+    """The size of the element columns at an end of a contact [rad].
 
-    An open gap beside the contact that is shorter than such a column is not resolved on this level.
+    An open gap beside the contact that is shorter than this size is not resolved by the mesh.
     `thickness` is that of the lining, and `length` that of the contact, both in rad.
     """
     return level.end * min(length, math.sqrt(thickness * length))
 
 
 def _column_size_at_tip(level: Level, thickness: float, length: float) -> float:
-    """The size of columns and layers at a tip of the gap [rad], a power of two.
+    """The size of element columns and layers at a tip of the gap [rad], a power of two.
+
+    A tip is a kink of the gap that points to the drum, where the pressure is unbounded.
 
     Parameters
     ----------
-    level : degree and grading
+    level : degree of the elements, and sizes of columns and layers
     thickness : thickness of the lining [rad]
-    length : as of `corner.column_size_at_tip` [rad]
+    length : the length that `corner.column_size_at_tip` takes [rad]
     """
     size = column_size_at_tip(length, level.degree, level.end)
     return 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
@@ -635,12 +668,12 @@ def _lengths_of_reaching_contacts(
 ) -> tuple[float, float]:
     """The lengths of the shortest contacts that reach the lining's start and end [rad].
 
-    A contact reaches an end of the lining if no column of the level fits into the gap between them.
-    A length is inf where no contact reaches the lining's end.
+    A contact reaches an end of the lining if no element column fits between the two. The length is
+    inf for an end of the lining that no contact reaches.
 
     Parameters
     ----------
-    shoe, level : the shoe and the level of the division
+    shoe, level : the shoe, and the degree and sizes of its elements
     thickness : thickness of the lining [rad]
     contact_ends : singular points at the ends of contacts
     """
@@ -658,12 +691,13 @@ def _lengths_of_reaching_contacts(
 def _without_crowded_points(
     start: GradingPoint, end: GradingPoint, inner: Sequence[GradingPoint]
 ) -> list[GradingPoint]:
-    """The grading points from `start` to `end` without points that are too near to another one.
+    """The grading points from `start` to `end` without points that are too near to another point.
 
-    A point is left out if it lies in the column at a lining's end, or in the smaller of the columns
-    at the point and at the point before. The point before then takes the smaller size and the
-    larger ratio of both. An end of the contact that is nearer to a step than the columns at the
-    step are wide thus stays a point of its own.
+    Grading points are positions that element columns shrink towards. A point is left out if it lies
+    in the column at an end of the lining. It is also left out if its distance from the previous
+    point is at most the smaller column size of both. The previous point then takes the smaller size
+    and the larger ratio of both. An end of the contact beside a step thus remains a point even if
+    it is nearer to the step than the columns at the step are wide.
     """
     kept = [start]
     for point in inner:
@@ -679,10 +713,10 @@ def _without_crowded_points(
 
 
 def _body_ends(shoe: Shoe, radius: float) -> tuple[float, float]:
-    """The positions phi at which the body of a shoe begins and ends [rad].
+    """The positions phi at which the body of a shoe begins and ends [rad], the hinge's end first.
 
-    Beyond the lining of a straight beam they are distances along the beam, divided by the radius
-    of the lining's back.
+    For a straight beam they count, beyond the lining, the distance along the beam divided by the
+    radius of the lining's back.
     """
     start, end = shoe.arc
     if isinstance(shoe.body, Beam):
@@ -705,20 +739,24 @@ def _layer_depths(
     coarsens: bool,
     straight: bool,
 ) -> tuple[Floats, tuple[str, ...]]:
-    """The ends (l + 1,) of the layers of elements from the contact inwards, and the part of each.
+    """The depths of the faces of the layers of elements, and the part of the shoe of each layer.
+
+    The depths (l + 1,) are counted from the contact inwards, and the names of the parts are (l,).
 
     Parameters
     ----------
     layers : layers of the shoe
-    level : its grading through the layers
+    level : degree of the elements, and sizes of columns and layers
     face_size : size of the layer of elements at the contact [m]
     contact_length : length of the contact [m]
-    coarsens : as of `size_far_from_contact`
-    straight : whether depths count in layers of the shoe, as for a beam, rather than in m
+    coarsens : whether elements far from the contact are larger, as in `size_far_from_contact`
+    straight : whether the depth grows by 1 through each layer of the shoe, as for a straight beam;
+        otherwise depths are in m
     """
     depths, part, at = [np.zeros(1)], [], 0.0
     distances = np.cumsum([layer.thickness for layer in layers]) / contact_length
     for k, layer in enumerate(layers):
+        # The sizes of the outermost and the innermost element of this layer of the shoe.
         t = layer.thickness
         outer = face_size
         if k > 0:
@@ -727,7 +765,7 @@ def _layer_depths(
             outer = size * thinner
         thinner = min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
         inner = size_far_from_contact(level.back, distances[k], coarsens=coarsens) * thinner
-        # The hinge holds the last layer.
+        # The hinge holds this layer, and the stress is singular at the corners of the held face.
         if layer.part == "shoe":
             inner = level.hinge * t
         sizes = graded_sizes(t, outer, inner, level.through, t)

@@ -1,9 +1,9 @@
 """The isoparametric quadrilateral of degree p: shape functions, stiffness, static condensation.
 
-Nodes lie at Gauss-Lobatto points in both directions. skfem's ElementQuadP spans the same
-polynomials; its values at the nodes turn its hierarchical functions into these nodal ones, once for
-each degree. Displacements use the functions that map the element, so that rigid-body modes are
-exact (Zienkiewicz & Taylor, The Finite Element Method, section 8).
+The nodes of the element lie at Gauss-Lobatto points in both directions. The class ElementQuadP of
+scikit-fem spans the same polynomials with hierarchical functions. They are transformed to nodal
+functions once for each degree. Displacements use the same functions as the map of the element, so
+that rigid-body modes are exact (Zienkiewicz & Taylor, The Finite Element Method, section 8).
 """
 
 from collections.abc import Iterator
@@ -20,15 +20,15 @@ from drumlin.fem.substructure.elasticity import directions_through_layers, split
 from drumlin.response.resultants import lobatto
 
 SLOPES_PER_BATCH = 32_000
-"""Number of slopes of shape functions in a batch of elements whose stiffness is computed together.
+"""Number of shape function slopes in a batch of elements whose stiffness is computed together.
 
-A batch of this size stays in the processor's cache. Larger and smaller batches give the same
-stiffness, but take more time.
+The data of a batch of this size stay in the processor's cache. Larger and smaller batches give the
+same stiffness, but take more time.
 """
 SINGULAR_ELEMENT = (
     "singular stiffness: a part hangs on nothing, or moduli or sizes are too far apart"
 )
-"""Refusal of an element whose stiffness on its inner nodes is not positive definite."""
+"""Message of the error raised if the stiffness of eliminated unknowns is not positive definite."""
 
 
 class ReferenceElement(NamedTuple):
@@ -38,8 +38,8 @@ class ReferenceElement(NamedTuple):
     ----------
     slopes : (a, 2 q) derivatives of the shape functions by both coordinates at the Gauss points
     weights : (q,) weights of the Gauss points
-    order : (a,) the order of the element's nodes: those on the boundary, then those inside. The
-        numbers are those of the (p + 1)^2 grid of nodes, counted along the layers first.
+    order : (a,) numbers of the element's nodes, those on the boundary first, then those inside. The
+        nodes form a grid of p + 1 rows, and are numbered row by row along the layers.
     outer : number of nodes on the boundary; their order is left side, right side, rest of the
         first edge, rest of the last edge
     values : (a, q) shape functions at the Gauss points
@@ -55,6 +55,7 @@ class ReferenceElement(NamedTuple):
 @cache
 def reference_element(p: int, *, precise: bool = False) -> ReferenceElement:
     """The reference element of degree p >= 2; with `precise` its slopes are in long double."""
+    # The nodes on the left and the right side come first, then the rest of the first and last edge.
     x, w = unit_gauss_rule(p)
     number = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
     edges = number[:, 0], number[:, -1], number[0, 1:-1], number[-1, 1:-1]
@@ -73,27 +74,31 @@ def reference_element(p: int, *, precise: bool = False) -> ReferenceElement:
 
 
 def unit_gauss_rule(p: int) -> tuple[Floats, Floats]:
-    """The p + 1 Gauss points of [0, 1] and their weights."""
+    """The p + 1 Gauss points (p + 1,) of the interval [0, 1], and their weights (p + 1,)."""
     x, w = leggauss(p + 1)
     return 0.5 * (x + 1), 0.5 * w
 
 
 def unit_edge_nodes(p: int) -> Floats:
-    """The p + 1 Gauss-Lobatto points of [0, 1], at which the nodes of an edge lie."""
+    """The positions (p + 1,) in [0, 1] of the nodes on an element's edge: Gauss-Lobatto points."""
     return 0.5 * (lobatto(p) + 1)
 
 
 def square_grid_points(x: Floats) -> Floats:
-    """The points (2, n n) of the square grid of x (n,); the first coordinate grows by rows."""
+    """The points (2, n n) of the square grid with the coordinates x (n,) in both directions.
+
+    The second coordinate changes from point to point, the first one from row to row.
+    """
     return np.array([np.repeat(x, len(x)), np.tile(x, len(x))])
 
 
 def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
-    """Values (a, q) and slopes (a, 2, q) of an element's nodal functions at points x (2, q).
+    """The values (a, q) and slopes (a, 2, q) of an element's a shape functions at points x (2, q).
 
-    The element is the unit square [0, 1]^2. Its nodes are counted by rows of their grid.
+    The element of degree p is the unit square [0, 1]^2. Each shape function is 1 at its node and 0
+    at the others. The nodes form a grid and are numbered row by row.
     """
-    # scikit-fem loads only with finite elements; the pressure laws do without.
+    # scikit-fem takes long to load, and the pressure laws do not need it.
     import skfem  # noqa: PLC0415
 
     hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
@@ -104,27 +109,30 @@ def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
     at_points = [hierarchical.lbasis(x, i) for i in range(count)]
     values = np.array([value for value, _ in at_points])
     slopes = np.array([slope for _, slope in at_points])
-    # The nodal functions are one at their own node and zero at the others.
+    # A nodal function is 1 at its own node and 0 at the others: the values at the nodes, inverted,
+    # are the coefficients of the nodal functions.
     nodal: Floats = np.asarray(np.linalg.inv(np.array(at_nodes)), dtype=float)
     return nodal @ values, (nodal @ slopes.reshape(count, -1)).reshape(slopes.shape)
 
 
 def _long_double_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
-    """Values (a, q) and slopes (a, 2, q) of the nodal functions at the grid of x, in long double.
+    """The values (a, q) and slopes (a, 2, q) of an element's shape functions, in long double.
 
-    They are products of Lagrange's polynomials.
+    They are computed at the points of the square grid with the coordinates x, as products of
+    Lagrange's polynomials. The element is that of `shape_functions`.
     """
+    # The 1 on the diagonal stands for the distance of a node from itself, which is never used.
     nodes = unit_edge_nodes(p).astype(np.longdouble)
     x = x.astype(np.longdouble)
     apart = nodes[:, None] - nodes + np.eye(p + 1)
 
     def product(i: int, *others: int) -> Any:
-        """The product of the factors of polynomial i, without the factors of the nodes `others`."""
+        """Lagrange's polynomial i without the factors of the nodes `others`, at all x."""
         kept = [j for j in range(p + 1) if j != i and j not in others]
         return np.prod([(x - nodes[j]) / apart[i, j] for j in kept], axis=0)
 
     def derivative(i: int) -> Any:
-        """The derivative of polynomial i, by the product rule."""
+        """The derivative of Lagrange's polynomial i at all x, by the product rule."""
         return sum(product(i, k) / apart[i, k] for k in range(p + 1) if k != i)
 
     value = np.array([product(i) for i in range(p + 1)])
@@ -135,16 +143,19 @@ def _long_double_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
 
 
 def element_gauss_points(xy: Any, p: int) -> Any:
-    """The Gauss points (e, 2, q) of elements with nodes xy (e, 2, a) [m], as precise as xy."""
+    """The Gauss points (e, 2, q) [m] of e elements with the nodes xy (e, 2, a) [m].
+
+    They are in long double if `xy` is.
+    """
     return xy @ reference_element(p, precise=xy.dtype == np.longdouble).values
 
 
 def element_stiffness(xy: Any, elasticity: Any, p: int, along: Any = None) -> Any:
-    """The plane-stress stiffness (e, a, 2, a, 2) of elements, in the precision of xy.
+    """The plane-stress stiffness (e, a, 2, a, 2) [N/m] of e elements, in the precision of xy.
 
-    The nodes stand in the order of `ReferenceElement`. With the constants of
-    `elasticity.split_elasticity` and the unit vectors d = t along and
-    n through the layers
+    The nodes are in the order of `ReferenceElement`. The elastic constants lambda, mu, a and b are
+    those of `elasticity.split_elasticity`. The unit vectors d are t along the layers and n through
+    them. The stiffness is
 
         K_ai,bj = Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k
                       + sum_d s_d d_i (d . grad psi_a) d_j (d . grad psi_b) dA,   s_t = a,  s_n = b.
@@ -161,15 +172,16 @@ def element_stiffness(xy: Any, elasticity: Any, p: int, along: Any = None) -> An
 
 
 class _ElementIntegrals(NamedTuple):
-    """Integrals of products of shape functions' gradients, which make the stiffness of elements.
+    """The integrals and constants that the stiffness of e elements with a nodes is made of.
 
     Attributes
     ----------
-    products : (e, 2, a, 2, a) Int psi_a,i psi_b,j dA for i, a, j, b
+    products : (e, 2, a, 2, a) integrals Int psi_a,i psi_b,j dA of products of the gradients of two
+        shape functions; the axes after the first are i, a, j, b
     constants : (e, 4) lambda, mu, a, b of `elasticity.split_elasticity`
-    directed : (m,) the elements whose layers are not isotropic
-    strains : (2, m, a, 2, q) strains of the directed elements along and through their layers due to
-        unit displacements, times the root of dA
+    directed : (m,) numbers of the elements of orthotropic material
+    strains : (2, m, a, 2, q) strains along and through the layers due to unit displacements, of the
+        orthotropic elements at their Gauss points, times the root of dA
     """
 
     products: Any
@@ -178,7 +190,11 @@ class _ElementIntegrals(NamedTuple):
     strains: tuple[Any, ...]
 
     def stiffness(self, rows: slice, columns: slice) -> Any:
-        """The stiffness (e, rows, 2, columns, 2) of the forces on `rows` by the nodes `columns`."""
+        """The forces on the nodes `rows` due to unit displacements of the nodes `columns`.
+
+        This block of the stiffness is (e, rows, 2, columns, 2) for e elements.
+        """
+        # The isotropic part has four blocks: forces in x and y by displacements in x and y.
         lam, mu = self.constants[:, :1, None], self.constants[:, 1:2, None]
         xx, xy = self.products[:, 0, rows, 0, columns], self.products[:, 0, rows, 1, columns]
         yx, yy = self.products[:, 1, rows, 0, columns], self.products[:, 1, rows, 1, columns]
@@ -192,10 +208,13 @@ class _ElementIntegrals(NamedTuple):
         return K
 
     def _directional_stiffness(self, rows: slice, columns: slice) -> Any:
-        """The stiffness (m, rows, 2, columns, 2) that orthotropy along and through layers adds."""
+        """The part of the stiffness (m, rows, 2, columns, 2) that orthotropy adds.
+
+        It is that of the m orthotropic elements, and has the rows and columns of `stiffness`.
+        """
 
         def work(strain: Any) -> Any:
-            """The integrals of products of two strains: one of `rows`, one of `columns`."""
+            """The integrals of products of two strains: of a node in `rows`, one in `columns`."""
             left, right = strain[:, rows], strain[:, columns]
             count, points = len(strain), strain.shape[-1]
             flat_right = right.reshape(count, -1, points).transpose(0, 2, 1)
@@ -208,11 +227,15 @@ class _ElementIntegrals(NamedTuple):
 
 
 def _element_integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _ElementIntegrals:
-    """The integrals of gradients over elements; parameters as of `element_stiffness`."""
+    """The integrals that the stiffness of elements is made of.
+
+    The parameters are those of `element_stiffness`.
+    """
     slopes, constants = _weighted_gradients(xy, p), split_elasticity(elasticity)
     e, _, a, q = slopes.shape
     flat = slopes.reshape(e, 2 * a, q)
     products = (flat @ flat.transpose(0, 2, 1)).reshape(e, 2, a, 2, a)
+    # Only elements of orthotropic material need the strains along and through their layers.
     directed = np.flatnonzero(constants[:, 2:].any(axis=1))
     strains: tuple[Any, ...] = ()
     if len(directed):
@@ -226,19 +249,21 @@ def _element_integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _Element
 
 
 def _strains_in_direction(slopes: Any, direction: Any) -> Any:
-    """Strains (m, a, 2, q) in a direction (2, m, q) due to unit displacements.
+    """The strains (m, a, 2, q) in a direction due to unit displacements of m elements.
 
-    `slopes` (m, 2, a, q) are the gradients of the shape functions.
+    `slopes` (m, 2, a, q) are the gradients of the shape functions at the Gauss points, and
+    `direction` (2, m, q) are unit vectors there.
     """
     grown = direction[0][:, None] * slopes[:, 0] + direction[1][:, None] * slopes[:, 1]
     return np.stack([direction[0][:, None] * grown, direction[1][:, None] * grown], axis=2)
 
 
 def _weighted_gradients(xy: Any, p: int) -> Any:
-    """Gradients (e, 2, a, q) of the shape functions, times the root of the Gauss points' areas.
+    """The gradients (e, 2, a, q) of shape functions, times the root of the Gauss points' areas.
 
-    `xy` (e, 2, a) are the nodes. The gradients of an element whose map is inverted have the other
-    sign.
+    The sum over the Gauss points of the product of two such gradients is an integral over the
+    element. `xy` (e, 2, a) are the nodes of the elements. In an element with a negative Jacobian
+    determinant all gradients have the opposite sign, which does not change the products.
     """
     reference = reference_element(p, precise=xy.dtype == np.longdouble)
     e, _, a = xy.shape
@@ -247,7 +272,8 @@ def _weighted_gradients(xy: Any, p: int) -> Any:
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
     J *= np.sqrt(reference.weights / np.abs(det))[:, None, None]
     first, second = reference.slopes[:, :q], reference.slopes[:, q:]
-    # The gradient G is d psi / d x_c times the root of dA, but for the sign of det.
+    # G is the gradient d psi / d x_c times the root of dA. If det is negative, G has the opposite
+    # sign.
     G = np.empty((e, 2, a, q), dtype=xy.dtype)
     np.subtract(J[:, 1, 1][:, None] * first, J[:, 1, 0][:, None] * second, out=G[:, 0])
     np.subtract(J[:, 0, 0][:, None] * second, J[:, 0, 1][:, None] * first, out=G[:, 1])
@@ -255,11 +281,12 @@ def _weighted_gradients(xy: Any, p: int) -> Any:
 
 
 def schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
-    """The Schur complement K - C^T inner^-1 C (k, k), which takes the place of K.
+    """The Schur complement K - C^T inner^-1 C (k, k) of a stiffness, written into K.
 
-    C is (m, k) and `inner` (m, m), of the m unknowns that are eliminated. All three matrices are
-    in rows without gaps and are overwritten, so that BLAS works on them in place. The Cholesky
-    factors are backward stable; an inverse would lose digits in thin columns.
+    It is the stiffness on the k kept unknowns after the elimination of m other unknowns. The
+    coupling C is (m, k), and `inner` (m, m) is the stiffness on the eliminated unknowns. All three
+    matrices must be contiguous in rows. They are overwritten, so that BLAS works on them in place.
+    Cholesky factors are backward stable; an inverse would lose digits in thin columns of elements.
 
     Raises
     ------
@@ -276,10 +303,10 @@ def schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
 
 
 def schur_complements(K: Floats, C: Floats, inner: Floats) -> Floats:
-    """The Schur complements of b matrices, which take the place of K (b, k, k).
+    """The Schur complements K - C^T inner^-1 C of b matrices, written into K (b, k, k).
 
-    C is (b, m, k) and `inner` (b, m, m), as of `schur_complement`. The matrices go one by one,
-    since numpy's batched functions would need more copies.
+    The coupling C is (b, m, k), and `inner` is (b, m, m), as in `schur_complement`. The matrices
+    are treated one by one, since numpy's functions for many matrices would make more copies.
     """
     for own in zip(K, C, inner, strict=True):
         schur_complement(*own)
@@ -287,13 +314,15 @@ def schur_complements(K: Floats, C: Floats, inner: Floats) -> Floats:
 
 
 class _StiffnessBlocks(NamedTuple):
-    """The stiffness of a batch of e elements, by blocks of boundary unknowns and inner unknowns.
+    """The stiffness of a batch of e elements in three blocks.
+
+    An element has k unknowns on its boundary and m unknowns inside.
 
     Attributes
     ----------
-    part : slice of the batch among all elements
+    part : slice of the elements of the batch among all elements
     outer : (e, k, k) block of the boundary unknowns
-    coupling : (e, m, k) block of inner by boundary unknowns
+    coupling : (e, m, k) block of inner unknowns by boundary unknowns
     inner : (e, m, m) block of the inner unknowns
     """
 
@@ -306,9 +335,9 @@ class _StiffnessBlocks(NamedTuple):
 def _stiffness_blocks_in_batches(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None
 ) -> Iterator[_StiffnessBlocks]:
-    """The stiffness of elements, in batches that fit into the processor's cache.
+    """Yield the stiffness of elements in three blocks, one batch of elements after the other.
 
-    The parameters are those of `element_stiffness`.
+    A batch fits into the processor's cache. The parameters are those of `element_stiffness`.
     """
     reference = reference_element(p)
     on, inside = slice(reference.outer), slice(reference.outer, None)
@@ -330,9 +359,10 @@ def _stiffness_blocks_in_batches(
 def condensed_element_stiffness(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None = None
 ) -> Floats:
-    """The condensed stiffness (l, c, 8 p, 8 p) of elements on their boundary nodes.
+    """The stiffness (l, c, 8 p, 8 p) [N/m] of elements, condensed to their 4 p boundary nodes.
 
-    x and y of a node stand together.
+    The inner nodes of each element are eliminated. The unknowns x and y of a node are next to each
+    other.
 
     Parameters
     ----------
@@ -342,6 +372,7 @@ def condensed_element_stiffness(
     along : (l, c, 2, q) unit vectors along the layers at the `element_gauss_points`; None where all
         layers are isotropic
     """
+    # The elements of all layers are treated as one list, in batches.
     shape = xy.shape[:2]
     xy = xy.reshape(-1, *xy.shape[2:])
     elasticity = np.repeat(elasticity, shape[1], axis=0)
@@ -353,10 +384,11 @@ def condensed_element_stiffness(
 
 
 class CondensedForces(NamedTuple):
-    """The forces inside elements, condensed to their boundary nodes.
+    """Forces on the inner nodes of e elements of degree p, condensed to their boundary nodes.
 
-    `forces` (e, 8 p, k) are the forces on the boundary nodes, and `work` (k, k) is the work of the
-    inner forces while the boundaries are held.
+    `forces` (e, 8 p, k) are the equivalent forces on the boundary nodes for k load cases. `work`
+    (k, k) is the work of the inner forces on the displacements due to them, while the boundary
+    nodes are held.
     """
 
     forces: Floats
@@ -366,16 +398,17 @@ class CondensedForces(NamedTuple):
 def condense_inner_forces(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None, inner_forces: Floats
 ) -> CondensedForces:
-    """The forces on the boundary nodes of elements that stand for forces on their inner nodes.
+    """The forces on the boundary nodes of elements that are equivalent to forces on inner nodes.
 
     Parameters
     ----------
-    xy, elasticity, p, along : as of `element_stiffness`
-    inner_forces : (e, 2 i, k) forces on the i nodes inside each element
+    xy, elasticity, p, along : as in `element_stiffness`
+    inner_forces : (e, 2 i, k) forces on the i inner nodes of each element, for k load cases
     """
     count = inner_forces.shape[2]
     forces, work = np.empty((len(xy), 8 * p, count)), np.zeros((count, count))
     for part, _, coupling, inner in _stiffness_blocks_in_batches(xy, elasticity, p, along):
+        # The displacements of the inner nodes while the boundary is held give its reactions.
         own = inner_forces[part]
         displacements = np.linalg.solve(inner, own)
         forces[part] = -(coupling.transpose(0, 2, 1) @ displacements)
@@ -384,9 +417,9 @@ def condense_inner_forces(
 
 
 def stress_forces(xy: Floats, stresses: Floats, p: int) -> Floats:
-    """Nodal forces (e, a, 2) [N] that are in equilibrium with stresses inside elements.
+    """The nodal forces (e, a, 2) [N] in equilibrium with the stresses inside e elements.
 
-    They are the integrals of sigma_ij psi_a,j over each element.
+    They are the integrals of sigma_ij psi_a,j over each element, with psi_a the shape functions.
 
     Parameters
     ----------
@@ -411,17 +444,18 @@ def inner_node_displacements(
     u: Floats,
     inner_forces: Floats | None = None,
 ) -> Floats:
-    """Displacements (e, 2 i, m) of the i nodes inside elements.
+    """The displacements (e, 2 i, m) [m] of the i inner nodes of e elements, for m load cases.
 
     Parameters
     ----------
-    xy, elasticity, p, along : as of `element_stiffness`
-    u : (e, 8 p, m) displacements of the boundary nodes
-    inner_forces : (e, 2 i, m) forces on the inner nodes; None where no force acts on them
+    xy, elasticity, p, along : as in `element_stiffness`
+    u : (e, 8 p, m) displacements of the boundary nodes [m]
+    inner_forces : (e, 2 i, m) forces on the inner nodes [N]; None if no force acts on them
     """
     inner_count = 2 * xy.shape[2] - 8 * p
     found = np.empty((len(xy), inner_count, u.shape[2]))
     for part, _, coupling, inner in _stiffness_blocks_in_batches(xy, elasticity, p, along):
+        # The inner nodes are in equilibrium: inner stiffness times displacements = -right side.
         right = coupling @ u[part]
         if inner_forces is not None:
             right -= inner_forces[part]
@@ -430,15 +464,16 @@ def inner_node_displacements(
 
 
 def shape_function_gradients(xy: Floats, p: int) -> tuple[Floats, Floats]:
-    """Gradients (e, 2, a, q) of the shape functions [1/m], and areas (e, q) of Gauss points [m^2].
+    """The gradients (e, 2, a, q) [1/m] of shape functions at the Gauss points of e elements.
 
-    `xy` (e, 2, a) are the nodes of the elements.
+    The areas (e, q) [m^2] that the Gauss points stand for are returned too. `xy` (e, 2, a) are the
+    nodes of the elements [m], and p is their degree.
     """
     reference = reference_element(p)
     q = len(reference.weights)
     J = (xy @ reference.slopes).reshape(*xy.shape[:2], 2, q)  # d x_c / d xi_d
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
-    # The inverse has the derivatives d xi_d / d x_c, (d, c, e, q).
+    # The inverse (d, c, e, q) of the Jacobian matrix J has the derivatives d xi_d / d x_c.
     inverse = np.array([[J[:, 1, 1], -J[:, 0, 1]], [-J[:, 1, 0], J[:, 0, 0]]]) / det
     slopes = reference.slopes.reshape(len(reference.order), 2, q)
     return np.einsum("adq,dceq->ecaq", slopes, inverse), np.abs(det) * reference.weights

@@ -1,8 +1,9 @@
 """The grid of a body in hp elements: all of its nodes and elements, with their numbers.
 
-A solve needs the condensed columns only. Pictures, files, slopes and the refinement of round-off
-errors need all nodes, which are computed at the first access. The grid has the attributes of
-skfem's basis (`doflocs`, `element_dofs`, `N`), so that functions for bodies on meshes take it too.
+The contact problem needs only the body's stiffness, condensed to its contact nodes. Pictures,
+files, slopes and the correction of round-off errors need all nodes. These are computed at the first
+access. The grid has the attributes of a scikit-fem basis (`doflocs`, `element_dofs`, `N`), so that
+functions for bodies on meshes take a grid too.
 """
 
 from collections.abc import Callable, Mapping
@@ -33,14 +34,14 @@ from drumlin.fem.substructure.expansion import Strains, held_stress
 
 @dataclass(frozen=True)
 class ElementBlock:
-    """A rectangle of elements in rows of nodes; all nodes of a row have the same depth.
+    """A block of hp elements whose nodes form a rectangle of rows and columns.
 
     Attributes
     ----------
     number : (rows, columns) numbers of the nodes in the grid
-    depth : (rows,) depths of the rows
-    along : (columns,) positions of the columns of nodes along the lining
-    part : (layers,) the part that each layer of elements belongs to
+    depth : (rows,) depth of the nodes of each row below the contact
+    along : (columns,) position of the nodes of each column along the lining
+    part : (layers,) name of the part of the shoe that each layer of elements belongs to
     """
 
     number: Ints
@@ -51,15 +52,15 @@ class ElementBlock:
 
 @dataclass(frozen=True)
 class ColumnGrid:
-    """Nodes and elements of one degree p in a body of columns; an element has a = (p + 1)^2 nodes.
+    """All nodes and hp elements of a body; an element of degree p has a = (p + 1)^2 nodes.
 
     Attributes
     ----------
     degree : degree p of the elements
-    blocks : the rectangles of elements
-    point_at : from depths and positions along the lining to points (2, ...) [m]
-    sets : nodes by the name of their set
-    N : number of nodes; the contact nodes come first, by growing angle if the blocks order them
+    blocks : rectangular blocks of elements that the body consists of
+    point_at : function from depths and positions along the lining to points (2, ...) [m]
+    sets : node sets: numbers of nodes by the name of the set
+    N : number of nodes. The contact nodes have the first numbers, in the order of the blocks.
     """
 
     degree: int
@@ -78,19 +79,20 @@ class ColumnGrid:
 
     @property
     def dofs(self) -> Ints:
-        """The numbers (2 N,) of all displacements, x and y of a node together."""
+        """The numbers (2 N,) of all displacements; x and y of a node are next to each other."""
         return np.arange(2 * self.N)
 
     def numbers_of(self, nodes: Ints) -> Ints:
-        """The numbers of `nodes` in this grid: the same. In a `Skeleton` the numbers differ."""
+        """The given numbers of nodes, unchanged; a `Skeleton` returns its own numbers of them."""
         return nodes
 
     @cached_property
     def element_dofs(self) -> Ints:
-        """Nodes of each element (a, elements), in the order of the element's grid by rows."""
+        """The numbers of the nodes of each element (a, elements), row by row in the element."""
         p = self.degree
         nodes = []
         for block in self.blocks:
+            # Each element has the nodes of p + 1 rows and p + 1 columns of the block.
             rows, columns = (np.arange(0, size - 1, p) for size in block.number.shape)
             i = rows[:, None, None, None] + np.arange(p + 1)[:, None]
             j = columns[None, :, None, None] + np.arange(p + 1)
@@ -102,55 +104,68 @@ class ColumnGrid:
         """The elements of each part of the body, by the name of the part."""
         names: list[str] = []
         for block in self.blocks:
+            # Each layer of the block has as many elements as the block has element columns.
             columns = (block.number.shape[1] - 1) // self.degree
             names += np.repeat(block.part, columns).tolist()
         return {name: np.flatnonzero(np.array(names) == name) for name in dict.fromkeys(names)}
 
     @property
     def _local_numbers(self) -> Ints:
-        """Numbers (p + 1, p + 1) of an element's nodes by rows of its own grid."""
+        """The numbers (p + 1, p + 1) of nodes within an element, row by row from 0 on."""
         return np.arange((self.degree + 1) ** 2).reshape(self.degree + 1, -1)
 
     @cached_property
     def subcells(self) -> Ints:
-        """Local nodes (4, p p) at the corners of the quadrilaterals between an element's nodes."""
+        """The quadrilaterals (4, p p) between neighbouring nodes of an element, for pictures.
+
+        They are given by their four corners, numbered within the element.
+        """
         at = self._local_numbers
         return np.array([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]]).reshape(4, -1)
 
     @cached_property
     def outline(self) -> Ints:
-        """Nodes on the boundary of each element (4 p, elements), in order around the element."""
+        """The nodes on the boundary of each element (4 p, elements), once around the element."""
+        # The nodes along the first edge, the right side, the last edge and the left side.
         at = self._local_numbers
         around = np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])
         return self.element_dofs[around]
 
     def gradients(self, elements: Ints) -> Floats:
-        """Gradients (a, 2, elements, a) [1/m] of the shape functions of elements at their nodes."""
+        """The gradients (a, 2, elements, a) [1/m] of shape functions at the nodes of elements.
+
+        The first axis counts shape functions, the second x and y, the last nodes. `elements` are
+        the numbers of the elements.
+        """
+        # The derivatives on the unit square are multiplied with the inverse of the element's map.
         _, slopes = shape_functions(self.degree, square_grid_points(unit_edge_nodes(self.degree)))
         J = np.einsum("can,adq->nqcd", self.doflocs[:, self.element_dofs[:, elements]], slopes)
         return np.asarray(np.einsum("adq,nqdc->acnq", slopes, np.linalg.inv(J)))
 
     @cached_property
     def ordered_dofs(self) -> Ints:
-        """Nodes of each element (elements, a), in the order of `element.ReferenceElement`."""
+        """The numbers of the nodes of each element (elements, a), boundary nodes first.
+
+        The order is that of `element.ReferenceElement`.
+        """
         return np.ascontiguousarray(self.element_dofs[reference_element(self.degree).order].T)
 
     @cached_property
     def element_nodes(self) -> Floats:
-        """Points (elements, 2, a) [m] of each element's nodes, in the order of `ordered_dofs`."""
+        """The coordinates (elements, 2, a) [m] of each element's nodes, boundary nodes first."""
         return np.ascontiguousarray(self.doflocs[:, self.ordered_dofs].transpose(1, 0, 2))
 
     def elasticity(self, layers: Mapping[str, ElasticLayer]) -> Floats:
-        """Elasticity matrix times the width of each element (elements, 3, 3) [N/m]."""
+        """The elasticity matrix times the width, for each element (elements, 3, 3) [N/m]."""
         matrices = np.zeros((self.element_dofs.shape[1], 3, 3))
         for name, elements in self.subdomains.items():
             matrices[elements] = layers[name].stiffness
         return matrices
 
     def layer_directions(self, layers: Mapping[str, ElasticLayer], xy: Any) -> Any:
-        """Unit vectors (elements, 2, q) along the layers at the Gauss points of all elements.
+        """The unit vectors (elements, 2, q) along the layers at the Gauss points of all elements.
 
-        `xy` (elements, 2, a) are the nodes of the elements. The result is None where all layers are
+        `xy` (elements, 2, a) are the nodes of the elements. None is returned if all layers are
         isotropic.
         """
         if not any(has_directions(layers[name].elasticity) for name in self.subdomains):
@@ -163,9 +178,9 @@ class ColumnGrid:
         return directions
 
     def stiffness(self, layers: Mapping[str, ElasticLayer], *, precise: bool = False) -> Any:
-        """The plane-stress stiffness (2 N, 2 N) [N/m]; with `precise` in long double.
+        """The plane-stress stiffness (2 N, 2 N) [N/m] of the body; with `precise` in long double.
 
-        Unknown 2 i + c is component c of node i.
+        The unknown 2 i + c is the displacement of node i in direction c: 0 for x, 1 for y.
         """
         kind = np.longdouble if precise else float
         xy = self.element_nodes.astype(kind)
@@ -174,7 +189,11 @@ class ColumnGrid:
         return sparse_stiffness(K, self.ordered_dofs, self.N)
 
     def expansion_forces(self, layers: Mapping[str, ElasticLayer], strains: Strains) -> Floats:
-        """Nodal forces (2 N,) [N] of strains without stress; see `expansion.expansion_forces`."""
+        """The nodal forces (2 N,) [N] by which free strains of the layers load the body.
+
+        Free strains, such as thermal expansion, cause no stress in a layer that is not bonded to
+        others. See `expansion.expansion_forces`.
+        """
         xy = self.element_nodes
         points = element_gauss_points(xy, self.degree)
         forces = np.zeros((self.N, 2))
@@ -188,7 +207,7 @@ class ColumnGrid:
 
     @cached_property
     def skeleton(self) -> "Skeleton":
-        """The system of the nodes on the sides of elements, without those inside elements."""
+        """The skeleton of the grid: the nodes on the boundaries of its elements."""
         dofs = self.ordered_dofs[:, : reference_element(self.degree).outer]
         nodes = np.unique(dofs)
         number = np.full(self.N, -1)
@@ -198,19 +217,19 @@ class ColumnGrid:
 
 @dataclass(frozen=True)
 class Skeleton:
-    """The nodes on the sides of a grid's elements, without those inside the elements.
+    """The skeleton of a grid: the nodes on the boundaries of its elements, without inner nodes.
 
-    A grid of high degree has most of its unknowns inside its elements. Their elimination couples no
-    two elements, so each element is condensed on its own. A skeleton has the attributes of skfem's
-    basis, as a grid has.
+    A grid of high degree has most of its unknowns inside its elements. The inner unknowns of an
+    element couple with its own boundary only, so that each element is condensed on its own. A
+    skeleton has the attributes of a scikit-fem basis, as a grid has.
 
     Attributes
     ----------
-    grid : the grid
+    grid : the grid with all nodes
     nodes : (N,) numbers of the skeleton's nodes in the grid
     number : (grid nodes,) number of each node of the grid in the skeleton, -1 for a node inside an
         element
-    element_dofs : (4 p, elements) nodes of each element
+    element_dofs : (4 p, elements) boundary nodes of each element, as numbers in the skeleton
     """
 
     grid: ColumnGrid
@@ -225,20 +244,23 @@ class Skeleton:
 
     @property
     def doflocs(self) -> Floats:
-        """Points of the skeleton's nodes (2, N) [m]."""
+        """The coordinates of the skeleton's nodes (2, N) [m]."""
         return self.grid.doflocs[:, self.nodes]
 
     @property
     def dofs(self) -> Ints:
-        """The numbers in the grid of all displacements (2 N,), x and y of a node together."""
+        """The numbers (2 N,) of the skeleton's displacements among those of the whole grid.
+
+        The displacements x and y of a node are next to each other.
+        """
         return np.asarray((2 * self.nodes[:, None] + np.arange(2)).ravel())
 
     def numbers_of(self, nodes: Ints) -> Ints:
-        """The numbers in the skeleton of nodes of the grid."""
+        """The numbers in the skeleton of nodes that are given by their numbers in the grid."""
         return self.number[nodes]
 
     def stiffness(self, layers: Mapping[str, ElasticLayer]) -> Any:
-        """The stiffness (2 N, 2 N) [N/m], with the insides of the elements condensed."""
+        """The stiffness (2 N, 2 N) [N/m] on the skeleton, without inner nodes of elements."""
         grid = self.grid
         xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
         K = condensed_element_stiffness(xy[:, None], grid.elasticity(layers), grid.degree, along)
@@ -247,20 +269,21 @@ class Skeleton:
     def condense_forces(
         self, layers: Mapping[str, ElasticLayer], forces: Floats
     ) -> tuple[Floats, Floats]:
-        """Nodal forces on the grid, condensed to the skeleton, and their work inside elements.
+        """The equivalent forces on the skeleton for forces on all nodes of the grid.
 
         Parameters
         ----------
         layers : elastic layers of the body by name
-        forces : (2 grid nodes, k) nodal forces
+        forces : (2 grid nodes, k) nodal forces [N] of k load cases
 
         Returns
         -------
-        the forces (2 N, k) on the skeleton, and the work (k, k) of the forces while the nodes of
-        the skeleton are held
+        the forces (2 N, k) [N] on the nodes of the skeleton, and the work (k, k) of the forces
+        inside elements while the nodes of the skeleton are held
         """
         grid, count = self.grid, forces.shape[1]
         xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
+        # The forces inside elements become forces on their boundaries, and are added to the others.
         inner = self._inner_forces(forces)
         condensed = condense_inner_forces(xy, grid.elasticity(layers), grid.degree, along, inner)
         on_sides = forces.reshape(grid.N, 2, count)[self.nodes]
@@ -269,7 +292,10 @@ class Skeleton:
         return on_sides.reshape(2 * self.N, count), condensed.work
 
     def _inner_forces(self, forces: Floats) -> Floats:
-        """The forces (elements, 2 i, k) inside elements, from nodal forces (2 grid nodes, k)."""
+        """The forces on the i inner nodes of each element, from the forces on all nodes.
+
+        The given forces are (2 grid nodes, k), the returned ones (elements, 2 i, k).
+        """
         inside = self.grid.ordered_dofs[:, len(self.element_dofs) :]
         by_node = forces.reshape(self.grid.N, 2, -1)
         return by_node[inside].reshape(len(inside), -1, forces.shape[1])
@@ -277,19 +303,20 @@ class Skeleton:
     def displacements_of_all_nodes(
         self, layers: Mapping[str, ElasticLayer], u: Floats, forces: Floats | None = None
     ) -> Floats:
-        """Displacements (2 grid nodes, m) of all nodes of the grid.
+        """The displacements (2 grid nodes, m) [m] of all nodes of the grid.
 
         Parameters
         ----------
         layers : elastic layers of the body by name
-        u : (2 N, m) displacements of the skeleton
-        forces : (2 grid nodes, m) nodal forces, of which those inside elements count; None where
-            no force acts inside elements
+        u : (2 N, m) displacements of the skeleton's nodes [m], for m load cases
+        forces : (2 grid nodes, m) nodal forces [N], of which only those inside elements are used;
+            None if no force acts inside elements
         """
         grid = self.grid
         everywhere = np.empty((grid.N, 2, u.shape[1]))
         on_sides = u.reshape(self.N, 2, -1)
         everywhere[self.nodes] = on_sides
+        # The inner nodes of each element follow from its boundary nodes.
         outer = on_sides[self.element_dofs.T].reshape(len(grid.ordered_dofs), -1, u.shape[1])
         xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
         own = None if forces is None else self._inner_forces(forces)
@@ -302,23 +329,28 @@ class Skeleton:
 
 
 WholeSystem = Callable[[ColumnGrid | Skeleton], InnerSystem]
-"""Makes the whole system of a body, on all nodes of its grid or on those of the skeleton alone."""
+"""A function that makes a body's system of equations: stiffness, constraints and loads.
+
+Its argument is the nodes that the system has: all nodes of a grid, or those of its skeleton alone.
+"""
 
 
 @dataclass(frozen=True)
 class GridUnknowns:
-    """The unknowns of a body of columns that condensation has eliminated, with its unit loads.
+    """The displacements of a body in hp elements that its condensation has eliminated.
 
-    They are solved for on the skeleton first, and inside the elements one by one. See
+    They are computed again from the contact displacements: first on the skeleton (the nodes on the
+    boundaries of elements), then inside the elements one by one. The class is a
     `substructure.body.InnerUnknowns`.
 
     Attributes
     ----------
     grid : all nodes and elements of the body
     layers : elastic layers of the body by name
-    whole_system : makes the whole system of the body with the unit loads on its sides
-    further : (2 grid nodes, k) nodal forces of further unit loads, which may act inside elements;
-        their columns come last
+    whole_system : function that makes the body's system of equations before condensation, with the
+        unit loads on its sides
+    further : (2 grid nodes, k) nodal forces of k further unit loads, which may act inside elements;
+        they come after the other unit loads
     """
 
     grid: ColumnGrid
@@ -333,31 +365,40 @@ class GridUnknowns:
         layers: Mapping[str, ElasticLayer],
         whole_system: WholeSystem,
     ) -> "GridUnknowns":
-        """The eliminated unknowns without further unit loads; see the attributes."""
+        """The eliminated displacements of a body without further unit loads."""
         return cls(grid, layers, whole_system, np.zeros((2 * grid.N, 0)))
 
     def system(self) -> InnerSystem:
-        """The whole system of the body, on all nodes of its grid."""
+        """The body's system of equations before condensation, on all nodes of its grid."""
         return self._add_further(self.whole_system(self.grid), self.further)
 
     def with_forces(self, forces: Floats) -> "GridUnknowns":
-        """The same unknowns with further unit loads: nodal forces (2 grid nodes, k)."""
+        """A copy with k further unit loads, given as nodal forces (2 grid nodes, k)."""
         return replace(self, further=np.hstack([self.further, forces]))
 
     def eliminate_loads(self) -> CondensedSystem:
-        """The unit loads condensed to contact and frame, with the stiffness there."""
+        """The unit loads and the stiffness, condensed to the contact nodes and the hinge's frame.
+
+        The inner nodes of elements are eliminated first, and then the rest of the skeleton.
+        """
         sides = self.grid.skeleton
         on_sides, inner_work = sides.condense_forces(self.layers, self.further)
         system = self._add_further(self.whole_system(sides), on_sides)
+        # The work of the loads on the skeleton lacks the work of the forces inside elements.
         S, loads, work = system.eliminate_loads()
         first = len(work) - len(inner_work)
         work[first:, first:] += inner_work
         return CondensedSystem(S, loads, work)
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacements (2 grid nodes, m) of all nodes [m]; see `CondensedBody.displacements`."""
+        """The displacements (2 grid nodes, m) [m] of all nodes; see `CondensedBody.displacements`.
+
+        `nodal` and `frame` are the displacements of the contact nodes and of the hinge's frame, and
+        `loads` the factors of the unit loads, in m load cases.
+        """
         sides, count = self.grid.skeleton, self.further.shape[1]
         system = self.whole_system(sides)
+        # Without further loads no force acts inside elements.
         if not count:
             on_sides = system.displacements(nodal, frame, loads)
             return sides.displacements_of_all_nodes(self.layers, on_sides)
@@ -368,5 +409,5 @@ class GridUnknowns:
         return sides.displacements_of_all_nodes(self.layers, on_sides, forces)
 
     def _add_further(self, system: InnerSystem, forces: Floats) -> InnerSystem:
-        """A system with the further unit loads, given as its nodal forces (2 N, k)."""
+        """The system of equations with the further unit loads added as nodal forces (2 N, k)."""
         return system.with_forces(forces) if forces.shape[1] else system

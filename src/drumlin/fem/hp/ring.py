@@ -1,4 +1,8 @@
-"""The drum's elastic ring in hp elements: a closed row of columns, in contact under the linings."""
+"""The drum's elastic ring in hp elements: a closed row of element columns around the drum.
+
+A column is a stack of elements through the thickness of the ring. The columns under the linings are
+in contact.
+"""
 
 import math
 from functools import partial
@@ -51,20 +55,24 @@ from drumlin.fem.substructure.ring import (
 from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
 FULL_TURN = 2 * math.pi
-"""A whole turn [rad]."""
+"""The angle of a whole turn [rad]."""
 SAME_ANGLE = 1e-9
-"""Distance [rad] of two ends of columns below which they differ by round-off only."""
+"""Difference of two angles [rad] below which they are the same end of an element column.
+
+So small a difference is round-off.
+"""
 
 
 class RingDivision(NamedTuple):
-    """The division of a ring into m columns of elements and l layers.
+    """The division of the drum's ring into m columns and l layers of hp elements.
 
     Attributes
     ----------
     degree : degree p of the elements
-    angles : (m + 1,) ends of the columns [rad], the last end a whole turn after the first
+    angles : (m + 1,) angles of the ends of the columns [rad], the last one a whole turn after the
+        first
     contact : (m,) whether each column lies under a lining
-    depths : (l + 1,) ends of the layers from the friction surface on [m]
+    depths : (l + 1,) depths of the faces of the layers below the friction surface [m]
     """
 
     degree: int
@@ -74,9 +82,9 @@ class RingDivision(NamedTuple):
 
     @property
     def contact_edges(self) -> Ints:
-        """Nodes (p + 1, c) of the friction surface on each of the c columns in contact.
+        """The nodes (p + 1, c) on the friction surface of each of the c columns under linings.
 
-        The nodes are counted from the first angle. Where the ring closes, node 0 follows the last.
+        The nodes are numbered around the drum from the first angle on. Node 0 follows the last one.
         """
         p, count = self.degree, len(self.contact)
         edges = np.flatnonzero(self.contact) * p + np.arange(p + 1)[:, None]
@@ -84,14 +92,20 @@ class RingDivision(NamedTuple):
 
     @property
     def contact_nodes(self) -> Ints:
-        """Nodes of the friction surface under linings, counted from the first angle."""
+        """The nodes on the friction surface that lie under linings.
+
+        The nodes are numbered around the drum from the first angle on.
+        """
         return np.unique(self.contact_edges)
 
     @property
     def first_columns_of_runs(self) -> Ints:
-        """The first column of each run; a run is all columns under one lining or between two."""
+        """The number of the first column of each run.
+
+        A run is all columns under one lining, or all columns between two linings.
+        """
         runs = np.flatnonzero(np.diff(self.contact, prepend=not self.contact[0]))
-        # A ring in contact all around has two runs, so that a line between them closes it.
+        # A ring in contact all around is cut into two runs, so that two lines of nodes join them.
         return runs if len(runs) > 1 else np.array([0, 1])
 
 
@@ -102,25 +116,28 @@ def divide_ring(
     level: Level,
     singular_layer_size: float = math.inf,
 ) -> RingDivision:
-    """The division of a ring under linings.
+    """The division of the drum's ring into columns and layers of hp elements.
+
+    Under a lining the columns of the ring have the ends of the lining's columns.
 
     Parameters
     ----------
     section : section of the ring
     radius : radius of the friction surface [m]
-    linings : ends of the columns of each lining, growing, in the brake's angles [rad]
-    level : degree and grading
-    singular_layer_size : upper bound of the size of the thinnest layer [m], as of
+    linings : for each lining the angles of the ends of its columns [rad], growing, in the brake's
+        frame
+    level : degree of the elements, and sizes of columns and layers
+    singular_layer_size : upper limit of the size of the thinnest layer [m], as in
         `division.ShoeDivision`
     """
-    # Within one turn from the first lining on: the ends of the columns of all linings.
+    # The ends of the columns of all linings, as angles from 0 to a whole turn after the first one.
     origin = min(float(ends[0]) % FULL_TURN for ends in linings)
     parts = [ends - ends[0] + (float(ends[0]) - origin) % FULL_TURN for ends in linings]
     places = np.sort(np.concatenate([part % FULL_TURN for part in parts]))
     places = places[np.append(True, np.diff(places) > SAME_ANGLE)]
     places = np.append(places[places < FULL_TURN - SAME_ANGLE], FULL_TURN)
 
-    # Between two linings the columns grow from the size of their neighbours to the middle.
+    # Between two linings columns are added, whose size grows from both neighbours to the middle.
     angles, contact = [places[:1]], []
     sizes = np.diff(places)
     for k, (a, b) in enumerate(pairwise(places)):
@@ -133,6 +150,7 @@ def divide_ring(
         angles.append(piece_ends(pieces, a, b)[1:])
         contact += [covered] * len(pieces)
 
+    # The layers grow from the friction surface through the thickness.
     t = section.thickness
     layers = graded_sizes(t, min(level.back * t, singular_layer_size), t, level.through, t)
     ends = origin + np.concatenate(angles)
@@ -140,7 +158,10 @@ def divide_ring(
 
 
 def _lies_under_lining(angle: float, ends: Floats) -> bool:
-    """Whether an `angle` [rad] lies between the `ends` of a lining; whole turns do not count."""
+    """Whether an `angle` [rad] or the same angle a whole turn later lies between a lining's ends.
+
+    The first and the last of `ends` [rad] are the ends of the lining.
+    """
     return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, FULL_TURN))
 
 
@@ -151,23 +172,24 @@ def condensed_hp_ring(
     *,
     singular_layer_size: float = math.inf,
 ) -> RingSubstructure:
-    """The ring of a brake in hp elements, condensed to its nodes under the linings.
+    """The elastic ring of a brake in hp elements, condensed to its nodes under the linings.
 
     Parameters
     ----------
     brake : the brake, which has a ring with a section
-    level : degree and grading
+    level : degree of the elements, and sizes of columns and layers
     linings : contact line of each lining, in its shoe's frame
-    singular_layer_size : upper bound of the size of the thinnest layer [m], as of
+    singular_layer_size : upper limit of the size of the thinnest layer [m], as in
         `division.ShoeDivision`
     """
-    # The assertion holds of every brake that `scene.why_not` lets pass.
+    # `scene.why_not` refuses brakes without a section before, so that the assertion holds.
     ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign
     assert ring is not None and ring.section is not None
     ends = []
     for shoe, line in zip(brake.shoes, linings, strict=True):
         ends.append(np.sort(shoe.frame.theta(line.phi[:: line.order])))
     div = divide_ring(ring.section, radius, ends, level, singular_layer_size)
+    # A free ring is held by nothing: unit loads on its rim balance the forces of the linings.
     free = ring.support == "free"
     grid = ring_grid(radius, sign, div)
     rim = np.zeros((2 * grid.N, 0))
@@ -182,7 +204,7 @@ def condensed_hp_ring(
 
 
 def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
-    """The contact line of the ring: the nodes under all linings."""
+    """The contact line of the drum's ring: its nodes on the friction surface under all linings."""
     nodes, touching = grid.sets["contact"], div.contact_nodes
     place = np.full(len(div.contact) * div.degree, -1)
     place[touching] = np.arange(len(touching))
@@ -193,14 +215,16 @@ def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
 def _condense_ring(
     ring: Ring, radius: float, sign: int, div: RingDivision, grid: ColumnGrid, rim: Floats
 ) -> CondensedBody:
-    """The ring condensed to its contact nodes, with the loads on its rim.
+    """The drum's ring, condensed to its contact nodes, with the unit loads on its rim.
+
+    The rim is the ring's edge opposite to the friction surface.
 
     Parameters
     ----------
     ring : the ring, which has a section
-    radius, sign, div : as of `_stiffness_of_runs`
+    radius, sign, div : as in `_stiffness_of_runs`
     grid : all nodes and elements of the ring
-    rim : (2 N, l) unit loads on the rim; l is 0 where the rim is fixed
+    rim : (2 N, l) unit loads on the rim, as nodal forces; l is 0 if the rim is fixed
     """
     section = ring.section
     assert section is not None
@@ -212,9 +236,11 @@ def _condense_ring(
     A = _closed_ring_stiffness(
         _stiffness_of_runs(section, radius, sign, div, free=free), div, line, extra
     )
-    # Three unknowns of the rim hold a free ring; the support is statically determinate.
+    # A free ring is supported at three unknowns of its rim, which is statically determinate.
     if free:
         A = _hold_against_rigid_motion(A, extra, n, line, div)
+    # The lines between the runs are eliminated. The contact's displacements, which are measured
+    # along the radius and around the drum, are turned to x and y.
     A = eliminate_side_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
     back = -axis_angles_of_contact_nodes(div.angles, div.degree)[div.contact_nodes]
     L, info = dpotrf(rotate_matrix_components(A[extra:, extra:], back), lower=1)
@@ -235,18 +261,21 @@ def _condense_ring(
 def _stiffness_of_runs(
     section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
 ) -> list[Floats]:
-    """The stiffness (n, n) of each run of element columns of a ring, from the first angle on.
+    """The condensed stiffness (n, n) of each run of element columns of the drum's ring.
 
-    A run is all columns under one lining, or all columns between two linings.
+    A run is all columns under one lining, or all columns between two linings. The runs are in the
+    order of their angles.
 
     Parameters
     ----------
     section : section of the ring
     radius : radius of the friction surface [m]
-    sign : 1 where the ring's depth grows outwards, -1 where it grows inwards
-    div : division of the ring
-    free : whether the far edge is free; its unit loads are then extra unknowns
+    sign : 1 if the ring's depth grows outwards, -1 if it grows inwards
+    div : division of the ring into columns and layers of elements
+    free : whether the rim (the edge opposite to the friction surface) is free; the factors of its
+        unit loads are then extra unknowns
     """
+    # The elements of columns of equal size have the same stiffness, which is computed once.
     p, layers = div.degree, len(div.depths) - 1
     sizes, which = distinct_sizes(np.diff(div.angles))
     along = 0.5 * sizes[:, None] * lobatto(p)
@@ -254,6 +283,7 @@ def _stiffness_of_runs(
     A = angular_integrals(along, p, directed=bool(has_directions(elasticity).any()))
     K = condensed_arc_element_stiffness(radius + sign * div.depths, A, elasticity, p)
     loads = _rim_loads_in_side_axes(radius + sign * section.thickness, along, p) if free else None
+    # Each run is assembled from its columns.
     middle = 0.5 * (div.angles[1:] + div.angles[:-1])
     runs = []
     for first, last in pairwise([*div.first_columns_of_runs, len(which)]):
@@ -263,7 +293,8 @@ def _stiffness_of_runs(
         own = None if loads is None else loads[kinds]
         made = arc_column_stiffness(K[:, :, kinds], p, contact=contact, held=not free, loads=own)
         if free:
-            # The loads have their own direction in each column: no two columns are equal.
+            # The unit loads on the rim have another direction in each column's own frame, so that
+            # no two columns are equal.
             made = _rotate_loads_to_brake_frame(made[kind_of], middle[first:last])
             kind_of = np.arange(last - first)
         kinds_made = [ColumnSubstructure(each, line, line) for each in made]
@@ -273,13 +304,16 @@ def _stiffness_of_runs(
 
 
 def _rim_loads_in_side_axes(radius: float, along: Floats, p: int) -> Floats:
-    """The rim loads of `_column_rim_loads`, with end nodes measured in the axes of column sides.
+    """The unit loads (c, 2 (p + 1), 3) on the rim of c columns of the drum's ring.
+
+    They are the forces of `_column_rim_loads`. Those on the first and the last node of each column
+    are measured along the radius at this side of the column and around the drum.
 
     Parameters
     ----------
     radius : radius of the rim [m]
-    along : (c, p + 1) angles of the nodes about the middle of their column [rad]
-    p : degree
+    along : (c, p + 1) angles of the nodes from the middle of their column [rad]
+    p : degree of the elements
     """
     loads = _column_rim_loads(radius, along, p)
     for at, k in ((slice(2), 0), (slice(-2, None), -1)):
@@ -290,10 +324,12 @@ def _rim_loads_in_side_axes(radius: float, along: Floats, p: int) -> Floats:
 
 
 def _column_rim_loads(radius: float, along: Floats, p: int) -> Floats:
-    """Forces (c, 2 (p + 1), 3) on the rim of columns, spread like the rigid-body modes.
+    """The nodal forces (c, 2 (p + 1), 3) on the rim of c columns of the drum's ring.
 
-    The forces are in the columns' frames, for unit loads on the whole rim of a round ring. `along`
-    (c, p + 1) are the angles of the nodes about the columns' middle [rad].
+    They are the parts of three unit loads on the whole rim, which are spread over the rim like the
+    rigid-body modes of the ring: translation in x and y, and rotation. The forces are in the frame
+    of each column, whose x runs through the column's middle. `along` (c, p + 1) are the angles of
+    the nodes from the middle [rad], `radius` is that of the rim [m], and p the degree.
     """
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
     psi, slope = at_gauss(p)
@@ -306,9 +342,10 @@ def _column_rim_loads(radius: float, along: Floats, p: int) -> Floats:
 
 
 def _rotate_loads_to_brake_frame(K: Floats, angle: Floats) -> Floats:
-    """Columns (c, n, n) with their loads rotated from the columns' frames to the brake's frame.
+    """The stiffness (c, n, n) of element columns, with unit loads rotated to the brake's frame.
 
-    `angle` (c,) [rad] is that of each column's middle.
+    The first three unknowns of each column are the factors of the unit loads on the rim. They are
+    given in the frame of the column. `angle` (c,) [rad] are the angles of the columns' middles.
     """
     T = np.zeros((len(angle), FRAME, FRAME))
     T[:, 0, 0] = T[:, 1, 1] = np.cos(angle)
@@ -320,27 +357,30 @@ def _rotate_loads_to_brake_frame(K: Floats, angle: Floats) -> Floats:
 
 
 def _closed_ring_stiffness(runs: list[Floats], div: RingDivision, line: int, extra: int) -> Floats:
-    """Stiffness of the closed ring on [extra | contact nodes by growing angle | inner lines].
+    """The stiffness of the drum's closed ring, assembled from the stiffness of its runs.
 
-    The lines stand between the runs. The first node of a line is in contact, since one of both runs
-    is.
+    A run is all element columns under one lining, or all columns between two linings. The unknowns
+    are [unit loads | contact nodes by growing angle | lines]. A line is the nodes between two runs,
+    through the thickness of the ring. The first node of a line is a contact node, since one of the
+    two runs is in contact.
 
     Parameters
     ----------
-    runs : stiffness of each run of columns
+    runs : stiffness of each run
     div : division of the ring
     line : number of unknowns of a line without its first node
-    extra : number of extra unknowns
+    extra : number of extra unknowns, the factors of unit loads
     """
     starts, count = div.first_columns_of_runs, len(runs)
-    # Number of contact unknowns of each run without its last node. A run between two linings has
-    # those of its first node only.
+    # The number `own` of contact unknowns of each run does not count its last node. A run between
+    # two linings has only its first node in contact.
     p = div.degree
     columns = np.diff([*starts, len(div.contact)])
     own = np.where(div.contact[starts], 2 * p * columns, 2)
     tops = extra + np.concatenate([[0], np.cumsum(own)])
     first = int(tops[-1])
     A = np.zeros((first + count * line,) * 2)
+    # The stiffness of each run is added at the numbers of its unknowns in the ring.
     for k, K in enumerate(runs):
         after = (k + 1) % count
         left_node, right_node = tops[k] + np.arange(2), tops[after] + np.arange(2)
@@ -359,21 +399,25 @@ def _closed_ring_stiffness(runs: list[Floats], div: RingDivision, line: int, ext
 def _hold_against_rigid_motion(
     A: Floats, extra: int, contact: int, line: int, div: RingDivision
 ) -> Floats:
-    """The stiffness without three unknowns at the rim, which are held against rigid-body motion.
+    """The stiffness of the drum's free ring with three displacements of its rim fixed to zero.
 
-    Two of them are the displacements of one node. The third is a displacement of another node, in
-    a direction in which a rotation about the first node moves it.
+    The fixed displacements hold the ring against rigid-body motion. Two of them are those of one
+    node. The third is a displacement of another node, in a direction in which a rotation about the
+    first node moves the other node. The unknowns are removed from the matrix.
 
     Parameters
     ----------
     A : (n, n) stiffness of the closed ring
-    extra, contact, line : numbers of unknowns of the loads, of the contact, and of a line
+    extra, contact, line : numbers of unknowns of the unit loads, of the contact, and of a line of
+        nodes between two runs
     div : division of the ring
     """
+    # The other node is the one whose distance from the first node is the largest.
     angles = div.angles[div.first_columns_of_runs]
     away = 0.5 * (angles - angles[0])
     k = int(np.abs(np.sin(away)).argmax())
-    # Whether a rotation moves the other node more around the drum than along the radius.
+    # A rotation about the first node moves the other node around the drum or along the radius. The
+    # larger of these two displacements is fixed.
     along = abs(math.sin(away[k])) > abs(math.cos(away[k]))
     node = extra + contact + line - 2
     other = extra + contact + (k + 1) * line - 2 + along
@@ -382,11 +426,14 @@ def _hold_against_rigid_motion(
 
 
 def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
-    """All nodes and elements of a ring, with the sets "contact", "surface" and "support".
+    """The grid of all nodes and hp elements of the drum's ring.
+
+    The node set "surface" is the friction surface, "contact" its part under the linings, and
+    "support" the rim: the edge opposite to the friction surface.
 
     Parameters
     ----------
-    radius, sign, div : as of `_stiffness_of_runs`
+    radius, sign, div : as in `_stiffness_of_runs`
     """
     p = div.degree
     depth, along = node_positions_of_row(div.depths, p), node_positions_of_row(div.angles, p)
@@ -396,6 +443,7 @@ def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
     closed = np.column_stack([nodes, nodes[:, 0]])
 
     def point_at(depth: Floats, phi: Floats) -> Floats:
+        """The points (2, ...) [m] of the ring at depths [m] and angles phi [rad]."""
         r = radius + sign * depth
         return np.stack([r * np.cos(phi), r * np.sin(phi)])
 
@@ -406,12 +454,15 @@ def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
 
 
 def rim_forces_on_grid(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
-    """Nodal forces (2 N, 3) that are spread over the rim like the rigid-body modes.
+    """The nodal forces (2 N, 3) of three unit loads that are spread over the rim of the ring.
+
+    The loads are spread like the rigid-body modes of the ring: translation in x and y, and
+    rotation.
 
     Parameters
     ----------
     radius : radius of the rim [m]
-    div : division of the ring
+    div : division of the ring into columns and layers of elements
     grid : all nodes and elements of the ring
     """
     p, count = div.degree, len(div.contact)
@@ -425,18 +476,19 @@ def rim_forces_on_grid(radius: float, div: RingDivision, grid: ColumnGrid) -> Fl
 def _uncondensed_ring_system(
     ring: Ring, grid: ColumnGrid, rim: Floats, basis: ColumnGrid | Skeleton
 ) -> InnerSystem:
-    """The stiffness, constraints and loads of a ring on all nodes of its grid or its skeleton.
+    """The stiffness, constraints and loads of the drum's ring before condensation.
 
     Parameters
     ----------
     ring : the ring, which has a section
     grid : all nodes and elements of the ring
-    rim : (2 N, l) unit loads on the rim; l is 0 where the rim is fixed
-    basis : the grid or its skeleton
+    rim : (2 N, l) unit loads on the rim, as nodal forces; l is 0 if the rim is fixed
+    basis : the nodes that the system has: all nodes of the grid, or those of its skeleton alone,
+        which lie on the boundaries of elements
     """
     contact = basis.numbers_of(grid.sets["contact"])
     far_edge = basis.numbers_of(grid.sets["support"])
-    # The rim of a free ring has loads, and three of its unknowns are held.
+    # A free ring has loads on its rim, and three displacements of the rim are fixed to zero.
     alone = statically_determinate_unknowns(basis, far_edge) if rim.shape[1] else None
     constraints = body_constraints(basis, contact, nodes_held(ring, far_edge), np.zeros(2), alone)
     loads = constraints.matrix.T @ rim[basis.dofs]

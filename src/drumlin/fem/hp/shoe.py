@@ -1,7 +1,8 @@
-"""A parametric shoe in hp elements: its geometry, and its condensation.
+"""A parametric shoe in hp elements: the coordinates of its nodes, and its static condensation.
 
-The element columns of the shoe are condensed and assembled to a stiffness on the frame (the rigid
-motion of the hinge), the contact nodes and the unit loads.
+An element column is a stack of elements through the thickness of the shoe. The columns are
+condensed one by one and assembled in a row. The result is the stiffness of the shoe on the frame
+(the three rigid-body motions of the hinge), the contact nodes and the factors of the unit loads.
 """
 
 from collections.abc import Callable
@@ -41,18 +42,18 @@ from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
 PointMap = Callable[[Floats, Floats], Floats]
-"""A function from depths and positions along the lining to points (2, ...) of the shoe [m]."""
+"""A function from depths and positions along the lining to points (2, ...) of a shoe [m]."""
 
 
 class LoadedEnd(NamedTuple):
-    """The unit loads on the loaded end of a shoe's body.
+    """The unit loads on the end face of a shoe's body that the actuation force acts on.
 
     Attributes
     ----------
-    forces : (2n, l) nodal forces
-    columns : the loads by name
-    centre : (2,) centre of the unit actuations [m]
-    moments : (3, l) force x, force y and couple about the centre of each load
+    forces : (2n, l) nodal forces of each of l unit loads on the n nodes of the end face
+    columns : which columns of `forces` belong to which load, by the load's name
+    centre : (2,) point that the unit actuations act at [m]
+    moments : (3, l) force x, force y and couple about the centre, of each unit load
     """
 
     forces: Floats
@@ -61,7 +62,7 @@ class LoadedEnd(NamedTuple):
     moments: Floats
 
     def resultants(self, pin: Floats) -> Floats:
-        """Force x, force y and moment (3, l) of each unit load about the `pin` (2,) [m]."""
+        """The force x, force y and moment about the `pin` (2,) [m] of each unit load (3, l)."""
         arm = self.centre - pin
         resultants = self.moments.copy()
         resultants[2] += arm[0] * self.moments[1] - arm[1] * self.moments[0]
@@ -69,22 +70,26 @@ class LoadedEnd(NamedTuple):
 
 
 EndLoads = Callable[[Floats, Floats, int], LoadedEnd]
-"""A function that makes the unit loads on the loaded end, as `unit_actuation_loads` does."""
+"""A function that returns the unit loads on a shoe's loaded end face.
+
+Its arguments are the nodes of the end face, their depths and the degree of the elements, as those
+of `unit_actuation_loads`.
+"""
 
 
 def unit_actuation_loads(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
-    """Unit force x, unit force y and unit couple on the straight loaded end.
+    """The unit actuations on the straight end face of a shoe: force x, force y and couple.
 
-    The forces are spread evenly; the couple is a traction that grows linearly from the centre. The
-    unit of the nodal forces is [1], that of the couple's nodal forces [1/m].
+    The forces are spread evenly over the end face. The couple is a traction that grows linearly
+    from the centre of the face. The nodal forces have the unit [1], those of the couple [1/m].
 
     Parameters
     ----------
-    xy : (2, n) nodes of the end [m]
-    depths : (n,) depths of the nodes, in proportion to the distance along the end
-    p : degree
+    xy : (2, n) nodes of the end face [m]
+    depths : (n,) depths of the nodes, in proportion to the distance along the end face
+    p : degree of the elements
     """
-    # The ends of the elements along the loaded end, in positions from -1/2 to 1/2.
+    # The ends of the elements along the end face, as positions from -1/2 to 1/2.
     ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5
     at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)
     psi, _ = at_gauss(p)
@@ -103,20 +108,21 @@ def unit_actuation_loads(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
 
 
 class CondensedShoe(NamedTuple):
-    """A shoe condensed to [frame | contact nodes x, y], with estimates of round-off errors.
+    """A shoe condensed to its hinge's frame and its n contact nodes, with round-off estimates.
 
-    The estimates are zero for a shoe whose back is its frame: they are not known there.
+    The frame has three unknowns, the rigid-body motions of the hinge, and each contact node has x
+    and y. For a shoe whose whole back is held rigidly the estimates are unknown and set to zero.
 
     Attributes
     ----------
-    S : (3 + 2n, 3 + 2n) stiffness on frame and contact nodes
+    S : (3 + 2n, 3 + 2n) stiffness on the frame and the contact nodes
     loads : (3 + 2n, l) condensed unit loads
-    work : (l, l) work of the unit loads with frame and contact held
-    centre : (2,) point that the unit actuations act about [m]
-    rigid_mode_forces : (2n, 3) forces on the contact that round-off leaves on the rigid-body modes,
-        which strain nothing
-    force_imbalance : force by which round-off puts a unit force out of balance [1]
-    columns : the unit loads by name
+    work : (l, l) work of the unit loads while frame and contact nodes are held
+    centre : (2,) point that the unit actuations act at [m]
+    rigid_mode_forces : (2n, 3) forces on the contact nodes due to rigid-body motions of the shoe;
+        they would be zero without round-off
+    force_imbalance : resultant force that round-off leaves of a unit force in balance [1]
+    columns : which columns of `loads` belong to which unit load, by the load's name
     """
 
     S: Floats
@@ -129,7 +135,10 @@ class CondensedShoe(NamedTuple):
 
 
 def point_map(shoe: Shoe, radius: float) -> PointMap:
-    """The map from depths and positions along the lining to points in the shoe's frame."""
+    """The function from depths and positions along the lining to points in the shoe's frame [m].
+
+    `radius` is that of the drum [m].
+    """
     return (
         _beam_point_map(shoe, radius)
         if isinstance(shoe.body, Beam)
@@ -138,12 +147,12 @@ def point_map(shoe: Shoe, radius: float) -> PointMap:
 
 
 def _beam_point_map(shoe: Shoe, radius: float) -> PointMap:
-    """The map from depths and positions to points of a shoe with a straight beam.
+    """The function from depths and positions to points [m] of a shoe with a straight beam.
 
-    Depths from 0 to 1 are in the lining, from 1 to 2 in the block, which is cut square to the beam,
-    and from 2 to 3 in the beam.
+    Depths from 0 to 1 are in the lining, from 1 to 2 in the block between lining and beam, and from
+    2 to 3 in the beam. The block is cut square to the beam.
     """
-    # The assertion holds of every brake that `scene.why_not` lets pass.
+    # `scene.why_not` refuses shoes without a section before, so that the assertion holds.
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     thickness = shoe.lining.thickness
@@ -153,10 +162,10 @@ def _beam_point_map(shoe: Shoe, radius: float) -> PointMap:
     start = float(np.min(ends))
 
     def point_at(depth: Floats, phi: Floats) -> Floats:
-        """Points (2, ...) of the beam, its block and its lining in the shoe's frame [m]."""
+        """The points (2, ...) [m] of a straight-beam shoe at depths and positions phi [rad]."""
         depth, phi = np.broadcast_arrays(depth, phi)
-        # Under the lining the angle counts from the foot of the axis; beyond the lining the
-        # distance counts along x.
+        # In the axes of the beam, x runs along the beam. Under the lining the angle `a` is counted
+        # from the foot of the beam's axis; `beyond` is the distance along x beyond the lining.
         a = np.clip(phi, s, e) - s + start
         beyond = back * (np.minimum(phi - s, 0) + np.maximum(phi - e, 0))
         r = radius + thickness * np.minimum(depth, 1)
@@ -172,37 +181,42 @@ def _beam_point_map(shoe: Shoe, radius: float) -> PointMap:
 
 
 def node_positions_of_elements(ends: Floats, p: int) -> Floats:
-    """Positions (m, p + 1) of the nodes of m elements of degree p between `ends` (m + 1,)."""
+    """The positions (m, p + 1) of the nodes of m elements of degree p in a row.
+
+    `ends` (m + 1,) are the positions of the ends of the elements.
+    """
     first, last = ends[:-1, None], ends[1:, None]
     return np.asarray(0.5 * (last + first) + 0.5 * (last - first) * lobatto(p))
 
 
 def node_positions_of_row(ends: Floats, p: int) -> Floats:
-    """Positions (m p + 1,) of the nodes of m elements in a row; common nodes count once.
+    """The positions (m p + 1,) of the nodes of m elements of degree p in a row, each node once.
 
-    `ends` (m + 1,) are the ends of the elements, and p is their degree.
+    `ends` (m + 1,) are the positions of the ends of the elements.
     """
     return np.append(node_positions_of_elements(ends, p)[:, :-1].ravel(), ends[-1])
 
 
 def element_nodes(place: PointMap, depths: Floats, along: Floats, p: int) -> Floats:
-    """Nodes (layers, columns, 2, a) of elements [m], in the order of `ReferenceElement`.
+    """The coordinates (l, c, 2, a) [m] of the a nodes of each element in l layers and c columns.
+
+    The nodes of an element are in the order of `ReferenceElement`.
 
     Parameters
     ----------
-    place : map of the shoe
-    depths : (l + 1,) ends of the layers
+    place : function from depths and positions along the lining to points of the shoe
+    depths : (l + 1,) depths of the faces of the layers
     along : (c, p + 1) positions of the columns' nodes along the lining
-    p : degree
+    p : degree of the elements
     """
-    # xy are the points of all nodes, (2, layers, columns, p + 1, p + 1).
+    # The array xy (2, layers, columns, p + 1, p + 1) has the points of the nodes of all elements.
     xy = place(node_positions_of_elements(depths, p)[:, None, :, None], along[:, None, :])
     xy = xy.reshape(*xy.shape[:3], -1).transpose(1, 2, 0, 3)
     return np.ascontiguousarray(xy[..., reference_element(p).order])
 
 
 def distinct_sizes(sizes: Floats) -> tuple[Floats, Ints]:
-    """The k different sizes (k,) among `sizes` (m,), and the number of the size of each (m,).
+    """The k different values (k,) among `sizes` (m,), and which of them each size has (m,).
 
     Sizes that agree in twelve digits count as equal.
     """
@@ -217,9 +231,10 @@ def distinct_sizes(sizes: Floats) -> tuple[Floats, Ints]:
 def _layer_directions(
     layers: dict[str, ElasticLayer], part: tuple[str, ...], xy: Floats, p: int
 ) -> Floats:
-    """Unit vectors along the layers (l, c, 2, q) at the Gauss points of their elements.
+    """The unit vectors (l, c, 2, q) along the layers of a shoe at the Gauss points of elements.
 
-    `part` (l,) names the layer of each row of elements with the nodes xy (l, c, 2, a) [m].
+    There are l rows of c elements with the nodes xy (l, c, 2, a) [m]. `part` (l,) is the name of
+    the layer of the shoe that each row belongs to.
     """
     points = np.moveaxis(element_gauss_points(xy, p), 2, 1)  # (l, 2, c, q)
     vectors = [layers[name].directions(own) for name, own in zip(part, points, strict=True)]
@@ -227,10 +242,16 @@ def _layer_directions(
 
 
 class _ShoeColumns(NamedTuple):
-    """The element columns of a shoe under the lining, before it and behind it, in order.
+    """The element columns of a shoe, in the order of their positions.
 
-    Equal columns are the same object. The columns grip[0] to grip[1] - 1 under the lining are those
-    whose back a grip holds; both are 0 without a grip.
+    Equal columns are the same object.
+
+    Attributes
+    ----------
+    under : columns under the lining
+    before, after : columns of the body before and behind the lining
+    grip : a grip holds the back of the columns grip[0] to grip[1] - 1 under the lining; both
+        numbers are 0 without a grip
     """
 
     under: list[ColumnSubstructure]
@@ -240,11 +261,15 @@ class _ShoeColumns(NamedTuple):
 
 
 class _ColumnKinds(NamedTuple):
-    """The kinds of element columns of a shoe, and the data that makes a column of each kind.
+    """The kinds of element columns of a shoe; columns of one kind have the same stiffness.
 
-    `along` (kinds, p + 1) are the positions of the nodes of each kind along the lining, `angular`
-    the angular integrals of columns on arcs (None of a straight beam), and `which` (columns,) the
-    kind of each column: those under the lining, before it and behind it.
+    Attributes
+    ----------
+    along : (kinds, p + 1) positions of the nodes of each kind along the lining
+    angular : integrals along the columns of each kind on an arc or a plane, see
+        `angular_integrals`; None for a straight beam
+    which : (columns,) kind of each column: those under the lining, then those before it, then those
+        behind it
     """
 
     along: Floats
@@ -253,11 +278,14 @@ class _ColumnKinds(NamedTuple):
 
 
 def column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKinds:
-    """The kinds of element columns of a shoe; on an arc equally wide columns are of one kind.
+    """The kinds of element columns of a shoe, so that the stiffness of each kind is computed once.
+
+    On an arc or a plane, columns of equal width are of one kind. In a straight beam each column is
+    of its own kind.
 
     Parameters
     ----------
-    shoe, div : the shoe and its division
+    shoe, div : the shoe and its division into elements
     directed : whether a layer of the shoe is orthotropic
     """
     p = div.degree
@@ -276,7 +304,10 @@ def column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKin
 def _condensed_columns(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: dict[str, ElasticLayer]
 ) -> _ShoeColumns:
-    """The condensed element columns of a shoe; parameters as of `condense_shoe`."""
+    """The element columns of a shoe, each condensed to its two sides and its contact nodes.
+
+    The parameters are those of `condense_shoe`.
+    """
     p = div.degree
     elasticity = elasticity_of_layers(layers, div.part)
     directed = bool(has_directions(elasticity).any())
@@ -284,18 +315,18 @@ def _condensed_columns(
     plane = radius if shoe.flat else None
 
     def columns_of(row: Ints, layer: int, *, contact: bool, held: bool) -> list[ColumnSubstructure]:
-        """The element columns of a row of kinds, without the layers before `layer`.
+        """The condensed element columns of a row, which begin with the layer number `layer`.
 
         Parameters
         ----------
         row : kind of each column
-        layer : number of the first layer of the columns
-        contact : whether the outermost edge is in contact
-        held : whether the innermost edge is held
+        layer : number of the first layer of elements; 0 is the one at the lining's face
+        contact : whether the columns' edge at the lining's face is in contact
+        held : whether the edge farthest from the contact is held
         """
         if not len(row):
             return []
-        # bincount stands for np.unique, which would load numpy's masked arrays.
+        # numpy.unique would load numpy's masked arrays, which bincount does not.
         kinds = np.flatnonzero(np.bincount(row))
         depths, own = div.depths[layer:], elasticity[layer:]
         unknowns = order_of_column_unknowns(p, div.layers - layer, contact=contact, held=held)
@@ -312,6 +343,8 @@ def _condensed_columns(
             made[kind] = ColumnSubstructure(K, unknowns.line, unknowns.line)
         return [made[kind] for kind in row.tolist()]
 
+    # The columns inside the grip are held at their back; those outside are not, nor are those of
+    # the body beyond the lining.
     which = kinds_of_columns.which
     under, before = len(div.angles) - 1, len(div.before) - 1
     ends = shoe.grip(radius)
@@ -324,9 +357,11 @@ def _condensed_columns(
 
 
 def axis_angles_of_contact_nodes(ends: Floats, p: int) -> Floats:
-    """Angles (m p + 1,) of the axes along which displacements of contact nodes are measured.
+    """The angles (m p + 1,) of the axes that displacements of contact nodes are measured in.
 
-    A node between two `ends` (m + 1,) of columns has the axes of the column's middle.
+    A node at an end of an element column has the angle of this end. A node inside a column has the
+    angle of the column's middle. `ends` (m + 1,) are the angles of the ends of m columns, and p is
+    the degree of the elements.
     """
     angles = np.append(np.repeat(0.5 * (ends[1:] + ends[:-1]), p), 0.0)
     angles[::p] = ends
@@ -334,10 +369,10 @@ def axis_angles_of_contact_nodes(ends: Floats, p: int) -> Floats:
 
 
 def measuring_axis_angles(shoe: Shoe, phi: Floats) -> Floats:
-    """The angles [rad] of the axes along which displacements at positions phi are measured.
+    """The angles [rad] of the axes that a shoe's displacements at positions phi are measured in.
 
-    On an arc displacements are measured along the radius, on a pad along the plane's normal, and in
-    a straight beam along the axes of the frame.
+    The first axis is the radius on an arc and the plane's normal on a pad. For a straight beam both
+    axes are those of the shoe's frame.
     """
     if isinstance(shoe.body, Beam):
         return np.zeros_like(phi)
@@ -345,7 +380,10 @@ def measuring_axis_angles(shoe: Shoe, phi: Floats) -> Floats:
 
 
 def rotations_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
-    """Angles (n,) [rad] that rotate components at the contact nodes back to the shoe's frame."""
+    """The angles (n,) [rad] that rotate the contact nodes' displacements to the shoe's frame.
+
+    In the element columns they are measured along the radius and around the drum.
+    """
     return -measuring_axis_angles(shoe, axis_angles_of_contact_nodes(div.angles, div.degree))
 
 
@@ -356,16 +394,16 @@ def condense_shoe(
     layers: dict[str, ElasticLayer],
     end_loads: EndLoads = unit_actuation_loads,
 ) -> CondensedShoe:
-    """The shoe condensed to its frame and its contact nodes, by growing angle.
+    """The shoe condensed to its hinge's frame and its contact nodes, in the order of their angle.
 
     Parameters
     ----------
     shoe : a parametric shoe
     radius : radius of the drum [m]
-    div : division of the shoe
+    div : division of the shoe into columns and layers of elements
     layers : elasticity of the layers by name
-    end_loads : the unit loads on the loaded end; a shoe whose back is held has the three unit
-        actuations on its frame and no others
+    end_loads : function that makes the unit loads on the loaded end face; it is not used for a shoe
+        whose back is held, which has the three unit actuations on its frame
 
     Raises
     ------
@@ -384,9 +422,10 @@ def condense_shoe(
 
 
 def condense_back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
-    """A condensed shoe whose back is held by a grip or by a rigid shoe, as is the force.
+    """The condensed shoe whose back is held by a grip, or is bonded to a rigid body.
 
-    `S` (2n, 2n) is the stiffness of the contact nodes, and `R` (2n, 3) their rigid-body modes.
+    The actuation force then acts on the frame: the rigid grip or body. `S` (2n, 2n) is the
+    stiffness of the contact nodes while the frame is held, and `R` (2n, 3) their rigid-body modes.
     """
     zeros = np.zeros((len(R), FRAME))
     return CondensedShoe(
@@ -408,14 +447,16 @@ def _condense_hinged_shoe(
     end_loads: EndLoads,
     R: Floats,
 ) -> CondensedShoe:
-    """A condensed elastic shoe that is held at its hinge and loaded at its other end.
+    """The condensed elastic shoe that the hinge holds at one end and a force loads at the other.
 
     Parameters
     ----------
-    shoe, radius, div, end_loads : as of `condense_shoe`
-    row : columns of the shoe
+    shoe, radius, div, end_loads : as in `condense_shoe`
+    row : element columns of the shoe
     R : (2n, 3) rigid-body modes of the contact nodes
     """
+    # The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face, are
+    # measured in the axes of the element columns.
     p, place, pin = div.degree, point_map(shoe, radius), shoe.own_pin
     back = rotations_to_shoe_frame(shoe, div)
     depths = node_positions_of_row(div.depths[div.first_body_layer :], p)
@@ -424,7 +465,8 @@ def _condense_hinged_shoe(
     hinge_modes = rotate_all_nodes(hinge_modes, measuring_axis_angles(shoe, near))
     end = end_loads(place(depths, far), depths, p)
     end_forces = rotate_all_nodes(end.forces, measuring_axis_angles(shoe, far))
-    # The assembled columns have the unknowns [frame | contact nodes | loads].
+    # The bodies before and behind the lining are attached to the first and the last column under
+    # the lining. The assembled row has the unknowns [frame | contact nodes | unit loads].
     columns = row.under.copy()
     columns[0] = _join_first_column_with_hinged_body(columns[0], row.before, hinge_modes)
     loaded = loaded_body_stiffness(row.after, end_forces)
@@ -432,11 +474,11 @@ def _condense_hinged_shoe(
     A = assemble_column_row(columns, 2).K
 
     def forces_in_frame(V: Floats) -> Floats:
-        """Forces (m, 2n) on the contact nodes in the shoe's frame."""
+        """The forces (m, 2n) on the contact nodes, with their components in the shoe's frame."""
         return rotate_vector_components(V, back)
 
     def stiffness_in_frame(S: Floats) -> Floats:
-        """Stiffness (2n, 2n) of the contact nodes in the shoe's frame."""
+        """The stiffness (2n, 2n) of the contact nodes, with components in the shoe's frame."""
         return rotate_matrix_components(S, back)
 
     return condensed_shoe_in_balance(A, end, R, pin, forces_in_frame, stiffness_in_frame)
@@ -450,17 +492,20 @@ def condensed_shoe_in_balance(
     forces_in_frame: Callable[[Floats], Floats],
     stiffness_in_frame: Callable[[Floats], Floats],
 ) -> CondensedShoe:
-    """The condensed shoe of assembled columns, whose loads are put in balance again.
+    """The condensed shoe from its assembled element columns, with round-off errors corrected.
+
+    Round-off has put the condensed loads out of balance, and has made rigid-body motions cause
+    forces. Both are corrected.
 
     Parameters
     ----------
-    A : stiffness of the assembled columns, on [frame | contact | unit loads]
-    end : the unit loads
+    A : stiffness of the assembled columns, with the unknowns [frame | contact | unit loads]
+    end : the unit loads on the loaded end face
     R : (2n, 3) rigid-body modes of the contact nodes
     pin : (2,) point that the frame turns about [m]
-    forces_in_frame : from forces (m, .) on the contact's unknowns of the columns to forces (m, 2n)
-        on the contact nodes, in the shoe's frame
-    stiffness_in_frame : the same for the stiffness of the contact
+    forces_in_frame : function from forces (m, .) on the contact's unknowns in `A` to forces (m, 2n)
+        on the contact nodes in the shoe's frame
+    stiffness_in_frame : function that does the same for the stiffness of the contact
     """
     extra = end.columns.count
     frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
@@ -468,7 +513,7 @@ def condensed_shoe_in_balance(
     load = -forces_in_frame(A[loads, contact]).T
     on_frame = -A[frame, loads]
 
-    # Round-off has put the condensed loads out of balance: the contact nodes take the difference.
+    # The forces that put the condensed loads in balance are added to the contact nodes.
     imbalance = end.resultants(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
     corrected = correct_rigid_modes(S, R, forces_in_frame(A[frame, contact]).T)
@@ -487,12 +532,13 @@ def condensed_shoe_in_balance(
 def _lining_stiffness(
     row: list[ColumnSubstructure], left: Floats | None = None, right: Floats | None = None
 ) -> Floats:
-    """Stiffness of the contact nodes, from the columns `row` under the lining.
+    """The stiffness of the contact nodes of a lining whose back is held.
 
     Parameters
     ----------
-    row : columns under the lining
-    left, right : stiffness of the bodies that hang on the back of both ends, if there are any
+    row : element columns under the lining
+    left, right : condensed stiffness of the parts of the body beyond the lining's start and end;
+        None if the body ends there
     """
     row = row.copy()
     row[0] = eliminate_side_line(row[0], left, 0 if left is None else len(left))
@@ -501,12 +547,13 @@ def _lining_stiffness(
 
 
 def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
-    """Stiffness of the contact nodes of a lining whose body is held by a grip on its back.
+    """The stiffness of the contact nodes of a shoe whose body is held by a grip on its back.
 
-    The body beyond the lining is free.
+    The parts of the body beyond the lining are free.
     """
     row, (first, last) = columns.under.copy(), columns.grip
-    # The lines of the held columns lack the last node of the other columns' lines.
+    # A line is the nodes on a side of a column. At the ends of the grip its last node is held, so
+    # that the neighbouring column outside the grip loses the two unknowns of this node.
     line = row[first].left
     if first > 0:
         K, left, _ = row[first - 1]
@@ -515,6 +562,7 @@ def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
         K, _, right = row[last]
         free = np.delete(np.arange(len(K)), [line, line + 1])
         row[last] = ColumnSubstructure(K[free[:, None], free], line, right)
+    # The parts of the body beyond the lining are condensed to their side at the lining.
     before, after = columns.before, columns.after
     body_before = eliminate_side_line(assemble_column_row(before, 0)).K if before else None
     body_after = eliminate_side_line(assemble_column_row(after, 0), right=True).K if after else None
@@ -524,15 +572,16 @@ def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
 def _join_first_column_with_hinged_body(
     first: ColumnSubstructure, before: list[ColumnSubstructure], held: Floats
 ) -> ColumnSubstructure:
-    """The first column under the lining, joined to the part of the body that the hinge holds.
+    """The first element column under the lining, with the body before it condensed to the hinge.
 
-    The unknowns are [frame | own unknowns of the column].
+    The left line of the column is replaced by the frame of the hinge. The unknowns are [frame |
+    contact | right line].
 
     Parameters
     ----------
     first : the first column under the lining
     before : columns of the body before the lining, from the hinge on
-    held : (n, 3) rigid-body modes of the line at the hinge
+    held : (n, 3) rigid-body modes of the nodes on the face that the hinge holds
     """
     if not before:
         return eliminate_side_line(_constrain_to_frame(first, held))
@@ -541,9 +590,11 @@ def _join_first_column_with_hinged_body(
 
 
 def loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Floats:
-    """Stiffness of the body behind the lining on [line at the lining's end | loads].
+    """The condensed stiffness of the part of a shoe's body behind the lining, with its unit loads.
 
-    `load` (n, l) are the unit loads on the line at the body's end.
+    Its unknowns are those of the nodes at the lining's end and the factors of the unit loads.
+    `after` are the element columns of this part of the body, and `load` (n, l) the unit loads on
+    the nodes of its end face.
     """
     part, count = load.shape
     end = np.zeros((part + count, part + count))
@@ -555,10 +606,11 @@ def loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Floa
 
 
 def _constrain_to_frame(piece: ColumnSubstructure, held: Floats) -> ColumnSubstructure:
-    """A column whose left line is partly constrained to the frame of the hinge.
+    """The element column at the hinge, with the held nodes of its left side moved by the frame.
 
-    The last unknowns of the line move with the frame by the modes `held` (n, 3). The unknowns of
-    the result are [rest of the left line | frame | other unknowns].
+    The frame is the rigid face that the hinge holds. The last unknowns on the left side, those of
+    the body, move with the frame by the rigid-body modes `held` (n, 3). The unknowns of the result
+    are [rest of the left side | frame | other unknowns].
     """
     left = piece.left - len(held)
     at, frame = slice(left, piece.left), slice(left, left + FRAME)
@@ -575,9 +627,10 @@ def _constrain_to_frame(piece: ColumnSubstructure, held: Floats) -> ColumnSubstr
 
 
 class _CorrectedStiffness(NamedTuple):
-    """The stiffness `S` (2n, 2n) of the contact nodes, corrected for round-off.
+    """The stiffness `S` (2n, 2n) of the n contact nodes, corrected for round-off.
 
-    `round_off_forces` (2n, 3) estimate the forces that round-off adds to rigid-body modes.
+    `round_off_forces` (2n, 3) are an estimate of the forces that the three rigid-body modes cause
+    by round-off alone.
     """
 
     S: Floats
@@ -585,24 +638,27 @@ class _CorrectedStiffness(NamedTuple):
 
 
 def correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffness:
-    """The stiffness of the contact nodes, corrected so that rigid-body modes strain nothing.
+    """The stiffness of the contact nodes, corrected so that rigid-body modes cause no strain.
 
-    If the contact moves with the frame by R, then S R = -held. The forces `held` are small beside
-    the stiffness of thin columns, and have more digits. The first correction changes each node's
-    own part, where most digits were lost. The second correction is the least symmetric change that
-    leaves no residual. The corrected stiffness is wrong elsewhere by as much as rigid-body modes
-    showed: the estimate of the forces that round-off adds is the residual before any correction.
+    If the contact nodes move with the frame by the modes R, the forces on them vanish: S R = -held.
+    The forces `held` are small beside the stiffness of thin columns, and have more exact digits.
+    The first correction changes the 2 x 2 block of each node, which has lost most digits. The
+    second correction is the least symmetric change after which S R = -held exactly. The rest of the
+    stiffness is likely to be wrong by as much as the residual S R + held before both corrections.
+    This residual is therefore the estimate of the forces due to round-off.
 
     Parameters
     ----------
     S : (2n, 2n) stiffness of the contact nodes
     R : (2n, 3) rigid-body modes of the contact nodes
-    held : (2n, 3) forces on the contact by motions of the frame
+    held : (2n, 3) forces on the contact nodes due to motions of the frame
     """
+    # The first correction, in the 2 x 2 block of each node.
     S, own = S.copy(), np.arange(len(S)).reshape(-1, 2)
     before = S @ R + held
     node = before[:, :2].reshape(-1, 2, 2)
     S[own[:, :, None], own[:, None]] -= 0.5 * (node + node.swapaxes(1, 2))
+    # The second correction, a symmetric change of the whole matrix.
     after = S @ R + held
     back = R @ np.linalg.inv(R.T @ R)
     change, moment = back @ after.T, R.T @ after
@@ -612,9 +668,10 @@ def correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffne
 
 
 def stiffness_with_frame(S: Floats, R: Floats) -> Floats:
-    """Stiffness on [frame | contact nodes] from the stiffness S (2n, 2n) of the contact nodes.
+    """The stiffness on the frame and the contact nodes, from that of the contact nodes alone.
 
-    The rigid-body modes R (2n, 3) strain nothing.
+    It follows from S (2n, 2n), since rigid-body modes R (2n, 3) of frame and contact nodes together
+    cause no forces. The three unknowns of the frame come first.
     """
     SR = S @ R
     whole = np.empty((FRAME + len(S), FRAME + len(S)))
@@ -626,5 +683,5 @@ def stiffness_with_frame(S: Floats, R: Floats) -> Floats:
 
 
 def rotate_all_nodes(V: Floats, angle: Floats) -> Floats:
-    """Vectors V (2n, m) with the components of all nodes in axes turned by one angle [rad]."""
+    """The vectors V (2n, m) with the x and y of all nodes in axes turned by `angle` [rad]."""
     return rotate_vector_components(V.T, np.reshape(angle, 1)).T

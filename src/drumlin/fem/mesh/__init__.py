@@ -1,6 +1,7 @@
-"""Meshes of shoes: parametric ones of an arc and of a straight beam, and meshes in files.
+"""Meshes of shoes: parametric meshes of an arc or a straight beam, and meshes in files.
 
-The room makes, reads, checks and writes meshes of elements of degree one or two. A shoe and a
-number of elements, or a mesh file, come in. A mesh with named groups (layers, contact, hinge,
-actuation) goes out. The room imports the brake; it knows nothing of stiffness or contact.
+This package makes, reads, checks and writes meshes of elements of degree one or two. Its input is a
+shoe and a number of elements, or a mesh file. Its output is a mesh with named groups: the layers of
+the shoe, the contact, the face that the hinge holds, and the face that the actuation force acts on.
+The package uses the data of the brake; it computes no stiffness and no contact.
 """

@@ -1,4 +1,4 @@
-"""Elements of Abaqus and CalculiX input files, and the writing of such files."""
+"""Element types of Abaqus and CalculiX input files (.inp), and the writing of such files."""
 
 from pathlib import Path
 from typing import Any
@@ -10,6 +10,7 @@ from drumlin.base.arrays import Ints
 LINE_CELLS = {"T2D2": "line", "T3D2": "line", "B21": "line", "B31": "line"} | dict.fromkeys(
     ("T2D3", "T3D3", "B22", "B32"), "line3"
 )
+"""meshio's name of the cell for each Abaqus type of line elements: trusses and beams."""
 PLANE_CELLS = {
     f"{family}{nodes}": cell
     for family in ("CPS", "CPE", "S", "M3D", "STRI", "2D")
@@ -21,10 +22,11 @@ PLANE_CELLS = {
         "8": "quad8",
     }.items()
 } | dict.fromkeys(("S9", "M3D9"), "quad9")
+"""meshio's name of the cell for each Abaqus type of triangles and quadrilaterals."""
 CELL_OF_TYPE = LINE_CELLS | PLANE_CELLS
-"""meshio's name of the cell for each Abaqus element type that a mesh file may have."""
+"""meshio's name of the cell for each Abaqus element type that drumlin reads from a mesh file."""
 TYPE_OF_CELL = {"triangle": "CPS3", "triangle6": "CPS6", "quad": "CPS4", "quad8": "CPS8"}
-"""The plane-stress element type that is written for each of meshio's cells."""
+"""Abaqus's plane-stress element type for each of meshio's cell names, as written to .inp files."""
 NODES_PER_CELL = {
     "line": 2,
     "line3": 3,
@@ -34,9 +36,12 @@ NODES_PER_CELL = {
     "quad8": 8,
     "quad9": 9,
 }
-"""Number of nodes of a cell, by meshio's name of the cell."""
+"""Number of nodes of a mesh cell, by meshio's name of the cell."""
 NUMBERS_PER_LINE = 12
-"""Number of labels on a line of a set in a written .inp file; the file format allows 16."""
+"""Number of node or element labels on a line of a set in a written .inp file.
+
+The file format allows up to 16.
+"""
 
 
 def write_inp(
@@ -47,18 +52,18 @@ def write_inp(
     subdomains: dict[str, Ints],
     nodes: dict[str, Ints],
 ) -> None:
-    """Write a mesh of plane-stress elements with its element sets and node sets as an .inp file.
+    """Write a mesh of plane-stress elements, with element sets and node sets, to an .inp file.
 
     Parameters
     ----------
-    path : of the file to write
-    points : (n, 2) nodes [m]
-    cell : meshio's name of the elements
+    path : path of the file to write
+    points : (n, 2) coordinates of the nodes [m]
+    cell : meshio's name of the elements' type
     cells : (m, k) nodes of each element in meshio's order
     subdomains : elements of each element set, by the set's name
     nodes : nodes of each node set, by the set's name
     """
-    # Plane-stress elements of Abaqus have eight nodes at most, so that centre nodes are dropped.
+    # Plane-stress elements of Abaqus have at most eight nodes, so that centre nodes are left out.
     if cell == "quad9":
         cell, cells = "quad8", cells[:, :8]
     used = np.unique(cells)

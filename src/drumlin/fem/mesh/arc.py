@@ -1,8 +1,8 @@
-"""The parametric mesh of a shoe, in its own frame.
+"""The parametric mesh of a shoe with linear or quadratic elements, in the shoe's own frame.
 
-Named groups: subdomains "shoe", "table" of a T-section, "backing", "lining"; boundaries "contact"
-(lining on drum), "hinge" (moves as a rigid line that turns about the pin) and "actuation" (carries
-the force).
+The mesh has named groups. Its subdomains are "lining", "backing", "table" (of a T-section) and
+"shoe". Its boundaries are "contact" (the face of the lining on the drum), "hinge" (the face that
+moves as a rigid line about the pin) and "actuation" (the face that the actuation force acts on).
 """
 
 from typing import Any, NamedTuple
@@ -25,7 +25,13 @@ from drumlin.fem.mesh.grading import (
 
 
 class MeshKind(NamedTuple):
-    """A kind of mesh: names of its classes in skfem, and of its cells and edges in meshio."""
+    """A kind of mesh: quadrilaterals or triangles, linear or quadratic.
+
+    Attributes
+    ----------
+    mesh_name, element_name : names of scikit-fem's classes of the mesh and its elements
+    cell, edge : meshio's names of the elements and of their edges
+    """
 
     mesh_name: str
     element_name: str
@@ -34,18 +40,18 @@ class MeshKind(NamedTuple):
 
     @property
     def mesh(self) -> Any:
-        """The class of skfem for meshes of this kind."""
+        """scikit-fem's class of meshes of this kind."""
         return _skfem_class(self.mesh_name)
 
     @property
     def element(self) -> Any:
-        """The class of skfem for the elements of this kind."""
+        """scikit-fem's class of elements of this kind."""
         return _skfem_class(self.element_name)
 
 
 def _skfem_class(name: str) -> Any:
-    """The class of scikit-fem with this name."""
-    # scikit-fem takes long to load, and only meshes use scikit-fem.
+    """scikit-fem's class of the given name."""
+    # scikit-fem takes long to load, and only meshes need it.
     import skfem  # noqa: PLC0415
 
     return getattr(skfem, name)
@@ -59,19 +65,19 @@ MESH_KINDS = {
 }
 """The kinds of meshes by their names in options: quadrilaterals or triangles, of degree 1 or 2."""
 DEFAULT_KIND = "quad2"
-"""The kind of a mesh for which no option asks otherwise."""
+"""The kind of mesh that is made if the user names none: quadratic quadrilaterals."""
 
 
 def mesh_kind_of(mesh: Any) -> MeshKind:
-    """The kind of skfem's `mesh`: quadrilaterals or triangles, of degree 1 or 2."""
+    """The kind of a scikit-fem mesh: quadrilaterals or triangles, of degree 1 or 2."""
     return next(kind for kind in MESH_KINDS.values() if kind.mesh is type(mesh))
 
 
 def _move_inner_angles_to(angles: Floats, places: tuple[float, ...]) -> Floats:
-    """Angles (n,) [rad] of which the inner ones nearest to the `places` are moved there.
+    """The angles [rad] of element ends, changed so that each of the `places` is one of them.
 
-    A place is added as a new angle where its nearest angle has moved to another place already, or
-    where no inner angle exists.
+    The inner angle nearest to a place is moved to this place. The place is added as a new angle if
+    that angle has been moved to another place already, or if there is no inner angle.
     """
     inner = angles[1:-1]
     moved: list[int] = []
@@ -82,18 +88,24 @@ def _move_inner_angles_to(angles: Floats, places: tuple[float, ...]) -> Floats:
 
 
 FACE_SLACK = 1e-9
-"""Distance of a facet's middle from a face below which the facet counts as lying on the face.
+"""Distance between the middle of an element's edge and a face of the shoe that counts as zero.
 
-The distance is in drum radii for depths and in radians for angles, and covers round-off alone.
+An edge at a smaller distance lies on the face. Distances in depth are relative to the drum's
+radius, and distances along the shoe are in rad. Differences of this size are round-off.
 """
 
 
 class _ArcLayout(NamedTuple):
-    """The rectangle of depths and angles that an arc is cut from.
+    """The rectangular grid of depths and angles from which the mesh of a shoe on an arc is made.
 
-    `layers` are the names and thicknesses [m] from the contact inwards, `bounds` (layers,) the
-    depths where they end [m], `depths` and `angles` the ends of the elements [m], [rad], and `body`
-    the angles where the body ends [rad].
+    The grid covers the longest layer; the parts beyond the ends of shorter layers are cut off.
+
+    Attributes
+    ----------
+    layers : names and thicknesses [m] of the layers of the shoe from the contact inwards
+    bounds : (layers,) depth at which each layer ends [m]
+    depths, angles : ends of the elements in depth [m] and along the shoe [rad]
+    body : angles at which the body of the shoe begins and ends [rad]
     """
 
     layers: list[tuple[str, float]]
@@ -104,23 +116,24 @@ class _ArcLayout(NamedTuple):
 
     @property
     def lining_depth(self) -> float:
-        """Depth of the lining and its backing [m]."""
+        """Thickness of the lining and its backing together [m]."""
         return sum(thickness for name, thickness in self.layers if name in {"lining", "backing"})
 
 
 def shoe_mesh(
     shoe: Shoe, radius: float, elements: int | LiningDivision, kind: str = DEFAULT_KIND
 ) -> Any:
-    """The mesh of a shoe in its own frame, with nodes and quadratic edges on the arcs.
+    """The mesh of a shoe in its own frame; nodes and the edges of quadratic elements lie on arcs.
 
-    Without a body the back of the lining (or backing) is the rigid line "hinge", and the mesh has
-    no "actuation".
+    A rigid shoe has no body of elements. The back of its lining (or backing) is then the boundary
+    "hinge", which moves as a rigid line, and the mesh has no boundary "actuation".
 
     Parameters
     ----------
     shoe : the shoe
-    radius : of the drum [m]
-    elements : number along the lining, graded to its ends, or the lining's division
+    radius : radius of the drum [m]
+    elements : number of elements along the lining, which become smaller towards its ends; or the
+        division of the lining into elements
     kind : "quad2", "quad1", "tri2" or "tri1" (quadrilaterals or triangles, quadratic or linear)
 
     Raises
@@ -135,6 +148,7 @@ def shoe_mesh(
     )
     if isinstance(shoe.body, Beam):
         return beam_mesh(shoe, radius, division, MESH_KINDS[kind].mesh)
+    # Each element belongs to the layer that its centre lies in.
     layout = _layout_of_arc(shoe, radius, division, kind)
     grid = _cut_arc_grid(shoe, layout, kind)
     depth, _ = grid.p[:, grid.t].mean(axis=1)
@@ -142,7 +156,7 @@ def shoe_mesh(
     subdomains = {name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layout.layers)}
     boundaries = _find_boundaries(shoe, radius, layout, grid)
 
-    # The grid of depths and angles is mapped to the arcs.
+    # The nodes of the grid of depths and angles are mapped to points of the shoe.
     shape = MESH_KINDS[kind].mesh
     mesh = shape.from_mesh(grid)
     depth, phi = mesh.doflocs
@@ -152,12 +166,12 @@ def shoe_mesh(
 
 
 def _layout_of_arc(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _ArcLayout:
-    """The rectangle of depths and angles that the mesh of a shoe on an arc is cut from."""
+    """The rectangular grid of depths and angles that the mesh of a shoe on an arc is cut from."""
     phi_1, phi_2 = shoe.arc
     layers = [("lining", shoe.lining.thickness)]
     if shoe.backing is not None:
         layers.append(("backing", shoe.backing.thickness))
-    # The body may end before or beyond the lining, and a grip is marked by two of the angles.
+    # The body may be longer than the lining. The ends of a grip are ends of elements.
     angles = division.angles
     body = (phi_1, phi_2)
     if isinstance(shoe.body, Bar):
@@ -169,7 +183,7 @@ def _layout_of_arc(shoe: Shoe, radius: float, division: LiningDivision, kind: st
         after = element_ends_beyond_lining(phi_2, body[1], division)[1:]
         angles = np.concatenate([before, angles, after])
 
-    # Linear elements bend well only in thin layers.
+    # Linear elements bend well only in thin layers, so that they may have more layers.
     most = MOST_QUADRATIC_LAYERS if kind.endswith("2") else MOST_LINEAR_LAYERS
     depths = [division.depths]
     for _, thickness in layers[1:]:
@@ -180,7 +194,10 @@ def _layout_of_arc(shoe: Shoe, radius: float, division: LiningDivision, kind: st
 
 
 def _cut_arc_grid(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
-    """The grid of depths and angles, without the parts of the lining's layers beyond the lining."""
+    """The grid of depths and angles, without lining and backing beyond the lining's ends.
+
+    The grid is scikit-fem's mesh of quadrilaterals or, for a `kind` of triangles, of triangles.
+    """
     phi_1, phi_2 = shoe.arc
     grid = _skfem_class("MeshQuad").init_tensor(layout.depths, layout.angles)
     depth, phi = grid.p[:, grid.t].mean(axis=1)
@@ -191,10 +208,14 @@ def _cut_arc_grid(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
 
 
 def _find_boundaries(shoe: Shoe, radius: float, layout: _ArcLayout, grid: Any) -> dict[str, Ints]:
-    """The facets of each named boundary of a grid of depths and angles."""
+    """The edges of the grid on each named boundary: "contact", "hinge" and "actuation".
+
+    `grid` is the grid of depths and angles that becomes the mesh of the shoe.
+    """
     depth, phi = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
-    # The hinge of a gripped body is the part of its back in the grip; other bodies have end faces.
+    # The boundary "hinge" is the back of a rigid shoe's lining, the end face of a body nearest to
+    # the pin, or the part of a body's back that a grip holds.
     on = {"contact": outer & (depth < FACE_SLACK * radius)}
     grip = shoe.grip(radius) if shoe.body is not None else None
     if shoe.body is None:

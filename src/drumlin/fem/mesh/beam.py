@@ -1,7 +1,7 @@
 """The mesh of a straight-beam shoe in its own frame: lining, block and beam.
 
-The block fills the space between lining and beam and is cut square to the beam: behind the lining's
-back at the angle theta it reaches the beam's face at the same distance along the beam.
+The block fills the space between lining and beam. Its ends are cut square to the beam: the end of
+the lining's back and the end of the block at the beam have the same distance along the beam.
 """
 
 import math
@@ -23,17 +23,25 @@ from drumlin.fem.mesh.grading import (
 )
 
 PARTS = ("lining", "backing", "shoe")
-"""The subdomains of the mesh from the contact inwards; the backing is the block."""
-BEAM_SLACK = 1e-9
-"""Distance of a facet's middle from a face below which the facet counts as lying on the face.
+"""The subdomains of the mesh of a straight-beam shoe, from the contact inwards.
 
-Depths count in layers, and distances along the beam in radii of the lining's back. The distance
-covers round-off alone.
+The subdomain "backing" is the block between lining and beam.
+"""
+BEAM_SLACK = 1e-9
+"""Distance between the middle of an element's edge and a face of the shoe that counts as zero.
+
+An edge at a smaller distance lies on the face. Depths grow by 1 through each layer, and distances
+along the beam are relative to the radius of the lining's back. Differences of this size are
+round-off.
 """
 
 
 def reason_why_not_meshed(shoe: Shoe, radius: float) -> str | None:
-    """Why a shoe with a straight beam cannot be meshed; None where it can, or has no beam."""
+    """The reason why a shoe with a straight beam cannot be meshed, as a text for a message.
+
+    None is returned if the shoe can be meshed, or if its body is no straight beam. `radius` is that
+    of the drum [m].
+    """
     if not isinstance(shoe.body, Beam) or shoe.mesh is not None:
         return None
     section = shoe.body.section
@@ -54,9 +62,10 @@ def reason_why_not_meshed(shoe: Shoe, radius: float) -> str | None:
 def _reason_why_no_block_fits(
     shoe: Shoe, axis: Axis, section: Section, radius: float
 ) -> str | None:
-    """Why no block fits between lining and beam; None where one fits."""
+    """The reason why no block fits between lining and beam, as a text; None if a block fits."""
     back = radius + shoe.lining.thickness
-    # The back of the lining comes nearest to the beam at the foot of the axis, or else at one end.
+    # The lining's back is nearest to the beam at the foot of the beam's axis (the point of the axis
+    # nearest to the drum's centre). If the lining does not reach the foot, it is nearest at an end.
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
     x = axis.foot + back * np.sin(ends)
     nearest = back * (1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max()))
@@ -69,11 +78,18 @@ def _reason_why_no_block_fits(
 
 
 class _BeamShape(NamedTuple):
-    """The geometry of a straight-beam shoe; lengths in m, in the axes of the beam.
+    """The geometry of a straight-beam shoe.
 
-    `back` is the radius of the lining's back. `start` and `end` are the angles of the lining's ends
-    from the foot of the axis [rad]; `low` and `high` the beam's ends, as distances along the beam
-    over `back`. `thickness` is that of the lining, `beam` that of the beam.
+    Attributes
+    ----------
+    axis : axis of the beam; its foot is the point nearest to the drum's centre
+    radius : radius of the drum [m]
+    thickness : thickness of the lining [m]
+    beam : thickness of the beam [m]
+    back : radius of the lining's back [m]
+    start, end : angles of the lining's ends, counted from the foot of the beam's axis [rad]
+    low, high : positions of the beam's ends, continued beyond `start` and `end` by the distance
+        along the beam over `back`
     """
 
     axis: Axis
@@ -92,9 +108,10 @@ class _BeamShape(NamedTuple):
         return self.axis.distance - self.beam / 2
 
     def points(self, depth: Floats, s: Floats) -> Floats:
-        """Points in the brake's frame, for depths in layers and positions s.
+        """The points in the brake's frame [m] at given depths and positions s along the shoe.
 
-        Under the lining s is the angle from the axis's foot. Beyond the lining it is the distance
+        The depth grows by 1 through each layer: lining, block and beam. Under the lining s is the
+        angle from the foot of the beam's axis [rad]. Beyond the lining it grows with the distance
         along the beam over `back`.
         """
         r = self.radius + self.thickness * np.minimum(depth, 1)
@@ -111,7 +128,7 @@ class _BeamShape(NamedTuple):
         return self.axis.to_brake(x, y)
 
     def _distance_along_beam(self, s: Floats) -> Floats:
-        """Distances along the beam behind the positions s [m]."""
+        """The distances along the beam [m] of the positions s."""
         start, end = self.start, self.end
         inside = self.axis.foot + self.back * np.sin(np.clip(s, start, end))
         beyond = np.minimum(s - start, 0) + np.maximum(s - end, 0)
@@ -119,21 +136,22 @@ class _BeamShape(NamedTuple):
 
 
 def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -> Any:
-    """The mesh of a straight-beam shoe in its own frame, with the groups of an arc's mesh.
+    """The mesh of a straight-beam shoe in its own frame, with the same groups as `arc.shoe_mesh`.
 
-    "hinge" and "actuation" are the beam's end faces.
+    The boundaries "hinge" and "actuation" are the beam's end faces.
 
     Parameters
     ----------
     shoe : the shoe, whose beam has a constant section
-    radius : of the drum [m]
-    division : of the lining
-    shape : skfem's class of the mesh
+    radius : radius of the drum [m]
+    division : division of the lining into elements
+    shape : scikit-fem's class of the mesh
     """
-    # Only meshes load scikit-fem.
+    # scikit-fem takes long to load, and only meshes need it.
     import skfem  # noqa: PLC0415
 
-    assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
+    # `reason_why_not_meshed` refuses beams without section before, so that the assertion holds.
+    assert isinstance(shoe.body, Beam) and shoe.body.section is not None
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
     form = _beam_shape_of(shoe, shoe.body.section, axis, radius, angles)
@@ -142,7 +160,7 @@ def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -
     if shape in {skfem.MeshTri1, skfem.MeshTri2}:
         grid = grid.to_meshtri()
 
-    # The depth counts layers, so that its whole part is the number of the subdomain.
+    # The depth grows by 1 through each layer, so that its whole part is the number of the layer.
     layer = np.floor(grid.p[0, grid.t].mean(axis=0)).astype(int)
     depth, s = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
@@ -164,11 +182,20 @@ def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -
 def _beam_shape_of(
     shoe: Shoe, section: Section, axis: Axis, radius: float, angles: Floats
 ) -> _BeamShape:
-    """The geometry of a shoe whose lining has elements at these `angles` from the axis's foot."""
+    """The geometry of a straight-beam shoe.
+
+    Parameters
+    ----------
+    shoe : the shoe
+    section : section of its beam
+    axis : axis of its beam
+    radius : radius of the drum [m]
+    angles : angles of the ends of the lining's elements from the foot of the axis [rad]
+    """
     start, end = float(angles[0]), float(angles[-1])
     thickness = shoe.lining.thickness
     back = radius + thickness
-    # The block reaches the beam's face where the ends of the lining's back lie along the beam.
+    # The distances along the beam of the ends of the lining's back.
     foot = axis.foot + back * np.sin(np.array([start, end]))
     low = start - foot[0] / back
     high = end + (axis.length - foot[1]) / back
@@ -178,14 +205,25 @@ def _beam_shape_of(
 def _cut_beam_grid(
     form: _BeamShape, division: LiningDivision, angles: Floats, *, linear: bool
 ) -> Any:
-    """The grid of depths in layers and positions s, without lining and block beyond the lining."""
+    """The grid of depths and positions s, without lining and block beyond the lining's ends.
+
+    The depth grows by 1 through each layer. The grid is scikit-fem's mesh of quadrilaterals.
+
+    Parameters
+    ----------
+    form : geometry of the shoe
+    division : division of the lining into elements
+    angles : angles of the ends of the lining's elements from the foot of the beam's axis [rad]
+    linear : whether the elements are linear
+    """
     import skfem  # noqa: PLC0415
 
     start, end, back = form.start, form.end, form.back
     before = element_ends_beyond_lining(start, form.low, division)[:0:-1]
     after = element_ends_beyond_lining(end, form.high, division)[1:]
     s = np.concatenate([before, angles, after])
-    # Linear elements bend well only in thin layers.
+    # Linear elements bend well only in thin layers, so that they may have more layers. The number
+    # of layers through the block follows from its largest thickness.
     most = MOST_LINEAR_LAYERS if linear else MOST_QUADRATIC_LAYERS
     deepest = form.face - back * min(math.cos(start), math.cos(end))
     size = division.step * form.radius

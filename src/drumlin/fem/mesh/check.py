@@ -1,4 +1,7 @@
-"""The checks of a user's mesh: a fault is refused in one line that says what is allowed."""
+"""The checks of a mesh that a user gives in a file.
+
+A mesh with a fault is refused by an error whose message is one line and says what is allowed.
+"""
 
 import dataclasses
 import math
@@ -19,66 +22,74 @@ from drumlin.fem.mesh.arc import mesh_kind_of
 from drumlin.fem.mesh.edges import nodes_along_edges
 
 MOST_LISTED_NAMES = 30
-"""Names of groups that a refusal lists at most."""
+"""Largest number of group names that the message on a missing group lists."""
 LARGEST_ARC_DIFFERENCE = math.radians(2)
 """Largest difference [rad] between the ends of the lining in the brake's file and in the mesh.
 
-A larger difference says that the mesh and the brake's file do not describe the same shoe.
+With a larger difference the mesh and the brake's file do not describe the same shoe, and the mesh
+is refused.
 """
 SAME_POINT = 1e-7
-"""Distance of two nodes, relative to the mesh's size, below which both stand in one point.
+"""Distance between two nodes, relative to the mesh's size, below which they have the same position.
 
-A mesh with two nodes in one point is refused, since its parts are not bonded to each other there.
+A mesh with two nodes at the same position is refused, since its parts are not bonded there.
 """
 MOST_COINCIDENT = 1000
-"""Number of coincident nodes up to which their pairs are counted for the message.
+"""Largest number of surplus nodes at occupied positions for which pairs of nodes are counted.
 
-More nodes in one point would make far more pairs than the memory holds.
+The message on nodes at the same position then states the number of pairs. More nodes could form
+more pairs than the memory holds, so that the message just says that there are many.
 """
 LARGEST_REACH = 1e6
-"""Largest coordinate of a mesh, in drum radii or in lengths of a pad.
+"""Largest coordinate of a mesh, relative to the drum's radius or to the length of a pad.
 
-Round-off makes the checks of a larger mesh unsure. Its unit of length is nearly always wrong.
+A larger mesh is refused: round-off makes its checks unsure. Nearly always its unit of length is
+wrong.
 """
 MIDDLE_NODE_OFFSET = 0.5
-"""Largest distance of an edge's middle node from the middle of its chord, relative to the chord.
+"""Largest distance of an edge's middle node from the middle of the chord, relative to the chord.
 
-An edge with a middle node at this distance is half a circle.
+The chord is the straight line between the ends of an element's edge. At this distance the edge is
+half a circle. A mesh with a larger distance is refused.
 """
 CONTACT_OFFSET = 0.01
-"""Largest distance of the contact from the drum or the plane, in drum radii or lengths of a pad.
+"""Largest distance of the lining's contact nodes from the drum or the plane.
 
-The pressure is computed at the nodes and stated on the drum, so that both must nearly coincide.
+The distance is relative to the drum's radius or to the length of a pad. The pressure is computed at
+the nodes and stated on the drum, so that both must nearly coincide. A mesh with a larger distance
+is refused.
 """
 CONTACT_DEPTH = 0.1
-"""Largest depth of the contact in the drum or the plane, in thicknesses of the lining.
+"""Largest depth by which the lining's face reaches into the drum or the plane in a mesh.
 
-A deeper contact is an interference fit, which the brake's file must declare.
+The depth is relative to the lining's thickness. A larger depth is an interference fit, which is
+refused unless the brake's file declares it.
 """
 CONTACT_SLOPE = 0.1
-"""Largest slope of a contact edge against the drum or the plane.
+"""Largest slope of an edge of the lining's face against the drum or the plane.
 
-A steeper edge is no part of the lining's face.
+A steeper edge is no part of the lining's face, and the mesh is refused.
 """
 JACOBIAN_RATIO = 1e-6
-"""Smallest Jacobian determinant in an element, relative to the sum over its nodes.
+"""Smallest Jacobian determinant at a node of an element, relative to the sum over its nodes.
 
-An element with a smaller determinant is inverted or has no area in a corner.
+A mesh is refused if an element has a smaller determinant: the element is inverted or has no area in
+a corner.
 """
 
 
 def check_shoe_mesh(
     mesh: Any, shoe: Shoe, radius: float, fault: str, names: Sequence[str] = ()
 ) -> Any:
-    """The mesh with the groups that the shoe needs, after all checks.
+    """Check a user's mesh of a shoe, and return it with only the groups that the shoe needs.
 
     Parameters
     ----------
-    mesh : skfem's mesh in the shoe's frame [m]
+    mesh : scikit-fem's mesh in the shoe's frame [m]
     shoe : the shoe
-    radius : of the drum [m]; on a plane the length of the pad
+    radius : radius of the drum [m]; on a plane the length of the pad
     fault : beginning of each message
-    names : of all groups in the file
+    names : names of all groups in the file
 
     Raises
     ------
@@ -95,15 +106,23 @@ def check_shoe_mesh(
 
 
 def check_cell_nodes(cells: Ints, corners: int, fault: str) -> None:
-    """Refuse cells whose nodes do not make them a mesh.
+    """Refuse cells of a mesh file whose numbers of nodes contradict each other.
+
+    A cell may not have a node twice. No node may be a corner of one cell and a middle node of
+    another. Cells that share an edge must share its middle node, and the other way round.
 
     Parameters
     ----------
     cells : (m, k) nodes of the cells in meshio's order
     corners : number of corners of a cell
     fault : beginning of each message
+
+    Raises
+    ------
+    BadInput
+        for the first fault that is found
     """
-    # meshio's order is the corners, then the middle nodes of the edges, then the centre.
+    # meshio's order of nodes is the corners, then the middle nodes of the edges, then the centre.
     ends, middles, centres = np.split(cells, [corners, 2 * corners], axis=1)
     edges = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     distinct = [len(np.unique(nodes)) for nodes in (ends, middles, centres)]
@@ -114,7 +133,8 @@ def check_cell_nodes(cells: Ints, corners: int, fault: str) -> None:
             f"{fault}: has nodes that a cell has twice, "
             "or that are a corner here and inside an edge there"
         )
-    # Edges, middle nodes and pairs of both are equally many.
+    # Each edge has its own middle node, if there are as many edges as middle nodes, and as many
+    # different pairs of an edge and its middle node.
     bonds = {len(np.unique(edges, axis=0))}
     if middles.size:
         bonds |= {distinct[1], len(np.unique(np.column_stack([edges, middles.ravel()]), axis=0))}
@@ -126,7 +146,12 @@ def check_cell_nodes(cells: Ints, corners: int, fault: str) -> None:
 
 
 def _keep_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str]) -> Any:
-    """The mesh with only the groups that the shoe needs; each element must be in one of them."""
+    """The mesh with only the groups that the shoe needs; others are left out.
+
+    A mesh is refused if one of these groups is missing, or if an element is not in exactly one of
+    them.
+    """
+    # A shoe needs its layers as subdomains, and contact, hinge and mostly actuation as boundaries.
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
     needed = {"lining"} | ({"backing"} if shoe.backing else set())
     if isinstance(shoe.body, Bar):
@@ -144,8 +169,8 @@ def _keep_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str])
             f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found} "
             f"(names or numbers of its own: groups = {{ {missing[0]} = ... }})"
         )
-    # Elements in no group lower the number of distinct members, and elements in two groups raise
-    # the number of all members.
+    # An element in no group is missing among the distinct members of all groups. An element in two
+    # groups makes the total number of members larger than the number of elements.
     named = np.concatenate([subdomains[name] for name in needed])
     if len(np.unique(named)) < mesh.nelements or len(named) > mesh.nelements:
         raise BadInput(
@@ -161,7 +186,7 @@ def _keep_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str])
 
 
 def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
-    """Refuse nodes that are too far from the drum, and nodes that stand in one point."""
+    """Refuse a mesh with nodes too far from the drum, or with two nodes at the same position."""
     size = float(np.abs(mesh.doflocs).max())
     if size > LARGEST_REACH * radius:
         where = (
@@ -173,7 +198,8 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
             f"{fault}: reaches {size:.3g} m far; must be a shoe {where} "
             f"(coordinates are read in {shoe.mesh_unit})"
         )
-    # Many nodes in one point would make far more pairs, which are not counted.
+    # Many nodes at the same position would form too many pairs to count. They are found as nodes in
+    # the same square of a fine grid.
     cells = np.unique(np.round(mesh.doflocs / (SAME_POINT * size)), axis=1)
     if cells.shape[1] < mesh.doflocs.shape[1] - MOST_COINCIDENT:
         raise BadInput(f"{fault}: many nodes stand in one place; merge them, the parts are bonded")
@@ -188,7 +214,8 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
 
 
 def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
-    """Refuse bent, inverted and folded elements, and meshes of more than one part."""
+    """Refuse a mesh with bent, inverted or folded elements, or with more than one part."""
+    # The middle node of each edge must be near the middle of the edge's chord.
     basis = skfem.Basis(
         mesh, mesh_kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1))
     )
@@ -201,7 +228,7 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
         if bent.any():
             where = _text_on_faulty_elements(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)
             raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
-    # The Jacobian determinant of an element may have either sign, but only one of them.
+    # The Jacobian determinant must have the same sign at all nodes of an element, plus or minus.
     determinant = mesh.mapping().detDF(mesh_kind_of(mesh).element().doflocs.T)
     determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))
     smallest = np.abs(determinant.sum(axis=1)) * JACOBIAN_RATIO
@@ -214,7 +241,8 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
         )
     if np.bincount(mesh.t2f.ravel()).max() > 2:
         raise BadInput(f"{fault}: more than two elements meet in an edge")
-    # Neighbours lie on opposite sides of their common edge, or else one is folded over the other.
+    # Neighbours must lie on opposite sides of their common edge; otherwise one is folded over the
+    # other.
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
     sides = np.array([_side_of_facet_with_element(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)])
     folded = inner[sides[0] * sides[1] > 0]
@@ -223,7 +251,7 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
             f"{fault}: {_text_on_faulty_elements(mesh, mesh.f2t[1, folded], shoe)} "
             "folded over a neighbour"
         )
-    # Elements that share an edge are bonded; a shoe is one bonded part.
+    # Elements that share an edge are bonded. All elements of a shoe must form one bonded part.
     links = sp.coo_array(
         (np.ones(len(inner)), mesh.f2t[:, inner]), shape=(mesh.nelements, mesh.nelements)
     )
@@ -233,7 +261,7 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
 
 
 def _text_on_faulty_elements(mesh: Any, elements: Ints, shoe: Shoe) -> str:
-    """The subject of a sentence about some elements: their number, and where the first lies."""
+    """The subject of a sentence about faulty elements: "2 elements are (the first at x = ...)"."""
     ((x,), (y,)) = shoe.points(mesh.p[:, mesh.t[:, elements[0]]].mean(axis=1, keepdims=True)) * 1e3
     count = len(np.unique(elements))
     return (
@@ -243,14 +271,17 @@ def _text_on_faulty_elements(mesh: Any, elements: Ints, shoe: Shoe) -> str:
 
 
 def _side_of_facet_with_element(mesh: Any, facets: Ints, elements: Ints) -> Floats:
-    """The sign (n,) of the side of each facet on which the centre of its element lies."""
+    """The side of each edge (n,) on which the centre of an adjoining element lies: 1 or -1.
+
+    `facets` (n,) are the numbers of the edges, and `elements` (n,) those of the elements.
+    """
     a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     to = mesh.p[:, mesh.t[:, elements]].mean(axis=1) - a
     return np.sign((b - a)[0] * to[1] - (b - a)[1] * to[0])
 
 
 def _check_boundaries(mesh: Any, fault: str) -> None:
-    """Refuse named edges inside the mesh, and a hinge that touches the contact."""
+    """Refuse a mesh with named edges in its interior, or with a hinge that touches the contact."""
     outer = mesh.boundary_facets()
     for name, facets in mesh.boundaries.items():
         inside = len(np.setdiff1d(facets, outer))
@@ -265,7 +296,8 @@ def _check_boundaries(mesh: Any, fault: str) -> None:
 
 
 def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
-    """Refuse a contact that is not the lining's face on the drum or the plane."""
+    """Refuse a mesh whose group "contact" is not the lining's face on the drum or the plane."""
+    # The nodes of the contact must lie near the drum or the plane.
     facets = mesh.boundaries["contact"]
     if not np.isin(mesh.f2t[0, facets], mesh.subdomains["lining"]).all():
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
@@ -282,6 +314,7 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
             f"must be within {mm(CONTACT_OFFSET * radius)} of it "
             f"(coordinates are read in {shoe.mesh_unit})"
         )
+    # The lining's elements must lie behind its face, and the face not deep in the drum.
     behind = shoe.off(mesh.p[:, mesh.t[:, mesh.subdomains["lining"]]].mean(axis=1), radius)
     if behind.mean() < 0 and not shoe.mesh_interference:
         raise BadInput(
@@ -302,6 +335,7 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
             f"{fault}: {where} with an edge of the contact that is steeper than "
             f"{CONTACT_SLOPE:g} against the {word}"
         )
+    # The contact must have the same ends as the lining in the brake's file.
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
     xy = mesh.p[:, nodes]
     phi, text = shoe.phi_of(xy, radius), shoe.surface.place
@@ -315,7 +349,7 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
             f"within {text(shoe.frame.unit * LARGEST_ARC_DIFFERENCE)} "
             f"(coordinates are read in the {shoe.mesh_frame}'s frame)"
         )
-    # By growing angle each edge leads from one node to the next.
+    # With the nodes in the order of their angle, each edge must lead from a node to the next one.
     steps = np.sort(np.argsort(np.argsort(phi))[ends.reshape(2, -1)], axis=0)
     steps = steps[:, np.argsort(steps[0])]
     from_each = np.array_equal(steps[0], np.arange(len(phi) - 1))
@@ -328,7 +362,7 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
 
 
 def _check_hinge_and_actuation(mesh: Any, shoe: Shoe, fault: str) -> None:
-    """Refuse a mesh whose hinge and actuation are swapped."""
+    """Refuse a mesh whose group "actuation" is nearer to the pin than its group "hinge"."""
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
     if "actuation" in nodes and not shoe.gripped:
         away = {

@@ -1,9 +1,10 @@
-"""The contact line of a mesh file, put on the drum or the plane where only the mesh keeps it off.
+"""The contact nodes of a mesh file, moved onto the drum or the plane where the file is inexact.
 
-A lining is round, and its mesh is not quite round. Nodes with coordinates of few digits lie off the
-circle by up to half a digit, and the middle node of a straight side by the height of the arc over
-that side. Both offsets are often larger than the compression p t/E of the lining, so that they
-would change the pressure. A larger offset is the lining's own shape and counts as a gap.
+A lining is round, and its mesh is not quite round. A node whose coordinates have few digits lies
+off the circle by up to half a digit. The middle node of a straight edge lies off the circle by the
+height of the arc over this edge. Both offsets are often larger than the compression p t/E of the
+lining, so that they would change the pressure. They are removed. A larger offset is the lining's
+own shape and counts as a gap.
 """
 
 from dataclasses import dataclass, replace
@@ -17,50 +18,54 @@ from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.from_file import ContactOnSurface
 
 STRAIGHT = 0.1
-"""Distance of a side's middle node from its chord up to which the side counts as straight.
+"""Largest distance of the middle node from the chord of an element's edge that counts as straight.
 
-The distance is relative to the height of the arc over the chord; a side that follows the arc has
-the distance 1. The rounding of the coordinates is added to the limit.
+The edge lies on the lining's face. The distance is relative to the height of the drum's arc over
+the chord; an edge that follows the arc has the distance 1. The possible rounding of the coordinates
+is added to the limit.
 """
 STRAIGHT_SIDES = 0.9
-"""Smallest share of straight sides on the contact at which their middle nodes are moved.
+"""Smallest share of straight edges on the lining's face at which their middle nodes are moved.
 
-Mesh generators make all sides straight or none of them. A lining with one worn flat has curved
-sides elsewhere, and its flat must stay.
+The middle nodes are then moved onto the drum. Mesh generators make all edges straight or none of
+them. A lining with one worn flat has curved edges elsewhere, and its flat must stay.
 """
 SMOOTHING_NODES = 8
-"""Number of nodes to each side of a node over which the rounding errors are averaged.
+"""Number of contact nodes on each side of a node over which the offsets from the drum are averaged.
 
-The mean rounding error of the 17 nodes is a quarter of a single one, so that a lining's shape is
-seen even where its height is less than the rounding.
+The mean rounding error of the 17 nodes is a quarter of the rounding error of one node. The shape of
+a lining is then seen even if its height is less than the rounding of coordinates.
 """
 SIGNIFICANT = 4.0
-"""Mean offset of the nodes around a node above which the offset is the lining's shape.
+"""Mean offset from the drum of the nodes around a node above which it is the lining's shape.
 
-The offset is in standard deviations of the mean rounding error. Chance alone exceeds the limit at
-one of 16 000 nodes.
+The offset is relative to the standard deviation of the mean rounding error. By chance alone one of
+16 000 nodes exceeds the limit.
 """
 MOST_NOISE = 1.5
-"""Scatter of the nodes about a smooth line above which the nodes stay where they are.
+"""Scatter of contact nodes about a smooth line above which they are not moved onto the line.
 
-The scatter is in standard deviations of one rounding error. A larger scatter shows a step or a
-corner in the lining, which a smooth line would wipe out.
+The scatter is relative to the standard deviation of one rounding error. A larger scatter shows a
+step or a corner in the lining, which a smooth line would wipe out.
 """
 COORDINATE_ROUND_OFF = 1e-12
-"""Offset of a node from the drum, in drum radii, up to which the offset is round-off alone."""
+"""Offset of a contact node from the drum, relative to the drum's radius, that counts as zero.
+
+So small an offset is round-off of the computer's arithmetic.
+"""
 
 
 @dataclass(frozen=True)
 class _ContactNodes:
-    """The nodes of the contact line, sorted along it.
+    """The n nodes on the lining's face in a mesh, in the order of their angle.
 
     Parameters
     ----------
-    nodes : numbers of the nodes (n,) in the mesh
-    middle : whether each node (n,) is the middle of a side
-    phi : place (n,) [rad] of each node
-    off : distance (n,) [m] from the surface
-    slack : how far the coordinates' rounding may hold each node (n,) off the surface [m]
+    nodes : (n,) numbers of the nodes in the mesh
+    middle : (n,) whether each node is the middle node of an element's edge
+    phi : (n,) angle of each node [rad]
+    off : (n,) offset of each node from the drum or the plane [m], positive for an open gap
+    slack : (n,) largest offset [m] that the rounding of the coordinates can cause
     """
 
     nodes: Ints
@@ -73,22 +78,25 @@ class _ContactNodes:
 def move_contact_nodes_onto_surface(
     mesh: Any, rounding: Floats, shoe: Shoe, radius: float
 ) -> ContactOnSurface:
-    """The mesh with its contact nodes moved onto the drum or the plane, and what was moved.
+    """The mesh with its contact nodes moved onto the drum or the plane, and counts of moved nodes.
 
-    Only offsets by the rounding of the file's coordinates and by straight sides are removed.
+    Only those offsets are removed that come from the rounding of the file's coordinates or from
+    straight edges of elements.
 
     Parameters
     ----------
-    mesh : skfem's mesh in the shoe's frame [m], with the group contact
-    rounding : (2, nodes), how far x and y of each node may have been rounded [m]
-    shoe, radius : whose mesh it is, and the drum's radius [m] or the pad's length
+    mesh : scikit-fem's mesh in the shoe's frame [m], with the group "contact"
+    rounding : (2, nodes) largest rounding error of x and y of each node [m]
+    shoe : the shoe of the mesh
+    radius : radius of the drum [m]; on a plane the length of the pad
     """
+    # The array `target` has the offset from the surface that each node gets.
     line = _contact_nodes_of(mesh, rounding, shoe, radius)
     straight = _find_straight_middles(mesh, line, shoe, radius)
     target = line.off.copy()
     free = ~(straight & line.middle)
     target[free] = _smooth_offsets(line, free, shoe, radius)
-    # The middle of a straight side stands on the smooth line through the corners.
+    # The middle node of a straight edge is moved onto the smooth line through the corner nodes.
     if straight.any():
         corners = ~line.middle
         smooth = PchipInterpolator(line.phi[corners], target[corners])
@@ -109,7 +117,10 @@ def move_contact_nodes_onto_surface(
 
 
 def _contact_nodes_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> _ContactNodes:
-    """The nodes of a mesh's contact line, sorted by their angle phi, with offsets and roundings."""
+    """The nodes on the lining's face in a mesh, in the order of their angle phi.
+
+    The parameters are those of `move_contact_nodes_onto_surface`.
+    """
     facets = mesh.boundaries["contact"]
     corners = np.unique(mesh.facets[:, facets])
     has_middles = len(mesh.dofs.facet_dofs) > 0 and mesh.doflocs.shape[1] > mesh.nvertices
@@ -120,7 +131,8 @@ def _contact_nodes_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) ->
     order = np.argsort(phi)
     nodes, xy = nodes[order], xy[:, order]
     normal = np.abs(_outward_normals(xy, shoe))
-    # Coordinates that were turned mix the roundings of x and y, and so does the shoe's own frame.
+    # On a drum both x and y have rounding errors, which are mixed if the shoe's own frame or the
+    # file's coordinates are turned. On a plane only the coordinate square to the plane counts.
     slack = np.hypot(*rounding[:, nodes]) if not shoe.flat else (normal * rounding[:, nodes]).sum(0)
     return _ContactNodes(
         nodes=nodes,
@@ -132,14 +144,17 @@ def _contact_nodes_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) ->
 
 
 def _outward_normals(xy: Floats, shoe: Shoe) -> Floats:
-    """Unit vectors (2, n) at points (2, n) that point away from the drum or the plane."""
+    """The unit vectors (2, n) at points (2, n) that point away from the drum or the plane."""
     if shoe.flat:
         return np.array([np.zeros(xy.shape[1]), np.ones(xy.shape[1])])
     return -shoe.sign * xy / np.hypot(*xy)
 
 
 def _find_straight_middles(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float) -> Bools:
-    """Which nodes (n,) are middle nodes that straight sides keep off the drum."""
+    """Whether each contact node (n,) is a middle node that a straight edge keeps off the drum.
+
+    It is False for all nodes if too few edges on the lining's face are straight.
+    """
     found = np.zeros(len(line.nodes), dtype=bool)
     at = np.flatnonzero(line.middle)
     if shoe.flat or not len(at) or at[0] == 0 or at[-1] == len(found) - 1:
@@ -149,7 +164,8 @@ def _find_straight_middles(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: f
     chord = np.hypot(*(last - first))
     height = chord**2 / (8 * radius)
     beside = np.hypot(*(xy[:, at] - (first + last) / 2))
-    # Where the arc is lower than a rounding, a straight side cannot be told and does no harm.
+    # If the arc over an edge is lower than the rounding, a straight edge cannot be told from a
+    # curved one, and does no harm.
     seen = height > 2 * line.slack[at] + COORDINATE_ROUND_OFF * radius
     straight = seen & (beside <= STRAIGHT * height + 2 * line.slack[at])
     counted = max(int(np.count_nonzero(seen)), 1)
@@ -159,17 +175,17 @@ def _find_straight_middles(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: f
 
 
 def _smooth_offsets(line: _ContactNodes, free: Bools, shoe: Shoe, radius: float) -> Floats:
-    """Offsets (k,) of the free nodes without the rounding of their coordinates.
+    """The offsets (k,) [m] of contact nodes from the surface without the rounding of coordinates.
 
-    They are 0 where the offset is no more than the roundings explain; elsewhere they follow the
-    smooth line through the nodes, or stay.
+    They are returned for the nodes marked in `free`. An offset becomes 0 if rounding can explain
+    it. Other offsets follow the smooth line through the nodes, or stay if no smooth line fits.
     """
     off, slack, place = line.off[free], line.slack[free], line.phi[free] * radius
     shape = _offsets_beyond_rounding(off, slack, place, radius)
     found = off.copy()
     on = np.abs(off) <= slack * (1 + 1e-6) + COORDINATE_ROUND_OFF * radius
     found[on & np.isnan(shape)] = 0.0
-    # A plane's nodes are off by whole steps of the last digit: there is no scatter to smooth.
+    # Nodes on a plane are off it by whole steps of the last digit, so that no scatter is smoothed.
     smooth = ~np.isnan(shape) & (np.abs(shape - off) <= slack)
     if not shoe.flat:
         found[smooth] = shape[smooth]
@@ -177,10 +193,17 @@ def _smooth_offsets(line: _ContactNodes, free: Bools, shoe: Shoe, radius: float)
 
 
 def _offsets_beyond_rounding(off: Floats, slack: Floats, place: Floats, radius: float) -> Floats:
-    """The shape (k,) [m] of the lining at each node; nan where rounding explains the offset.
+    """The lining's own offset (k,) [m] from the drum at each node; nan if it is rounding alone.
 
-    The shape is a parabola through the offsets `off` (k,) [m] of the nodes around a node. Where a
-    parabola does not describe these offsets, the shape is the offset of the node itself.
+    The offset is that of a parabola through the offsets of the nodes around a node. If no parabola
+    fits, it is the given offset of the node itself.
+
+    Parameters
+    ----------
+    off : (k,) offsets of the nodes from the drum or the plane [m]
+    slack : (k,) largest offsets that the rounding of coordinates can cause [m]
+    place : (k,) positions of the nodes along the lining [m]
+    radius : radius of the drum [m]; on a plane the length of the pad
     """
     shape = np.full(len(off), np.nan)
     if len(off) < 3 or not slack.any():
@@ -189,7 +212,8 @@ def _offsets_beyond_rounding(off: Floats, slack: Floats, place: Floats, radius: 
     # Each node is judged by the mean offset of its neighbours, in which rounding errors cancel.
     step = float(np.median(np.diff(place)))
     for i in range(len(off)):
-        # Where the circle runs along an axis, nodes closer than sqrt(2 R d) are rounded alike.
+        # Where the circle is parallel to x or y, nodes nearer than sqrt(2 R d) to each other have
+        # the same rounding error, so that fewer errors are independent.
         apart = max(step, float(np.sqrt(2 * radius * slack[i])))
         near = np.flatnonzero(np.abs(place - place[i]) <= SMOOTHING_NODES * apart)
         scatter = float(slack[near].mean()) / np.sqrt(6.0)
@@ -208,9 +232,10 @@ def _offsets_beyond_rounding(off: Floats, slack: Floats, place: Floats, radius: 
 
 
 def _move_contact_nodes(mesh: Any, line: _ContactNodes, moves: Floats, shoe: Shoe) -> Any:
-    """The mesh with the nodes of the contact line moved off the surface by `moves` (n,) [m].
+    """The mesh with its contact nodes moved by `moves` (n,) [m], square to the drum or the plane.
 
-    The centre of a quadrilateral follows its sides, so that the element keeps its shape.
+    Positive moves go away from the drum. The centre node of a quadrilateral follows its edges, so
+    that the element keeps its shape.
     """
     doflocs = mesh.doflocs.copy()
     doflocs[:, line.nodes] += moves * _outward_normals(doflocs[:, line.nodes], shoe)

@@ -1,4 +1,4 @@
-"""The bytes of a mesh file and their digest, without loading a reader of meshes."""
+"""The bytes of a mesh file and a digest of them, without loading a library that reads meshes."""
 
 import hashlib
 import re
@@ -26,20 +26,25 @@ def read_mesh_bytes(path: Path) -> bytes:
 
 
 INCLUDED = re.compile(rb"^\s*\*include\s*,\s*input\s*=\s*([^\r\n,]+)", re.IGNORECASE | re.MULTILINE)
-"""Pattern of the lines *INCLUDE in an Abaqus or CalculiX deck, with the name of the file."""
+"""Pattern of a line *INCLUDE in an Abaqus or CalculiX input file; its group is the file's name."""
 MOST_NESTED = 8
-"""Depth to which files that include other files are followed.
+"""Largest depth of input files that include each other by *INCLUDE.
 
-Decks have a depth of one or two. Without a limit a file that includes itself would never end.
+Usual files have a depth of one or two. Without a limit a file that includes itself would never end.
 """
 
 
 def digest_of_mesh_file(path: Path, depth: int = 0) -> str:
-    """A digest of a mesh file and of those that it includes; "none" for one that cannot be read."""
+    """The digest of a mesh file and of the files that it includes: 16 letters of a SHA-256.
+
+    For a file that cannot be read, "none" is returned. `depth` is the number of files that include
+    each other up to this one.
+    """
     try:
         data = read_mesh_bytes(path)
     except DrumlinError:
         return "none"
+    # The digests of included files are digested too, in the order of their lines.
     found = hashlib.sha256(data)
     for name in INCLUDED.findall(data) if depth < MOST_NESTED else ():
         included = path.parent / name.decode(errors="replace").strip().strip("\"'")

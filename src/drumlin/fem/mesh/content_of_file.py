@@ -1,4 +1,4 @@
-"""The content of a mesh file of any format: nodes, cells, named groups and notes of the reader."""
+"""The content of a mesh file of any format: nodes, cells, named groups and the reader's notes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -8,26 +8,29 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 
 CellGroups = Mapping[str, Mapping[str, Ints]]
-"""Rows of the cells in a group: group name -> meshio's cell type -> rows (m,)."""
+"""The cells in each group: group name -> meshio's cell type -> numbers (m,) of the cells.
+
+The numbers count the cells of this type.
+"""
 
 
 @dataclass(frozen=True)
 class FileContent:
-    """The content of a mesh file, as the reader of its format hands it on.
+    """The content of a mesh file, as the reader of its format returns it.
 
     Parameters
     ----------
-    points : (n, 2) or (n, 3), coordinates in the file's unit
-    cells : nodes (m, k) of the cells of each type, as numbers of points; types as meshio names them
+    points : (n, 2) or (n, 3) coordinates of the nodes in the file's unit
+    cells : nodes (m, k) of the cells of each type, by meshio's name of the type
     cell_groups : cells in each named group
-    node_groups : numbers of the points (m,) in each named group
-    edge_groups : corner points (m, 2) of the edges in each named group
-    outer_groups : as edge_groups; those edges count only that lie on the outline
-    rounding : (n, 2), how far the writer of the file may have rounded x and y, in the file's unit;
-        None where this is to be found from the coordinates
-    turned : whether the reader turned the coordinates, so that roundings of x and y mix
-    broken : reasons why a group of the file cannot be read, by its name
-    notes : lines about what was passed over
+    node_groups : nodes (m,) in each named group
+    edge_groups : corner nodes (m, 2) of the edges in each named group
+    outer_groups : the same for groups of which only edges on the outline of the mesh belong
+    rounding : (n, 2) largest rounding error of x and y in the file, in the file's unit; None if it
+        has to be found from the coordinates
+    turned : whether the reader turned the coordinates, which mixes the rounding errors of x and y
+    broken : reasons why a group of the file cannot be read, by the group's name
+    notes : lines that tell which parts of the file were ignored
     """
 
     points: Floats
@@ -43,30 +46,33 @@ class FileContent:
 
     @property
     def group_names(self) -> list[str]:
-        """The names of all groups, each once, in the order of the file."""
+        """The names of all groups in the file, each once."""
         groups = (self.cell_groups, self.node_groups, self.edge_groups, self.outer_groups)
         return list(dict.fromkeys(name for kind in groups for name in kind))
 
 
 MOST_DECIMALS = 12
-"""Number of decimals, or of significant digits, from which on a coordinate counts as exact.
+"""Number of digits from which on a coordinate in a mesh file counts as exact.
 
-Double precision has 16 digits. The rounding of 12 digits is a billionth of the lining's
-compression.
+The digits are decimals or significant digits. Double precision has 16 digits. The rounding to 12
+digits is a billionth of the lining's compression.
 """
 DIGIT_SLACK = 1e-3
-"""Distance of a coordinate from a decimal grid, in steps, up to which it counts as rounded to it.
+"""Largest distance of a coordinate from a round decimal number that counts as zero.
 
-The round-off of reading is far smaller. Coordinates with all digits lie anywhere in a step.
+The distance is relative to the step between round numbers, such as 0.01 for two decimals. The
+round-off of reading a number is far smaller. A coordinate with all its digits has any distance.
 """
 
 
 def rounding_errors_of_coordinates(points: Floats) -> Floats:
-    """The largest rounding error (n, k) of coordinates (n, k) that were written as text.
+    """The largest possible rounding error (n, k) of coordinates (n, k) that were written as text.
 
-    The rounding error is half a step of the coarsest decimal grid that all coordinates lie on. The
-    grid has one number of decimals, or one number of significant digits.
+    All coordinates are assumed to be written with the same number of decimals, or with the same
+    number of significant digits. The smallest number with which all coordinates are exact is found.
+    The rounding error is half of its last digit.
     """
+    # If both numbers of digits are possible, the larger rounding error counts.
     size = np.abs(points)
     exponents = np.floor(np.log10(np.where(size > 0, size, 1.0))) + 1
     found = np.zeros(points.shape)
@@ -77,10 +83,12 @@ def rounding_errors_of_coordinates(points: Floats) -> Floats:
 
 
 def _find_decimal_steps(points: Floats) -> Floats | None:
-    """The step of the coarsest grid of decimals that all coordinates lie on; None without a grid.
+    """The value of the last decimal of coordinates that all have the same number of decimals.
 
-    The step is repeated for each coordinate (n, k).
+    For two decimals the value is 0.01. It is repeated for each coordinate (n, k). None is returned
+    if the coordinates have more than about MOST_DECIMALS digits.
     """
+    # More and more decimals are tried, beginning with the leading digit of the largest coordinate.
     largest = int(np.floor(np.log10(max(float(np.abs(points).max(initial=0.0)), 1e-300))))
     for decimals in range(-largest, MOST_DECIMALS - largest):
         step = 10.0**-decimals
@@ -90,9 +98,10 @@ def _find_decimal_steps(points: Floats) -> Floats | None:
 
 
 def _find_digit_steps(points: Floats, exponents: Floats) -> Floats | None:
-    """The steps (n, k) of the coarsest grid of significant digits that all coordinates lie on.
+    """The value (n, k) of the last digit of coordinates with the same number of significant digits.
 
-    None without a grid.
+    For 12.34 with four digits the value is 0.01. None is returned if the coordinates have
+    MOST_DECIMALS digits or more. `exponents` (n, k) are the numbers of digits before the point.
     """
     for digits in range(1, MOST_DECIMALS):
         steps = 10.0 ** (exponents - digits)
@@ -102,6 +111,6 @@ def _find_digit_steps(points: Floats, exponents: Floats) -> Floats | None:
 
 
 def _lie_on_grid(points: Floats, step: Floats | float) -> bool:
-    """Whether all coordinates are whole multiples of the step, but for round-off."""
+    """Whether all coordinates are whole multiples of the step, up to round-off."""
     multiples = points / step
     return bool(np.all(np.abs(multiples - np.round(multiples)) <= DIGIT_SLACK))

@@ -2,8 +2,9 @@
 
 A named group is a set of cells or edges (Gmsh's physical names, ELSET, SURFACE), a set of nodes
 (NSET), or an array of cells or points that is 1 on the members and 0 elsewhere (VTU). A set of
-nodes names the outer edges whose nodes all belong to the set. Capital letters do not matter. The
-key `groups` of a shoe names groups that the file calls otherwise, by name or by number.
+nodes stands for those outer edges whose nodes all belong to the set. Upper and lower case of names
+are the same. If the file has other names or numbers of groups, the key `groups` of a shoe in the
+brake's file gives them.
 """
 
 import contextlib
@@ -45,25 +46,25 @@ from drumlin.fem.mesh.vtu import check_unpacked_size
 FORMATS = (".msh", ".inp", ".vtu")
 """The suffixes of mesh files that drumlin reads and writes."""
 GROUP_NAMES = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
-"""The names of groups that a shoe may need; groups with other names are passed over."""
+"""The names of the groups of a mesh that a shoe may need; groups with other names are ignored."""
 MOST_FILE_NODES = 1_000_000
-"""Largest number of nodes of a mesh in a file; a file with more is refused to save memory."""
+"""Largest number of nodes of a mesh in a file; a file with more nodes is refused to save memory."""
 LARGEST_NUMBER = 10_000_000
-"""Largest number of a node in an .msh file; a file with a larger number is refused.
+"""Largest number that an .msh file may give to a node; a file with a larger one is refused.
 
 meshio's reader makes an array as long as the largest number, which could fill the memory.
 """
 METRES_PER_UNIT = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
-"""Metres per unit of length of a mesh file."""
+"""Metres in each unit of length that the coordinates of a mesh file may have."""
 LONGEST_REASON = 160
-"""Largest number of characters that a refusal repeats of the error of meshio's reader."""
+"""Largest number of characters of meshio's own error message that drumlin's message repeats."""
 
 
 def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
-    """Write a shoe's mesh in the brake's frame [m] with its groups: .msh (Gmsh 2.2), .inp or .vtu.
+    """Write a shoe's mesh with its groups to a file, in the brake's frame [m].
 
-    The eight-node quadrilaterals of an .inp file lack the centre node of quad2. Raises BadInput for
-    another suffix.
+    The suffix of the path is .msh (Gmsh 2.2), .inp or .vtu; BadInput is raised for another one. In
+    an .inp file quadratic quadrilaterals have eight nodes, without the centre node.
     """
     if path.suffix not in FORMATS:
         raise BadInput(
@@ -92,7 +93,8 @@ def _write_msh(
     edges: Mapping[str, Ints],
 ) -> None:
     """Write a mesh with its groups as a Gmsh file of format 2.2."""
-    # Gmsh wants the ends of an edge first and its middle node last.
+    # Gmsh's order of nodes on an edge is both ends, then the middle node. Each group becomes a
+    # block of cells or edges with a number of its own.
     blocks = [(kind.cell, cells[elements]) for elements in subdomains.values()]
     blocks += [(kind.edge, along[[0, -1, *range(1, len(along) - 1)]].T) for along in edges.values()]
     numbers = range(1, len(blocks) + 1)
@@ -117,7 +119,7 @@ def _write_vtu(
     subdomains: Mapping[str, Ints],
     edges: Mapping[str, Ints],
 ) -> None:
-    """Write a mesh as a .vtu file, whose groups are arrays that are 1 on the members."""
+    """Write a mesh as a .vtu file; each group is an array that is 1 on its members, else 0."""
     members = {
         name: np.isin(np.arange(len(cells)), elements) for name, elements in subdomains.items()
     }
@@ -132,26 +134,31 @@ def _write_vtu(
 
 
 def _points_in_space(xy: Floats) -> Floats:
-    """Points (n, 3) in space for points (n, 2) in the plane: z is zero."""
+    """The points (n, 3) in space for points (n, 2) in the plane; their z is zero."""
     return np.column_stack([xy, np.zeros(len(xy))])
 
 
 def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
-    """A user's mesh of a shoe [in shoe.mesh_unit and shoe.mesh_frame], in the shoe's frame [m].
+    """Read a user's mesh of a shoe from a file; return scikit-fem's mesh in the shoe's frame [m].
 
-    Raises BadInput, naming `key` and the file, for a file that cannot be read or used.
+    The coordinates in the file have the unit `shoe.mesh_unit` and the frame `shoe.mesh_frame`.
+    BadInput is raised for a file that cannot be read or used; its message names `key` and the file.
     """
     return read_shoe_mesh(path, shoe, radius, key).mesh
 
 
 def read_shoe_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> ShoeMesh:
-    """A user's mesh as `read_mesh`, with what was moved and passed over."""
+    """Read a user's mesh of a shoe from a file, with notes on moved nodes and ignored parts.
+
+    See `read_mesh` for the parameters and errors.
+    """
     fault = f"{key} = '{path}'"
     content = _read_content(path, shoe, fault)
     if len(content.points) > MOST_FILE_NODES:
         raise BadInput(
             f"{fault}: has {len(content.points)} nodes; must have at most {MOST_FILE_NODES}"
         )
+    # The coordinates in the shoe's frame [m], and how much they were rounded in the file.
     unit = METRES_PER_UNIT[shoe.mesh_unit]
     points = _plane_points(content, fault)
     rounding = content.rounding
@@ -161,13 +168,14 @@ def read_shoe_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> 
     if shoe.mesh_frame == "brake":
         points = shoe.own_points(points)
     plane = make_plane_cells_of_one_kind(content, points, fault)
-    # Nodes that were added stand where other nodes put them.
+    # Nodes that were added have positions between other nodes, and no rounding of their own.
     slack = np.zeros((len(plane.points), 2))
     slack[: len(points)] = rounding * unit
     mesh, vertex = _mesh_and_vertices(plane.cell, plane.cells, plane.points, fault)
     nodal, _ = _mesh_and_vertices(plane.cell, plane.cells, slack, fault)
     mesh = _add_groups(content, shoe, plane, mesh, vertex, fault)
     mesh = check_shoe_mesh(mesh, shoe, radius, fault, content.group_names)
+    # A mesh whose contact nodes were moved is checked again.
     contact = move_contact_nodes_onto_surface(mesh, nodal.doflocs, shoe, radius)
     if contact.mesh is not mesh:
         check_shoe_mesh(
@@ -177,7 +185,10 @@ def read_shoe_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> 
 
 
 def _read_content(path: Path, shoe: Shoe, fault: str) -> FileContent:
-    """The content of a mesh file. Raises BadInput, led by `fault`, for an unreadable file."""
+    """Read the content of a mesh file: nodes, cells and groups.
+
+    BadInput is raised for a file that cannot be read; its message begins with `fault`.
+    """
     try:
         regular = stat.S_ISREG(path.stat().st_mode)
     except (OSError, ValueError) as error:
@@ -197,17 +208,17 @@ def _read_content(path: Path, shoe: Shoe, fault: str) -> FileContent:
             contextlib.redirect_stderr(printed),
             warnings.catch_warnings(),
         ):
-            # Warnings are silenced, since the checks of drumlin find the faults of a mesh.
+            # Warnings of meshio are not shown, since drumlin's own checks find faults of a mesh.
             warnings.simplefilter("ignore")
-            # numpy before 2.3 warns, and newer ones raise, where a file has fewer numbers than its
-            # counts promise.
+            # If a file has fewer numbers than it promises, numpy before 2.3 warns and later ones
+            # raise an error. The warning becomes an error too.
             warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
             return _read_by_format(path, suffix, data, shoe)
     except MemoryError as error:
         raise BadInput(
             f"{fault}: is not a mesh that can be read (it needs more memory than there is)"
         ) from error
-    # meshio's readers raise errors of many kinds.
+    # meshio's readers raise errors of many kinds, and one of them ends the program.
     except (Exception, SystemExit) as error:
         reason = f"{type(error).__name__}: {error}"
         if isinstance(error, SystemExit):
@@ -220,9 +231,9 @@ def _read_content(path: Path, shoe: Shoe, fault: str) -> FileContent:
 
 
 def _read_by_format(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileContent:
-    """The nodes, cells and groups of a mesh file with the bytes `data`.
+    """The nodes, cells and groups of a mesh file, read by the reader of its format.
 
-    Suffix and first bytes together tell the format.
+    The suffix and the first bytes of `data`, the content of the file, tell the format.
     """
     start = data.lstrip()[:1]
     # The mesher of CalculiX writes Abaqus text into files named .msh.
@@ -236,16 +247,21 @@ def _read_by_format(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileCon
 
 
 def _names_of_element_groups(shoe: Shoe) -> list[str]:
-    """The names in the file of the groups of elements that a shoe may have."""
+    """The names that groups of elements may have in the mesh file of a shoe.
+
+    They are "lining", "backing", "table" and "shoe", or the names in the shoe's key `groups`.
+    """
     names = ("lining", "backing", "table", "shoe")
     return list(itertools.chain.from_iterable(shoe.groups.names_of(name) for name in names))
 
 
 def _check_node_numbers(path: Path, fault: str) -> None:
-    """Refuse node numbers in a text .msh file (2.2, 4.1) that would take all memory.
+    """Refuse an .msh file (text, format 2.2 or 4.1) with node numbers that would fill the memory.
 
-    Other faults of the file are found later, by its reader.
+    Other faults of the file are found later, when it is read.
     """
+    # Format 2.2 has a number and three coordinates on each line. Format 4.1 has blocks, each with
+    # its numbers first and its coordinates after them.
     numbers = np.zeros(0)
     with (
         contextlib.suppress(ValueError, IndexError, MemoryError, DeprecationWarning),
@@ -277,10 +293,10 @@ def _next_numbers(file: Any, count: int) -> Floats:
 
 
 def _plane_points(content: FileContent, fault: str) -> Floats:
-    """Coordinates x, y (n, 2) of all nodes, in the file's unit.
+    """The coordinates x, y (n, 2) of all nodes of a mesh file, in the file's unit.
 
-    Raises BadInput, led by `fault`, for a mesh that is not plane. Nodes that belong to no plane
-    cell may lie anywhere.
+    BadInput is raised for a mesh that is not plane; its message begins with `fault`. Nodes that
+    belong to no plane cell may have any z.
     """
     points = content.points
     used = [cells.ravel() for name, cells in content.cells.items() if name not in BESIDE]
@@ -299,9 +315,19 @@ def _plane_points(content: FileContent, fault: str) -> Floats:
 
 
 def _mesh_and_vertices(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints]:
-    """skfem's mesh of the cells, and the number (n,) of each of the file's nodes as its vertex.
+    """scikit-fem's mesh of the cells in a file, and which vertex of it each node of the file is.
 
-    The number is -1 for a node that is no corner of a cell.
+    Parameters
+    ----------
+    cell : meshio's name of the type of the cells
+    cells : (m, k) nodes of each cell
+    points : (n, 2) coordinates of the nodes
+    fault : beginning of each message
+
+    Returns
+    -------
+    the mesh, and for each node (n,) the number of its vertex in the mesh; -1 for a node that is no
+    corner of a cell
     """
     kind = next(kind for kind in MESH_KINDS.values() if kind.cell == cell)
     used, numbered = np.unique(cells, return_inverse=True)
@@ -320,8 +346,16 @@ def _add_groups(
 ) -> Any:
     """The mesh with the groups of the file as its subdomains and boundaries.
 
-    Subdomains come from cells, boundaries from edges or from nodes. `vertex` (n,) is the number in
-    the mesh of each point that is a corner.
+    Groups of cells become subdomains. Groups of edges or of nodes become boundaries.
+
+    Parameters
+    ----------
+    content : content of the mesh file
+    shoe : the shoe, whose key `groups` may give other names for groups in the file
+    plane : plane cells of the file, all of one kind
+    mesh : scikit-fem's mesh of these cells
+    vertex : (n,) number in the mesh of each node that is a corner of a cell, otherwise -1
+    fault : beginning of each message
     """
     subdomains, boundaries = {}, {}
     for name in GROUP_NAMES:
@@ -341,7 +375,7 @@ def _add_groups(
 
 
 def _check_given_names(content: FileContent, shoe: Shoe, fault: str) -> None:
-    """Refuse names in the key `groups` that the file does not have."""
+    """Refuse names in a shoe's key `groups` that the mesh file does not have."""
     for name in shoe.groups.given:
         missing = [
             alias for alias in shoe.groups.names_of(name) if alias not in content.group_names
@@ -354,7 +388,7 @@ def _check_given_names(content: FileContent, shoe: Shoe, fault: str) -> None:
 
 
 def _find_cells(content: FileContent, plane: PlaneCells, names: list[str]) -> Ints:
-    """Numbers of the elements in the groups of these names, each once."""
+    """The numbers of the elements in the groups of the given names, each number once."""
     found = [np.zeros(0, dtype=np.int64)]
     for name in names:
         for cell, rows in content.cell_groups.get(name, {}).items():
@@ -371,7 +405,16 @@ def _find_facets(
     names: list[str],
     fault: str,
 ) -> Ints:
-    """Numbers of the facets in the groups of these names: of edges, or else of nodes."""
+    """The numbers of the mesh's edges in the groups of the given names in a file.
+
+    Groups of edges are used. If the file has none of these names, groups of nodes are used.
+
+    Parameters
+    ----------
+    content, plane, mesh, vertex : as in `_add_groups`
+    names : names of the groups
+    fault : beginning of each message
+    """
     ends = [np.zeros((0, 2), dtype=np.int64)]
     outer_ends = list(ends)
     for name in names:
@@ -380,7 +423,7 @@ def _find_facets(
                 ends.append(content.cells[cell][rows, :2])
         ends += [content.edge_groups[name]] if name in content.edge_groups else []
         outer_ends += [content.outer_groups[name]] if name in content.outer_groups else []
-    # A set of nodes counts only where the file has no edges of the same name.
+    # A set of nodes is used only if the file has no edges of the same name.
     found = _facets_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
     outlined = _facets_between_vertices(mesh, vertex[np.concatenate(outer_ends)], fault)
     outer = mesh.boundary_facets()
@@ -396,9 +439,10 @@ def _find_facets(
 def _facets_between_nodes(
     plane: PlaneCells, mesh: Any, vertex: Ints, inside: Bools, fault: str
 ) -> Ints:
-    """The facets whose nodes all belong to a set of nodes, `inside` (n,).
+    """The numbers of the mesh's edges whose nodes all belong to a set of nodes.
 
-    A set without any middle node names the corners of its edges alone.
+    If the set has no middle nodes at all, only the corners of the edges must belong to it.
+    `inside` (n,) marks the nodes of the set; the other parameters are those of `_add_groups`.
     """
     corners = plane.corners
     ends = plane.cells[:, :corners]
@@ -411,8 +455,11 @@ def _facets_between_nodes(
 
 
 def _facets_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
-    """Numbers of the facets between the vertices `ends` (n, 2), each once."""
-    # A facet is found by one number that both its vertices make.
+    """The numbers of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
+
+    BadInput is raised for pairs that are no edge of the mesh; its message begins with `fault`.
+    """
+    # An edge is looked up by one number that is made of the numbers of its two vertices.
     key = mesh.facets[0].astype(np.int64) * mesh.nvertices + mesh.facets[1]
     order = np.argsort(key)
     low, high = np.sort(ends, axis=1).T

@@ -1,4 +1,4 @@
-"""A shoe's mesh from a file, the changes made to the mesh, and the notes of an answer on them."""
+"""A shoe's mesh that was read from a file, and the notes on it that go with the shoe's result."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,43 +12,47 @@ from drumlin.brake.brake import Shoe
 from drumlin.response.response import ShoeResponse
 
 SMALLEST_REPORTED_MOVE = 1e-3
-"""Distance above which a note tells of a moved node, or of a contact line off the surface.
+"""Distance above which a note reports that contact nodes were moved, or lie off the surface.
 
 The distance is relative to the lining's mean compression p t/E. The pressure changes by about the
 same fraction.
 """
 ZIGZAG = 0.2
-"""Height above which the ups and downs of a contact line count as turns.
+"""Height of a wave in the lining's face, as meshed, above which its top or bottom is a turn.
 
 The height is relative to the lining's mean compression p t/E. A zigzag of this height makes the
 pressure go up and down by a tenth of its mean.
 """
 FEW_TURNS = 5
-"""Number of turns that the contact line of any lining may have: flats, steps, a worn end."""
-NODES_PER_TURN = 8
-"""Smallest number of nodes per turn of the contact line on a mesh that resolves a lining's shape.
+"""Largest number of turns between up and down that any meshed lining's face may have.
 
-A line with more than FEW_TURNS turns and fewer nodes per turn is a zigzag of the mesh, or its
-straight sides were split.
+Real linings have flats, steps or a worn end.
+"""
+NODES_PER_TURN = 8
+"""Smallest number of contact nodes per turn between up and down that shows a lining's real shape.
+
+A meshed face with more than FEW_TURNS turns and fewer nodes per turn is refused. It is a zigzag of
+inexact nodes, or straight edges were split into several.
 """
 MOST_TURNS = 12
-"""Number of turns above which a contact line is a polygon, however many nodes resolve each turn.
+"""Number of turns between up and down above which a meshed lining's face is refused as a polygon.
 
-Turns count here from a height of half the lining's mean compression p t/E on.
+The number of nodes per turn does not matter. Turns are counted here if their height is above half
+the lining's mean compression p t/E.
 """
 
 
 @dataclass(frozen=True)
 class ContactOnSurface:
-    """A mesh with its contact line put on the lining's surface, and what was moved.
+    """A mesh whose contact nodes were moved onto the drum or the plane, with counts of moved nodes.
 
     Parameters
     ----------
-    mesh : skfem's mesh in the shoe's frame [m]
-    rounded : number of nodes that were moved by no more than the rounding of their coordinates
-    rounded_by : the largest of these moves [m]
-    straight : number of middle nodes of straight sides that were moved
-    straight_by : the largest of these moves [m]
+    mesh : scikit-fem's mesh in the shoe's frame [m]
+    rounded : number of nodes that were moved to undo the rounding of their coordinates
+    rounded_by : largest distance that these nodes were moved [m]
+    straight : number of middle nodes of straight edges that were moved
+    straight_by : largest distance that these middle nodes were moved [m]
     """
 
     mesh: Any
@@ -60,10 +64,13 @@ class ContactOnSurface:
 
 @dataclass(frozen=True)
 class ShoeMesh:
-    """A shoe's mesh from a file, in the shoe's frame [m], and what the file was taken for.
+    """A shoe's mesh that was read from a file, with notes on changes.
 
-    `contact` says which nodes of the contact line were put on the lining's surface; `notes` what
-    was passed over and changed.
+    Attributes
+    ----------
+    mesh : scikit-fem's mesh in the shoe's frame [m]
+    contact : the mesh with counts of the contact nodes that were moved onto the drum or the plane
+    notes : lines that tell which parts of the file were ignored or changed
     """
 
     mesh: Any
@@ -74,25 +81,30 @@ class ShoeMesh:
 def notes_on_mesh_file(
     shoe: Shoe, made: ShoeMesh, xy: Floats, radius: float, response: ShoeResponse
 ) -> Iterator[str]:
-    """Lines about a shoe's mesh file: what was passed over, what was moved, and what counts as gap.
+    """Yield the notes on a shoe's mesh file that go with the shoe's result, one line each.
+
+    The notes report parts of the file that were ignored, contact nodes that were moved, and offsets
+    of the contact that count as a gap.
 
     Parameters
     ----------
-    shoe, radius : the shoe, and the drum's radius [m] or the pad's length
-    made : its mesh
-    xy : nodes (2, n) [m] of the contact line, sorted along it
-    response : the shoe's answer, for its mean pressure
+    shoe : the shoe
+    made : mesh of the shoe
+    xy : (2, n) coordinates of the contact nodes along the lining [m]
+    radius : radius of the drum [m]; on a plane the length of the pad
+    response : result of the shoe, which gives the mean pressure
 
     Raises
     ------
     BadInput
-        for a contact line in zigzag, and for a polygon
+        if the contact nodes form a zigzag or a polygon
     """
     lead = f"shoe {shoe.name!r}: its mesh"
     yield from (f"{lead}: {note}" for note in made.notes)
     compression = mean_compression(shoe, response)
     if compression <= 0:
         return
+    # Nodes that were moved farther than a small part of the compression are reported.
     contact, surface = made.contact, shoe.surface.word
     moves = (
         (contact.rounded, contact.rounded_by, "nodes", "the rounding of the file's coordinates"),
@@ -104,6 +116,7 @@ def notes_on_mesh_file(
                 f"{lead}: {count} {nodes} of the contact line were put on the {surface}, "
                 f"by up to {_distance_in_words(by, compression)}: {cause}"
             )
+    # Offsets that remain count as a gap, unless they are a zigzag.
     off = shoe.off(xy, radius)
     _check_smooth(off, compression, lead, surface)
     most = float(np.abs(off).max())
@@ -115,7 +128,11 @@ def notes_on_mesh_file(
 
 
 def mean_compression(shoe: Shoe, response: ShoeResponse) -> float:
-    """The lining's mean compression p t/E [m] under the mean pressure over its whole length."""
+    """The lining's mean compression p t/E [m].
+
+    The pressure p is the mean over the whole length of the lining, t is its thickness, and E its
+    modulus through the thickness.
+    """
     theta, pressure = response.theta, response.pressure
     length = float(theta[-1] - theta[0])
     mean = float(np.sum((pressure[1:] + pressure[:-1]) / 2 * np.diff(theta))) / length
@@ -123,13 +140,21 @@ def mean_compression(shoe: Shoe, response: ShoeResponse) -> float:
 
 
 def _distance_in_words(distance: float, compression: float) -> str:
-    """A distance [m] in words, beside the lining's mean compression [m]."""
+    """The text of a distance [m], with its ratio to the lining's mean compression [m]."""
     ratio = f"{distance / compression:.2g}"
     return f"{distance * 1e6:.3g} um ({ratio} of the lining's mean compression p t/E)"
 
 
 def _check_smooth(off: Floats, compression: float, lead: str, surface: str) -> None:
-    """Refuse a contact line whose offsets (n,) [m] are no shape of a lining."""
+    """Refuse a mesh whose contact nodes form a zigzag or a polygon.
+
+    Parameters
+    ----------
+    off : (n,) offsets of the contact nodes from the drum or the plane, along the lining [m]
+    compression : mean compression of the lining [m]
+    lead : beginning of the message
+    surface : word for the surface in the message: drum or plane
+    """
     turns, high = (
         count_turns_of_offsets(off, ZIGZAG * compression),
         count_turns_of_offsets(off, compression / 2),
@@ -146,9 +171,12 @@ def _check_smooth(off: Floats, compression: float, lead: str, surface: str) -> N
 
 
 def count_turns_of_offsets(off: Floats, height: float) -> int:
-    """How often a line of offsets (n,) turns after it went up or down by more than `height`."""
+    """The number of times that offsets (n,) turn from rising to falling or from falling to rising.
+
+    A turn is counted only after a rise or fall by more than `height`.
+    """
     turns, direction = 0, 0
-    # The last extreme is the highest value while the line rises, the lowest while it falls.
+    # While the offsets rise, `extreme` is the highest value so far; while they fall, the lowest.
     extreme = float(off[0])
     for value in off.tolist():
         if direction * (value - extreme) > 0:

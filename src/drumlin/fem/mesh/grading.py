@@ -1,6 +1,7 @@
-"""The division of a parametric lining into elements along its arc and through its thickness.
+"""The division of a lining into linear or quadratic elements, along its arc and its thickness.
 
-Elements shrink linearly towards the lining's edges, where the pressure is singular.
+Elements become smaller towards the lining's ends, where the pressure is singular. Their size there
+falls linearly with the distance from the end.
 """
 
 import math
@@ -12,26 +13,27 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 
 EDGE_SIZE = 1 / 32
-"""Size of an element at the lining's sharp edge relative to an element in the lining's middle.
+"""Size of the element at a lining's end relative to that of an element in the lining's middle.
 
-Layers at the lining's faces are as much thinner than in its middle. The pressure is singular at the
-edge. With four times this size the error of p is a quarter larger in the median of 22 random
-brakes, and up to six times as large; with half of this size the error is the same.
+The layers of elements at the lining's two faces are thinner than those in its middle by the same
+ratio. The pressure p is singular at the end. With four times this size the error of p is a quarter
+larger in the median of 22 random brakes, and up to six times as large. With half of this size the
+error is the same.
 """
 MOST_OVERHANG_ELEMENTS = 200
-"""Largest number of elements along the body on either side of the lining, to save memory.
+"""Largest number of elements along the shoe's body beyond each end of the lining, to save memory.
 
-Longer overhangs have larger elements.
+A body that reaches farther beyond the lining has larger elements.
 """
 MOST_QUADRATIC_LAYERS = 8
-"""Largest number of layers through the backing, and through the body, of quadratic elements.
+"""Largest number of layers of quadratic elements through a shoe's backing, and through its body.
 
-With a limit the unknowns grow with the number of elements along the lining and not with its square.
-On 22 random brakes twice as many layers take 1.4 times the unknowns for the same error of p. Half
-as many layers make the error up to 2.4 times as large.
+With this limit the number of unknowns is in proportion to the number of elements along the lining,
+not to its square. On 22 random brakes twice as many layers take 1.4 times the unknowns for the same
+error of the pressure. Half as many layers make the error up to 2.4 times as large.
 """
 MOST_LINEAR_LAYERS = 80
-"""Largest number of layers through the backing, and through the body, of linear elements.
+"""Largest number of layers of linear elements through a shoe's backing, and through its body.
 
 Linear elements bend well only in thin layers. The limit is the default number of elements along a
 lining. On 22 random brakes 40 and 160 layers give the same errors.
@@ -40,14 +42,15 @@ lining. On 22 random brakes 40 and 160 layers give the same errors.
 
 @dataclass(frozen=True)
 class LiningDivision:
-    """The division of a lining, and of the parts around it.
+    """The division of a lining into elements, and the sizes of elements behind and beyond it.
 
     Attributes
     ----------
-    angles : (m + 1,) phi of the ends of the elements along the lining [rad]
-    depths : (l + 1,) ends of its layers below its surface [m]
-    step : length of the elements elsewhere, in the body and its overhangs [rad]
-    behind : smallest number of layers through backing and body each
+    angles : (m + 1,) angles phi of the ends of the elements along the lining [rad]
+    depths : (l + 1,) depths of the ends of the lining's layers below its face [m]
+    step : length [rad] of the elements of the body beyond the lining, and thickness of the layers
+        of backing and body divided by the drum's radius
+    behind : smallest number of layers through the backing, and through the body
     """
 
     angles: Floats
@@ -57,7 +60,17 @@ class LiningDivision:
 
 
 def divide_lining(shoe: Shoe, radius: float, elements: int) -> LiningDivision:
-    """The division of a lining into `elements`, graded to its ends, with layers in proportion."""
+    """The division of a lining into a given number of elements along its arc.
+
+    The elements become smaller towards the lining's ends. The number of layers grows with the
+    number of elements, and layers are thinner at the lining's two faces.
+
+    Parameters
+    ----------
+    shoe : the shoe of the lining
+    radius : radius of the drum [m]
+    elements : number of elements along the lining
+    """
     start, end = shoe.arc
     thickness = shoe.lining.thickness
     return LiningDivision(
@@ -70,24 +83,42 @@ def divide_lining(shoe: Shoe, radius: float, elements: int) -> LiningDivision:
 
 
 def element_ends_along_lining(arc: float, shoe: Shoe, radius: float, elements: int) -> Floats:
-    """Ends of the elements along a lining from 0 to `arc` [rad], graded to both of its ends."""
+    """The angles [rad] of the ends of the elements along a lining, from 0 to `arc`.
+
+    The elements become smaller towards both ends of the lining.
+
+    Parameters
+    ----------
+    arc : angle that the lining covers [rad]
+    shoe : the shoe of the lining
+    radius : radius of the drum [m]
+    elements : number of elements
+    """
     return points_graded_to_both_ends(0.0, arc, elements, shoe.lining.thickness / radius, EDGE_SIZE)
 
 
 def number_of_lining_layers(elements: int) -> int:
-    """The number of layers through a lining with this number of elements along it."""
+    """The number of layers through a lining with a given number of elements along its arc."""
     return min(max(2, round(elements / 15)), 12)
 
 
 def element_ends_beyond_lining(near: float, far: float, division: LiningDivision) -> Floats:
-    """Ends of the elements from `near`, where the lining ends, to `far`, about a step apart.
+    """The ends (m + 1,) of m elements of a shoe's body beyond one end of the lining [rad].
 
-    Ends that coincide count once. If equal steps would make more than MOST_OVERHANG_ELEMENTS
-    elements, the first element is a step long and the lengths grow by one ratio.
+    The elements have about the length of the division's `step`. If there would be more than
+    MOST_OVERHANG_ELEMENTS of them, only the first one has this length, and the lengths grow by a
+    constant ratio.
+
+    Parameters
+    ----------
+    near : position of the lining's end [rad]
+    far : position of the body's end [rad]; only `near` is returned if both coincide
+    division : division of the lining
     """
     length, step = abs(far - near), division.step
     if length < 1e-9:
         return np.array([near])
+    # Equal elements, or elements whose lengths grow by a constant ratio if there were too many.
     count = max(1, round(length / step))
     parts = np.linspace(0, 1, min(count, MOST_OVERHANG_ELEMENTS) + 1)
     if count > MOST_OVERHANG_ELEMENTS:
@@ -103,13 +134,15 @@ def element_ends_beyond_lining(near: float, far: float, division: LiningDivision
 def layer_ends_behind_lining(
     thickness: float, division: LiningDivision, size: float, most: int
 ) -> Floats:
-    """Ends (m,) of the layers of backing or body, as parts of its thickness, the last of them 1.
+    """The depths (m,) of the ends of m layers of a backing or a body, relative to its thickness.
+
+    The layers have equal thickness, and the last depth is 1.
 
     Parameters
     ----------
-    thickness : of backing or body [m]
-    division : of the lining
-    size : thickness of the layers [m], where that makes no more than `most`
+    thickness : thickness of the backing or the body [m]
+    division : division of the lining
+    size : largest thickness of a layer [m]; with `most` layers it may be exceeded
     most : largest number of layers
     """
     count = max(division.behind, min(math.ceil(thickness / size), most))
@@ -119,7 +152,17 @@ def layer_ends_behind_lining(
 def points_with_growing_steps(
     length: float, smallest: float, ratio: float, largest: float
 ) -> Floats:
-    """Points from 0 to `length` whose steps grow by `ratio` from about `smallest` to `largest`."""
+    """Points (n,) from 0 to `length` whose steps grow by a constant ratio up to a limit.
+
+    The steps are scaled in the end so that the last point is `length`.
+
+    Parameters
+    ----------
+    length : position of the last point
+    smallest : about the first step
+    ratio : each step relative to the step before it
+    largest : about the largest step
+    """
     points, step = [0.0], min(smallest, length / 2)
     while points[-1] < length:
         points.append(points[-1] + step)
@@ -128,9 +171,10 @@ def points_with_growing_steps(
 
 
 def _find_growth_of_overhang(total: float) -> float:
-    """Return the growth g by which steps 1, e^g, e^2g, ... have the sum `total`, by bisection.
+    """The growth g for which the sum of the steps 1, e^g, e^2g, ... is `total`, by bisection.
 
-    The number of steps is MOST_OVERHANG_ELEMENTS.
+    The steps are lengths of elements beyond the lining, relative to the first one. Their number is
+    MOST_OVERHANG_ELEMENTS.
     """
     low, high = 0.0, 1.0
     while high - low > 1e-12:
@@ -145,19 +189,20 @@ def _find_growth_of_overhang(total: float) -> float:
 def points_graded_to_both_ends(
     start: float, end: float, count: int, zone: float, smallest: float
 ) -> Floats:
-    """count + 1 points from start to end, whose steps shrink linearly over a zone at each end.
+    """Points (count + 1,) from `start` to `end`, whose steps become smaller towards both ends.
 
-    At the distance d from the nearer end the step is h(d) = h_0 min(1, smallest + d / zone). The
-    points lie at equal parts of Int dd / h.
+    At the distance d from the nearer end the step is h(d) = h_0 min(1, smallest + d / zone). From
+    each point to the next the integral Int dd / h is the same.
 
     Parameters
     ----------
-    start, end : the ends
+    start, end : positions of the first and the last point
     count : number of steps
-    zone : length over which the steps shrink at each end
-    smallest : smallest step relative to the inner steps h_0
+    zone : length at each end over which the steps become smaller
+    smallest : step at the ends relative to the step h_0 in the middle
     """
-    # Equal parts of the integral of dd / h give the points, mirrored about the middle.
+    # The points are symmetric about the middle. The integral from the nearer end to each point
+    # grows in equal parts, and the distance d follows from the integral.
     half = (end - start) / 2
     total = number_of_inner_steps(half, half, zone, smallest)
     part = total * np.minimum(np.arange(count + 1), np.arange(count + 1)[::-1]) / (count / 2)
@@ -165,7 +210,7 @@ def points_graded_to_both_ends(
     inner = number_of_inner_steps(reach, half, zone, smallest)
     in_zone = zone * smallest * np.expm1(np.minimum(part, inner) / zone)
     d = np.where(part <= inner, in_zone, reach + part - inner)
-    # Points of the second half count their distance d from the end.
+    # In the second half d is the distance from the end.
     left = np.arange(count + 1) <= count / 2
     points = np.where(left, start + d, end - d)
     points[0], points[-1] = start, end
@@ -173,10 +218,18 @@ def points_graded_to_both_ends(
 
 
 def number_of_inner_steps(d: float, half: float, zone: float, smallest: float) -> float:
-    """Return the number of inner steps h_0 with which the graded steps up to `d` count.
+    """The integral Int_0^d dd h_0 / h over the graded steps h up to the distance d from an end.
 
-    The number is Int_0^d dd h_0 / h, with the steps h of `points_graded_to_both_ends`. Beyond the
-    reach of the grading all steps are h_0.
+    The steps h are those of `points_graded_to_both_ends`. Beyond the zone in which they become
+    smaller, all steps are h_0.
+
+    Parameters
+    ----------
+    d : distance from the end
+    half : distance of the middle from the end, which limits the zone
+    zone : length over which the steps become smaller
+    smallest : step at the end relative to h_0
     """
+    # At distances from the end above `reach` all steps are h_0.
     reach = min(zone * (1 - smallest), half)
     return zone * math.log1p(min(d, reach) / (zone * smallest)) + max(d - reach, 0.0)

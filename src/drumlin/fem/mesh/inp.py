@@ -1,7 +1,7 @@
-"""Meshes in Abaqus and CalculiX input files, with their parts, instances, sets and surfaces.
+"""The reader of meshes in Abaqus and CalculiX input files, with parts, instances and sets.
 
-meshio's own reader knows neither the quadratic elements of plane stress nor parts, and passes over
-what moves nodes.
+meshio's own reader knows neither quadratic plane-stress elements nor parts, and ignores keywords
+that move nodes.
 """
 
 from collections import defaultdict
@@ -21,32 +21,40 @@ LOOSE = (
     *("SPRING", "DASHPOT", "MASS", "ROTARYI", "CONN", "GAP", "JOINT", "ITS", "DCOUP", "HEATCAP"),
     *("R2D", "R3D", "RAX", "RB2D", "RB3D", "DIST", "FRAME", "PIPE", "TUBE", "SLIDE"),
 )
-"""Beginnings of the types of elements that are passed over, as no part of a shoe's mesh.
+"""Beginnings of the names of Abaqus element types that are no part of a shoe's mesh.
 
-They are springs, masses, connectors, gaps and rigid bodies.
+They are springs, masses, connectors, gaps and rigid bodies. The reader ignores them.
 """
 
 Parsed = TypeVar("Parsed")
 Key = tuple[str, int]
-"""Name of the instance, and label, of a node or an element in an Abaqus deck."""
+"""The key of a node or an element of an Abaqus deck: name of its instance, and its label there."""
 
 
 class ElementPlace(NamedTuple):
-    """The place of an element: type of its cell, and its row among the cells of that type."""
+    """The place of an element of a deck among the cells of the mesh that is read.
+
+    Attributes
+    ----------
+    cell : meshio's name of the type of its cell
+    row : number of its cell among those of this type
+    """
 
     cell: str
     row: int
 
 
 def read_inp(text: str, folder: Path | None = None, wanted: Collection[str] = ()) -> FileContent:
-    """The mesh in the text of an input file; group names in lower case.
+    """Read the mesh in the text of an Abaqus or CalculiX input file.
+
+    Names of groups become lower case.
 
     Parameters
     ----------
-    text : of the file
-    folder : where files that it includes are looked for
-    wanted : names of groups of elements; where some instances of an assembly hold elements of
-        these groups and others hold none, those others are passed over
+    text : text of the file
+    folder : folder in which files that it includes are looked for
+    wanted : names of the groups of elements of the shoe. If some instances of an assembly have
+        elements in these groups and others have none, the others are ignored.
 
     Raises
     ------
@@ -58,7 +66,11 @@ def read_inp(text: str, folder: Path | None = None, wanted: Collection[str] = ()
 
 
 def _choose_bodies(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
-    """The bodies that hold the shoe: those with elements of the wanted groups, or else all."""
+    """The instances and parts of a deck that make up the shoe.
+
+    They are those with elements in the wanted groups, or all if no group has elements.
+    """
+    # The owners are the instances that have an element in one of the wanted groups.
     bodies = [body for body in deck.bodies if body.part.nodes]
     owners = set()
     for body in deck.bodies:
@@ -70,7 +82,10 @@ def _choose_bodies(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
 
 
 def _find_owners(deck: Deck, body: DeckInstance, name: str) -> set[str]:
-    """The names of the instances whose elements a set holds; of a set that cannot be read none."""
+    """The names of the instances that an element set of a body has elements of.
+
+    The result is empty for a set that cannot be read.
+    """
     try:
         return {owner.name for owner, _ in deck.members(body, "element_sets", name)}
     except ValueError:
@@ -78,7 +93,10 @@ def _find_owners(deck: Deck, body: DeckInstance, name: str) -> set[str]:
 
 
 class _Assembled:
-    """Nodes, cells and groups of the chosen bodies of a deck, numbered throughout."""
+    """The mesh made of the chosen instances and parts of a deck.
+
+    Each part of a deck numbers its own nodes and elements. The mesh numbers all of them anew.
+    """
 
     def __init__(self, deck: Deck, bodies: list[DeckInstance]) -> None:
         self.deck, self.bodies = deck, bodies
@@ -93,7 +111,11 @@ class _Assembled:
                 self._add_block(body, block.kind, block.elements)
 
     def _number_nodes(self) -> tuple[Floats, Floats]:
-        """All nodes (n, 3), placed, and how far their x and y were rounded (n, 2)."""
+        """Give each node of all instances a number; return the nodes' points and rounding errors.
+
+        The points (n, 3) are in their places in the assembly. The rounding errors (n, 2) are the
+        largest possible ones of x and y in the file.
+        """
         points, rounding = [np.zeros((0, 3))], [np.zeros((0, 2))]
         for body in self.bodies:
             part, start = body.part, len(self.number)
@@ -107,7 +129,11 @@ class _Assembled:
         return np.vstack(points), np.vstack(rounding)
 
     def _add_block(self, body: DeckInstance, kind: str, elements: dict[int, list[int]]) -> None:
-        """Add the elements of a block, or pass over springs, masses and the like."""
+        """Add the elements of one *ELEMENT section to the cells, but not springs or masses.
+
+        `kind` is the type of the elements in Abaqus, and `elements` are the labels of the nodes of
+        each element.
+        """
         cell = meshio_cell_of_abaqus_type(kind)
         if kind.startswith("CPE"):
             self.plane_strain[kind] = None
@@ -123,21 +149,24 @@ class _Assembled:
                 )
             self.place[body.name, label] = ElementPlace(cell, len(rows))
             found = [self._number_of_node(body.name, node, f"element {label}") for node in nodes]
-            # Abaqus writes the middle node of an edge second, meshio last.
+            # The middle node of a quadratic line is the second one in Abaqus, the last in meshio.
             if cell == "line3":
                 first, middle, last = found
                 found = [first, last, middle]
             rows.append(found)
 
     def _number_of_node(self, owner: str, label: int, where: str) -> int:
-        """The number of a node. Raises ValueError, naming where it stands, for an unknown one."""
+        """The number in the mesh of the node with a label of the instance `owner`.
+
+        ValueError is raised for a node that is not defined; its message begins with `where`.
+        """
         found = self.number.get((owner, label))
         if found is None:
             raise ValueError(f"{where} has the node {label}, which the file does not define")
         return found
 
     def content(self) -> FileContent:
-        """The content of the deck: points, cells, groups, rounding and notes."""
+        """The content of the deck as the reader returns it: nodes, cells, groups and notes."""
         nodes, cells = self._read_sets("node_sets"), self._read_sets("element_sets")
         surfaces = self._read_surfaces()
         return FileContent(
@@ -164,7 +193,7 @@ class _Assembled:
         )
 
     def _write_notes(self) -> tuple[str, ...]:
-        """Lines about what was passed over, and about plane strain."""
+        """The notes for the user: ignored keywords and instances, and plane-strain elements."""
         notes = []
         if self.deck.unknown:
             notes.append(f"passed over: {', '.join(self.deck.unknown)}")
@@ -180,14 +209,19 @@ class _Assembled:
         return tuple(notes)
 
     def _read_sets(self, which: str) -> dict[str, list[Key]]:
-        """The members of each node set or element set (`which`), by the set's name.
+        """The members of each node set or element set of the deck, by the set's name.
 
-        A set of the assembly goes before sets of that name in parts.
+        `which` is "node_sets" or "element_sets". A set of the assembly replaces sets of the same
+        name in parts.
         """
         known = self.number if which == "node_sets" else self.place
         what = "node" if which == "node_sets" else "element"
 
         def found(body: DeckInstance, name: str) -> list[Key]:
+            """The members of the set `name` of a body that are in the mesh.
+
+            ValueError is raised for a member that the file does not define.
+            """
             keys = [(owner.name, label) for owner, label in self.deck.members(body, which, name)]
             strange = next((key for key in keys if key not in known), None)
             if strange is not None and self._chosen(strange[0]):
@@ -200,7 +234,7 @@ class _Assembled:
         return self._collect_by_name(lambda body: getattr(body.part, which), found)
 
     def _chosen(self, owner: str) -> bool:
-        """Whether an instance is one of the bodies that were chosen."""
+        """Whether the instance named `owner` is one of the chosen bodies, or no instance at all."""
         return owner == "" or any(body.name == owner for body in self.bodies)
 
     def _collect_by_name(
@@ -208,11 +242,18 @@ class _Assembled:
         named: Callable[[DeckInstance], Collection[str]],
         found: Callable[[DeckInstance, str], list[Parsed]],
     ) -> dict[str, list[Parsed]]:
-        """The members of each named group: of the assembly, or else of all bodies together.
+        """The members of each named group of the deck, by the group's name.
 
-        `named` returns the names of a body's groups, and `found` the members of one of them. The
-        reason why a group cannot be read goes to `broken`.
+        A group of the assembly replaces those of the same name in other bodies. Otherwise the
+        members in all bodies are collected. If a group cannot be read, the reason is kept in
+        `broken`.
+
+        Parameters
+        ----------
+        named : function that returns the names of the groups of a body
+        found : function that returns the members of a group of a body
         """
+        # The assembly is first, so that its groups are known before those of parts.
         groups: dict[str, list[Parsed]] = {}
         assembly = self.deck.bodies[-1]
         bodies = [body for body in self.bodies if body.part is not assembly.part]
@@ -227,7 +268,11 @@ class _Assembled:
         return groups
 
     def _sort_by_cell(self, keys: list[Key]) -> dict[str, Ints]:
-        """Rows of the elements of a group, by the type of their cells."""
+        """The cells of the elements of a group: type of cell -> numbers of the cells.
+
+        `keys` are the elements of the group. Elements without a cell, such as springs, are left
+        out.
+        """
         rows = defaultdict(list)
         for key in keys:
             place = self.place[key]
@@ -236,13 +281,16 @@ class _Assembled:
         return {cell: np.array(found, dtype=np.int64) for cell, found in rows.items()}
 
     def _read_surfaces(self) -> "_Surfaces":
-        """The edges and nodes of all surfaces."""
+        """The edges and nodes of all *SURFACE sections of the deck."""
         found = _Surfaces({}, {}, {})
 
         def take(body: DeckInstance, name: str) -> list[None]:
+            """Add the edges or nodes of the surface `name` of a body to `found`."""
             if name in body.part.refused:
                 raise ValueError(f"the surface {name.upper()}: {body.part.refused[name]}")
             kind, rows = body.part.surfaces[name]
+            # A line of a surface of nodes has a label or a set of nodes. A line of a surface of
+            # elements has a label or a set of elements, and may have a face (S1 to S4).
             if kind == "NODE":
                 keys = [
                     key for row in rows for key in self._members_of_word(body, "node_sets", row[0])
@@ -261,7 +309,12 @@ class _Assembled:
         return found
 
     def _members_of_word(self, body: DeckInstance, which: str, word: str) -> list[Key]:
-        """The nodes or elements that a word on a line of *SURFACE names: a set's, or one label."""
+        """The nodes or elements that a word on a line of *SURFACE stands for.
+
+        The word is the name of a set or the label of one node or element. `which` is "node_sets" or
+        "element_sets".
+        """
+        # In an assembly the name of an instance may stand before the word, with a point between.
         name = word.lower()
         holder = body
         if "." in name and name not in getattr(body.part, which):
@@ -278,9 +331,14 @@ class _Assembled:
     def _edges_of_line(
         self, body: DeckInstance, word: str, face: str, name: str
     ) -> list[list[int]]:
-        """Corner points of the edges that a line of a *SURFACE names.
+        """The corner nodes of the edges that a line of a *SURFACE section stands for.
 
-        A line without a `face` (S1 to S4) names all edges of its elements.
+        Parameters
+        ----------
+        body : body of the surface
+        word : name of an element set or label of an element
+        face : S1 to S4 for one edge of each element; "" for all edges
+        name : name of the surface, for messages
         """
         edges = []
         # Elements without a cell are springs and masses, which have no edges.
@@ -305,7 +363,15 @@ class _Assembled:
 
 
 class _Surfaces(NamedTuple):
-    """Edges of surfaces by name: those that are named, those on the outline; and their nodes."""
+    """The edges and nodes of the surfaces of a deck, by the name of the surface.
+
+    Attributes
+    ----------
+    edges : corner nodes of the edges of surfaces that state the faces of elements
+    outlines : corner nodes of all edges of the elements of other surfaces, of which only those on
+        the outline of the mesh count
+    nodes : nodes of surfaces of nodes
+    """
 
     edges: dict[str, list[list[int]]]
     outlines: dict[str, list[list[int]]]
@@ -313,9 +379,9 @@ class _Surfaces(NamedTuple):
 
 
 def meshio_cell_of_abaqus_type(kind: str) -> str | None:
-    """meshio's type of the cells of an *ELEMENT; None for springs, masses and the like.
+    """meshio's name of the cells for an Abaqus element type; None for springs or masses.
 
-    Raises ValueError for elements that are not plane, and for axisymmetric ones.
+    ValueError is raised for elements that are not plane or are axisymmetric.
     """
     if kind.startswith(LOOSE):
         return None
@@ -334,5 +400,5 @@ def meshio_cell_of_abaqus_type(kind: str) -> str | None:
 
 
 def _make_array_of_rows(rows: list[list[int]], width: int) -> Ints:
-    """Rows of numbers as an array, which may be empty."""
+    """The array (n, width) of n rows of whole numbers; n may be 0."""
     return np.array(rows, dtype=np.int64).reshape(-1, width)

@@ -1,4 +1,7 @@
-"""The sections of an Abaqus or CalculiX deck sorted into parts, instances and an assembly."""
+"""An Abaqus or CalculiX input file (deck), sorted into parts, instances and an assembly.
+
+A part has nodes, elements and sets. An instance is a part in its place in the assembly.
+"""
 
 import math
 from collections.abc import Iterator
@@ -20,11 +23,13 @@ from drumlin.fem.mesh.inp_parts import (
 from drumlin.fem.mesh.inp_text import InputSection, read_deck_sections
 
 MOST_MEMBERS = 2_000_000
-"""Largest number of members of all sets of a deck together; a deck with more is refused.
+"""Largest number of members of all sets of an Abaqus deck together; a deck with more is refused.
 
-A set may name other sets and ranges of labels, so that it can be far larger than its text.
+A set may consist of other sets and of ranges of labels, so that it can have far more members than
+its text has words.
 """
 OTHER_FILE = "reads its data lines from another file; use *INCLUDE, or put them into the deck"
+"""Reason for refusing a keyword of an Abaqus deck whose data lines are in another file."""
 UNREAD_OPTIONS = {
     "NODE": {"INPUT": OTHER_FILE},
     "ELEMENT": {"INPUT": OTHER_FILE, "OFFSET": "renumbers elements; write out their labels"},
@@ -33,18 +38,24 @@ UNREAD_OPTIONS = {
         "INSTANCE": "takes the instance from another analysis; write the mesh out in full",
     },
 }
-"""Options that change nodes, elements or their places and are not read, with what to do instead."""
+"""Options of Abaqus keywords that change nodes or elements and are refused, with the reason.
+
+The reason also tells what to do instead. The outer key is the keyword.
+"""
 UNREAD_SET_OPTIONS = {
     "ELSET": "names the nodes of an element set; write out their labels",
     "COMBINE": "combines other surfaces; write out their elements",
     "CROP": "keeps a part of a surface; write out its elements",
     "INPUT": OTHER_FILE,
 }
-"""Options that change what a set or a surface holds and are not read, with what to do instead."""
+"""Options that change the members of an Abaqus set or surface and are not read, with the reason.
+
+The reason also tells what to do instead. It becomes the message if the shoe needs the set.
+"""
 
 
 class Deck:
-    """Parts, instances and sets of a deck, and the keywords that were passed over."""
+    """An Abaqus or CalculiX input file: its parts, instances and sets, and ignored keywords."""
 
     def __init__(self, text: str, folder: Path | None) -> None:
         self.root, self.assembly = DeckPart(), DeckPart()
@@ -59,14 +70,21 @@ class Deck:
 
     @property
     def bodies(self) -> list[DeckInstance]:
-        """The bodies with nodes: the instances, or the parts of a deck without instances."""
+        """The bodies that may have nodes: all instances, or all parts of a deck without instances.
+
+        The first body is the deck outside of parts, and the last one is the assembly.
+        """
         placed = list(self.instances.values()) or [
             DeckInstance(name, part) for name, part in self.parts.items()
         ]
         return [DeckInstance("", self.root), *placed, DeckInstance("", self.assembly)]
 
     def _add_section(self, section: InputSection) -> None:
-        """Add the nodes, elements, sets or surfaces of one section to its part."""
+        """Add the nodes, elements, sets or surfaces of one section of the deck to its part.
+
+        A section that begins or ends a part, an instance or the assembly changes the part that
+        later sections belong to.
+        """
         keyword, scope = section.keyword, self._scope
         for option, reason in UNREAD_OPTIONS.get(keyword, {}).items():
             if option in section.options:
@@ -90,7 +108,7 @@ class Deck:
             pass_over_section(section, self.unknown)
 
     def _add_nodes(self, section: InputSection) -> None:
-        """Add the nodes of a *NODE section, placed by the *SYSTEM before the section."""
+        """Add the nodes of a *NODE section; a *SYSTEM section before it may move or turn them."""
         kind, scope = section.option("SYSTEM") or "R", self._scope
         if kind not in ("R", "C"):
             raise ValueError(f"*NODE, SYSTEM={kind} is not read; write rectangular coordinates")
@@ -100,19 +118,20 @@ class Deck:
             written = parse_numbers(row[1:], f"node {row[0]}")
             xyz = [*written, 0.0, 0.0, 0.0][:3]
             if kind == "C":
-                # Radius, angle in degrees, height.
+                # Cylindrical coordinates are radius, angle in degrees, and height.
                 angle = math.radians(xyz[1])
                 xyz = [xyz[0] * math.cos(angle), xyz[0] * math.sin(angle), xyz[2]]
             if self._system is not IN_PLACE:
                 xyz = self._system(np.array(xyz)).tolist()
             scope.add_node(label, xyz, [*written, 0.0, 0.0][:2])
+        # The option NSET of a *NODE section makes a set of these nodes.
         labels = InputSection("NSET", {}, [[row[0]] for row in section.rows])
         self._add_to_set(scope.node_sets, labels, section.options.get("NSET"))
 
     def _add_elements(self, section: InputSection) -> None:
         """Add the elements of an *ELEMENT section with the labels of their nodes.
 
-        The reader of the mesh checks the number of nodes later.
+        The number of nodes of each element is checked later.
         """
         kind, found = section.option("TYPE"), dict[int, list[int]]()
         for row in section.rows:
@@ -121,13 +140,18 @@ class Deck:
                 raise ValueError(f"element {label} is defined twice")
             found[label] = nodes
         self._scope.add_elements(kind, found)
+        # The option ELSET of an *ELEMENT section makes a set of these elements.
         labels = InputSection("ELSET", {}, [[str(label)] for label in found])
         self._add_to_set(self._scope.element_sets, labels, section.options.get("ELSET"))
 
     def _add_to_set(
         self, sets: dict[str, list[Member]], section: InputSection, name: str | None
     ) -> None:
-        """Add the data lines of a section to a set: labels, names of sets, or first, last, step."""
+        """Add the data lines of a section to the set `name`; nothing is added without a name.
+
+        A line has labels and names of other sets or, with the option GENERATE, the first label, the
+        last label and the step of a range.
+        """
         if not name:
             return
         for option, reason in UNREAD_SET_OPTIONS.items():
@@ -144,7 +168,7 @@ class Deck:
                 found += [Member(owner, word.lower()) for word in row]
 
     def _add_surface(self, section: InputSection) -> None:
-        """Add a *SURFACE section: its type and data lines under its name."""
+        """Keep the type and the data lines of a *SURFACE section under the surface's name."""
         name = section.options.get("NAME", "").lower()
         for option, reason in UNREAD_SET_OPTIONS.items():
             if option in section.options:
@@ -152,18 +176,18 @@ class Deck:
         self._scope.surfaces[name] = (section.option("TYPE") or "ELEMENT", section.rows)
 
     def _begin_part(self, section: InputSection) -> None:
-        """Begin a part, which the sections up to *END PART belong to."""
+        """Begin a new part; the sections up to *END PART belong to it."""
         name = section.options.get("NAME", "").lower()
         if name in self.parts:
             raise ValueError(f"*PART, NAME={name}: there are two parts of this name")
         self._scope = self.parts[name] = DeckPart(name)
 
     def _begin_assembly(self, section: InputSection) -> None:
-        """Begin the assembly, which the sections outside of its instances belong to."""
+        """Begin the assembly; sections between its instances belong to it."""
         self._scope = self._outer = self.assembly
 
     def _begin_instance(self, section: InputSection) -> None:
-        """Begin an instance: of a part, or with nodes and elements of its own."""
+        """Begin an instance of a part, or an instance with nodes and elements of its own."""
         name, of = (section.options.get(key, "") for key in ("NAME", "PART"))
         part = self.parts.get(of.lower())
         if of and part is None:
@@ -176,10 +200,14 @@ class Deck:
         self.instances[placed.name] = placed
 
     def _end_scope(self, section: InputSection) -> None:
-        """End a part, an instance or the assembly; later sections belong to what is around it."""
+        """End a part, an instance or the assembly.
+
+        After an instance, later sections belong to the assembly; otherwise to the deck itself.
+        """
         own = self._scope
         named = self.instances.get(own.name)
-        # Nodes between *INSTANCE and *END INSTANCE would belong to this instance of the part alone.
+        # Nodes between *INSTANCE and *END INSTANCE would be added to this instance of the part
+        # alone, which is not supported.
         placed = section.keyword == "END INSTANCE" and named is not None and named.part is not own
         if placed and (own.nodes or own.labels):
             raise ValueError(f"*INSTANCE, NAME={own.name} adds nodes or elements to its part")
@@ -194,14 +222,16 @@ class Deck:
         name: str,
         above: tuple[tuple[str, str], ...] = (),
     ) -> Iterator[tuple[DeckInstance, int]]:
-        """Instance and label of each member of a set of a body; sets in the set are opened.
+        """Yield the instance and the label of each member of a set of nodes or elements.
+
+        If a member is a set itself, its members are yielded.
 
         Parameters
         ----------
-        body : the instance, or the part, that the set stands in
+        body : instance or part that the set belongs to
         which : "node_sets" or "element_sets"
-        name : of the set
-        above : body and name of the sets that this set is a member of
+        name : name of the set
+        above : body and name of each set that this set is a member of
 
         Raises
         ------
@@ -216,14 +246,16 @@ class Deck:
         for owner, given in getattr(body.part, which)[name]:
             holder, word = self.instance(owner) if owner else body, given
             if isinstance(word, str) and word not in getattr(holder.part, which) and "." in word:
-                # An assembly writes Shoe-1.12 or Shoe-1.Contact for what belongs to an instance.
+                # An assembly writes Shoe-1.12 or Shoe-1.Contact for label 12 or set Contact of the
+                # instance Shoe-1.
                 before, _, word = word.rpartition(".")
                 holder = self.instance(before)
             if isinstance(word, str) and word in getattr(holder.part, which):
                 yield from self.members(holder, which, word, above)
                 continue
             labels = word if isinstance(word, range) else (_member_label(word, name),)
-            # The length of a range may be beyond what len can say.
+            # The function len fails for a very long range. A slice that is not empty also shows
+            # that there are more labels than allowed.
             if labels[self._room :]:
                 raise ValueError(f"the sets have more than {MOST_MEMBERS} members together")
             self._room -= len(labels)
@@ -231,7 +263,7 @@ class Deck:
                 yield holder, label
 
     def instance(self, name: str) -> DeckInstance:
-        """The instance of a name. Raises ValueError where there is none."""
+        """The instance of the given name. ValueError is raised if the deck has none."""
         found = self.instances.get(name.lower().strip())
         if found is None:
             raise ValueError(f"there is no *INSTANCE, NAME={name}, that a set names")
@@ -246,16 +278,16 @@ SCOPES = {
     "END ASSEMBLY": Deck._end_scope,
     "END INSTANCE": Deck._end_scope,
 }
-"""The method of a deck for each keyword that begins or ends a part, the assembly or an instance."""
+"""The method of `Deck` for each keyword that begins or ends a part, the assembly or an instance."""
 
 
 def _element_label(word: str) -> int:
-    """The label in a word of an *ELEMENT line. Raises ValueError for a word without a label."""
+    """The label that a word on a line of an *ELEMENT section is. ValueError for another word."""
     return parse_label(word, "*ELEMENT")
 
 
 def _member_label(word: str, name: str) -> int:
-    """The label in a word of the set `name`. Raises ValueError for a word that is no label."""
+    """The label that a word in the set `name` is. ValueError is raised for another word."""
     if not word.isdigit():
         raise ValueError(f"the set {name.upper()} names {word!r}, which is no label and no set")
     return int(word)

@@ -1,12 +1,13 @@
-"""The Abaqus and CalculiX keywords that a mesh reader refuses by name or passes over.
+"""The Abaqus and CalculiX keywords that the reader of meshes refuses or ignores.
 
-A keyword that moves nodes, makes nodes or elements, or changes what a group holds is read or
-refused. A keyword that is on no list here is passed over, and a note names it.
+A keyword that moves nodes, makes nodes or elements, or changes the members of a group is either
+read or refused. Another keyword is ignored, and a note names it unless it is known to be harmless.
 """
 
 from drumlin.fem.mesh.inp_text import InputSection
 
 MAKES_MESH = "makes nodes or elements that do not stand in the file; write the mesh out in full"
+"""Reason for refusing an Abaqus keyword that generates nodes or elements."""
 REFUSED = {
     "NGEN": MAKES_MESH,
     "NFILL": MAKES_MESH,
@@ -21,7 +22,10 @@ REFUSED = {
     "CYCLIC SYMMETRY MODEL": "repeats the mesh; write the whole shoe",
     "MAP SOLUTION": "moves nodes; write the mesh out as it is then",
 }
-"""Keywords that change nodes, elements or groups and are refused, with what to do instead."""
+"""Abaqus keywords that change nodes, elements or groups and are refused, each with the reason.
+
+The reason also tells what the user can do instead.
+"""
 
 HARMLESS = frozenset(
     """|HEADING|PREPRINT|RESTART|STEP|END STEP|STATIC|DYNAMIC|VISCO|FREQUENCY|BUCKLE|MATERIAL
@@ -41,15 +45,19 @@ HARMLESS = frozenset(
         "\n    ", ""
     ).split("|")
 )
-"""Keywords of materials, sections, loads, steps and output. They change neither coordinates nor
-elements nor groups: materials, supports and loads of a brake stand in the brake's file. *TRANSFORM
-turns the axes of loads and supports at nodes, and not the nodes."""
+"""Abaqus keywords that the reader of meshes ignores without a note.
+
+They are about materials, sections, loads, steps and output. They change neither coordinates nor
+elements nor groups. The materials, supports and loads of a brake come from the brake's file.
+*TRANSFORM turns the axes of loads and supports at nodes, and not the nodes.
+"""
 
 
 def pass_over_section(section: InputSection, seen: dict[str, None]) -> None:
-    """Refuse a section that cannot be passed over, and add one that a note must name to `seen`.
+    """Refuse or ignore a section of an Abaqus deck whose keyword is not read.
 
-    Raises ValueError, with what to do instead.
+    ValueError is raised for a keyword in `REFUSED`. A keyword that is ignored and not in `HARMLESS`
+    is added to `seen`, so that a note names it.
     """
     keyword = section.keyword
     if keyword in REFUSED:

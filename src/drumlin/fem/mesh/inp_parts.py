@@ -1,4 +1,7 @@
-"""Parts of an Abaqus or CalculiX deck, and their instances in an assembly, placed."""
+"""The parts of an Abaqus or CalculiX input file (deck), and their instances in an assembly.
+
+An instance is a part that is moved and turned to its place in the assembly.
+"""
 
 import math
 from collections.abc import Sequence
@@ -11,9 +14,12 @@ from drumlin.base.arrays import Floats
 
 
 class Member(NamedTuple):
-    """An entry of a set in an Abaqus deck: a range of labels, one label, or the name of a set.
+    """An entry of a set of nodes or elements in an Abaqus deck.
 
-    `owner` is the name of the instance that the labels belong to, "" for the set's own instance.
+    Attributes
+    ----------
+    owner : name of the instance that the labels belong to, "" for the instance of the set itself
+    word : range of labels, or one label or the name of another set as a text
     """
 
     owner: str
@@ -22,7 +28,13 @@ class Member(NamedTuple):
 
 @dataclass
 class DeckBlock:
-    """The elements of one *ELEMENT section: `kind` as the deck writes it, label -> node labels."""
+    """The elements of one *ELEMENT section of an Abaqus deck.
+
+    Attributes
+    ----------
+    kind : type of the elements as the deck writes it
+    elements : label of each element -> labels of its nodes
+    """
 
     kind: str
     elements: dict[int, list[int]]
@@ -30,16 +42,20 @@ class DeckBlock:
 
 @dataclass
 class DeckPart:
-    """Nodes, elements, sets and surfaces of a *PART, of a deck without parts, or of an assembly.
+    """The nodes, elements, sets and surfaces of a part of an Abaqus deck.
+
+    The part is a *PART, the assembly, or a deck without parts.
 
     Parameters
     ----------
-    nodes : label -> x, y, z in the file's unit
-    written : label -> the numbers of the node as the deck writes them, for their rounding
-    turned : whether a *SYSTEM or a cylindrical system turns its coordinates
-    blocks, labels : the elements, and the labels of all of them
-    node_sets, element_sets : members of each set by its name
-    surfaces : type and data lines of each *SURFACE by its name
+    nodes : label of each node -> x, y, z in the file's unit
+    written : label of each node -> its two coordinates as the deck writes them, which show how they
+        were rounded
+    turned : whether a *SYSTEM or a cylindrical system turns the coordinates
+    blocks : elements of each *ELEMENT section
+    labels : labels of all elements
+    node_sets, element_sets : members of each set, by its name
+    surfaces : type and data lines of each *SURFACE, by its name
     refused : reasons why a set or a surface cannot be read, by its name
     """
 
@@ -55,14 +71,14 @@ class DeckPart:
     refused: dict[str, str] = field(default_factory=dict)
 
     def add_node(self, label: int, xyz: Sequence[float], written: list[float]) -> None:
-        """Add a node. Raises ValueError where its label is taken."""
+        """Add a node. ValueError is raised if another node has the same label."""
         if label in self.nodes:
             raise ValueError(f"node {label} is defined twice")
         self.nodes[label] = [*xyz]
         self.written[label] = written
 
     def add_elements(self, kind: str, elements: dict[int, list[int]]) -> None:
-        """Add elements. Raises ValueError where a label is taken."""
+        """Add elements. ValueError is raised if another element has the label of one of them."""
         taken = self.labels & elements.keys()
         if taken:
             raise ValueError(f"element {min(taken)} is defined twice")
@@ -72,32 +88,36 @@ class DeckPart:
 
 @dataclass(frozen=True)
 class Placement:
-    """Where an instance stands: `turn` (3, 3) times a part's coordinates, plus `shift` (3,)."""
+    """The rotation and translation that place a part in the assembly of an Abaqus deck.
+
+    The coordinates in the assembly are `turn` (3, 3) times those of the part, plus `shift` (3,).
+    """
 
     turn: Floats
     shift: Floats
 
     def __call__(self, xyz: Floats) -> Floats:
-        """Points (n, 3) of a part as they are placed."""
+        """The points (n, 3) in the assembly for points (n, 3) of the part."""
         return xyz @ self.turn.T + self.shift
 
     @property
     def moves(self) -> bool:
-        """Whether the placement moves a part at all."""
+        """Whether the placement moves or turns the part at all."""
         return bool(np.any(self.turn != np.eye(3)) or np.any(self.shift))
 
     @property
     def turns(self) -> bool:
-        """Whether the placement turns a part's axes."""
+        """Whether the placement turns the part's axes."""
         return bool(np.any(self.turn != np.eye(3)))
 
 
 IN_PLACE = Placement(np.eye(3), np.zeros(3))
+"""The placement that leaves a part where it is."""
 
 
 @dataclass(frozen=True)
 class DeckInstance:
-    """A part as it stands in the assembly."""
+    """A part of an Abaqus deck in its place in the assembly."""
 
     name: str
     part: DeckPart
@@ -105,12 +125,14 @@ class DeckInstance:
 
 
 def placement_of_instance(rows: list[list[str]], name: str) -> Placement:
-    """The placement of an *INSTANCE from its data lines: a shift, then a turn about an axis.
+    """The placement of an *INSTANCE from its data lines: a translation, then a rotation.
 
-    The second line holds two points on the axis and the angle in degrees.
+    The first line has the translation. The second line has two points on the axis of the rotation
+    and the angle in degrees. ValueError is raised for other lines.
     """
     if len(rows) > 2:
         raise ValueError(f"*INSTANCE, NAME={name} has {len(rows)} data lines; must have at most 2")
+    # The first line is the translation x, y, z.
     shift = np.zeros(3)
     if rows:
         given = parse_numbers(rows[0], f"*INSTANCE, NAME={name}")
@@ -125,6 +147,7 @@ def placement_of_instance(rows: list[list[str]], name: str) -> Placement:
         raise ValueError(
             f"*INSTANCE, NAME={name}: its second data line must be two points and an angle"
         )
+    # The translated part is turned about the axis, which need not run through the origin.
     turn = _rotation_matrix(
         (second - first) / np.linalg.norm(second - first), math.radians(given[6])
     )
@@ -132,16 +155,17 @@ def placement_of_instance(rows: list[list[str]], name: str) -> Placement:
 
 
 def _rotation_matrix(axis: Floats, angle: float) -> Floats:
-    """The matrix (3, 3) that turns by an angle [rad] about a unit vector (3,) (Rodrigues)."""
+    """The rotation matrix (3, 3) for an angle [rad] about a unit vector (3,) (Rodrigues)."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
 
 
 def placement_by_system(rows: list[list[str]]) -> Placement:
-    """The placement of nodes after a *SYSTEM section, from its data lines.
+    """The placement of the nodes after a *SYSTEM section, from its data lines.
 
-    They give the origin, a point on the x-axis and a point in the plane x, y.
+    The lines have the origin of the system, a point on its x-axis, and a point in its x-y plane. An
+    empty section ends the system. ValueError is raised for other lines.
     """
     if not rows:
         return IN_PLACE
@@ -152,6 +176,7 @@ def placement_by_system(rows: list[list[str]]) -> Placement:
     third = parse_numbers(rows[1], "*SYSTEM") if len(rows) == 2 else [0.0, 0.0, 1.0]
     if len(given) != 6 or len(rows) > 2 or len(third) not in (2, 3):
         raise ValueError("*SYSTEM needs an origin, a point on its x-axis and one in its x-y plane")
+    # The axes of the system are x, normal times x, and the normal of the x-y plane.
     beside = np.array([*third, 0.0][:3]) - origin
     x = along - origin
     normal = np.cross(x, beside) if len(rows) == 2 else np.array([0.0, 0.0, 1.0])
@@ -162,9 +187,10 @@ def placement_by_system(rows: list[list[str]]) -> Placement:
 
 
 def parse_numbers(words: list[str], where: str) -> list[float]:
-    """Numbers in the words of a data line; Fortran's exponents D are read too.
+    """The numbers in the words of a data line; Fortran's exponents with D are read too.
 
-    Raises ValueError for a word that is no number; `where` names its section in the message.
+    ValueError is raised for a word that is no number. `where` is the section that its message
+    names.
     """
     found = []
     for word in words:
@@ -176,7 +202,10 @@ def parse_numbers(words: list[str], where: str) -> list[float]:
 
 
 def parse_label(word: str, where: str) -> int:
-    """The label in a word. Raises ValueError, naming `where`, for a word that is no label."""
+    """The label that a word is: a whole number.
+
+    ValueError is raised for another word; its message begins with the section `where`.
+    """
     try:
         return int(word)
     except ValueError:

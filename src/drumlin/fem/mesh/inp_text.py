@@ -1,4 +1,7 @@
-"""The text of an Abaqus or CalculiX input file as sections: keyword, options and data lines."""
+"""The text of an Abaqus or CalculiX input file, split into sections.
+
+A section is a keyword line (a keyword with a star and its options) and the data lines after it.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,34 +10,51 @@ from typing import NamedTuple
 from drumlin.fem.mesh.content import MOST_NESTED, read_mesh_bytes
 
 DATA_STARTS = frozenset("*+-.0123456789")
-"""First characters of a line that does not continue the options of the keyword line before it.
+"""First characters of a line of an Abaqus input file that begins with a keyword or a number.
 
-The line begins with a keyword or a number.
+After a keyword line that ends with a comma, such a line does not continue the keyword's options.
 """
 
 
 class InputSection(NamedTuple):
-    """A keyword, upper case without its star; its options, keys in upper case; its data lines."""
+    """A section of an Abaqus input file.
+
+    Attributes
+    ----------
+    keyword : keyword in upper case, without its star
+    options : values of the options; their keys are in upper case
+    rows : words of each data line
+    """
 
     keyword: str
     options: dict[str, str]
     rows: list[list[str]]
 
     def option(self, key: str) -> str:
-        """The value of an option in upper case; "" where it is not given."""
+        """The value of an option in upper case; "" if the option is not given."""
         return self.options.get(key, "").upper()
 
 
 def read_deck_sections(text: str, folder: Path | None, depth: int = 0) -> Iterator[InputSection]:
-    """The sections of a deck in order; included files stand where they are included.
+    """Yield the sections of an Abaqus input file in order, those of included files in their place.
 
-    Names in quotes lose them. A data line of *ELEMENT that ends with a comma goes on in the next.
-    folder: that of the file, where included files are looked for.
+    Quotes around names are removed. A data line of *ELEMENT that ends with a comma continues in the
+    next line.
 
-    Raises ValueError for a file that is included and cannot be read.
+    Parameters
+    ----------
+    text : text of the file
+    folder : folder of the file, where included files are looked for
+    depth : number of files that include each other up to this one
+
+    Raises
+    ------
+    ValueError
+        for an included file that cannot be read
     """
     section, goes_on = InputSection("", {}, []), False
     for line in _join_continued_lines(text):
+        # This is a data line of the section before it.
         if not line.startswith("*"):
             row = [word for word in map(_strip_quotes, line.split(",")) if word]
             if goes_on:
@@ -52,7 +72,10 @@ def read_deck_sections(text: str, folder: Path | None, depth: int = 0) -> Iterat
 
 
 def _join_continued_lines(text: str) -> Iterator[str]:
-    """The lines that are not empty and no comments; keyword lines that go on are joined."""
+    """Yield the lines of a text that are neither empty nor comments.
+
+    A keyword line that ends with a comma is joined with the line that continues it.
+    """
     begun = ""
     for raw in text.splitlines():
         line = raw.strip()
@@ -62,7 +85,7 @@ def _join_continued_lines(text: str) -> Iterator[str]:
             yield begun
             begun = ""
         line = begun + line
-        # A keyword line that ends with a comma goes on in the next line.
+        # The options of this keyword line continue in the next line.
         if line.startswith("*") and line.endswith(","):
             begun = line
             continue
@@ -73,12 +96,12 @@ def _join_continued_lines(text: str) -> Iterator[str]:
 
 
 def _strip_quotes(word: str) -> str:
-    """A word of a data line or an option without blanks and quotes around it."""
+    """The word without blanks and quotes around it."""
     return word.strip().strip("\"'").strip()
 
 
 def _section_of_keyword(line: str) -> InputSection:
-    """The section that a keyword line begins."""
+    """The section that a keyword line begins, with its options and without data lines."""
     first, *words = line[1:].split(",")
     pairs = [word.partition("=") for word in words if word.strip()]
     options = {key.strip().upper(): _strip_quotes(value) for key, _, value in pairs}
@@ -88,7 +111,11 @@ def _section_of_keyword(line: str) -> InputSection:
 def _read_included(
     section: InputSection, folder: Path | None, depth: int
 ) -> tuple[str, Path | None]:
-    """Text and folder of the file that an *INCLUDE names."""
+    """The text and the folder of the file that an *INCLUDE section names.
+
+    `folder` is that of the including file, and `depth` the number of files that include each other.
+    ValueError is raised for a file that cannot be found, and for too many files in each other.
+    """
     name = section.options.get("INPUT", "")
     if not name or folder is None:
         raise ValueError("*INCLUDE names no file that can be found; its option INPUT must name one")

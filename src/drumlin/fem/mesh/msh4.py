@@ -1,7 +1,8 @@
-"""Gmsh's text formats 4.0 and 4.1, with all physical groups of each entity.
+"""The reader of mesh files in Gmsh's text formats 4.0 and 4.1, with all physical groups.
 
-meshio does not read the text of 4.0, and reads no 4.1 in which some entities have no group, as
-Mesh.SaveAll writes it.
+An entity is a point, curve, surface or volume of Gmsh's geometry. meshio cannot read text files of
+format 4.0, nor those of format 4.1 in which some entities have no physical group. Gmsh writes these
+with its option Mesh.SaveAll.
 """
 
 from collections import defaultdict
@@ -24,10 +25,13 @@ CELL_OF_GMSH = {
     26: ("line4", 4),
     36: ("quad16", 16),
 }
-"""meshio's name and number of nodes for each of Gmsh's element types; other types are refused."""
+"""The name in meshio and the number of nodes of each of Gmsh's element types that are read.
+
+A file with an element of another type is refused.
+"""
 
 Entity = tuple[int, int]
-"""Dimension and tag of a point, curve, surface or volume of Gmsh's geometry."""
+"""The dimension (0 to 3) and the tag of a point, curve, surface or volume of Gmsh's geometry."""
 
 
 def is_msh4(data: bytes) -> bool:
@@ -39,9 +43,10 @@ def is_msh4(data: bytes) -> bool:
 
 
 def read_msh4(text: str) -> FileContent:
-    """The mesh in the text of an .msh file of format 4.0 or 4.1; group names in lower case.
+    """Read the mesh in the text of an .msh file of format 4.0 or 4.1.
 
-    A group has its name and its number as names. Raises ValueError for a text that cannot be read.
+    Each physical group can be found by its name, in lower case, and by its number. ValueError is
+    raised for a text that cannot be read.
     """
     blocks = _split_blocks(text)
     old = blocks["MeshFormat"][0].startswith(("4 ", "4.0"))
@@ -70,7 +75,10 @@ def read_msh4(text: str) -> FileContent:
 
 
 def _split_blocks(text: str) -> dict[str, list[str]]:
-    """The lines of each block $Name ... $EndName, by its name."""
+    """The lines of each block $Name ... $EndName of an .msh file, by the block's name.
+
+    ValueError is raised if a block that every mesh needs is missing.
+    """
     found: dict[str, list[str]] = {}
     name = ""
     for raw in text.splitlines():
@@ -89,7 +97,10 @@ def _split_blocks(text: str) -> dict[str, list[str]]:
 
 
 def _read_group_names(lines: list[str]) -> dict[Entity, str]:
-    """Names in lower case of the physical groups, by dimension and tag."""
+    """The names of the physical groups, in lower case, by their dimension and tag.
+
+    `lines` are those of the block $PhysicalNames.
+    """
     found = {}
     for line in lines[1:]:
         dim, tag, name = line.split(maxsplit=2)
@@ -98,33 +109,38 @@ def _read_group_names(lines: list[str]) -> dict[Entity, str]:
 
 
 def _read_entity_groups(lines: list[str], old: bool) -> dict[Entity, list[int]]:
-    """Tags of the physical groups of each entity, from the lines of $Entities.
+    """The tags of the physical groups that each entity belongs to.
 
-    `old` says whether the file has format 4.0.
+    `lines` are those of the block $Entities, and `old` tells whether the file has format 4.0.
     """
     found: dict[Entity, list[int]] = {}
     if not lines:
         return found
     rest = iter(lines[1:])
     for dim, count in enumerate(lines[0].split()):
-        # A point has three coordinates in 4.1; everything else has the six of a box.
+        # A line has the entity's tag, coordinates, the number of groups and their tags. A point has
+        # three coordinates in format 4.1; all other entities have the six of a bounding box.
         start = 4 if dim == 0 and not old else 7
         for _ in range(int(count)):
             words = _next_line(rest, "$Entities").split()
             tags = words[start + 1 : start + 1 + int(words[start])]
-            # The sign of a tag is the direction of the entity in its group.
+            # The sign of a tag only tells the direction of the entity in its group.
             found[dim, int(words[0])] = [abs(int(tag)) for tag in tags]
     return found
 
 
 def _read_nodes(lines: list[str], old: bool) -> tuple[dict[int, int], list[list[float]]]:
-    """Number of each node by its tag, and the points [x, y, z], from the lines of $Nodes."""
+    """The number of each node by its tag, and the points [x, y, z] of the nodes.
+
+    `lines` are those of the block $Nodes, and `old` tells whether the file has format 4.0.
+    """
     number: dict[int, int] = {}
     points: list[list[float]] = []
     rest = iter(lines[1:])
     for _ in range(int(lines[0].split()[0])):
         count = int(_next_line(rest, "$Nodes").split()[3])
-        # Format 4.1 lists the tags of a block first, 4.0 has the tag on the line of each point.
+        # Format 4.1 lists the tags of all nodes of an entity first. Format 4.0 has the tag of each
+        # node on the line of its point.
         tags = [] if old else [_next_line(rest, "$Nodes") for _ in range(count)]
         for i in range(count):
             words = _next_line(rest, "$Nodes").split()
@@ -137,7 +153,11 @@ def _read_nodes(lines: list[str], old: bool) -> tuple[dict[int, int], list[list[
 
 
 def _read_elements(lines: list[str], old: bool) -> Iterator[tuple[Entity, int, list[list[int]]]]:
-    """Entity, Gmsh's element type, and rows of tag and nodes, for each block of $Elements."""
+    """Yield the elements of each entity: the entity, Gmsh's element type, and rows of numbers.
+
+    A row has the tag of an element and the tags of its nodes. `lines` are those of the block
+    $Elements, and `old` tells whether the file has format 4.0.
+    """
     rest = iter(lines[1:])
     for _ in range(int(lines[0].split()[0])):
         first, second, kind, count = map(int, _next_line(rest, "$Elements").split())
@@ -148,7 +168,7 @@ def _read_elements(lines: list[str], old: bool) -> Iterator[tuple[Entity, int, l
 
 
 def _next_line(lines: Iterator[str], block: str) -> str:
-    """The next line of a block. Raises ValueError where there are fewer lines than it says."""
+    """The next of the lines of a block in an .msh file. ValueError is raised if there is none."""
     line = next(lines, None)
     if line is None:
         raise ValueError(f"{block} has fewer lines than it says")

@@ -1,4 +1,8 @@
-"""The content of a mesh that meshio read, with groups by name, by number and by integer data."""
+"""The content of a mesh that meshio has read, with its named and its numbered groups.
+
+meshio is a Python library that reads mesh files of many formats. Groups of cells and nodes come
+from names, from numbers, and from arrays of whole numbers in the file.
+"""
 
 from typing import Any
 
@@ -9,14 +13,15 @@ from drumlin.base.arrays import Ints
 from drumlin.fem.mesh.content_of_file import FileContent
 
 MOST_VALUES = 1000
-"""Largest number of distinct values of an integer array whose values each make a group of cells.
+"""Largest number of different values in an array of whole numbers that defines groups of cells.
 
-Arrays of materials have a few values. Arrays of element numbers have as many as there are cells.
+Each value of such an array, for example of material numbers, makes a group. An array with more
+values, for example of element numbers, makes none.
 """
 
 
 def content_of_meshio_mesh(raw: Any) -> FileContent:
-    """The content of a meshio.Mesh; group names in lower case."""
+    """The content of a `meshio.Mesh`; names of groups become lower case."""
     return FileContent(
         points=np.asarray(raw.points, dtype=float),
         cells={name: cells.astype(np.int64) for name, cells in raw.cells_dict.items()},
@@ -26,18 +31,24 @@ def content_of_meshio_mesh(raw: Any) -> FileContent:
 
 
 def _cell_groups(raw: Any) -> dict[str, dict[str, Ints]]:
-    """Group name -> cell type -> numbers of its cells of that type."""
+    """The groups of cells in a `meshio.Mesh`: group name -> cell type -> numbers of the cells.
+
+    The numbers count the cells of this type.
+    """
+    # Groups that the file names as sets of cells.
     groups: dict[str, dict[str, Ints]] = {}
     for name, members in raw.cell_sets_dict.items():
         if not name.startswith("gmsh:"):
             groups[name.lower()] = dict(members)
+    # Gmsh's physical groups with a name.
     tags = raw.cell_data_dict.get("gmsh:physical", {})
     for name, (tag, dim) in raw.field_data.items():
-        # The same number may stand for a line and for a surface.
+        # Gmsh may give a curve and a surface the same number, so that the dimension is compared.
         for cell, values in tags.items():
             members = np.flatnonzero(np.asarray(values) == tag)
             if len(members) and meshio._mesh.topological_dimension[cell] == dim:
                 groups.setdefault(name.lower(), {}).setdefault(cell, members)
+    # Arrays of 0 and 1, which mark the members of a group; then groups by number.
     for name, by_cell in raw.cell_data_dict.items():
         if ":" not in name:
             for cell, values in by_cell.items():
@@ -49,10 +60,11 @@ def _cell_groups(raw: Any) -> dict[str, dict[str, Ints]]:
 
 
 def _numbered_groups(raw: Any) -> dict[str, dict[str, Ints]]:
-    """Groups by number: Gmsh's physical groups, and the values of an integer array of cells.
+    """The groups of cells that have a number in the file: group name -> cell type -> cells.
 
-    The value 3 of an array "material" makes a group "material=3", and a group "3" where it is the
-    only array of this kind.
+    They are Gmsh's physical groups, and the values of arrays of whole numbers. For example, the
+    value 3 of an array "material" makes a group "material=3". It also makes a group "3" if there is
+    no other array of whole numbers.
     """
     arrays = {}
     for name, by_cell in raw.cell_data_dict.items():
@@ -71,7 +83,7 @@ def _numbered_groups(raw: Any) -> dict[str, dict[str, Ints]]:
 
 
 def _node_groups(raw: Any) -> dict[str, Ints]:
-    """Group name -> numbers of its nodes."""
+    """The groups of nodes in a `meshio.Mesh`: group name -> numbers of the nodes."""
     groups = {name.lower(): np.asarray(members) for name, members in raw.point_sets.items()}
     for name, values in raw.point_data.items():
         if ":" not in name and _is_membership(values):
@@ -80,13 +92,16 @@ def _node_groups(raw: Any) -> dict[str, Ints]:
 
 
 def _is_membership(values: Any) -> bool:
-    """Whether an array marks the cells or nodes of a group: 1 for members, 0 for all others."""
+    """Whether an array marks the members of one group of cells or nodes: 1 inside, 0 outside."""
     values = np.asarray(values)
     return values.ndim == 1 and bool(np.isin(values, (0, 1)).all())
 
 
 def _is_numbering(values: Any) -> bool:
-    """Whether an array numbers groups of cells: whole numbers, few distinct, not only 0 and 1."""
+    """Whether an array gives each cell the number of its group.
+
+    Its values are whole numbers, at most MOST_VALUES different ones, and not 0 and 1 alone.
+    """
     values = np.asarray(values)
     if values.ndim != 1 or not np.issubdtype(values.dtype, np.number) or _is_membership(values):
         return False

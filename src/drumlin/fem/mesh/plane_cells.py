@@ -1,8 +1,8 @@
-"""The cells of a mesh file as one kind of elements that drumlin solves with.
+"""The plane cells of a mesh file, converted to elements of one kind.
 
-Cells of third order become cells of second order on the same curves. Quadrilaterals and triangles
-in one mesh become quadratic triangles: each quadrilateral is halved, and linear cells get middle
-nodes on their straight sides.
+Cells of third order become cells of second order on the same curves. If a mesh has quadrilaterals
+and triangles, all become quadratic triangles: each quadrilateral is cut into two, and linear cells
+get middle nodes on their straight edges.
 """
 
 from collections.abc import Mapping
@@ -23,28 +23,31 @@ PLANE_SHAPES = {
     "quad9": 4,
     "quad16": 4,
 }
-"""Number of corners of each plane cell that a mesh file may have, by meshio's name."""
+"""Number of corners of each type of plane cell that a mesh file may have, by meshio's name."""
 LOWER = {"triangle10": "triangle6", "quad16": "quad8"}
-"""The second-order cell that replaces each third-order cell, by meshio's names."""
+"""The type of second-order cell that replaces each type of third-order cell, by meshio's names."""
 BESIDE = frozenset(("vertex", "line", "line3", "line4"))
-"""Cells of a mesh file that are no part of the plane mesh: edges, which name groups, and points."""
+"""Types of cells in a mesh file that are no plane elements: points, and edges in named groups."""
 CUBIC_MIDDLE = (-1 / 16, 9 / 16, 9 / 16, -1 / 16)
-"""Weights of the four nodes of a cubic edge, from end to end, in the point at its middle."""
+"""Weights of the four nodes of a cubic edge, from end to end, whose sum is the edge's middle point.
+
+They are the values of the four cubic shape functions in the middle of the edge.
+"""
 
 
 @dataclass(frozen=True)
 class PlaneCells:
-    """The plane cells of a mesh file, made into cells of one kind.
+    """The plane cells of a mesh file, converted to cells of one kind.
 
     Parameters
     ----------
     cell : meshio's name of the kind
-    cells : nodes (m, k) of each cell
-    points : (n, 2), those of the file first, then nodes that were added
-    parent : for each type of the file's cells the cells that were made of each of its rows: first
-        number, and how many
-    added : whether each point (n,) was added
-    notes : lines about what was changed
+    cells : (m, k) nodes of each cell
+    points : (n, 2) coordinates of the nodes, those of the file first, then added ones
+    parent : for each type of cells in the file, two arrays with an entry for each cell of this
+        type: the number of the first new cell made of it, and how many were made
+    added : (n,) whether each node was added
+    notes : lines that tell how the cells were changed
     """
 
     cell: str
@@ -56,20 +59,32 @@ class PlaneCells:
 
     @property
     def corners(self) -> int:
-        """Number of corners of a cell."""
+        """Number of corners of each cell."""
         return PLANE_SHAPES[self.cell]
 
     def made_of(self, cell: str, rows: Ints) -> Ints:
-        """Numbers of the cells that were made of rows of a type of the file's cells."""
+        """The numbers of the new cells that were made of some cells of the file.
+
+        `cell` is the type of the file's cells, and `rows` are their numbers.
+        """
         first, count = self.parent[cell]
         parts = [first[rows] + i for i in range(2)]
         return np.sort(np.concatenate([part[count[rows] > i] for i, part in enumerate(parts)]))
 
 
 def make_plane_cells_of_one_kind(content: FileContent, points: Floats, fault: str) -> PlaneCells:
-    """The plane cells of a file, points (n, 2) its nodes.
+    """The plane cells of a mesh file, converted to cells of one kind.
 
-    Raises BadInput, led by `fault`, for cells that are not plane or have nodes that are not there.
+    Parameters
+    ----------
+    content : content of the mesh file
+    points : (n, 2) coordinates of its nodes
+    fault : beginning of each message
+
+    Raises
+    ------
+    BadInput
+        for cells that are not plane, or that have nodes which the file does not define
     """
     kinds = {
         name: cells for name, cells in content.cells.items() if name not in BESIDE and len(cells)
@@ -83,6 +98,7 @@ def make_plane_cells_of_one_kind(content: FileContent, points: Floats, fault: st
     for cells in kinds.values():
         if cells.min() < 0 or cells.max() >= len(points):
             raise BadInput(f"{fault}: has cells with nodes that the file does not define")
+    # Third order is converted to second order, and then mixed cells to triangles.
     own = len(points)
     notes: list[str] = []
     if set(kinds) & set(LOWER):
@@ -95,6 +111,7 @@ def make_plane_cells_of_one_kind(content: FileContent, points: Floats, fault: st
             f"its mixed cells ({counts}) are solved as {len(found.cells)} quadratic triangles"
         )
         return replace(found, notes=tuple(notes))
+    # All cells are of one type. Eight-node quadrilaterals get a node in their centre.
     ((source, cells),) = kinds.items()
     cell = LOWER.get(source, source)
     if cell == "quad8":
@@ -105,7 +122,10 @@ def make_plane_cells_of_one_kind(content: FileContent, points: Floats, fault: st
 
 
 def _add_centres(cells: Ints, points: Floats) -> tuple[str, Ints, Floats]:
-    """Kind, cells and points of nine-node quadrilaterals that replace eight-node ones."""
+    """The kind, cells and points of nine-node quadrilaterals that replace eight-node ones.
+
+    Each cell (m, 8) gets a node in its centre, which is added to the points (n, 2).
+    """
     centres = points[cells[:, 4:8]].sum(axis=1) / 2 - points[cells[:, :4]].sum(axis=1) / 4
     numbers = len(points) + np.arange(len(cells))
     return "quad9", np.column_stack([cells, numbers]), np.vstack([points, centres])
@@ -114,7 +134,11 @@ def _add_centres(cells: Ints, points: Floats) -> tuple[str, Ints, Floats]:
 def _lower_to_second_order(
     kinds: dict[str, Ints], points: Floats
 ) -> tuple[dict[str, Ints], Floats]:
-    """Cells in which second order replaces third order, by the file's names; and all points."""
+    """The cells of a mesh file with second order in place of third order, and all points.
+
+    `kinds` are the cells (m, k) of each type in the file. In the result they have the same names.
+    The points (n, 2) of the file are followed by the new middle nodes of edges.
+    """
     middles: dict[tuple[int, int], int] = {}
     new: list[Floats] = []
     found: dict[str, Ints] = {}
@@ -128,7 +152,7 @@ def _lower_to_second_order(
         for side in range(corners):
             first, last = cells[:, side], cells[:, (side + 1) % corners]
             inner = cells[:, corners + 2 * side : corners + 2 * side + 2]
-            # Both cells at an edge share the node that is added in the middle of the edge.
+            # The two cells that share an edge also share the node added in the middle of the edge.
             nodes = points[np.column_stack([first, inner, last])]
             places = np.einsum("i,mix->mx", CUBIC_MIDDLE, nodes)
             for row, place in enumerate(places):
@@ -143,9 +167,16 @@ def _lower_to_second_order(
 
 
 def _make_triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCells:
-    """All cells as quadratic triangles; `own`: number of points that the file has."""
+    """All cells of a mesh file as quadratic triangles.
+
+    Parameters
+    ----------
+    kinds : cells (m, k) of each type, of first or second order
+    points : (n, 2) coordinates of the nodes
+    own : number of nodes that the file has; later ones were added
+    """
     middles: dict[tuple[int, int], int] = {}
-    # The middle nodes that the file has serve the linear cells beside them too.
+    # A linear cell beside a quadratic one takes the middle node of their common edge from the file.
     for name, cells in kinds.items():
         corners = PLANE_SHAPES[name]
         for side in range(corners if cells.shape[1] > corners else 0):
@@ -155,17 +186,19 @@ def _make_triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCe
             )
     new: list[Floats] = []
 
-    # Nodes that are added get the numbers after those of the file.
     def added(place: Floats) -> int:
+        """Add a node at a place (2,), and return its number, which follows those of the file."""
         new.append(place)
         return len(points) + len(new) - 1
 
     def middle(first: int, last: int) -> int:
+        """The number of the middle node between two corners, which is added if it is missing."""
         key = (min(first, last), max(first, last))
         if key not in middles:
             middles[key] = added((points[first] + points[last]) / 2)
         return middles[key]
 
+    # Each triangle of the file makes one triangle, and each quadrilateral makes two.
     made: list[list[int]] = []
     parent = {}
     for source, cells in kinds.items():
@@ -193,7 +226,15 @@ def _make_triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCe
 
 
 def _find_centre(points: Floats, cell: list[int], sides: list[int], new: list[Floats]) -> Floats:
-    """The centre (2,) of a quadrilateral whose sides may be curved, from corners and middles."""
+    """The centre (2,) of a quadrilateral with straight or curved edges.
+
+    Parameters
+    ----------
+    points : (n, 2) coordinates of the nodes
+    cell : nodes of the quadrilateral, its four corners first
+    sides : middle nodes of its edges
+    new : coordinates of nodes that were added, whose numbers follow those of `points`
+    """
     middles = [points[i] if i < len(points) else new[i - len(points)] for i in sides]
     return np.sum(middles, axis=0) / 2 - points[cell[:4]].sum(axis=0) / 4
 
@@ -201,7 +242,11 @@ def _find_centre(points: Floats, cell: list[int], sides: list[int], new: list[Fl
 def _halve_quadrilateral(
     points: Floats, corners: list[int], sides: list[int], centre: int
 ) -> list[list[int]]:
-    """Two triangles that a quadrilateral is cut into along its shorter diagonal."""
+    """The nodes of the two quadratic triangles that a quadrilateral is cut into.
+
+    The cut runs along the shorter diagonal. `corners` and `sides` are the numbers of the corners
+    and of the middle nodes of the edges; `centre` is the node in the middle of the cut.
+    """
     a, b, c, d = corners
     ab, bc, cd, da = sides
     if np.hypot(*(points[a] - points[c])) <= np.hypot(*(points[b] - points[d])):

@@ -1,8 +1,8 @@
-"""The check of a .vtu file's size when it is unpacked, before any of its content is kept.
+"""The check that the compressed arrays of a .vtu mesh file do not fill the memory when unpacked.
 
 A compressed array has a header of integers (number of blocks, size of a block, size of the last
-block, packed size of each block) and the blocks. The check does not trust the sizes in the header:
-it unpacks each block, up to the limit.
+block, packed size of each block) and the blocks. The sizes in the header may be false. The check
+therefore unpacks each block up to the limit, and keeps nothing of it.
 """
 
 import base64
@@ -24,15 +24,15 @@ MOST_ARRAYS = 200
 The check of the file's size then takes no longer than reading the file.
 """
 _HEADER_WIDTHS = {"UInt32": 4, "UInt64": 8}
-"""Size [bytes] of an integer in the header of an array, by the header's type."""
+"""Size [bytes] of an integer in the header of a compressed array, by the file's header type."""
 _RAW_APPENDED = re.compile(rb"<AppendedData[^>]*>")
-"""The tag in front of appended data, which may be raw bytes."""
+"""Pattern of the XML tag before the appended data of a .vtu file, which may be raw bytes."""
 
 
 def check_unpacked_size(data: bytes) -> None:
-    """Refuse the content of a .vtu file that would unpack to more than MOST_UNPACKED bytes.
+    """Refuse the content of a .vtu file whose arrays have more than MOST_UNPACKED bytes unpacked.
 
-    Other faults are left to the reader of the file.
+    Other faults of the file are found later, when it is read.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def check_unpacked_size(data: bytes) -> None:
 
 
 def _split_raw_data(data: bytes) -> tuple[bytes, bytes | None]:
-    """The XML of a .vtu file, and the raw bytes in its middle or None without raw bytes."""
+    """The XML of a .vtu file without its raw bytes, and these bytes; None if there are none."""
     found = _RAW_APPENDED.search(data)
     if found is None or b'encoding="raw"' not in found.group():
         return data, None
@@ -69,8 +69,16 @@ def _split_raw_data(data: bytes) -> tuple[bytes, bytes | None]:
 def _packed_blocks_of_arrays(
     root: Any, raw: bytes | None, width: int, order: Any
 ) -> Iterator[bytes]:
-    """The packed blocks of all arrays, one after the other."""
-    # Raw arrays follow each other without a gap; arrays in base64 stand in elements of the XML.
+    """Yield the packed blocks of all arrays of a .vtu file, one after the other.
+
+    Parameters
+    ----------
+    root : root element of the file's XML
+    raw : raw bytes of all arrays; None if the arrays are text in base64
+    width : size [bytes] of an integer in the header of an array
+    order : order of the bytes of an integer: "big" or "little"
+    """
+    # Raw arrays follow each other without a gap. Arrays in base64 are texts of XML elements.
     if raw is not None:
         at = 0
         while at + width <= len(raw):
@@ -100,11 +108,16 @@ def _packed_blocks_of_arrays(
 
 
 def _packed_block_sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list[int]:
-    """The packed sizes of the blocks of an array, from its header.
+    """The packed sizes [bytes] of the blocks of an array in a .vtu file, from the array's header.
 
-    `data` begins the array. Where the array is in base64, `text` is all of it, of which data is the
-    unpacked beginning.
+    Parameters
+    ----------
+    data : bytes of the array from its beginning on; of an array in base64 the first ones suffice
+    width : size [bytes] of an integer in the header
+    order : order of the bytes of an integer: "big" or "little"
+    text : the whole array in base64; None for an array of raw bytes
     """
+    # The first integer is the number of blocks. Two sizes follow, and then one for each block.
     count = int.from_bytes(data[:width], order)
     length = width * (3 + count)
     if text is not None:
@@ -117,13 +130,16 @@ def _packed_block_sizes(data: bytes, width: int, order: Any, text: str | None = 
 
 
 def _letters_of_base64(count: int) -> int:
-    """The number of letters of base64 that `count` bytes take."""
+    """The number of letters that `count` bytes take as text in base64."""
     return -(-count // 3) * 4
 
 
 def _size_when_unpacked(packed: bytes, unpacker: Callable[[], Any], room: int) -> int:
-    """The size [bytes] of a block when unpacked. Raises ValueError beyond `room` bytes."""
-    # Pieces of a megabyte keep the memory small, however much the block unpacks to.
+    """The size [bytes] of a packed block when it is unpacked.
+
+    ValueError is raised if the size is above `room` bytes. `unpacker` makes an object that unpacks.
+    """
+    # The block is unpacked in pieces of a megabyte, so that little memory is used.
     machine, size = unpacker(), 0
     while True:
         piece = machine.decompress(packed, 1 << 20)
