@@ -25,6 +25,7 @@ from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import EDGE_ZONE, Response
 from drumlin.response.show import arcs_text
 
+# The class of the compared brake, which a comparison keeps.
 BrakeKind = TypeVar("BrakeKind", bound=Brake)
 
 
@@ -190,6 +191,7 @@ def rows(
     # If the reference model has no answer, the rows have no errors.
     true = next((o.response for o in outcomes if o.model == reference), None)
     table: list[dict[str, Any]] = []
+    # Each row begins with the case and the model; the values follow.
     for outcome in outcomes:
         base = {"case": case or brake.title, "rotation": brake.sense, "model": outcome.model}
         if outcome.response is None:
@@ -223,6 +225,7 @@ def _shoe_row(brake: Brake, response: Response, i: int, true: Response | None) -
         "self_energising": "yes" if shoe.self_energising else "no",
         "status": "converged" if response.converged else "not converged",
     }
+    # The errors are differences from the reference result, relative to it.
     if true is not None:
         other = true.shoes[i]
         row["torque_error"] = relative(response.effects[i], true.effects[i])

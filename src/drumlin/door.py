@@ -362,6 +362,7 @@ def wear(
     # Options that belong to the other model are refused.
     only_mesh = on_mesh | _given(guided=guided, finite_width=finite_width)
     whole_brake.check_wear_options(model, only_mesh, on_springs)
+    # The wear law, the torque to hold and the prepared models are the data of the computation.
     law = whole_brake.make_wear_law(coefficient, exponent)
     held = None if torque is None else _in_si("--torque", torque, worn.surface.effect_unit)
     options = on_mesh if model == "fem" else on_springs
@@ -454,6 +455,7 @@ def hold(
         raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_STEPS}")
     on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
     end = None if rotation is None else _in_si("--rotation", rotation, held.surface.unit)
+    # Without a given rotation the drum is turned until every node slips.
     scene = prepare_finest_division(held, **on_mesh)
     if end is None:
         end = holding.find_full_slip_rotation(scene, held, **stiffness)
@@ -569,6 +571,7 @@ def self_locking(
     check_penalty(penalty)
     whole = _brake_of(brake)
     whole.check_meshable()
+    # The limits are found by the indices of the shoes, and are returned by their names.
     found = friction_limits_of_groups(
         prepare_finest_division(whole, **on_mesh),
         whole,
@@ -765,6 +768,7 @@ def fields(
     from drumlin.fem.model import solve_prepared_model
     from drumlin.fem.solve import prepare_finest_division
 
+    # A wrong path is refused before the brake is solved.
     path = None if output is None else Path(output)
     if path is not None and path.suffix != ".vtu":
         raise BadInput(f"--fields = {str(path)!r}: must end in .vtu")

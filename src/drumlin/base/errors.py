@@ -12,6 +12,7 @@ from pathlib import Path
 
 from drumlin.base.texts import one_line
 
+# Names of the error numbers SHORT_OF in the standard module errno.
 _SHORTAGES = ("ENOSPC", "EDQUOT", "EFBIG", "EIO", "ENOMEM", "EMFILE", "ENFILE", "EAGAIN")
 SHORT_OF = {getattr(errno, name) for name in _SHORTAGES if hasattr(errno, name)}
 """Error numbers by which the operating system says that disk, memory, files or processes run out.
@@ -111,6 +112,7 @@ def _line_and_status(error: BaseException) -> tuple[str, int]:
         line, status = "", 141
     elif isinstance(error, MemoryError):
         line, status = "not enough memory", 3
+    # The name of a missing module tells an optional package from a fault within drumlin.
     elif isinstance(error, ModuleNotFoundError) and not str(error.name).startswith("drumlin"):
         line, status = f"needs the package {error.name!r}, which is not installed", 3
     elif isinstance(error, ImportError):

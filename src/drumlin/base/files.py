@@ -25,6 +25,7 @@ With a longer suffix the name could become too long for the file system. No prog
 file needs such a suffix.
 """
 
+# The files that must not be overwritten, by their status on the disk; None outside `inputs_kept`.
 _inputs: ContextVar[list[os.stat_result] | None] = ContextVar("inputs", default=None)
 
 
@@ -148,6 +149,7 @@ def _target(path: Path) -> tuple[Path, os.stat_result | None]:
             raise BadInput(f"{path}: cannot be written (links that lead in a circle)")
     except (OSError, ValueError) as error:
         raise file_fault(path, "written", error) from error
+    # Brake and sweep files are written by hand, and no output may replace them.
     if ".toml" in {path.suffix.lower(), target.suffix.lower()}:
         raise BadInput(
             f"{path}: must not be a .toml file: nothing is written over brake and sweep files"
@@ -155,6 +157,7 @@ def _target(path: Path) -> tuple[Path, os.stat_result | None]:
     if found is not None:
         if stat.S_ISDIR(found.st_mode):
             raise BadInput(f"{path}: cannot be written (is a folder)")
+        # Writing to a disk device would destroy its file system.
         if stat.S_ISBLK(found.st_mode) or stat.S_ISSOCK(found.st_mode):
             raise BadInput(f"{path}: cannot be written (is a disk or a socket)")
         if any(os.path.samestat(found, each) for each in _inputs.get() or ()):

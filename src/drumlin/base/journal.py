@@ -184,6 +184,7 @@ class Journal(AbstractContextManager["Journal"]):
                     self._rows[record["key"]] = record["row"]
                 else:
                     damaged += 1
+        # A journal of another version of the source has no line that counts.
         if not is_own and not self._rows:
             self._rename(path, head)
             return False

@@ -31,6 +31,7 @@ _DIGITS = re.compile(rf"[0-9_]{{{MOST_DIGITS + 1}}}")
 # A part of a TOML key is a bare word or in quotes. The pattern _KEY also matches comments, so that
 # words in a comment do not count as keys.
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+# The pattern matches a comment, or a dotted key with any number of parts.
 _KEY = re.compile(rf"#[^\n]*+|{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+")
 
 

@@ -65,6 +65,7 @@ def axis_of(hinge: Floats, end: Floats) -> Axis:
     along = (end - hinge) / length
     left = np.array([-along[1], along[0]])
     side = -1.0 if left @ -hinge < 0 else 1.0
+    # The vector across the axis points to the side on which O lies.
     towards = side * left
     return Axis(
         hinge=hinge,

@@ -26,6 +26,7 @@ ROUND = 1e-9
 
 It is relative to the largest change of slope in the table. A larger change is a kink of the gap.
 """
+# The type of the result of a function that solves a brake.
 T = TypeVar("T")
 
 

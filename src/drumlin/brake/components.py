@@ -214,6 +214,8 @@ class Drum(Part):
     angle: Angle = 0.0
 
 
+# Types of quantities that are constant or given by a table: over the distance from the hinge for a
+# beam, over the angle for a lining.
 StiffnessAlong = Annotated[
     float | Rows, number_or_table("distance", "m", "bending stiffness", "N m^2")
 ]
@@ -413,6 +415,7 @@ class Bar(Part):
             self.bending_stiffness is None or self.width
         ):
             raise ValueError("needs width and material, or bending_stiffness, or all three")
+        # With a flange it would be unclear whether the stiffness is that of the web or of both.
         if self.table is not None and self.bending_stiffness is not None:
             raise ValueError(
                 "table: bending_stiffness is that of the whole body; leave one of them out"
@@ -479,6 +482,7 @@ class Beam(Part):
             values = [value for _, value in EI] if isinstance(EI, tuple) else [EI]
             if min(values) <= 0:
                 raise ValueError("bending_stiffness: must be greater than 0")
+        # The neutral axis begins at the hinge, on the straight line.
         if float(value_at(self.offset, np.zeros(1))[0]) != 0:
             raise ValueError(
                 "offset: must be a table that starts with 0 at the hinge, "
@@ -528,6 +532,7 @@ def _shape(data: object) -> str:
     return getattr(data, "shape", "arc")
 
 
+# The key `shape` of a body tells whether it is read as an arc or as a beam.
 AnyBody = Annotated[
     Annotated[ArcBody, Tag("arc")] | Annotated[Beam, Tag("beam")],
     Discriminator(

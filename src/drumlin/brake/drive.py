@@ -17,6 +17,7 @@ from drumlin.brake.fields import Force, Modulus, Name, Part, Thickness, Torque
 from drumlin.brake.support import Held
 
 Efficiency = Annotated[float, Field(gt=0, le=1, strict=True)]
+"""The type of the efficiency of a drive, a number above 0 and up to 1."""
 
 
 class Drive(Part):
@@ -180,6 +181,7 @@ def _line_of_link(key: str, source: Held, link: Link, before: tuple[Link, ...]) 
             f"{key}.from = {link.source!r}: a strut pushes along its line; "
             "leave out abutment.friction"
         )
+    # In the order of the file, a shoe must be pushed before it pushes another shoe.
     if link.to == link.source or any(other.source == link.to for other in before):
         raise ValueError(
             f"{key}.to = {link.to!r}: must be a shoe that does not push another in a link before; "

@@ -270,6 +270,7 @@ def _check_shoe(key: str, shoe: DrumShoe, radius: float) -> None:
         )
     check_grip(key, shoe)
     _check_support(key, shoe, radius)
+    # The layers of an internal shoe must end before the drum's centre.
     if shoe.sign > 0 and shoe.depth >= radius:
         raise ValueError(
             f"{key}: lining, backing and body are {mm(shoe.depth)} thick together; "
@@ -353,6 +354,7 @@ def _check_support(key: str, shoe: DrumShoe, radius: float) -> None:
             raise ValueError(f"{shown}: must lead the middle of the lining towards the drum")
     if shoe.abutment is not None and shoe.abutment.point.radius < 1e-9 * radius:
         raise ValueError(f"{key}.abutment.point = (0, 0): must not be the drum's centre")
+    # On a drum displacements close the gap, a turn about the drum's centre does not.
     if shoe.pivot is None:
         check_motions(key, shoe, slice(0, 2))
         return

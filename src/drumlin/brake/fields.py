@@ -85,6 +85,7 @@ def check_names(names: Sequence[str]) -> None:
         )
 
 
+# Types of the quantities of a brake file: each converts a text with a unit to a number in SI units.
 Length = Annotated[float, _quantity("m")]
 Thickness = Annotated[float, Field(gt=0), _quantity("m")]
 Angle = Annotated[float, _quantity("rad")]
@@ -172,6 +173,7 @@ class Material(Part):
 
 
 PoissonRatio = Annotated[float, Field(strict=True)]
+"""The type of a Poisson's ratio; its bounds depend on the other constants of the material."""
 ACROSS = ("E_across", "G_along_across", "G_through_across", "nu_along_across", "nu_through_across")
 """Keys of an orthotropic material across the brake's plane, which only the model of solids uses."""
 
@@ -224,6 +226,7 @@ class Orthotropic(Part):
                 f"{missing[0]} is missing: {', '.join(ACROSS)} go together; give all of them "
                 f"or none"
             )
+        # Above, all constants across the layer were found to be given.
         assert (
             self.E_across is not None
             and self.nu_along_across is not None
@@ -236,6 +239,7 @@ class Orthotropic(Part):
             self.E_across,
             ("along", "across"),
         )
+        # The third Poisson's ratio is limited by the two others, see the strain energy.
         low, high = self._nu_through_across_allowed(self.E_across, self.nu_along_across)
         if not low < self.nu_through_across < high:
             raise ValueError(
@@ -311,6 +315,7 @@ def _kind_of_material(data: object) -> str:
     return "orthotropic" if isinstance(data, Orthotropic) else "isotropic"
 
 
+# The keys of a material tell whether it is read as isotropic or as orthotropic.
 AnyMaterial = Annotated[
     Annotated[Material, Tag("isotropic")] | Annotated[Orthotropic, Tag("orthotropic")],
     Discriminator(_kind_of_material),
@@ -358,9 +363,10 @@ def _from_polar(data: object, info: ValidationInfo) -> object:
 
 
 Place = Annotated[Point, BeforeValidator(_from_polar)]
-
+"""The type of a point that a brake file gives by { x, y } or by { radius, angle }."""
 
 Rows = tuple[tuple[float, float], ...]
+"""The type of a table of rows (coordinate, value), between which values are interpolated."""
 
 
 def number_or_table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:

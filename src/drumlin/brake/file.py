@@ -67,6 +67,7 @@ def _line(error: ValidationError, data: Any) -> str:
             data = data[step]
         except (LookupError, TypeError):
             data = None
+    # pydantic's message is replaced where it uses words of Python.
     message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     if fault["type"] in FAULT_TEXTS:
         message = FAULT_TEXTS[fault["type"]].format(key=key)
@@ -270,6 +271,7 @@ def _first_difference(one: Any, other: Any, key: str) -> str | None:
 
     `key` is the key of the data themselves; the keys of nested values begin with it.
     """
+    # Tables and lists are compared entry by entry, other values directly.
     if isinstance(one, dict) and isinstance(other, dict):
         names = [name for name in {**one, **other} if name != "title"]
         pairs = [
@@ -325,6 +327,7 @@ def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
             _set(target, rest_of, value, key)
     elif not isinstance(data, dict):
         raise BadInput(f"{key}: {head!r} has nothing to be set in")
+    # As long as names remain, the value is set in the table below.
     elif rest:
         if head not in data:
             raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")

@@ -17,6 +17,8 @@ from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
+"""The version of JSON schema that the schema of brake files uses."""
+# The pattern matches the text of a quantity in a brake file: a number and some unit.
 QUANTITY = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?\s*[A-Za-zµμ°%1].*$"
 
 
@@ -45,6 +47,7 @@ class UnitSchema(GenerateJsonSchema):
         return found
 
 
+# The schema of a point in polar coordinates.
 _POLAR = {
     "type": "object",
     "description": "about the drum's centre, counter-clockwise from +x",
@@ -66,6 +69,7 @@ def _with_units(found: JsonSchemaValue, si: str | None) -> JsonSchemaValue:
         return {**found, "anyOf": [_with_units(part, si) for part in found["anyOf"]]}
     if found.get("type") == "number":
         return quantity(si) if si else {"type": "string", "pattern": QUANTITY}
+    # Any other schema is that of a table of numbers: rows of two quantities.
     row = {
         "type": "array",
         "items": {"type": "string", "pattern": QUANTITY},

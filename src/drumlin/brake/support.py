@@ -166,6 +166,7 @@ class Held(Part):
                 f"{given[1]}: a shoe is held by one of {', '.join(MAIN_SUPPORTS)}, "
                 f"not by {' and '.join(given)}"
             )
+        # A pivot is no support of its own: it lies on a lever, which turns about the hinge.
         if self.pivot is not None and self.hinge is None:
             raise ValueError("pivot: is on a lever, whose pin is the hinge; hinge is missing")
         return self
@@ -422,6 +423,7 @@ def check_motions(key: str, shoe: Held, columns: slice) -> None:
     if len(closing) != 2:
         return
     lengths = np.linalg.norm(closing, axis=1)
+    # A small determinant, relative to the lengths of the two rows, shows that they are parallel.
     if abs(np.linalg.det(closing)) <= 1e-6 * np.prod(lengths):
         what = (
             "pivot: the lever's pin"

@@ -140,6 +140,7 @@ class FrictionSurface:
         return q if self.straight else middle + math.remainder(q - middle, self.period)
 
 
+# The friction surface of every brake on a drum.
 DRUM = FrictionSurface(
     word="drum",
     moving="drum",
@@ -164,6 +165,7 @@ DRUM = FrictionSurface(
     factor="T/(F R)",
     period=2 * math.pi,
 )
+# The friction surface of every brake on a plane.
 PLANE = FrictionSurface(
     word="plane",
     moving="body",

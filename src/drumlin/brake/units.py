@@ -119,6 +119,7 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
     ValueError
         for another value, with a line that says what is allowed
     """
+    # A text is split into its number and its unit.
     if isinstance(value, str):
         if len(value) > LONGEST_QUANTITY:
             raise ValueError(

@@ -79,6 +79,7 @@ def _table(part: Part, path: str) -> Iterator[str]:
             below.append((key, value))
         else:
             yield f"{key} = {_value(value, field)}"
+    # A tuple of parts, such as the shoes, becomes an array of tables, [[name]].
     for key, value in below:
         name = f"{path}.{key}" if path else key
         several = isinstance(value, tuple)
@@ -98,6 +99,7 @@ def _value(value: Any, field: FieldInfo) -> str:
         return _quoted(str(value))
     if isinstance(value, tuple) and any(isinstance(item, Part) for item in value):
         return "[" + ", ".join(_inline(item) for item in value) + "]"
+    # The units of a table of numbers, or of a number, are found from the type of the field.
     kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     if isinstance(value, tuple):
         place, size = row_units_in(kind)
