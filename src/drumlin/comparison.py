@@ -114,7 +114,7 @@ def richardson(fine: float, first: float, last: float, ratio: float = 2.0) -> Ex
 
 
 def extrapolate(coarse: float, medium: float, fine: float, ratio: float = 2.0) -> Extrapolated:
-    """Estimate the limit of a value from its values on three meshes, see `richardson`."""
+    """Estimate the limit of a value by `richardson` from its values on three meshes."""
     return richardson(fine, medium - coarse, fine - medium, ratio)
 
 
@@ -311,7 +311,7 @@ class Comparison(Generic[BrakeKind]):
 
     @property
     def rows(self) -> list[dict[str, Any]]:
-        """The rows of the table, see `rows`; errors are relative to the finite elements."""
+        """The rows of the table of the comparison, with errors relative to the finite elements."""
         return rows(self.brake, self.outcomes, case=self.case)
 
 
@@ -335,8 +335,8 @@ def compare(
     Returns
     -------
     Comparison
-        `responses` has the results by model. `rows` has the rows of a table with errors relative to
-        the finite elements, as fractions; a model without an answer has a row with the reason
+        the results by model, and the rows of a table with errors relative to the finite elements,
+        as fractions; a model without an answer has a row with the reason
 
     Raises
     ------

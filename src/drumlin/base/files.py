@@ -25,7 +25,8 @@ With a longer suffix the name could become too long for the file system. No prog
 file needs such a suffix.
 """
 
-# The files that must not be overwritten, by their status on the disk; None outside `inputs_kept`.
+# The files that must not be overwritten, by their status on the disk. It is None outside a block of
+# `inputs_kept`.
 _inputs: ContextVar[list[os.stat_result] | None] = ContextVar("inputs", default=None)
 
 
@@ -33,7 +34,8 @@ _inputs: ContextVar[list[os.stat_result] | None] = ContextVar("inputs", default=
 def inputs_kept() -> Iterator[None]:
     """Protect the input files of a `with` block from being overwritten within the block.
 
-    Input files are those that `read_bytes` reads in the block and those given to `keep_input`.
+    Input files are those that `read_bytes` reads in the block, and those that are given to
+    `keep_input`.
     """
     token = _inputs.set([])
     try:
@@ -45,8 +47,8 @@ def inputs_kept() -> Iterator[None]:
 def keep_input(path: Path) -> None:
     """Protect the file at `path` from being overwritten, even if it is never read.
 
-    The protection lasts until the block of `inputs_kept` ends. It also holds for other names of the
-    same file, since the file is identified by its number on the disk.
+    The protection lasts until the block of `inputs_kept` ends.
+    It also holds for other names of the same file, since its number on the disk identifies a file.
     """
     inputs = _inputs.get()
     with suppress(OSError, ValueError):
@@ -113,8 +115,8 @@ def check_outputs(*paths: Path | None) -> None:
     """Raise BadInput if one of the output files must not or cannot be written.
 
     It is called before a long computation starts. Refused are a folder, a disk, an input file (see
-    `inputs_kept`), a file that two outputs share, and any .toml file, because brake and sweep files
-    are written by hand.
+    `inputs_kept`) and a file that two outputs share. Any .toml file is
+    refused as well, because brake and sweep files are written by hand.
     """
     targets = []
     for path in filter(None, paths):

@@ -1,4 +1,7 @@
-"""Routines of LAPACK and BLAS for systems of linear equations, and a triangular solve."""
+"""Routines of LAPACK and BLAS for systems of linear equations, and a triangular solve.
+
+Other modules import the routines of scipy from here.
+"""
 
 import numpy as np
 from scipy.linalg import block_diag

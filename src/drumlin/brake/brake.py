@@ -70,7 +70,7 @@ class ShoeFrame(NamedTuple):
     def to_shoe(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the brake to the frame of the shoe."""
         c, s = math.cos(self.origin), math.sin(self.origin)
-        # The inverse of an orthogonal matrix is its transpose: this is the one of `to_brake`.
+        # This matrix is the inverse of the one above: the transpose of an orthogonal matrix.
         return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
 
 

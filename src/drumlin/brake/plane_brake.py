@@ -297,9 +297,16 @@ class FlatBrake(Brake):
 def any_from(
     data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> Brake:
-    """Make a brake from the nested data of a brake file; parameters as of `validated`.
+    """Make a brake from the nested data of a brake file.
 
-    Data with the table [plane] give a brake on a plane, other data a brake on a drum.
+    Data with the table [plane] give a brake on a plane, other data a brake on a drum. Raises
+    BadInput for wrong data.
+
+    Parameters
+    ----------
+    data : nested tables of keys and values
+    unit_required : whether numbers without unit are refused; otherwise they count as SI
+    base : folder from which relative paths of mesh files start
     """
     return validated(Brake.shape_of(data), data, unit_required=unit_required, base=base)
 

@@ -1,8 +1,9 @@
 """Find out whether the drum's ring has a support that some models cannot take.
 
 Finite elements take any support of a ring. The closed form of the foundation model, the triangles
-of the verification and the reduced model take plain rings only, with a fixed or a free far edge
-(see `Ring.is_plain`). They all call this module, so that they refuse a ring in the same words.
+of the verification and the reduced model take plain rings only, whose far edge is fixed or free
+(see `Ring.is_plain`). They all call this module, so that they
+refuse a ring in the same words.
 """
 
 from drumlin.brake.brake import Brake

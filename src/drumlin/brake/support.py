@@ -40,7 +40,7 @@ MOVES = {
     "abutment": "its foot slides on an abutment, it has no hinge",
     "guide": "it moves along a guide, it has no hinge",
 }
-"""How a shoe moves on each support, for error messages; the keys are those of `Held.held_by`."""
+"""How a shoe moves on each support, for error messages, by `Held.held_by`."""
 
 UNHELD = 2
 """Value of `sense` by which `Held.freedoms` gives the motions of a shoe without its abutment."""
@@ -280,19 +280,24 @@ class Held(Part):
         """
         k = len(self.freedoms(sense).names)
 
-        def both(row: int, change: Floats) -> SupportChange:
+        def equal_changes(row: int, change: Floats) -> SupportChange:
             """The same derivative (3,) of the rigid-body mode and of the test mode `row`."""
             return SupportChange(_change_of_mode(k, row, change), _change_of_mode(k, row, change))
 
-        def point(row: int) -> tuple[SupportChange, ...]:
+        def changes_with_point(row: int) -> tuple[SupportChange, ...]:
             """Derivatives of mode `row`, a turn about a point, as the point moves in x and y."""
-            return both(row, np.array([0.0, -1.0, 0.0])), both(row, np.array([1.0, 0.0, 0.0]))
+            along_x = equal_changes(row, np.array([0.0, -1.0, 0.0]))
+            along_y = equal_changes(row, np.array([1.0, 0.0, 0.0]))
+            return along_x, along_y
 
         if self.guide is not None:
-            return {"guide.direction": (both(0, slide_along(self.guide.direction + math.pi / 2)),)}
+            # The derivative of a unit vector by its angle is the vector turned by 90 deg.
+            turned = slide_along(self.guide.direction + math.pi / 2)
+            return {"guide.direction": (equal_changes(0, turned),)}
         if self.abutment is None:
-            return {"hinge": point(0)} | ({} if self.pivot is None else {"pivot": point(1)})
-        found = {"abutment.point": point(0)}
+            of_hinge = {"hinge": changes_with_point(0)}
+            return of_hinge if self.pivot is None else {**of_hinge, "pivot": changes_with_point(1)}
+        found = {"abutment.point": changes_with_point(0)}
         # If the foot sticks, the modes do not depend on the direction of the face.
         if sense == 0:
             return found

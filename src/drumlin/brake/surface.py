@@ -119,8 +119,8 @@ class FrictionSurface:
     def levers(self, q: Floats, size: float) -> Floats:
         """Moments (2, ...) [m] about the origin of unit forces on the surface at the coordinates q.
 
-        The first row is for unit forces in the normal direction `outwards`, the second row for the
-        tangential direction `along`. `size` [m] is the radius of a drum.
+        The first row is for unit forces normal to the surface (see `outwards`), the second row for
+        unit forces along it. `size` [m] is the radius of a drum.
         """
         zero = np.zeros(np.shape(q))
         if self.straight:
