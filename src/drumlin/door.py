@@ -362,7 +362,7 @@ def wear(
     # Options that belong to the other model are refused.
     only_mesh = on_mesh | _given(guided=guided, finite_width=finite_width)
     whole_brake.check_wear_options(model, only_mesh, on_springs)
-    # The wear law, the torque to hold and the prepared models are the data of the computation.
+    # The wear law, the torque to keep constant and the prepared models determine the computation.
     law = whole_brake.make_wear_law(coefficient, exponent)
     held = None if torque is None else _in_si("--torque", torque, worn.surface.effect_unit)
     options = on_mesh if model == "fem" else on_springs
@@ -571,7 +571,7 @@ def self_locking(
     check_penalty(penalty)
     whole = _brake_of(brake)
     whole.check_meshable()
-    # The limits are found by the indices of the shoes, and are returned by their names.
+    # This function identifies shoes by their indices. The result identifies them by their names.
     found = friction_limits_of_groups(
         prepare_finest_division(whole, **on_mesh),
         whole,

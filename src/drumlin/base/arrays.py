@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-# Types of arrays of any shape, by the type of their entries.
+# These are the types of arrays of any shape whose entries are numbers or truth values.
 Floats = np.ndarray[Any, np.dtype[np.float64]]
 Ints = np.ndarray[Any, np.dtype[np.int64]]
 Bools = np.ndarray[Any, np.dtype[np.bool_]]

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from drumlin.base.texts import one_line
 
-# Names of the error numbers SHORT_OF in the standard module errno.
+# The standard module errno has the error numbers SHORT_OF under these names.
 _SHORTAGES = ("ENOSPC", "EDQUOT", "EFBIG", "EIO", "ENOMEM", "EMFILE", "ENFILE", "EAGAIN")
 SHORT_OF = {getattr(errno, name) for name in _SHORTAGES if hasattr(errno, name)}
 """Error numbers by which the operating system says that disk, memory, files or processes run out.
@@ -51,7 +51,10 @@ class NoAnswer(DrumlinError):
 
 
 class LostDigits(NoAnswer):
-    """An answer exists, but round-off hides it: stiffnesses or sizes are too far apart."""
+    """Round-off hides an answer that exists.
+
+    Stiffnesses or sizes in the brake differ by too many orders of magnitude.
+    """
 
 
 class Stopped(BaseException):

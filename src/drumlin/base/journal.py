@@ -177,14 +177,14 @@ class Journal(AbstractContextManager["Journal"]):
                 if not line.endswith(b"\n") and len(line) < LARGEST_LINE:
                     break
                 end += len(line)
-                # A line counts only if its checksum fits its data and the stamp of the source.
+                # The case of a line is accepted only if the checksum fits the data and the stamp.
                 data = line[LEAD:-1]
                 if line == _sealed(data, self._stamp):
                     record = json.loads(b"{" + data)
                     self._rows[record["key"]] = record["row"]
                 else:
                     damaged += 1
-        # A journal of another version of the source has no line that counts.
+        # In a journal of another version of the source no checksum fits, and no case is accepted.
         if not is_own and not self._rows:
             self._rename(path, head)
             return False

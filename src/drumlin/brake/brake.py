@@ -101,7 +101,7 @@ class Shoe(Meshed):
 
     @property
     def depth(self) -> float:
-        """Thickness of lining, backing and body together [m]."""
+        """Total thickness [m] of lining, backing and body of the shoe."""
         return (
             self.lining.thickness
             + (self.backing.thickness if self.backing else 0.0)
@@ -128,7 +128,7 @@ class Shoe(Meshed):
     @property
     @abstractmethod
     def own_pin(self) -> Floats:
-        """Position (2,) [m] of the pin in the shoe's frame."""
+        """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
 
     @abstractmethod
     def own_points(self, xy: Floats) -> Floats:
@@ -310,7 +310,7 @@ class Brake(Part):
 
     @abstractmethod
     def reversed(self) -> Self:
-        """The brake with the other direction of motion."""
+        """A copy of the brake with the opposite direction of motion."""
 
     @abstractmethod
     def bare(self) -> Self:

@@ -175,7 +175,7 @@ def along_hinge(brake: Brake, index: int, key: str) -> dict[str, float]:
     The result has the two components by their keys in the brake file.
     """
     hinge = brake.shoes[index].pin
-    # They are the components of the unit vector from the drum's centre to the hinge.
+    # The two values are the components of the unit vector from the drum's centre to the hinge.
     return {
         f"shoe[{index}].{key}.x": hinge.x / hinge.radius,
         f"shoe[{index}].{key}.y": hinge.y / hinge.radius,

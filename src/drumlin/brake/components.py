@@ -521,7 +521,10 @@ class Beam(Part):
         return np.full(np.shape(x), section.bending_stiffness)
 
     def offset_at(self, x: Floats) -> Floats:
-        """Offset of the neutral axis [m] at the distances x [m] from the hinge, same shape."""
+        """Distance [m] of the neutral axis from the straight line, away from the drum.
+
+        It is given at the distances x [m] from the hinge, with their shape.
+        """
         return value_at(self.offset, x)
 
 
@@ -564,6 +567,6 @@ class Actuation(Part):
         return self.force * self.direction_vector
 
     def moment_about(self, point: Point) -> float:
-        """Moment of the force about `point` [N m], counter-clockwise positive."""
+        """Moment [N m] of the actuation's force about a point, counter-clockwise positive."""
         arm, force = self.point.xy - point.xy, self.vector
         return float(arm[0] * force[1] - arm[1] * force[0])

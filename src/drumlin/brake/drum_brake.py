@@ -60,7 +60,7 @@ class DrumShoe(Shoe):
 
     @property
     def own_pin(self) -> Floats:
-        """Position (2,) [m] of the pin in the shoe's frame."""
+        """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
         return np.array([self.pin.radius, 0.0])
 
     def own_points(self, xy: Floats) -> Floats:
@@ -153,7 +153,7 @@ class DrumBrake(Brake):
         return self.drum.ring
 
     def reversed(self) -> Self:
-        """The brake whose drum turns the other way."""
+        """A copy of the brake whose drum turns in the opposite direction."""
         return self.model_copy(update={"rotation": self.other_direction})
 
     def bare(self) -> Self:
@@ -173,11 +173,11 @@ class DrumBrake(Brake):
         return self.model_copy(update=changes)
 
     def without_ring(self) -> Self:
-        """The brake on a rigid drum."""
+        """A copy of the brake with a rigid drum."""
         return self.model_copy(update={"drum": self.drum.model_copy(update={"ring": None})})
 
     def round(self) -> Self:
-        """The brake with a drum that is not out of round."""
+        """A copy of the brake with a drum that is not out of round."""
         return self.model_copy(update={"drum": self.drum.model_copy(update={"out_of_round": ()})})
 
     @property
@@ -321,7 +321,7 @@ def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
         raise ValueError(
             f"{shown}: the actuation's point is the beam's loaded end and must not be the hinge"
         )
-    # The beam reaches from the hinge to the actuation's point and must pass the drum.
+    # The axis of the beam, from the hinge to the point of actuation, must pass outside the drum.
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     if axis.distance <= radius:
         raise ValueError(

@@ -109,7 +109,10 @@ def validated(
 def brake_from(
     data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> Brake:
-    """Make a brake on a drum from the nested data of a brake file; see `validated`."""
+    """Make a brake on a drum from the nested data of a brake file.
+
+    Raises BadInput for wrong data; parameters as of `validated`.
+    """
     return validated(DrumBrake, data, unit_required=unit_required, base=base)
 
 

@@ -66,11 +66,11 @@ class FlatMisfit(Misfit):
 
 
 class FlatLining(Lining):
-    """The friction lining on the plane from x = `start` to x = `end` [m], `width` [m] across.
+    """The friction lining on a plane from x = `start` to x = `end` [m], with the `width` [m].
 
-    Finite elements need `thickness` [m] and `material`. `clearance` [m] is the gap of the unloaded
-    lining: a number, or a table of (x, clearance) with straight lines between. The gap of the
-    `misfit` is added.
+    Finite elements need `thickness` [m] and `material`. `clearance` [m] is the gap between unloaded
+    lining and plane, positive if open: a number, or a table of rows (x, clearance) with linear
+    interpolation. The gap due to the `misfit` is added to it.
     """
 
     start: Length
@@ -106,7 +106,7 @@ class FlatLining(Lining):
 
 
 class FlatBody(Bar):
-    """The elastic shoe behind lining and backing: a bar from x = `start` to x = `end` [m]."""
+    """An elastic shoe body on a plane: a straight bar from x = `start` to x = `end` [m]."""
 
     start: Length
     end: Length
@@ -147,7 +147,7 @@ class FlatShoe(Shoe):
 
     @model_validator(mode="after")
     def _check_lining_on_body(self) -> Self:
-        """Raise ValueError where the lining reaches beyond the body."""
+        """Raise ValueError if the lining extends beyond the elastic body of the shoe."""
         lining, body = self.lining, self.body
         # Equal ends that a file gives in different units may differ by round-off.
         slack = 1e-9 * (lining.end - lining.start)
@@ -182,7 +182,7 @@ class FlatShoe(Shoe):
 
     @property
     def own_pin(self) -> Floats:
-        """Position (2,) [m] of the pin in the shoe's frame."""
+        """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
         return np.array([0.0, self.pin.y])
 
     def own_points(self, xy: Floats) -> Floats:
@@ -212,7 +212,7 @@ class FlatShoe(Shoe):
         return np.asarray(xy[0] / size)
 
     def place_of(self, point: Point) -> float:
-        """Coordinate x [m] of a point."""
+        """Coordinate x [m] of a point, which is its coordinate along the plane."""
         return point.x
 
     def back(self, size: float) -> float:
@@ -255,7 +255,7 @@ class FlatBrake(Brake):
         return self.shoes[0].size
 
     def reversed(self) -> Self:
-        """The brake whose body slides the other way."""
+        """A copy of the brake whose body slides in the opposite direction."""
         plane = self.plane.model_copy(update={"sliding": self.other_direction})
         return self.model_copy(update={"plane": plane})
 

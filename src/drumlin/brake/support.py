@@ -173,7 +173,7 @@ class Held(Part):
 
     @property
     def held_by(self) -> str:
-        """The shoe's support: "hinge", "pivot", "abutment" or "guide"."""
+        """The kind of the shoe's support: "hinge", "pivot", "abutment" or "guide"."""
         if self.hinge is not None:
             return "hinge" if self.pivot is None else "pivot"
         return "guide" if self.abutment is None else "abutment"

@@ -138,7 +138,8 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
         raise ValueError(f"has no unit; write {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     else:
         number = value
-    # The comparison is false for nan. Python compares integers of any size exactly.
+    # For nan the comparison is false, so that nan is refused. Python compares integers of any size
+    # exactly.
     if not abs(number) <= LARGEST_NUMBER_SI:
         raise ValueError(f"must be finite and at most {LARGEST_NUMBER_SI:g} in SI units")
     return float(number) if abs(number) >= SMALLEST else 0.0
