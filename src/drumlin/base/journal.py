@@ -169,7 +169,9 @@ class Journal(AbstractContextManager["Journal"]):
                 file.truncate(0)
                 self._write(file, own_head)
                 return True
-            is_own, end, damaged = head == own_head, len(head), int(head != own_head)
+            is_own = head == own_head
+            # `end` is the length of the whole lines read so far. A foreign first line is damage.
+            end, damaged = len(head), int(not is_own)
             while (is_own or self._rows or end <= LARGEST_LINE) and (
                 line := reader.readline(LARGEST_LINE)
             ):

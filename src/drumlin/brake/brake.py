@@ -260,7 +260,8 @@ class Brake(Part):
         """
         # Data with neither "drum" nor "plane" are an error, and its message shall name the drum.
         shapes = {shape.surface.word: shape for shape in Brake.__subclasses__()}
-        return shapes[PLANE.word if isinstance(data, Mapping) and PLANE.word in data else DRUM.word]
+        on_plane = isinstance(data, Mapping) and PLANE.word in data
+        return shapes[PLANE.word if on_plane else DRUM.word]
 
     @classmethod
     def model_validate(cls, obj: Any, **options: Any) -> Self:

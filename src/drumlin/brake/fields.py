@@ -436,7 +436,8 @@ def _rows(
     for item in items:
         if not isinstance(item, list | tuple) or len(item) != 2:
             raise ValueError(f'must be {kinds} like ["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]')
-        rows.append((_in_si(item[0], info, row[0], place), _in_si(item[1], info, row[1], name)))
+        coordinate = _in_si(item[0], info, row[0], place)
+        rows.append((coordinate, _in_si(item[1], info, row[1], name)))
     # Interpolation between the rows needs coordinates that grow from row to row.
     for k in range(1, len(rows)):
         if rows[k][0] <= rows[k - 1][0]:

@@ -38,7 +38,8 @@ def circle_gap(
     """
     # c is the centre of the lining's circle; along and across are its components at each angle.
     r = R if radius is None else radius
-    c = (R - r) * np.array([np.cos(middle), np.sin(middle)]) + offset.xy
+    to_middle = np.array([np.cos(middle), np.sin(middle)])
+    c = (R - r) * to_middle + offset.xy
     along = c[0] * np.cos(theta) + c[1] * np.sin(theta)
     across = c[0] * np.sin(theta) - c[1] * np.cos(theta)
     return sign * (R - along - np.sqrt(r**2 - across**2))

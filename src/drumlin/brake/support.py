@@ -306,10 +306,9 @@ class Held(Part):
         mu, along = self.abutment.friction, self.abutment.direction + math.pi / 2
         tested = slide_along(along + sense * math.atan(mu) + math.pi / 2)
         of_motion = slide_along(along + math.pi / 2)
-        of_direction = SupportChange(
-            _change_of_mode(k, 1, of_motion), _change_of_mode(k, 1, tested)
-        )
-        found["abutment.direction"] = (of_direction,)
+        change_of_motion = _change_of_mode(k, 1, of_motion)
+        change_of_test = _change_of_mode(k, 1, tested)
+        found["abutment.direction"] = (SupportChange(change_of_motion, change_of_test),)
         if mu > 0:
             of_test = _change_of_mode(k, 1, sense * tested / (1 + mu**2))
             found["abutment.friction"] = (SupportChange(np.zeros((k, 3)), of_test),)

@@ -83,7 +83,8 @@ def _table(part: Part, path: str) -> Iterator[str]:
     for key, value in below:
         name = f"{path}.{key}" if path else key
         several = isinstance(value, tuple)
-        for item in value if several else (value,):
+        items = value if several else (value,)
+        for item in items:
             yield ""
             yield f"[[{name}]]" if several else f"[{name}]"
             yield from _table(item, name)
