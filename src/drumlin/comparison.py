@@ -114,7 +114,7 @@ def richardson(fine: float, first: float, last: float, ratio: float = 2.0) -> Ex
 
 
 def extrapolate(coarse: float, medium: float, fine: float, ratio: float = 2.0) -> Extrapolated:
-    """Estimate the limit of a value by `richardson` from its values on three meshes."""
+    """Estimate the limit of a value by `richardson` from three meshes."""
     return richardson(fine, medium - coarse, fine - medium, ratio)
 
 

@@ -294,8 +294,8 @@ def _check_arc(key: str, body: ArcBody, lining: DrumLining) -> None:
     slack = 1e-9  # rad
     if lining.start < body.start - slack or lining.end > body.end + slack:
         raise ValueError(
-            f"{key}.lining = {deg(lining.start)} to {deg(lining.end)}: must lie within the body, "
-            f"{deg(body.start)} to {deg(body.end)}"
+            f"{key}.lining = {deg(lining.start)} to {deg(lining.end)}: "
+            f"must lie within the body, {deg(body.start)} to {deg(body.end)}"
         )
 
 

@@ -153,8 +153,8 @@ class FlatShoe(Shoe):
         slack = 1e-9 * (lining.end - lining.start)
         if body and not body.start - slack <= lining.start < lining.end <= body.end + slack:
             raise ValueError(
-                f"lining = {mm(lining.start)} to {mm(lining.end)}: must lie within the body, "
-                f"{mm(body.start)} to {mm(body.end)}"
+                f"lining = {mm(lining.start)} to {mm(lining.end)}: "
+                f"must lie within the body, {mm(body.start)} to {mm(body.end)}"
             )
         return self
 

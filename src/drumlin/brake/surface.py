@@ -119,8 +119,8 @@ class FrictionSurface:
     def levers(self, q: Floats, size: float) -> Floats:
         """Moments (2, ...) [m] about the origin of unit forces on the surface at the coordinates q.
 
-        The first row is for unit forces normal to the surface (see `outwards`), the second row for
-        unit forces along it. `size` [m] is the radius of a drum.
+        The first row is for unit forces along the normals that `outwards`
+        gives, the second row for unit forces along the surface. `size` [m] is the drum's radius.
         """
         zero = np.zeros(np.shape(q))
         if self.straight:
