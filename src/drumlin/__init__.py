@@ -7,15 +7,15 @@
     print(response.torque, response.shoes[0].peak_pressure)
     response.plot()
 
-`solve` answers by one model, `compare` by all models that apply, `sweep` for many cases. `wear`
-runs the linings in, `hold` turns a brake from rest, `sensitivity` gives slopes of the torque,
-`self_locking` its limit, `fields` the stresses. `reference` makes values to cite, and `check`
-compares a table of p(theta) with them. `vary` changes keys of a brake, `write_brake` writes its
-file. Wrong input raises BadInput, a brake without an answer NoAnswer, each with one plain line.
-Numbers are SI.
+`solve` computes a brake by one model, `compare` by all models that apply, and `sweep` for many
+cases. `wear` wears the linings, `hold` turns the drum from rest against the shoes, `sensitivity`
+gives derivatives of the torque, `self_locking` finds the friction at which the brake locks, and
+`fields` gives displacements and stresses. `reference` computes reference values with uncertainties,
+and `check` compares a table of p(theta) with them. `vary` makes a brake with changed values, and
+`write_brake` writes its file. Wrong input raises BadInput, and a brake without an answer raises
+NoAnswer, each with a message of one line. All numbers are in SI units.
 
-Importing drumlin loads nothing else and changes nothing in the process: each name below is loaded
-when it is first used.
+`import drumlin` loads no other module: each name below is loaded when it is first used.
 """
 
 from importlib import import_module
@@ -66,7 +66,7 @@ __all__ = [
     "write_brake",
 ]
 
-# The names that the functions' own module does not have: module, and name there.
+# Most public names are in drumlin.door. For each other name: its module, and its name there.
 _ELSEWHERE = {
     "BadInput": ("drumlin.base.errors", "BadInput"),
     "Brake": ("drumlin.brake", "Brake"),
@@ -78,7 +78,7 @@ _ELSEWHERE = {
 
 
 def __getattr__(name: str) -> Any:
-    """A public name, loaded when it is first asked for."""
+    """Load the module of a public name when the name is first used, and return its object."""
     if name not in __all__:
         raise AttributeError(f"module 'drumlin' has no attribute {name!r}")
     module, attribute = _ELSEWHERE.get(name, ("drumlin.door", name))
@@ -87,5 +87,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """The public names."""
+    """The public names of drumlin in alphabetical order."""
     return sorted(__all__)

@@ -1,6 +1,6 @@
-"""Models side by side: their outcomes, the distances between their responses, and a table of both.
+"""Compare models of a brake: solve it by each, and table the results with their differences.
 
-The module also finds observed orders and limits of a value as meshes are refined.
+The module also estimates the order of convergence and the limit of a value as meshes are refined.
 """
 
 import csv
@@ -25,19 +25,20 @@ from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import EDGE_ZONE, Response
 from drumlin.response.show import arcs_text
 
+# The class of the compared brake, which a comparison keeps.
 BrakeKind = TypeVar("BrakeKind", bound=Brake)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The response of a model to a brake, or the reason why there is none.
+    """The result of one model for a brake, or the reason why the model has no answer.
 
     Attributes
     ----------
     model : name of the model
-    response : its response; None where it has none
-    failure : why it has none
-    seconds : of a solve, median of the repeats
+    response : the result; None if the model has no answer
+    failure : why the model has no answer; "" if it has one
+    seconds : time of one solve, median of the repeats [s]
     repeats : number of solves
     """
 
@@ -49,13 +50,15 @@ class Outcome:
 
 
 def run(name: str, solve: Callable[[], Response], repeats: int = 1) -> Outcome:
-    """Solve by a model; a refusal (NoAnswer) is an outcome, not an error.
+    """Solve a brake by one model and measure the time.
+
+    A model that raises NoAnswer gives an Outcome with the reason; the exception is not passed on.
 
     Parameters
     ----------
-    name : of the model
-    solve : solves the brake
-    repeats : how often it is called and timed
+    name : name of the model
+    solve : function without arguments that solves the brake
+    repeats : how often `solve` is called and timed
     """
     seconds, response, failure = [], None, ""
     for _ in range(repeats):
@@ -69,13 +72,14 @@ def run(name: str, solve: Callable[[], Response], repeats: int = 1) -> Outcome:
 
 
 class Extrapolated(NamedTuple):
-    """A Richardson extrapolation from three meshes.
+    """The limit of a value as meshes are refined, by Richardson extrapolation from three meshes.
 
     Attributes
     ----------
-    order : observed order of convergence; nan where no order is seen
-    value : the limit
-    uncertainty : of the limit, as large as its correction
+    order : observed order of convergence; nan if the values do not converge
+    value : estimated limit
+    uncertainty : uncertainty of the limit: its difference from the finest value, or the larger of
+        the two steps between meshes if the values do not converge
     """
 
     order: float
@@ -84,22 +88,22 @@ class Extrapolated(NamedTuple):
 
 
 def richardson(fine: float, first: float, last: float, ratio: float = 2.0) -> Extrapolated:
-    """The limit of a value as meshes are refined, by Richardson extrapolation.
+    """Estimate the limit of a value as meshes are refined, by Richardson extrapolation.
 
-    Where the steps do not shrink with one sign, no limit is seen. The finest value then stands for
-    the limit, with the larger step as its uncertainty. Its order is nan; steps that shrink with
-    changing sign keep their order.
+    The extrapolation needs two steps of the same sign of which the second is smaller. Otherwise the
+    finest value is taken for the limit, with the larger step as its uncertainty. The order is nan
+    if the second step is not smaller.
 
     Parameters
     ----------
     fine : the value on the finest of three meshes
-    first : the step of the value from the coarsest mesh to the next
-    last : the step from there to the finest mesh
-    ratio : how many times as fine each mesh is as the one before
+    first : change of the value from the coarsest to the middle mesh
+    last : change of the value from the middle to the finest mesh
+    ratio : ratio of the element sizes of two successive meshes
     """
     if last == 0:
         return Extrapolated(math.nan, fine, abs(first))
-    # The factor by which the steps shrink.
+    # The second step is smaller than the first one by this factor.
     gain = first / last
     order = math.log(abs(gain), ratio) if abs(gain) > 1 else math.nan
     if gain <= 1:
@@ -110,20 +114,20 @@ def richardson(fine: float, first: float, last: float, ratio: float = 2.0) -> Ex
 
 
 def extrapolate(coarse: float, medium: float, fine: float, ratio: float = 2.0) -> Extrapolated:
-    """`richardson` of the values on three meshes."""
+    """Estimate the limit of a value by `richardson` from three meshes."""
     return richardson(fine, medium - coarse, fine - medium, ratio)
 
 
 class TableColumn(NamedTuple):
-    """A column of a table for people.
+    """A column of a table of results as people read it.
 
     Attributes
     ----------
-    key : of the row's value
-    heading : of the column
-    unit : in which the value is shown
-    factor : from SI to this unit
-    form : format of the number
+    key : key of the column's value in a row
+    heading : heading of the column
+    unit : unit in which the value is shown
+    factor : factor that converts the value from SI to this unit
+    form : format of the number, as of `format`
     """
 
     key: str
@@ -133,18 +137,18 @@ class TableColumn(NamedTuple):
     form: str = ".4g"
 
     def text(self, row: dict[str, Any]) -> str:
-        """The cell of a row as people read it."""
+        """The text of this column's cell in a row; a dash if the row has no value."""
         value = row.get(self.key)
         if value is None or (isinstance(value, float) and math.isnan(value)):
             return "–"
         if not isinstance(value, int | float):
             return str(value)
-        # A factor of 1 would turn whole numbers into fractions.
+        # Multiplying an integer by 1.0 would make it a float, with another format.
         return formatted(value if self.factor == 1 else value * self.factor, self.form)
 
     @property
     def title(self) -> str:
-        """The heading with its unit."""
+        """The heading of the column with its unit."""
         return f"{self.heading} [{self.unit}]" if self.unit else self.heading
 
 
@@ -165,27 +169,29 @@ COLUMNS = (
     TableColumn("seconds", "run time", "ms", 1e3, ".3g"),
     TableColumn("status", "status"),
 )
-"""The columns of a comparison, in the order of its table."""
+"""The columns of the table of a comparison, in their order."""
 
 
 def rows(
     brake: Brake, outcomes: Sequence[Outcome], reference: str = "fem", case: str | None = None
 ) -> list[dict[str, Any]]:
-    """One row for each model and shoe, and a row "all" for the whole brake by each model.
+    """The rows of the table of a comparison: one for each model and shoe.
 
-    The keys are those of COLUMNS, the values in SI, errors as fractions. On a plane the braking
-    force [N] takes the place of the torque. A model without an answer has one row that says why.
+    Each model has another row "all" for the whole brake. The keys are those of COLUMNS, the values
+    are in SI units and errors are fractions. On a plane the torque is the braking force [N]. A
+    model without an answer has one row, with the reason in "status".
 
     Parameters
     ----------
     brake : the brake
-    outcomes : of the models
+    outcomes : results of the models
     reference : name of the model that errors refer to
-    case : name of the brake in the table; None: its title
+    case : name of the brake in the table; None for its title
     """
-    # Without the reference, as where it has no answer, the rows state no errors.
+    # If the reference model has no answer, the rows have no errors.
     true = next((o.response for o in outcomes if o.model == reference), None)
     table: list[dict[str, Any]] = []
+    # Each row begins with the case and the model; the values follow.
     for outcome in outcomes:
         base = {"case": case or brake.title, "rotation": brake.sense, "model": outcome.model}
         if outcome.response is None:
@@ -200,14 +206,14 @@ def rows(
 
 
 def _shoe_row(brake: Brake, response: Response, i: int, true: Response | None) -> dict[str, Any]:
-    """The values of one shoe.
+    """The values of one shoe in the table of a comparison, by the keys of COLUMNS.
 
     Parameters
     ----------
     brake : the brake
-    response : of a model
-    i : position of the shoe
-    true : response that errors refer to; None: no errors
+    response : result of a model
+    i : index of the shoe
+    true : result that errors refer to; None for a row without errors
     """
     shoe = response.shoes[i]
     row = {
@@ -219,6 +225,7 @@ def _shoe_row(brake: Brake, response: Response, i: int, true: Response | None) -
         "self_energising": "yes" if shoe.self_energising else "no",
         "status": "converged" if response.converged else "not converged",
     }
+    # The errors are differences from the reference result, relative to it.
     if true is not None:
         other = true.shoes[i]
         row["torque_error"] = relative(response.effects[i], true.effects[i])
@@ -229,7 +236,10 @@ def _shoe_row(brake: Brake, response: Response, i: int, true: Response | None) -
 
 
 def _whole_row(outcome: Outcome, true: Response | None) -> dict[str, Any]:
-    """The values of the whole brake by one model; `true`: response that errors refer to."""
+    """The values of the whole brake by one model in the table of a comparison.
+
+    `true` is the result that errors refer to; None for a row without errors.
+    """
     assert outcome.response is not None
     effect = outcome.response.effect
     row = {"shoe": "all", "torque": effect, "seconds": outcome.seconds, "status": "converged"}
@@ -239,22 +249,23 @@ def _whole_row(outcome: Outcome, true: Response | None) -> dict[str, Any]:
 
 
 def edge_of(brake: Brake) -> float:
-    """The length of the zones at a lining's ends in which no pressure is compared.
+    """Length of the zones at both ends of a lining in which pressures are not compared.
 
-    It is in the coordinate of the brake's surface.
+    It is in the coordinate along the surface: an angle [rad] on a drum, a length [m] on a plane.
     """
     return EDGE_ZONE * brake.unit
 
 
 def columns_of(brake: Brake) -> tuple[TableColumn, ...]:
-    """The columns of a table of a brake.
+    """The columns of the table of a comparison for this brake.
 
-    On a plane the braking force takes the place of the torque, and lengths that of angles.
+    For a brake on a plane their headings and units name the braking force in place of the torque,
+    and lengths in place of angles.
     """
     surface = brake.surface
     if not surface.straight:
         return COLUMNS
-    # Keys stay those of a drum, so that programs read both kinds of table alike.
+    # The keys are the same for drum and plane, so that programs can read both kinds of table.
     words: dict[str, dict[str, Any]] = {
         "rotation": {"heading": surface.moving},
         "torque": {"heading": surface.effect, "unit": surface.effect_unit},
@@ -265,11 +276,11 @@ def columns_of(brake: Brake) -> tuple[TableColumn, ...]:
 
 
 def as_csv(table: Sequence[dict[str, Any]]) -> str:
-    """A table in SI units as CSV text, with a column for every key that occurs.
+    """The rows of a table as CSV text, with a column for every key that occurs in a row.
 
-    No text in it is a formula to a spreadsheet.
+    Texts that a spreadsheet would run as formulas get an apostrophe in front.
     """
-    # A dict keeps the order in which the keys first occur.
+    # The columns are in the order in which the keys first occur.
     keys = list(dict.fromkeys(chain.from_iterable(table)))
     text = io.StringIO()
     writer = csv.DictWriter(text, keys, lineterminator="\n")
@@ -280,7 +291,14 @@ def as_csv(table: Sequence[dict[str, Any]]) -> str:
 
 @dataclass(frozen=True)
 class Comparison(Generic[BrakeKind]):
-    """A brake and the outcome of every model that applies; the finite elements come first."""
+    """A brake and its results by every model that applies; the finite elements come first.
+
+    Attributes
+    ----------
+    case : name of the brake in tables
+    brake : the brake
+    outcomes : result of each model, or the reason why the model has no answer
+    """
 
     case: str
     brake: BrakeKind
@@ -288,12 +306,12 @@ class Comparison(Generic[BrakeKind]):
 
     @property
     def responses(self) -> dict[str, Response]:
-        """The responses of the models that answered, by model."""
+        """The results of the models that have an answer, by the name of the model."""
         return {o.model: o.response for o in self.outcomes if o.response is not None}
 
     @property
     def rows(self) -> list[dict[str, Any]]:
-        """The comparison as rows of a table, errors against the finite elements."""
+        """The rows of the table of the comparison, with errors relative to the finite elements."""
         return rows(self.brake, self.outcomes, case=self.case)
 
 
@@ -309,15 +327,16 @@ def compare(
     Parameters
     ----------
     brake : as `read_brake` gives it
-    case : a name for the table; "": the brake's title
-    repeats : how often each model is timed
-    models : names of the models; None: all that apply
-    options : of the finite elements, as `solve` takes them
+    case : name of the brake in the table; "" for its title
+    repeats : how often each model is solved and timed
+    models : names of the models; None for all models that apply
+    options : options of the finite elements, as `solve` takes them
 
     Returns
     -------
-    the comparison: `responses` by model, `rows` of a table with the errors against the finite
-    elements (fractions); a model that has no answer is a row that says why
+    Comparison
+        the results by model, and the rows of a table with errors relative to the finite elements,
+        as fractions; a model without an answer has a row with the reason
 
     Raises
     ------
@@ -327,7 +346,7 @@ def compare(
     outcomes = []
     for model in applicable(brake):
         if models is None or model.name in models:
-            # The options are those of the finite elements; no other model takes them.
+            # Only the finite elements take the options.
             own_options = options if model.name == "fem" else {}
             outcomes.append(run(model.name, partial(model.solve, brake, **own_options), repeats))
     return Comparison(case or brake.title, brake, tuple(outcomes))
@@ -335,12 +354,12 @@ def compare(
 
 @dataclass(frozen=True)
 class Convergence:
-    """A brake on meshes that double, with observed orders and limits.
+    """The results of a brake on meshes of which each has twice as many elements as the one before.
 
     Attributes
     ----------
-    elements : along each lining, on each mesh
-    responses : on each mesh
+    elements : number of elements along each lining, for each mesh from coarse to fine
+    responses : result on each mesh
     """
 
     elements: tuple[int, ...]
@@ -348,32 +367,36 @@ class Convergence:
 
     @property
     def torque(self) -> Extrapolated:
-        """The limit of the torque of the brake [N m], from the three finest meshes."""
+        """The torque of the brake [N m] extrapolated from the three finest meshes to its limit."""
         return extrapolate(*(response.torque for response in self.responses[-3:]))
 
     def pressure_steps(self, shoe: int) -> list[float]:
-        """Relative L2 distances of p between each mesh and the next finer one.
+        """Relative L2 distance between the pressures of a shoe on each mesh and the next finer one.
 
-        They leave out the edge zones.
+        `shoe` is the index of the shoe. Zones at both ends of the lining are left out.
         """
         pairs = pairwise(self.responses)
         return [pressure_distance(a.shoes[shoe], b.shoes[shoe]) for a, b in pairs]
 
     def pressure(self, shoe: int) -> tuple[float, float]:
-        """Observed order of p in L2, and the estimated error of the finest mesh.
+        """Observed order of convergence of a shoe's pressure, and its error on the finest mesh.
 
-        The error is the relative L2 distance of the finest p from its limit, by extrapolation of
-        the distances between successive meshes.
+        `shoe` is the index of the shoe. The error is the relative L2 distance of the pressure on
+        the finest mesh from its limit. It is extrapolated from the distances between successive
+        meshes.
         """
-        # With the value 0 for the finest p, the uncertainty is the distance of p from its limit.
+        # For a finest value of 0 the estimated uncertainty is the distance from the limit.
         first, last = self.pressure_steps(shoe)[-2:]
         limit = richardson(0.0, first, last)
         return limit.order, limit.uncertainty
 
 
 def converge(brake: Brake, elements: Sequence[int]) -> Convergence:
-    """Solve a brake on several meshes, coarse to fine, with exact contact."""
-    # The finite elements load only where they are used.
+    """Solve a brake by finite elements on several meshes, without penalty in the contact.
+
+    `elements` are the numbers of elements along each lining, from coarse to fine.
+    """
+    # The finite elements are imported only when they are used.
     from drumlin.fem.solve import solve  # noqa: PLC0415
 
     responses = tuple(solve(brake, elements=n, penalty=math.inf) for n in elements)

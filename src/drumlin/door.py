@@ -1,7 +1,7 @@
-"""The functions of `import drumlin`: each takes a brake or its file's path, and calls one room.
+"""The public functions of drumlin; most take a `Brake` or the path of a brake file.
 
-The command line calls the same functions. A room of the package is imported by the first call that
-needs it, so that this module loads at once.
+The command line calls the same functions. Each function imports the package that does its work only
+when it is called, so that `import drumlin` is fast.
 """
 
 from __future__ import annotations
@@ -29,18 +29,29 @@ if TYPE_CHECKING:
     BrakeOrPath = Brake | Path | str
 
 MOST_STEPS = 10_000
-"""Largest number of increments of a holding brake: their states fill some 100 MB of JSON."""
+"""Largest number of increments in which `hold` turns the drum.
+
+The states of so many increments fill some 100 MB of JSON.
+"""
 
 Say = Callable[[str], None]
-"""A function that shows a line of progress."""
+"""The type of a function that shows the user a line about the progress of a computation."""
 
 
 def _unheard(_: str) -> None:
-    """Show no line of progress."""
+    """Ignore a line about the progress of a computation."""
 
 
 class _Source(NamedTuple):
-    """A brake with the text of its file, the file's folder, and a command that names it."""
+    """A brake with the text of its file.
+
+    Attributes
+    ----------
+    brake : the brake
+    text : text of its brake file
+    folder : folder of the brake file; None for a brake that was not read from a file
+    command : command that computes reference values of this brake, for a report
+    """
 
     brake: Brake
     text: str
@@ -49,14 +60,14 @@ class _Source(NamedTuple):
 
 
 def _brake_of(brake: BrakeOrPath) -> Brake:
-    """The brake itself, or the brake of a file."""
+    """Return the brake itself; if `brake` is a path, read the brake from this file."""
     from drumlin.brake import read_any
 
     return read_any(brake) if isinstance(brake, str | Path) else brake
 
 
 def _source_of(brake: BrakeOrPath) -> _Source:
-    """The brake with its text: that of its file, or what `write_brake` would write."""
+    """Return a brake with the text of its file; without a file, the text that would be written."""
     from drumlin.base.texts import typed
     from drumlin.brake import read_any
     from drumlin.brake.file import toml_text
@@ -72,28 +83,38 @@ def _source_of(brake: BrakeOrPath) -> _Source:
 
 
 def _given(**options: Any) -> dict[str, Any]:
-    """The options that have a value, see `drumlin.models.given_options`."""
+    """The options that the user has given: those that are neither None nor False."""
     from drumlin.models import given_options
 
     return given_options(**options)
 
 
 def _in_si(option: str, value: float | str, unit: str) -> float:
-    """The value [SI] of an option that is a number in SI or a text with a unit."""
+    """Convert the value of an option to a number in SI units.
+
+    `value` is a number, which is in SI units already, or a text with a unit. `option` is the name
+    of the option in an error message.
+    """
     from drumlin.brake.units import quantity
 
     return quantity(option, value, unit) if isinstance(value, str) else value
 
 
 class _Corrected(NamedTuple):
-    """A brake whose moduli may be corrected for finite width, and notes on the correction."""
+    """A brake whose lining moduli may be corrected for the finite widths of the shoes.
+
+    Attributes
+    ----------
+    brake : the brake, with corrected moduli if the correction was asked for
+    notes : lines for the user about the correction; empty without it
+    """
 
     brake: Brake
     notes: tuple[str, ...]
 
 
 def _corrected(brake: Brake, finite_width: bool) -> _Corrected:
-    """The brake, its moduli corrected for the widths of its shoes if `correct_for_finite_width`."""
+    """Correct the moduli of a brake's linings for the widths of the shoes if `finite_width`."""
     if not finite_width:
         return _Corrected(brake, ())
     from drumlin.fem.preparation import finite_width as width
@@ -123,25 +144,28 @@ def solve(
     Parameters
     ----------
     brake : the brake, or the path of its file
-    model : "fem", finite elements; "solid", solid shoes; "foundation"; or a law such as "sine"
-    elements : finite elements along each lining ("fem", "solid"); None: as the error needs
-    kind : "quad2", "quad1", "tri2" or "tri1", elements of the parametric mesh ("fem")
+    model : "fem" for finite elements in plane stress, "solid" for finite elements in three
+        dimensions, "foundation" for a beam on springs, or a law such as "sine"
+    elements : number of finite elements along each lining; None: as the error needs ("fem",
+        "solid")
+    kind : "quad2", "quad1", "tri2" or "tri1", the elements of the parametric mesh ("fem")
     penalty : contact stiffness as a multiple of E/t of the lining, up to inf ("fem", "solid")
     tolerance : relative error of p (L2) and of the torque that is to be reached ("fem", "solid")
     finite_width : whether the linings' moduli are corrected for the widths of the shoes ("fem")
     worn_in : whether the linings are worn until their pressure no longer changes ("fem")
     model_error : whether the error of plane stress itself is estimated; not for worn-in linings
         ("fem")
-    across : elements over half the width of a lining ("solid")
+    across : number of elements over half the width of a lining ("solid")
     fields : path of a .vtu file for displacements and stresses in the shoes ("solid")
-    sections : sections of each beam ("foundation")
-    lift : names of simplifications to lift, or ["all"] ("foundation")
+    sections : number of sections along each beam ("foundation")
+    lift : names of simplifications of the model to remove, or ["all"] ("foundation")
 
     Returns
     -------
     Response
-        torque [N m], of each shoe p(theta) [Pa over rad], reactions [N], figures of merit, the load
-        of the drum's bearings [N]; on a plane the braking force [N] and places [m]
+        the torque [N m], the load of the drum's bearings [N], and for each shoe its pressure
+        p(theta) [Pa over rad], reactions [N] and figures of merit; on a plane the braking force [N]
+        and pressures over x [m]
 
     Raises
     ------
@@ -172,7 +196,7 @@ def solve(
         sections=sections,
         lift=lift,
     )
-    # The model is picked first: that no such model exists says more than a wrong option.
+    # The model is checked before the options: an unknown model is the more helpful message.
     chosen = pick(model, whole)
     check_options(model, options)
     if model == "fem" and model_error and not worn_in:
@@ -197,11 +221,11 @@ def compare(
     Parameters
     ----------
     brake : the brake, or the path of its file
-    case : a name for the table; "": the brake's title
-    repeats : how often each model is timed
-    models : names of the models; None: all that apply and answer at once
-    elements : finite elements along each lining, see `solve`
-    kind : of the finite elements, see `solve`
+    case : name of the brake in the table; "" for its title
+    repeats : how often each model is solved and timed
+    models : names of the models; None for all that apply but "solid", which takes longer
+    elements : number of finite elements along each lining, see `solve`
+    kind : kind of the finite elements, see `solve`
     penalty : contact stiffness of the finite elements, see `solve`
     tolerance : relative error of the finite elements, see `solve`
     finite_width : whether the linings' moduli are corrected, see `solve`
@@ -209,8 +233,9 @@ def compare(
     Returns
     -------
     Comparison
-        `responses` by model, `rows` of a table with the errors against the finite elements
-        (fractions) and run times [s]; a model without an answer is a row that says why
+        `responses` has the results by model. `rows` has the rows of a table with run times [s] and
+        errors relative to the finite elements, as fractions; a model without an answer has a row
+        with the reason
 
     Raises
     ------
@@ -240,14 +265,14 @@ def sweep(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
 
     Parameters
     ----------
-    path : of the TOML file that names the brake, the keys that vary and how
-    jobs : processes that solve side by side; None: one a core
+    path : path of the TOML file with the brake, the keys that vary and their values
+    jobs : number of processes that solve in parallel; None for one on each core
 
     Returns
     -------
     list of dict
-        one row a case, in the file's order: its changed keys, then its numbers in SI, and "status",
-        which says why a case has none
+        one row for each case, in the order of the file: the changed keys, the results in SI units,
+        and "status", which has the reason if a case has no results
 
     Raises
     ------
@@ -283,33 +308,35 @@ def wear(
     finite_width: bool = False,
     say: Say = _unheard,
 ) -> WearRun:
-    """Run a brake in: wear its linings by Archard's law.
+    """Wear the linings of a brake by Archard's law, as during running-in.
 
     Parameters
     ----------
     brake : the brake, or the path of its file
-    model : "fem" or "foundation", the elastic model that is worn
+    model : "fem" or "foundation", the elastic model whose linings wear
     distance : sliding distance [m], or a text: "20 km", or "20" for 20 times 1/(k K) with K = E/t
-        of the lining; None: until p and torque are settled
-    coefficient : k of wear [1/Pa], or a text such as "1e-5 mm^3/(N m)"; with an exponent: at 1 MPa
-    exponent : of the pressure in the rate of wear
-    torque : torque [N m], or a text with its unit, that the actuation holds; None: the actuation
-        stays. On a plane the braking force [N]
-    reverse : sliding distance, as `distance`, after which the drum turns back again and again
-    guided : whether the shoes move along their middle radius without turning ("fem")
-    tolerance : relative error of p (L2) of a step
-    elements : finite elements along each lining, see `solve`
-    kind : of the finite elements, see `solve`
-    sections : sections of each beam ("foundation")
-    lift : simplifications of the foundation model to lift, see `solve`
+        of the lining; None: until pressure and torque no longer change
+    coefficient : wear coefficient k [1/Pa], or a text such as "1e-5 mm^3/(N m)"; with another
+        exponent than 1 it is the value at 1 MPa
+    exponent : exponent of the pressure in the wear rate
+    torque : torque [N m], or a text with its unit, that is kept constant by changing the actuation;
+        None: the actuation stays constant. On a plane it is the braking force [N]
+    reverse : sliding distance, as `distance`, after which the drum reverses, again and again
+    guided : whether the shoes move along the radius of their middle without turning ("fem")
+    tolerance : relative error of p (L2) in a step of the wear
+    elements : number of finite elements along each lining, see `solve`
+    kind : kind of the finite elements, see `solve`
+    sections : number of sections along each beam ("foundation")
+    lift : simplifications of the foundation model to remove, see `solve`
     finite_width : whether the linings' moduli are corrected, see `solve`
-    say : told in words what is done, as it begins
+    say : function that is called with a line when the computation begins
 
     Returns
     -------
     WearRun
-        `states` from the unworn one on, each with distance [m], depth [m], pressure [Pa] and torque
-        [N m]; `target`, what wear tends to; `lines()` and `as_dict()`
+        `states`, beginning with the unworn linings, each with sliding distance [m], wear depth [m],
+        pressure [Pa] and torque [N m]; `target`, the pressure that wear tends to; `lines()` and
+        `as_dict()`
 
     Raises
     ------
@@ -327,14 +354,15 @@ def wear(
     from drumlin.lining_wear import linings, whole_brake
 
     worn, notes = _corrected(_brake_of(brake), finite_width and model == "fem")
-    # Guides are data of the brake, so that wear needs no option for them.
+    # Guided shoes are another brake, whose shoes are supported by guides.
     worn = linings.put_shoes_on_guides(worn) if guided else worn
     worn.check_meshable()
     on_mesh = _given(elements=elements, kind=kind)
     on_springs = _given(sections=sections, lift=lift)
-    # Options of one model are refused for the other one by name.
+    # Options that belong to the other model are refused.
     only_mesh = on_mesh | _given(guided=guided, finite_width=finite_width)
     whole_brake.check_wear_options(model, only_mesh, on_springs)
+    # The wear law, the torque to keep constant and the prepared models determine the computation.
     law = whole_brake.make_wear_law(coefficient, exponent)
     held = None if torque is None else _in_si("--torque", torque, worn.surface.effect_unit)
     options = on_mesh if model == "fem" else on_springs
@@ -352,7 +380,14 @@ def wear(
 
 
 class HoldingRun(NamedTuple):
-    """The states of a holding brake from rest on, and lines about the brake that was solved."""
+    """The states of a brake that holds the drum, as the drum is turned from rest.
+
+    Attributes
+    ----------
+    brake : the brake that was solved
+    states : state at each angle of rotation, beginning at rest
+    notes : lines for the user about the brake that was solved
+    """
 
     brake: Brake
     states: tuple[Hold, ...]
@@ -376,25 +411,25 @@ def hold(
     finite_width: bool = False,
     say: Say = _unheard,
 ) -> HoldingRun:
-    """Hold the drum: from rest through partial slip to full slip, as it is turned.
+    """Turn the drum from rest against the shoes that hold it, through partial slip to full slip.
 
     Parameters
     ----------
     brake : the brake, or the path of its file
-    rotation : how far the drum is turned against the shoes [rad], or a text such as "0.02 deg"; on
-        a plane how far the body slides [m]; None: to full slip
-    steps : increments of the rotation, 1 to 10 000
-    elements : finite elements along each lining, see `solve`
-    kind : of the finite elements, see `solve`
+    rotation : angle by which the drum is turned [rad], or a text such as "0.02 deg"; on a plane the
+        distance by which the body slides [m]; None: to full slip
+    steps : number of increments of the rotation, 1 to 10 000
+    elements : number of finite elements along each lining, see `solve`
+    kind : kind of the finite elements, see `solve`
     penalty : contact stiffness, see `solve`
     finite_width : whether the linings' moduli are corrected, see `solve`
-    say : told in words which shoes are held, as it begins
+    say : function that is called with a line about the shoes when the computation begins
 
     Returns
     -------
     HoldingRun
-        `states`, `steps` + 1 of them, each with rotation [rad], moment [N m], share of the nodes
-        that stick, dissipated work [J] and p and traction [Pa] of each shoe
+        `steps` + 1 `states`, each with the rotation [rad], the moment [N m], the fraction of the
+        nodes that stick, the dissipated work [J], and pressure and traction [Pa] on each shoe
 
     Raises
     ------
@@ -420,10 +455,11 @@ def hold(
         raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_STEPS}")
     on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
     end = None if rotation is None else _in_si("--rotation", rotation, held.surface.unit)
+    # Without a given rotation the drum is turned until every node slips.
     scene = prepare_finest_division(held, **on_mesh)
     if end is None:
         end = holding.find_full_slip_rotation(scene, held, **stiffness)
-    # The state at rest comes first, so that there is one state more than increments.
+    # The state at rest comes first: there is one state more than increments.
     rotations = np.linspace(0.0, end, steps + 1)
     states = holding.hold_drum_through_rotations(scene, held, rotations, say=say, **stiffness)
     return HoldingRun(held, tuple(states), notes)
@@ -436,20 +472,20 @@ def sensitivity(
     kind: str | None = None,
     penalty: float | None = None,
 ) -> Sensitivity:
-    """How the torque changes with friction, force, moduli, clearance and hinge: exact slopes.
+    """Exact derivatives of the torque by friction, force, moduli, clearance and hinge position.
 
     Parameters
     ----------
     brake : the brake, or the path of its file
-    elements : finite elements along each lining, see `solve`
-    kind : of the finite elements, see `solve`
+    elements : number of finite elements along each lining, see `solve`
+    kind : kind of the finite elements, see `solve`
     penalty : contact stiffness, see `solve`
 
     Returns
     -------
     Sensitivity
-        `torque` T [N m], `friction` dT/dmu [N m], `S` = (mu/T) dT/dmu, and the slopes of each shoe;
-        on a plane T is the braking force [N]
+        `torque` T [N m], `friction` dT/dmu [N m], `S` = (mu/T) dT/dmu, and the derivatives by the
+        data of each shoe; on a plane T is the braking force [N]
 
     Raises
     ------
@@ -474,11 +510,14 @@ def sensitivity(
 
 
 class LockingLimit(NamedTuple):
-    """The friction coefficient at which shoes lock themselves.
+    """The friction coefficient at which a group of shoes locks itself.
 
-    `shoes`: the shoes that meet the drum together, by name. `friction`: mu_lock, inf where they do
-    not lock up to the largest friction that was looked at. `bounded`: whether the answer ends there
-    at a finite pressure; otherwise the pressure grows without bound.
+    Attributes
+    ----------
+    shoes : names of the shoes whose forces depend on each other, or of a single shoe
+    friction : friction coefficient mu_lock; inf if the shoes do not lock up to the largest friction
+        that was tried
+    bounded : whether the pressure stays finite up to mu_lock; otherwise it grows without bound
     """
 
     shoes: tuple[str, ...]
@@ -499,16 +538,16 @@ def self_locking(
     Parameters
     ----------
     brake : the brake, or the path of its file
-    most : friction coefficient up to which the limit is looked for; None: 1000
-    elements : finite elements along each lining, see `solve`
-    kind : of the finite elements, see `solve`
-    penalty : contact stiffness, see `solve`; inf: exact contact
+    most : largest friction coefficient to try; None for 1000
+    elements : number of finite elements along each lining, see `solve`
+    kind : kind of the finite elements, see `solve`
+    penalty : contact stiffness, see `solve`; inf for contact without penalty
 
     Returns
     -------
     tuple of LockingLimit
-        one a group of shoes: a shoe on a rigid drum is a group, and so are all shoes on an elastic
-        ring, on a cam or on struts
+        one for each group of shoes: a single shoe on a rigid drum is a group; all shoes on an
+        elastic ring, on a cam or on struts are a group
 
     Raises
     ------
@@ -532,6 +571,7 @@ def self_locking(
     check_penalty(penalty)
     whole = _brake_of(brake)
     whole.check_meshable()
+    # This function identifies shoes by their indices. The result identifies them by their names.
     found = friction_limits_of_groups(
         prepare_finest_division(whole, **on_mesh),
         whole,
@@ -547,18 +587,21 @@ def self_locking(
 
 
 def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference:
-    """Make reference values of a brake by two programs, with uncertainties; this takes minutes.
+    """Compute reference values of a brake with uncertainties; this takes minutes.
+
+    They come from two independent finite element programs.
 
     Parameters
     ----------
     brake : the brake, or the path of its file
-    output : path of the JSON file to write; None: no file
+    output : path of the JSON file to write; None for no file
 
     Returns
     -------
     Reference
-        torque [N m], and of each shoe torque [N m], reactions [N] and p [Pa] at whole degrees, each
-        with its uncertainty; on a plane the braking force [N] and whole millimetres
+        the torque [N m], and for each shoe its torque [N m], reactions [N] and pressure [Pa] at
+        whole degrees, each with its uncertainty; on a plane the braking force [N], and pressures at
+        whole millimetres
 
     Raises
     ------
@@ -588,10 +631,14 @@ def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference
 
 
 class CheckResult(NamedTuple):
-    """How far a p(theta) is from reference values.
+    """The result of `check`: how far given pressures p(theta) are from reference values.
 
-    `verdicts`: one a shoe, relative distances. `tolerance`: that of p in L2 and of the torque.
-    `reference`: path of the reference values, or "made anew". `surface`: drum or plane.
+    Attributes
+    ----------
+    verdicts : for each shoe the relative distances of pressure and torque
+    tolerance : largest allowed relative distance, of the pressure in L2 and of the torque
+    reference : path of the reference values, or "made anew"
+    surface : the surface of the brake, drum or plane
     """
 
     verdicts: tuple[Verdict, ...]
@@ -601,13 +648,13 @@ class CheckResult(NamedTuple):
 
     @property
     def within(self) -> bool:
-        """Whether every shoe is within the tolerance."""
+        """Whether the distances of every shoe are within the tolerance."""
         from drumlin.verification.check import are_within_tolerance
 
         return are_within_tolerance(self.verdicts, self.tolerance)
 
     def lines(self) -> list[str]:
-        """The verdicts for people; the last line is the verdict on all shoes."""
+        """Lines of text about each shoe; the last line is the verdict on all shoes together."""
         from drumlin.verification.check import verdict_lines
 
         return verdict_lines(self.verdicts, self.tolerance, self.surface)
@@ -621,29 +668,29 @@ def check(
     tolerance: float = 0.01,
     say: Say = _unheard,
 ) -> CheckResult:
-    """Compare anybody's p(theta) with reference values.
+    """Compare pressures p(theta) from any source with reference values of the brake.
 
     Parameters
     ----------
     brake : the brake, or the path of its file
     result : path of a CSV file with the columns "shoe", "theta [deg]" (on a plane "x [mm]") and
         "p [MPa]"; other units as well
-    reference : path of reference values; None: the stored values of the brake's file, else values
-        that are made anew, which takes minutes
-    tolerance : of p in L2 and of the torque, relative, between 0 and 1
-    say : told in words when reference values must be made anew
+    reference : path of reference values; None: the stored values for the brake's file, or else
+        values that are computed anew, which takes minutes
+    tolerance : largest allowed relative distance of p (L2) and of the torque, between 0 and 1
+    say : function that is called with a line if reference values must be computed
 
     Returns
     -------
     CheckResult
-        a verdict on each shoe, with relative distances of p and torque; `within`, `lines()`
+        `verdicts` with the relative distances of p and torque for each shoe, `within` and `lines()`
 
     Raises
     ------
     BadInput
         for a table that cannot be read, or reference values of another brake
     NoAnswer
-        for a brake without equilibrium, where values are made anew
+        for a brake without equilibrium, if reference values must be computed
 
     Examples
     --------
@@ -663,7 +710,8 @@ def check(
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
     source = _source_of(brake)
     curves = read_curves(Path(result), source.brake)
-    # Reference values are looked for beside the brake file first, then among drumlin's own.
+    # Stored values are searched in the brake file's folder, in the reports of the current folder
+    # and among drumlin's own values, in this order.
     values = Path("reports") / "reference" / "values"
     beside = () if source.folder is None else (source.folder,)
     known = reference or stored_reference_path(source.text, *beside, values, REPOSITORY / values)
@@ -690,17 +738,17 @@ def fields(
     Parameters
     ----------
     brake : the brake, or the path of its file
-    output : path of a .vtu file to write, for ParaView; None: no file
-    elements : finite elements along each lining, see `solve`
-    kind : of the finite elements, see `solve`
+    output : path of a .vtu file to write, for ParaView; None for no file
+    elements : number of finite elements along each lining, see `solve`
+    kind : kind of the finite elements, see `solve`
     penalty : contact stiffness, see `solve`
     finite_width : whether the linings' moduli are corrected, see `solve`
 
     Returns
     -------
     tuple of Fields
-        one a shoe, then the drum ring where it is elastic: points (n, 2) [m], displacement (n, 2)
-        [m], stress (n, 3) xx, yy, xy [Pa], von Mises stress (n,) [Pa]
+        one for each shoe, and last one for the drum ring if it is elastic: points (n, 2) [m],
+        displacement (n, 2) [m], stress (n, 3) with xx, yy, xy [Pa], von Mises stress (n,) [Pa]
 
     Raises
     ------
@@ -720,6 +768,7 @@ def fields(
     from drumlin.fem.model import solve_prepared_model
     from drumlin.fem.solve import prepare_finest_division
 
+    # A wrong path is refused before the brake is solved.
     path = None if output is None else Path(output)
     if path is not None and path.suffix != ".vtu":
         raise BadInput(f"--fields = {str(path)!r}: must end in .vtu")
@@ -735,7 +784,7 @@ def fields(
 
 
 def write_brake(brake: BrakeOrPath, output: Path | str) -> None:
-    """Write a brake as a file that reads as exactly this brake, every quantity with its unit.
+    """Write a brake file with units, from which exactly this brake is read again.
 
     Parameters
     ----------
@@ -745,12 +794,12 @@ def write_brake(brake: BrakeOrPath, output: Path | str) -> None:
     Returns
     -------
     None
-        paths of mesh files are written as they are in the brake, seen from the current folder
+        relative paths of mesh files are written as they are in the brake
 
     Raises
     ------
     BadInput
-        for a file that is there already, since brake files are written by hand; for a path that
+        for a file that exists already, since brake files are written by hand; for a path that
         cannot be written, or a mesh file whose name is no UTF-8
 
     Examples
@@ -771,7 +820,7 @@ def example(name: str) -> Brake:
 
     Parameters
     ----------
-    name : such as "double_shoe", "duplex" or "post_brake"
+    name : name of the example, such as "double_shoe", "duplex" or "post_brake"
 
     Returns
     -------

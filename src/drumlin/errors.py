@@ -1,4 +1,4 @@
-"""The old name of drumlin.base.errors."""
+"""The old name of the module drumlin.base.errors, which still works with a DeprecationWarning."""
 
 from drumlin.base.moved import moved
 

@@ -1,4 +1,4 @@
-"""The models that answer for a brake, by name. Each takes a brake and returns a Response."""
+"""The models that compute a brake, by name. Each takes a `Brake` and returns a `Response`."""
 
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
@@ -13,15 +13,15 @@ from drumlin.response.response import Response
 
 
 class Model(NamedTuple):
-    """A model of a brake.
+    """A model of a brake: finite elements, the foundation model or a law.
 
     Attributes
     ----------
-    name : in options and tables
+    name : name in options and tables
     assumes : its assumptions in words
-    why_not : the reason why it does not apply to a brake; None where it does
-    solve : its solver
-    by_name : whether it answers only where it is asked for by its name, since it takes seconds
+    why_not : function that returns why the model does not apply to a brake; None if it applies
+    solve : function that solves a brake and returns its Response
+    by_name : whether a comparison leaves it out unless its name is given, because it takes seconds
     """
 
     name: str
@@ -31,11 +31,14 @@ class Model(NamedTuple):
     by_name: bool = False
 
 
-# Each of these functions loads its model when it is called, so that `drumlin --help` is fast.
+# The functions below import a model only when they are called, so that `drumlin --help` is fast.
 
 
 def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
-    """Solve by finite elements; `worn_in`: with linings that are worn in."""
+    """Solve a brake by finite elements in plane stress.
+
+    With `worn_in` the linings are worn until their pressure no longer changes.
+    """
     if worn_in:
         from drumlin.lining_wear.worn_in import solve_worn_in_brake as by_worn_in
 
@@ -46,35 +49,35 @@ def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
 
 
 def _fem_why_not(brake: Brake) -> str | None:
-    """The reason why the finite elements do not apply to a brake, or None."""
+    """Why the finite elements do not apply to a brake; None if they apply."""
     from drumlin.fem.preparation.scene import reason_why_not_modelled
 
     return reason_why_not_modelled(brake)
 
 
 def _foundation(brake: Brake, **options: Any) -> Response:
-    """Solve by the foundation model."""
+    """Solve a brake by the foundation model (a beam on springs)."""
     from drumlin.foundation import solve as on_springs
 
     return on_springs(brake, **options)
 
 
 def _foundation_why_not(brake: Brake) -> str | None:
-    """The reason why the foundation model does not apply to a brake, or None."""
+    """Why the foundation model does not apply to a brake; None if it applies."""
     from drumlin.foundation import why_not
 
     return why_not(brake)
 
 
 def _solid(brake: Brake, **options: Any) -> Response:
-    """Solve by solid shoes of finite width."""
+    """Solve a brake by finite elements in three dimensions, with shoes of finite width."""
     from drumlin.fem.solid import model
 
     return model.solve(brake, **options)
 
 
 def _solid_why_not(brake: Brake) -> str | None:
-    """The reason why the solid shoes do not apply to a brake, or None."""
+    """Why the model of solid shoes does not apply to a brake; None if it applies."""
     from drumlin.fem.solid import model
 
     return model.why_not(brake)
@@ -84,24 +87,26 @@ SHORT_SHOE_LAWS: Mapping[str, tuple[Any, Any]] = {
     "drum": (hinged, LAWS["short"]),
     "plane": (flat, flat.FLAT_SHORT),
 }
-"""The law of the short shoe by the word of the surface: the module with its functions, and the
-law."""
+"""The law of the short shoe for each kind of surface, "drum" or "plane".
+
+The two values are the module with the functions `why_not` and `solve`, and the law itself.
+"""
 
 
 def _short_why_not(brake: Brake) -> str | None:
-    """The reason why the law of the short shoe does not apply to a brake, or None."""
+    """Why the law of the short shoe does not apply to a brake; None if it applies."""
     laws, law = SHORT_SHOE_LAWS[brake.surface.word]
     return laws.why_not(law, brake)
 
 
 def _short(brake: Brake) -> Response:
-    """Solve by the law of the short shoe."""
+    """Solve a brake by the law of the short shoe."""
     laws, law = SHORT_SHOE_LAWS[brake.surface.word]
     return laws.solve(law, brake)
 
 
 def _hinged(name: str) -> Model:
-    """The model of a law of hinged shoes."""
+    """Make the model of the law of hinged shoes that has this name."""
     law = LAWS[name]
     return _law(name, law.assumes, partial(hinged.why_not, law), partial(hinged.solve, law))
 
@@ -109,18 +114,19 @@ def _hinged(name: str) -> Model:
 def _law(
     name: str, assumes: str, why_not: Callable[[Brake], str | None], solve: Callable[..., Response]
 ) -> Model:
-    """The model of a closed-form law, which knows isotropic materials alone.
+    """Make the model of a closed-form law, which takes isotropic materials only.
 
     Parameters
     ----------
-    name : of the law
+    name : name of the law
     assumes : its assumptions in words
-    why_not : why it does not apply to a brake, whatever the materials
-    solve : its solver
+    why_not : function that returns why the law does not apply to a brake, or None; it does not
+        look at the materials
+    solve : function that solves a brake
     """
 
     def isotropic_too(brake: Brake) -> str | None:
-        """The reason why the law does not apply to a brake or its materials, or None."""
+        """Why the law does not apply to a brake, or to its orthotropic materials; else None."""
         return why_not(brake) or isotropic_only(brake, "a closed-form law")
 
     return Model(name, assumes, isotropic_too, solve)
@@ -172,9 +178,9 @@ MODELS: Mapping[str, Model] = {
 
 
 def pick(name: str, brake: Brake) -> Model:
-    """The model called `name`.
+    """The model with this name.
 
-    Raises BadInput where no model has this name, and where the model does not apply to the brake.
+    Raises BadInput if no model has this name, or if the model does not apply to the brake.
     """
     if name not in MODELS:
         raise BadInput(
@@ -182,7 +188,7 @@ def pick(name: str, brake: Brake) -> Model:
             f"allowed: {', '.join(MODELS)}"
         )
     model = MODELS[name]
-    # The refusal names the models that do apply, so that a user need not try them.
+    # The message names the models that do apply, so that a user need not try them.
     reason = model.why_not(brake)
     if reason is not None:
         others = [other.name for other in MODELS.values() if other.why_not(brake) is None]
@@ -194,12 +200,12 @@ def pick(name: str, brake: Brake) -> Model:
 
 
 def given_options(**options: Any) -> dict[str, Any]:
-    """The options that were given: all but None and False.
+    """The options that the user has given, which are all that are neither None nor False.
 
-    Raises BadInput for `elements` out of range, whatever the model makes of them.
+    Raises BadInput if the number of `elements` is out of range.
     """
     elements = options.get("elements")
-    # A number that is out of range is refused before a model loads or spends time.
+    # A number of elements out of range is refused before a model is loaded or solves.
     if elements is not None:
         from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
 
@@ -215,19 +221,23 @@ OWN_OPTIONS: Mapping[str, tuple[str, ...]] = {
     "solid": ("elements", "across", "penalty", "tolerance", "fields"),
     "foundation": ("sections", "lift"),
 }
-"""The options of the models that have some, as the command line spells them."""
+"""The names of the options of each model, as the command line spells them.
+
+A model without an entry has no options.
+"""
 
 
 def check_options(model: str, given: Collection[str]) -> None:
-    """Raise BadInput where an option belongs to other models than the chosen one.
+    """Raise BadInput if a given option belongs to other models than the chosen one.
 
-    given: names of the options, as Python spells them.
+    `model` is the name of the chosen model, `given` are the names of the options in Python.
     """
     own = OWN_OPTIONS.get(model, ())
-    # Several models may share an option; an option of another model alone is refused.
+    # Models may share options. An option is refused only if the chosen model does not have it.
     for owner, names in OWN_OPTIONS.items():
         others = [f"--{name}" for name in names if name not in own]
         asked = any(option[2:].replace("-", "_") in given for option in others)
+        # The message names all options of the other model that the chosen model does not have.
         if model != owner and asked:
             *some, last = others
             said = f"{', '.join(some)} and {last} belong" if some else f"{last} belongs"
@@ -237,13 +247,16 @@ def check_options(model: str, given: Collection[str]) -> None:
 
 
 def applicable(brake: Brake) -> tuple[Model, ...]:
-    """The models that apply to a brake and answer at once."""
+    """The models that apply to a brake, except those that must be given by name (`by_name`)."""
     at_once = [model for model in MODELS.values() if not model.by_name]
     return tuple(model for model in at_once if model.why_not(brake) is None)
 
 
 def refusals(brake: Brake) -> dict[str, str]:
-    """The reason why each of the other models does not apply to a brake, by name."""
+    """Why models do not apply to a brake, by the name of the model.
+
+    Models that apply are left out, and so are those that must be given by name (`by_name`).
+    """
     reasons = {}
     for model in MODELS.values():
         reason = None if model.by_name else model.why_not(brake)

@@ -1,8 +1,8 @@
-"""Finding, loading and running a study, and the example brake files.
+"""Find, load and run studies, and find the example brake files.
 
-A study is a file studies/NAME/study.py with `study(short, say)` and `report(result, folder)`. A
-study whose `study` also takes a `journal` keeps each finished case in it, and goes on where it was
-stopped.
+A study is a file studies/NAME/study.py with the functions `study(short, say)` and
+`report(result, folder)`. If `study` also has a parameter `journal`, it stores each finished case in
+the journal. A study that was stopped then continues with the next case.
 """
 
 import importlib
@@ -19,22 +19,25 @@ from drumlin.base.journal import Journal, source_stamp
 from drumlin.base.texts import nearest
 
 CARRIED = Path(__file__).resolve().parent / "carried"
-"""The folder in which an installed drumlin carries studies/ and meshes/."""
+"""The folder with copies of studies/ and meshes/ in an installed drumlin."""
 
 REPOSITORY = CARRIED if CARRIED.is_dir() else Path(__file__).resolve().parents[2]
-"""The folder of studies/ and meshes/: the checkout, or what an installed drumlin carries of it."""
+"""The folder that has studies/ and meshes/: that of an installed drumlin, or the source's own."""
 
 JUDGE = Path(__file__).resolve().parents[1] / "drumlin_studies"
-"""The package that studies import. A study's results depend on its source as on drumlin's own."""
+"""The folder of the package `drumlin_studies`, which studies import.
+
+The results of a study depend on the source of this package, so that its journal must know it.
+"""
 
 
 def examples() -> dict[str, Path]:
-    """The example brake files by name.
+    """The paths of the example brake files by the names of the examples.
 
-    A file brake.toml has the name of its folder. Another file beside it has the folder's name
-    before its own.
+    A file brake.toml gets the name of its folder. Another file in the same folder gets the name
+    FOLDER_FILE. Any other file keeps its own name.
     """
-    # Files of studies come first, so that a mesh file of the same name gets the longer name.
+    # Brakes of studies come first, so that a brake in meshes/ of the same name gets a longer name.
     found: dict[str, Path] = {}
     in_studies = sorted((REPOSITORY / "studies").glob("*/*.toml"))
     in_meshes = sorted((REPOSITORY / "meshes").glob("*.toml"))
@@ -48,9 +51,9 @@ def examples() -> dict[str, Path]:
 
 
 def example(name: str) -> str:
-    """The text of an example brake file, with absolute paths of its mesh files.
+    """The text of an example brake file, in which paths of mesh files are made absolute.
 
-    Raises BadInput for an unknown name.
+    Raises BadInput for an unknown name of an example.
     """
     paths = examples()
     if name not in paths:
@@ -60,29 +63,29 @@ def example(name: str) -> str:
     path = paths[name]
 
     def placed(mesh: re.Match[str]) -> str:
-        """The line of a mesh file with its absolute path."""
+        """The line `mesh = ...` of the brake file with the absolute path of the mesh file."""
         return f'mesh = "{(path.parent / mesh[1]).as_posix()}"'
 
-    # The text may be written into any folder, from which the mesh files are still found.
+    # The text may be saved in any folder. Absolute paths of the mesh files stay valid there.
     text = re.sub(r'(?m)^mesh = "([^"]+)"', placed, path.read_text(encoding="utf-8"))
     return re.sub(r"(?m)^#:schema .*/", "#:schema ", text)
 
 
 def load(name: str) -> tuple[ModuleType, Path]:
-    """The module of a study, and the folder that holds studies/.
+    """Import a study; returns its module and the folder that has the folder studies/.
 
-    A name is that of one of drumlin's own studies. A study of somebody else is code that is run: it
-    is loaded by its path only, such as ./studies/NAME or studies/NAME/study.py. Raises BadInput,
-    which names the studies that there are.
+    `name` is the name of one of drumlin's own studies, or a path such as ./studies/NAME or
+    studies/NAME/study.py. A study of somebody else must be given by its path, because its code is
+    run. Raises BadInput, which lists drumlin's own studies, if there is no such study.
     """
-    # A name alone never runs code of somebody else that lies in the current folder.
+    # A name without a folder never runs code that happens to lie in the current folder.
     own = {path.parent.name: path for path in sorted((REPOSITORY / "studies").glob("*/study.py"))}
     file = own.get(name)
     if file is None and len(Path(name).parts) > 1:
-        # Links stay as they are: the folder above is that of the name.
+        # Symbolic links are not resolved: studies/ must be a folder of the path as it was given.
         given = Path(os.path.abspath(name))  # noqa: PTH100
         file = given if given.name == "study.py" else given / "study.py"
-    # A name with a NUL is no file; Path.is_file would raise an error for it.
+    # For a name with a NUL os.path.isfile returns False, while Path.is_file raises an error.
     is_file = file is not None and os.path.isfile(file)  # noqa: PTH113
     if file is None or not is_file or file.parents[1].name != "studies":
         raise BadInput(
@@ -91,28 +94,29 @@ def load(name: str) -> tuple[ModuleType, Path]:
             "or the path of another one: .../studies/NAME"
         )
     root = file.parents[2]
-    # The study's other files are found there, also by the processes that the study starts.
+    # With this folder on the path, a study and the processes that it starts can import its files.
     if str(root) not in sys.path:
         sys.path.insert(0, str(root))
     return importlib.import_module(f"studies.{file.parent.name}.study"), root
 
 
 def run(name: str, folder: Path | None, *, short: bool, say: Callable[[str], None]) -> Path:
-    """Run a study and write its report; returns the page.
+    """Run a study and write its report; returns the path of the report's page.
 
     Parameters
     ----------
-    name : of the study, or its path
-    folder : of the report; None: reports/NAME in the current folder
-    short : whether the study runs its short form
-    say : told the progress in lines
+    name : name of the study, or its path
+    folder : folder of the report; None for reports/NAME in the current folder
+    short : whether the study runs in its short form
+    say : function that is called with each line about the progress
     """
     module, root = load(name)
-    # A study without a journal begins anew each time.
+    # A study without a journal computes everything again each time.
     folder = folder or Path("reports") / module.__name__.split(".")[1]
     if "journal" not in inspect.signature(module.study).parameters:
         page: Path = module.report(module.study(short=short, say=say), folder)
         return page
+    # A study with a journal continues an earlier run that was stopped.
     path = folder / ("journal-short.jsonl" if short else "journal.jsonl")
     with Journal(path, source_stamp(root / "studies", JUDGE)) as journal:
         for line in journal.notes:

@@ -1,6 +1,7 @@
-"""The base of every other room: array types, texts, errors, files, journals and LAPACK.
+"""The lowest package of drumlin: array types, texts, errors, files, journals and LAPACK.
 
-The room is for the parts that know nothing of brakes; it imports nothing else of drumlin. Values
-and exceptions come in as plain Python and numpy objects. Lines for people, the exceptions BadInput
-and NoAnswer, files that are written whole or not at all, and the journals of long runs go out.
+Its modules know nothing of brakes, and they import no other package of drumlin. Every other package
+may import them. They define the types of numpy arrays, lines of text for people, and the exceptions
+BadInput and NoAnswer. They write files whole or not at all, and they keep the results of a long
+computation in a journal, so that it can go on after it was stopped.
 """

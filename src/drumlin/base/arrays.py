@@ -1,4 +1,7 @@
-"""Types of arrays, and the places of parts in them. Shapes stand in the docstrings."""
+"""Types of numpy arrays, slices of the parts of an array, and polar angles of points.
+
+The types say nothing of shapes: each docstring gives the shapes of its arrays in brackets.
+"""
 
 from collections.abc import Iterable
 from itertools import accumulate, pairwise
@@ -6,20 +9,22 @@ from typing import Any
 
 import numpy as np
 
+# These are the types of arrays of any shape whose entries are numbers or truth values.
 Floats = np.ndarray[Any, np.dtype[np.float64]]
 Ints = np.ndarray[Any, np.dtype[np.int64]]
 Bools = np.ndarray[Any, np.dtype[np.bool_]]
 Values = float | Floats
-"""One number or an array that broadcasts with the others."""
+"""The type of a number, or of an array that broadcasts with the other arguments of a function."""
 
 
 def in_turn(sizes: Iterable[int]) -> tuple[slice, ...]:
-    """The places of parts of given sizes that stand one after the other in an array."""
+    """The slices of consecutive parts of an array; `sizes` are the lengths of the parts."""
     return tuple(slice(a, b) for a, b in pairwise(accumulate(sizes, initial=0)))
 
 
 def angle_near(middle: float, xy: Floats) -> Floats:
-    """Angles [rad] of the points xy (2, ...), within half a turn of `middle` [rad]."""
-    # The points are turned back by the middle, so that their angles do not jump at half a turn.
+    """Polar angles [rad] of the points `xy` (2, ...), each within half a turn of `middle` [rad]."""
+    # The points are turned by the angle -middle. Their angles then lie about 0, far from the jump
+    # between pi and -pi.
     turned = np.exp(-1j * middle) * (xy[0] + 1j * xy[1])
     return np.asarray(middle + np.angle(turned))

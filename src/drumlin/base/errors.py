@@ -1,6 +1,7 @@
-"""The exceptions with which drumlin refuses, and the line and exit status of every exception.
+"""The exceptions that drumlin raises, and the line and exit status of every exception.
 
-A refusal is one plain line for the user. Any other exception gets a line and a status here as well.
+Wrong input and a brake without an answer end a command with one plain line for the user. This
+module also gives a line and an exit status to any other exception, such as a full disk.
 """
 
 import errno
@@ -11,15 +12,21 @@ from pathlib import Path
 
 from drumlin.base.texts import one_line
 
+# The standard module errno has the error numbers SHORT_OF under these names.
 _SHORTAGES = ("ENOSPC", "EDQUOT", "EFBIG", "EIO", "ENOMEM", "EMFILE", "ENFILE", "EAGAIN")
 SHORT_OF = {getattr(errno, name) for name in _SHORTAGES if hasattr(errno, name)}
-"""Error numbers of a system that is short of disk, memory, files or processes. No input is to blame
-for them, so that they end as NoAnswer, not as BadInput. Some systems lack some of the numbers.
+"""Error numbers by which the operating system says that disk, memory, files or processes run out.
+
+The user's input does not cause these errors, so that they become NoAnswer and not BadInput. Some
+operating systems do not define all of these numbers.
 """
 
 
 class DrumlinError(Exception):
-    """A problem that one line explains; `exit_status` is the status of the command line."""
+    """A problem that its message explains in one line.
+
+    `exit_status` is the exit status of the command that this exception ends.
+    """
 
     exit_status = 1
 
@@ -28,28 +35,33 @@ class DrumlinError(Exception):
 
 
 class BadInput(DrumlinError):
-    """The input is wrong: the line names the key, the value and what is allowed."""
+    """The input is wrong; the message names the key, its value and the allowed values."""
 
     exit_status = 2
 
 
 class NoAnswer(DrumlinError):
-    """The input is right and the question has no answer.
+    """The input is right but the problem has no answer.
 
-    Such are self-locking, no equilibrium, and not converged.
+    Examples are a brake that locks itself, a shoe without equilibrium, and an iteration that does
+    not converge.
     """
 
     exit_status = 3
 
 
 class LostDigits(NoAnswer):
-    """An answer exists, but round-off hides it: stiffnesses or sizes are too far apart."""
+    """Round-off hides an answer that exists.
+
+    Stiffnesses or sizes in the brake differ by too many orders of magnitude.
+    """
 
 
 class Stopped(BaseException):
-    """A signal asks the process to end.
+    """A signal of the operating system asks the process to end.
 
-    A file that is being written is given up. No handler of ordinary exceptions catches this one.
+    A file that is half written is deleted. The class derives from BaseException, so that a handler
+    of ordinary exceptions does not catch it.
     """
 
     def __init__(self, signal: int) -> None:
@@ -58,15 +70,21 @@ class Stopped(BaseException):
 
 
 def reason_of(error: BaseException) -> str:
-    """The system's words on an error, without the name of the file."""
+    """The message of an error as the operating system words it, without the name of the file."""
     by_system = error.strerror if isinstance(error, OSError) else None
     return by_system or str(error) or type(error).__name__
 
 
 def file_fault(path: object, doing: str, error: BaseException) -> DrumlinError:
-    """The exception for a file that cannot be read or written, as `doing` says.
+    """Return the exception to raise for a file that cannot be read or written.
 
-    It is NoAnswer where the system is short of disk, memory or files, else BadInput.
+    It is NoAnswer if disk, memory or the number of open files is exhausted, else BadInput.
+
+    Parameters
+    ----------
+    path : path of the file
+    doing : "read" or "written", the word in the message for what failed
+    error : the exception of the operating system
     """
     short = isinstance(error, OSError) and error.errno in SHORT_OF
     kind = NoAnswer if short else BadInput
@@ -74,26 +92,30 @@ def file_fault(path: object, doing: str, error: BaseException) -> DrumlinError:
 
 
 def line_and_status(error: BaseException) -> tuple[str, int]:
-    """The line that a process prints about the exception that ends it, and its exit status.
+    """Line to print about the exception that ends a process, and the exit status of the process.
 
-    An empty line means that nothing is printed. The status is 2 for bad input, 3 for no answer,
-    128 + its number for a signal, and 1 for a fault of drumlin itself.
+    If the line is empty, nothing is to be printed. The exit status is 2 for wrong input, 3 if there
+    is no answer, 128 plus the number of a signal, and 1 for a fault of drumlin itself.
     """
     line, status = _line_and_status(error)
     return one_line(line), status
 
 
 def _line_and_status(error: BaseException) -> tuple[str, int]:
-    """As `line_and_status`; the line may still be long, or have more than one row."""
+    """Text about an exception and the exit status, as of `line_and_status`.
+
+    The text may still be too long, or have line breaks.
+    """
     if isinstance(error, DrumlinError | Stopped):
         line, status = str(error), error.exit_status
     elif isinstance(error, KeyboardInterrupt):
         line, status = "stopped", 130
     elif isinstance(error, BrokenPipeError):
-        # The reader of the output has seen enough and has closed the pipe.
+        # The program that reads the output, such as `head`, has closed the pipe: nothing is wrong.
         line, status = "", 141
     elif isinstance(error, MemoryError):
         line, status = "not enough memory", 3
+    # The name of a missing module tells an optional package from a fault within drumlin.
     elif isinstance(error, ModuleNotFoundError) and not str(error.name).startswith("drumlin"):
         line, status = f"needs the package {error.name!r}, which is not installed", 3
     elif isinstance(error, ImportError):
@@ -103,6 +125,7 @@ def _line_and_status(error: BaseException) -> tuple[str, int]:
         line = f"{where}{reason_of(error)}"
         status = 3 if error.errno in SHORT_OF else 2
     else:
+        # An unexpected exception is a fault of drumlin: the line names the file and its line.
         place = traceback.extract_tb(error.__traceback__)[-1:]
         at = "".join(f" ({Path(frame.filename).name}:{frame.lineno})" for frame in place)
         kind = type(error).__name__
@@ -112,9 +135,9 @@ def _line_and_status(error: BaseException) -> tuple[str, int]:
 
 
 def ended(run: Callable[[], int]) -> int:
-    """The exit status of `run`, or of the exception that ends it.
+    """Call `run` and return its exit status, or the exit status of the exception that it raises.
 
-    The line of the exception goes to standard error.
+    The line about the exception is printed to standard error.
     """
     try:
         return run()
@@ -123,6 +146,6 @@ def ended(run: Callable[[], int]) -> int:
     except BaseException as error:
         line, status = line_and_status(error)
         if line and sys.stderr is not None:
-            # The process ends here, so that no printer of the command line is left.
+            # The command's own printing functions have ended with the exception.
             print(f"drumlin: {line}", file=sys.stderr)  # noqa: T201
         return status

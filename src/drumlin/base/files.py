@@ -1,8 +1,9 @@
-"""Files are read within limits, and written whole or not at all.
+"""Read files up to a largest size, and write files whole or not at all.
 
-Texts are in UTF-8 in every locale. A regular file that is written over is replaced: the new content
-gets a temporary name beside the file, and a rename follows. Links are followed, and permissions
-stay. Pipes and devices are written to.
+Texts are in UTF-8 in every locale. A regular file is never overwritten in place: the new content
+goes into a temporary file in the same folder, which is then renamed to the file's name. Symbolic
+links are followed, and the file keeps its permissions. Pipes and devices cannot be replaced, so
+that the content is written to them directly.
 """
 
 import json
@@ -18,16 +19,24 @@ from pathlib import Path
 from drumlin.base.errors import BadInput, file_fault
 
 LONGEST_SUFFIX = 16
-"""Characters of a suffix up to which a temporary name takes it over. A longer suffix would make the
-name too long for the file system, and no program needs it.
+"""Longest suffix, in characters, that a temporary file takes over from the file that it replaces.
+
+With a longer suffix the name could become too long for the file system. No program that reads the
+file needs such a suffix.
 """
 
+# The files that must not be overwritten, by their status on the disk. It is None outside a block of
+# `inputs_kept`.
 _inputs: ContextVar[list[os.stat_result] | None] = ContextVar("inputs", default=None)
 
 
 @contextmanager
 def inputs_kept() -> Iterator[None]:
-    """Protect every file that the block reads, or that `keep_input` names, from overwriting."""
+    """Protect the input files of a `with` block from being overwritten within the block.
+
+    Input files are those that `read_bytes` reads in the block, and those that are given to
+    `keep_input`.
+    """
     token = _inputs.set([])
     try:
         yield
@@ -36,9 +45,10 @@ def inputs_kept() -> Iterator[None]:
 
 
 def keep_input(path: Path) -> None:
-    """Count the file at `path` among the inputs, even if it is never read.
+    """Protect the file at `path` from being overwritten, even if it is never read.
 
-    A file is known by its place on the disk, so that a second name for it counts as well.
+    The protection lasts until the block of `inputs_kept` ends.
+    It also holds for other names of the same file, since its number on the disk identifies a file.
     """
     inputs = _inputs.get()
     with suppress(OSError, ValueError):
@@ -50,31 +60,32 @@ def keep_input(path: Path) -> None:
 
 
 def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> bytes:
-    """The content of a file of up to `most` bytes.
+    """Read the content of a file that has at most `most` bytes.
 
     Parameters
     ----------
-    path : of a file, a pipe or a device
-    most : bytes that are read at most
-    what : the words for the file in the line of a refusal, such as "a brake file"
-    regular : whether only a file on a disk is accepted, because the content is read again later
+    path : path of a file, a pipe or a device
+    most : largest size of the file [bytes]
+    what : what the file should be, for the error message, such as "a brake file"
+    regular : whether pipes and devices are refused, because the file will be read a second time
 
     Raises
     ------
     BadInput
-        where the file cannot be read, or is longer
+        if the file cannot be read or is larger than `most` bytes
     """
     try:
         found = path.stat()
         on_disk = stat.S_ISREG(found.st_mode)
         if regular and not on_disk and not stat.S_ISDIR(found.st_mode):
             raise BadInput(f"{path}: is a pipe or a device; {what} must be a file")
-        # The size of a file of the system's own (/proc) is known only once it is read.
+        # This also refuses the files in /proc, for which Linux states the size 0.
         if regular and on_disk and not found.st_size:
             raise BadInput(f"{path}: is empty; not {what}")
         with path.open("rb") as file:
+            # One byte more than allowed shows whether the file is too large.
             data = file.read(most + 1)
-    # A NUL in the name, or a letter that the locale does not have, raises a ValueError.
+    # Python raises a ValueError for a NUL in the name or a letter that the locale cannot encode.
     except (OSError, ValueError) as error:
         raise file_fault(path, "read", error) from error
     if len(data) > most:
@@ -84,9 +95,9 @@ def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> by
 
 
 def read_text(path: Path, most: int, what: str) -> str:
-    """The text of a file of up to `most` bytes, in UTF-8.
+    """Read the text of a UTF-8 file that has at most `most` bytes; parameters as of `read_bytes`.
 
-    Raises BadInput as `read_bytes` does, and for bytes that are not UTF-8.
+    Raises BadInput if the file cannot be read, is larger, or is not in UTF-8.
     """
     data = read_bytes(path, most, what)
     try:
@@ -101,10 +112,11 @@ def read_text(path: Path, most: int, what: str) -> str:
 
 
 def check_outputs(*paths: Path | None) -> None:
-    """Raise BadInput where a path must not or cannot be written, before a computation starts.
+    """Raise BadInput if one of the output files must not or cannot be written.
 
-    Refused are a folder, a disk, one of the inputs, a second output in the same file, and any .toml
-    file, since brake and sweep files are written by hand.
+    It is called before a long computation starts. Refused are a folder, a disk, an input file (see
+    `inputs_kept`) and a file that two outputs share. Any .toml file is
+    refused as well, because brake and sweep files are written by hand.
     """
     targets = []
     for path in filter(None, paths):
@@ -115,8 +127,9 @@ def check_outputs(*paths: Path | None) -> None:
 
 
 def check_folder(path: Path) -> None:
-    """Raise BadInput where `path` cannot be a folder, since a file stands there or above it."""
+    """Raise BadInput if `path` or a folder above it exists as a file, so that it is no folder."""
     try:
+        # The nearest existing ancestor decides: below it all folders can be made.
         folders = (path, *path.absolute().parents)
         above = next(folder for folder in folders if os.path.lexists(folder))
         if not above.is_dir():
@@ -126,7 +139,11 @@ def check_folder(path: Path) -> None:
 
 
 def _target(path: Path) -> tuple[Path, os.stat_result | None]:
-    """The file that a path leads to through links, and its status; None where no file is yet."""
+    """The file at the end of the symbolic links of an output path, and its status on the disk.
+
+    The status is None if no such file exists yet. Raises BadInput if the file must not or cannot be
+    written, as `check_outputs` says.
+    """
     try:
         found = path.stat() if path.exists() else None
         target = Path(os.path.realpath(path))
@@ -134,6 +151,7 @@ def _target(path: Path) -> tuple[Path, os.stat_result | None]:
             raise BadInput(f"{path}: cannot be written (links that lead in a circle)")
     except (OSError, ValueError) as error:
         raise file_fault(path, "written", error) from error
+    # Brake and sweep files are written by hand, and no output may replace them.
     if ".toml" in {path.suffix.lower(), target.suffix.lower()}:
         raise BadInput(
             f"{path}: must not be a .toml file: nothing is written over brake and sweep files"
@@ -141,6 +159,7 @@ def _target(path: Path) -> tuple[Path, os.stat_result | None]:
     if found is not None:
         if stat.S_ISDIR(found.st_mode):
             raise BadInput(f"{path}: cannot be written (is a folder)")
+        # Writing to a disk device would destroy its file system.
         if stat.S_ISBLK(found.st_mode) or stat.S_ISSOCK(found.st_mode):
             raise BadInput(f"{path}: cannot be written (is a disk or a socket)")
         if any(os.path.samestat(found, each) for each in _inputs.get() or ()):
@@ -150,11 +169,12 @@ def _target(path: Path) -> tuple[Path, os.stat_result | None]:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A temporary path, with the suffix of `path`, that becomes `path` if the block ends well.
+    """Give a `with` block a temporary file to write, which replaces the file at `path` in the end.
 
-    A regular file is replaced by a rename and keeps its permissions. A link stays, and its target
-    is replaced. The content for a pipe or a device is sent to it in the end. Raises BadInput where
-    `check_outputs` does or where the system refuses, and NoAnswer where the disk is full.
+    If the block raises an exception, the temporary file is deleted and `path` stays as it is. A
+    replaced file keeps its permissions. If `path` is a symbolic link, its target is replaced. If
+    `path` is a pipe or a device, the content is copied to it. Raises BadInput if `path` must not or
+    cannot be written, and NoAnswer if the disk is full.
     """
     target, found = _target(path)
     stream = None if found is None else _stream(path, found)
@@ -163,7 +183,8 @@ def replacing(path: Path) -> Iterator[Path]:
     partial = folder / f".drumlin-{os.urandom(6).hex()}{suffix}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        # Nobody else reads the content before the permissions of the file that it replaces are set.
+        # The temporary file takes over the permissions of the replaced file only later. Until then
+        # no other user may read it.
         partial.touch(0o666 if found is None else 0o600, exist_ok=False)
         try:
             yield partial
@@ -172,23 +193,29 @@ def replacing(path: Path) -> Iterator[Path]:
                     file.write(partial.read_bytes())
                 return
             if found is not None:
-                # Few users may give a file away, and some systems cannot.
+                # Most users may not change a file's owner, and some systems do not know owners.
                 with suppress(OSError, AttributeError):
                     os.chown(partial, found.st_uid, found.st_gid)
                 partial.chmod(stat.S_IMODE(found.st_mode) & 0o777)
             partial.replace(target)
         finally:
             partial.unlink(missing_ok=True)
-    # A letter of the name that the locale does not have raises a UnicodeEncodeError.
+    # Python raises a UnicodeEncodeError for a letter of the name that the locale cannot encode.
     except (OSError, UnicodeEncodeError) as error:
         raise file_fault(path, "written", error) from error
 
 
 def _stream(path: Path, found: os.stat_result) -> Path | int | None:
-    """The pipe, device or stream that is written to and not replaced; None for other files.
+    """Where to write a file that cannot be replaced: a pipe, a device, or a stream's number.
 
-    A file that standard output or error goes to is written to by the number of the stream: a new
-    file in its place would lose the printed lines.
+    It is None for an ordinary file, which a new file can replace. If standard output or standard
+    error (streams 1 and 2) is redirected to the file, the number of the stream is returned: a new
+    file in its place would lose the lines that were printed before.
+
+    Parameters
+    ----------
+    path : path of the output file
+    found : status of the file on the disk
     """
     if not stat.S_ISREG(found.st_mode):
         return path
@@ -202,14 +229,14 @@ def _stream(path: Path, found: os.stat_result) -> Path | int | None:
 def write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8, whole or not at all."""
     with replacing(path) as partial:
-        # The text may hold paths with bytes that are in no encoding.
+        # The text may name files whose names are no UTF-8; their bytes become question marks.
         partial.write_text(text, encoding="utf-8", errors="replace")
 
 
 def write_new(path: Path, text: str) -> None:
-    """Write a text file in UTF-8 where no file stands yet, whole or not at all.
+    """Write a new text file in UTF-8, whole or not at all.
 
-    Raises BadInput for a file that is there already, or a path that cannot be written.
+    Raises BadInput if a file of this name exists already or the path cannot be written.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -228,11 +255,15 @@ def write_json(path: Path, data: object) -> None:
     write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
 
 
-# The beginning of a text that a spreadsheet takes for a formula. Numbers and ranges such as
-# "-70 to 55.1" do not match.
+# A spreadsheet takes a text that begins like this for a formula. Numbers and ranges of numbers,
+# such as "-70 to 55.1", do not match the pattern.
 _FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")
 
 
 def cell(value: object) -> object:
-    """A cell for a spreadsheet: a text that would be a formula is led by an apostrophe."""
+    """The value for a cell of a spreadsheet, made safe from being run as a formula.
+
+    A text that the spreadsheet would take for a formula gets an apostrophe in front. Any other
+    value is returned as it is.
+    """
     return f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value

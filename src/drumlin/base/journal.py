@@ -1,9 +1,10 @@
-"""Results of finished cases, kept in a file of JSON lines, so that a stopped run goes on.
+"""The journal of a long computation: a file of JSON lines, one for each finished case.
 
-Each line has a checksum, so that damage costs the damaged lines alone: their cases are computed
-anew. (In the write-ahead log of sqlite3 one flipped bit takes all later records with it, and that
-log does not work on network file systems.) A journal belongs to one state of the program: the
-journal of another state is renamed. A file that is no journal stays as it is.
+A computation that was stopped reads its journal and goes on with the cases that are missing. Each
+line has a checksum: if lines are damaged, only their cases are computed again. (The write-ahead log
+of sqlite3 would lose all records after one flipped bit, and it does not work on network file
+systems.) A journal belongs to one version of the program's source. If the source has changed, the
+old journal is renamed and a new one begins. A file that is no journal is never changed.
 """
 
 import hashlib
@@ -23,27 +24,30 @@ from drumlin.base.errors import BadInput, reason_of
 try:
     import fcntl
 except ImportError:
-    # On a system without such locks the user takes care that no two runs write one journal.
+    # Windows has no module fcntl and so no file locks: the user must not start two runs that write
+    # the same journal.
     fcntl = None  # type: ignore[assignment]
 
 LARGEST_LINE = 2**26
-"""Longest line of a journal in bytes; a longer line is damaged.
+"""Longest line of a journal [bytes]; a longer line counts as damaged.
 
-A case has some hundreds, a study's reference some hundred thousand. In a file whose first line is
-not that of this journal, undamaged lines are looked for up to this many bytes.
+The line of a case has some hundred bytes, that of a study's reference values some hundred thousand.
+A file with an unknown first line is searched for undamaged lines up to this many bytes from its
+beginning.
 """
 HEAD = b'{"stamp": "'
-"""The beginning of the first line of a journal."""
+"""The beginning of the first line of a journal; the stamp of the source follows it."""
 LEAD = len('{"sum": "0123456789abcdef", ')
-"""Bytes before the record in each further line: they hold the checksum."""
+"""Number of bytes at the beginning of a case's line that hold its checksum."""
 COMPUTING = ("numpy", "scipy", "scikit-fem")
-"""Libraries whose version may change the last digits of a result."""
+"""Libraries of which another version may change the last digits of a result."""
 
 
 def source_stamp(*folders: Path) -> str:
-    """A digest of all source of drumlin and of `folders`, and of the versions of its libraries.
+    """A checksum, 16 hexadecimal digits, of everything on which the results of a run depend.
 
-    The source is the content of all Python and TOML files.
+    It covers all Python and TOML files of drumlin and of the given folders, and the versions of the
+    libraries COMPUTING.
     """
     digest = hashlib.sha256()
     for name in COMPUTING:
@@ -55,15 +59,19 @@ def source_stamp(*folders: Path) -> str:
 
 
 def key_of(case: Mapping[str, Any]) -> str:
-    """The data of a case as a line of JSON, keys in order; a value that JSON lacks as its text."""
+    """The data of a case as one line of JSON, by which the journal finds its result.
+
+    The keys of the data are sorted. A value that JSON cannot write is replaced by its text.
+    """
     return json.dumps(case, sort_keys=True, default=str)
 
 
 class Journal(AbstractContextManager["Journal"]):
-    """The results of finished cases, kept in a file, or in memory only where no path is given.
+    """The results of finished cases, kept in a file; without a path they are kept in memory only.
 
-    `notes` are lines about an existing file. Raises BadInput where another run holds the file,
-    where the file cannot be written, or where it is not a journal.
+    `journal[case]` is the result of a finished case, and `case in journal` tells whether the case
+    is finished. `notes` are lines for the user about damaged or outdated journal files. Raises
+    BadInput if another run is writing the file, if it cannot be written, or if it is no journal.
     """
 
     def __init__(self, path: Path | None = None, stamp: str = "") -> None:
@@ -74,13 +82,14 @@ class Journal(AbstractContextManager["Journal"]):
         try:
             if path is not None:
                 path.parent.mkdir(parents=True, exist_ok=True)
+                # An outdated journal is renamed as it is opened; then a new file is opened.
                 while not self._open(path):
                     self.close()
         except BaseException as error:
             self.close()
             if isinstance(error, BlockingIOError):
                 raise BadInput(f"{path}: another run is writing it") from error
-            # A NUL in the path raises a ValueError.
+            # Python raises a ValueError for a NUL in the path.
             if isinstance(error, OSError | ValueError):
                 raise BadInput(f"{path}: cannot be written ({reason_of(error)})") from error
             raise
@@ -89,7 +98,7 @@ class Journal(AbstractContextManager["Journal"]):
         return len(self._rows)
 
     def __bool__(self) -> bool:
-        """Always true: a journal without cases is not the same as no journal."""
+        """Always True, so that an empty journal is not taken for a missing journal (None)."""
         return True
 
     def __contains__(self, case: Mapping[str, Any]) -> bool:
@@ -99,7 +108,7 @@ class Journal(AbstractContextManager["Journal"]):
         return self._rows[key_of(case)]
 
     def add(self, case: Mapping[str, Any], row: dict[str, Any]) -> None:
-        """Keep the result of a case; it is in the file when this method returns."""
+        """Store the result `row` of a case; it is in the file when this method returns."""
         self._rows[key_of(case)] = row
         if self._file is not None:
             record = json.dumps({"key": key_of(case), "row": row}).encode()
@@ -108,19 +117,22 @@ class Journal(AbstractContextManager["Journal"]):
     def once(
         self, case: Mapping[str, Any], compute: Callable[[], dict[str, Any]]
     ) -> dict[str, Any]:
-        """The kept result of a case, else the result of `compute`, which is then kept."""
+        """The stored result of a case; if it has none, the result of `compute` is stored first."""
         if case not in self:
             self.add(case, compute())
         return self[case]
 
     def finish(self) -> None:
-        """Close the file for good: the next run begins anew, and cases stay in `cases.jsonl`."""
+        """Close the journal of a complete run and rename its file to `cases.jsonl`.
+
+        The next run finds no journal and computes all cases.
+        """
         if self._file is not None and self.path is not None:
             self.path.replace(self.path.with_name(f"cases{self.path.suffix}"))
         self.close()
 
     def close(self) -> None:
-        """Close the file; the next run goes on with the cases in the file."""
+        """Close the journal of an incomplete run; the next run reads its cases and goes on."""
         if self._file is not None:
             self._file.close()
             self._file = None
@@ -129,13 +141,14 @@ class Journal(AbstractContextManager["Journal"]):
         self.close()
 
     def _open(self, path: Path) -> bool:
-        """Lock the file and read its rows; False where the file is renamed, so that none is left.
+        """Open and lock the file at `path` and read its cases; returns whether that was possible.
 
-        Raises BlockingIOError where another run holds the lock.
+        It returns False if the file had to be renamed, by this run or another one, so that no file
+        is left at `path`. Raises BlockingIOError if another run has locked the file.
         """
         if path.exists() and not path.is_file():
             raise BadInput(f"{path}: cannot be written (is no file)")
-        # Without a buffer a result is in the file as soon as it is written.
+        # Without a buffer each result reaches the file at once, and a kill cannot lose it.
         self._file = path.open("a+b", buffering=0)
         if fcntl is not None:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -144,32 +157,36 @@ class Journal(AbstractContextManager["Journal"]):
         return path.exists() and os.path.samestat(path.stat(), locked) and self._read(self._file)
 
     def _read(self, file: FileIO) -> bool:
-        """Take over the rows of the locked file, and cut off what follows its last whole line.
+        """Read the cases of the locked file, and cut off a last line that is incomplete.
 
-        Returns False where the file is the journal of another drumlin and is renamed.
+        Returns False if the journal belongs to another version of the source: then it is renamed.
         """
         path, own_head = Path(file.name), HEAD + self._stamp.encode() + b'"}\n'
         with path.open("rb") as reader:
             head = reader.readline(LARGEST_LINE)
-            # The file is new, or a kill tore its first line.
+            # The file is new, or a kill of the process left its first line incomplete.
             if not head or (head.startswith(HEAD) and own_head[:-1].startswith(head)):
                 file.truncate(0)
                 self._write(file, own_head)
                 return True
-            is_own, end, damaged = head == own_head, len(head), int(head != own_head)
+            is_own = head == own_head
+            # `end` is the length of the whole lines read so far. A foreign first line is damage.
+            end, damaged = len(head), int(not is_own)
             while (is_own or self._rows or end <= LARGEST_LINE) and (
                 line := reader.readline(LARGEST_LINE)
             ):
-                # The last line lacks its end where a kill tore it.
+                # A kill of the process may have left the last line incomplete.
                 if not line.endswith(b"\n") and len(line) < LARGEST_LINE:
                     break
                 end += len(line)
+                # The case of a line is accepted only if the checksum fits the data and the stamp.
                 data = line[LEAD:-1]
                 if line == _sealed(data, self._stamp):
                     record = json.loads(b"{" + data)
                     self._rows[record["key"]] = record["row"]
                 else:
                     damaged += 1
+        # In a journal of another version of the source no checksum fits, and no case is accepted.
         if not is_own and not self._rows:
             self._rename(path, head)
             return False
@@ -181,19 +198,23 @@ class Journal(AbstractContextManager["Journal"]):
         return True
 
     def _rename(self, path: Path, head: bytes) -> None:
-        """Rename a journal of another drumlin. Raises BadInput where `head` begins no journal."""
+        """Rename the journal of another version of the source to the next free `path.N`.
+
+        Raises BadInput if the first line `head` of the file is not that of a journal.
+        """
         if not re.fullmatch(re.escape(HEAD) + rb'[^"]*"\}\n', head):
             raise BadInput(f"{path}: is no journal; move it away, or write elsewhere")
         names = (path.with_name(f"{path.name}.{n}") for n in count(1))
-        # The lock ends only after the rename, so that no other run takes the file for its own.
+        # The file stays locked until it is renamed, so that no other run reads it meanwhile.
         aside = path.rename(next(name for name in names if not os.path.lexists(name)))
         self.notes.append(
             f"{path}: was of another drumlin and is kept as {aside.name}; every case is solved anew"
         )
 
     def _write(self, file: FileIO, data: bytes) -> None:
-        """Write data to the end of the file, if need be in several parts."""
+        """Append all bytes of `data` to the file. Raises BadInput if that fails."""
         try:
+            # The operating system may write only a part of the data at once.
             while data:
                 data = data[os.write(file.fileno(), data) :]
         except OSError as error:
@@ -201,6 +222,12 @@ class Journal(AbstractContextManager["Journal"]):
 
 
 def _sealed(data: bytes, stamp: str) -> bytes:
-    """A line of the journal: a checksum of record and stamp, and the record without its brace."""
+    """The line of the journal for one case: a checksum, then the data.
+
+    Parameters
+    ----------
+    data : the case and its result in JSON, without the opening brace
+    stamp : stamp of the source, which the checksum covers as well
+    """
     checksum = hashlib.sha256(stamp.encode() + data).hexdigest()[:16]
     return b'{"sum": "%s", %s\n' % (checksum.encode(), data)

@@ -1,4 +1,7 @@
-"""The routines of LAPACK and BLAS that solves call, from scipy, and a triangular solve."""
+"""Routines of LAPACK and BLAS for systems of linear equations, and a triangular solve.
+
+Other modules import the routines of scipy from here.
+"""
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -21,7 +24,7 @@ __all__ = [
 
 
 def solve_lower(L: Floats, b: Floats) -> Floats:
-    """The solution x of L x = b, for a lower triangular L (n, n) and b (n,) or (n, m).
+    """Solve L x = b for x, with a lower triangular matrix L (n, n) and b (n,) or (n, m).
 
     Raises numpy's LinAlgError where L is singular.
     """

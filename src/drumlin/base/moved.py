@@ -1,4 +1,4 @@
-"""The old names of modules that have moved: they answer with a warning."""
+"""Keep the old names of modules that have moved usable, with a DeprecationWarning."""
 
 import warnings
 from collections.abc import Callable, Mapping
@@ -7,20 +7,20 @@ from typing import Any
 
 
 def moved(old: str, new: str, renamed: Mapping[str, str] | None = None) -> Callable[[str], Any]:
-    """The `__getattr__` of an old module: it gives every public name of the new one and warns.
+    """Make the function `__getattr__` of an old module, which looks up names in the new module.
 
-    The new module is loaded when its first name is asked for.
+    Each look-up warns that the module has moved. The new module is imported at the first look-up.
 
     Parameters
     ----------
-    old, new : dotted names of both modules
-    renamed : the present name of each function that had another name in the old module
+    old, new : dotted names of the old and of the new module
+    renamed : new names of functions by their old names, for functions that were renamed as well
     """
 
     def attribute(name: str) -> Any:
-        """The value of a name in the new module."""
+        """The object that has this name in the new module. Raises AttributeError for `_name`."""
         if name.startswith("_"):
-            # Python itself asks a module for such names, among them __path__.
+            # Python asks every module for private names such as __path__, and must not be warned.
             raise AttributeError(f"module {old!r} has no attribute {name!r}")
         value = getattr(import_module(new), (renamed or {}).get(name, name))
         warnings.warn(f"{old} has moved to {new}", DeprecationWarning, stacklevel=2)

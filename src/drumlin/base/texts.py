@@ -1,4 +1,4 @@
-"""Texts from outside, limited before they are parsed and cleaned before they are printed."""
+"""Limit texts of users before they are parsed, and clean texts before they are printed."""
 
 import difflib
 import re
@@ -7,31 +7,36 @@ from collections.abc import Iterable, Sequence
 from pathlib import PurePath
 
 LONGEST_LINE = 600
-"""Characters of a line about a fault. A longer line is printed without its middle."""
+"""Longest error message in characters. A longer message is printed without its middle."""
 LONGEST_QUANTITY = 100
-"""Characters of a number and its unit in a brake file. Longer texts are refused as no quantity."""
+"""Longest text of a number with its unit in a brake file, in characters; longer is refused."""
 MOST_DIGITS = 400
-"""Digits in a row that a number in a file may have. Doubles end at 1e308, and the time to parse a
-number grows with the square of its digits.
+"""Largest number of consecutive digits of a number in a file; a number with more is refused.
+
+The largest floating-point number is about 1e308, and the time to parse a number grows with the
+square of its digits.
 """
 MOST_KEY_PARTS = 16
-"""Parts of a dotted key a.b.c that a file may have. The parser walks through all parts for each key
-below, so that keys of many parts take long.
+"""Largest number of parts of a dotted key a.b.c in a file; a key with more is refused.
+
+The TOML parser walks through all parts for every key below them, so that such files take long.
 """
 
-# A number below ten millions is printed without exponent.
+# The pattern matches the exponent of a number below ten millions, such as e+05.
 _THOUSANDS = re.compile(r"e\+0[0-6]$")
-# A zero with a sign is printed without the sign.
+# The pattern matches a zero with a sign, such as -0.00 or +0%.
 _NOTHING = re.compile(r"[-+]0(\.0*)?%?")
+# The pattern matches a number with too many digits; TOML allows _ between digits.
 _DIGITS = re.compile(rf"[0-9_]{{{MOST_DIGITS + 1}}}")
-# A part of a TOML key is bare or in quotes. The second pattern also matches comments, so that a
-# text in a comment does not count as a key.
+# A part of a TOML key is a bare word or in quotes. The pattern _KEY also matches comments, so that
+# words in a comment do not count as keys.
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+# The pattern matches a comment, or a dotted key with any number of parts.
 _KEY = re.compile(rf"#[^\n]*+|{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+")
 
 
 def one_line(text: str, most: int = LONGEST_LINE) -> str:
-    """The text in one line of printable characters; other characters are escaped.
+    """The text as one line; line breaks and other unprintable characters become escape sequences.
 
     A text of more than `most` characters loses its middle.
     """
@@ -41,30 +46,33 @@ def one_line(text: str, most: int = LONGEST_LINE) -> str:
 
 
 def _printable(character: str) -> str:
-    """The character, or its escape."""
+    """The character, or its escape sequence if it cannot be printed."""
     return character if character.isprintable() else character.encode("unicode_escape").decode()
 
 
 def typed(words: Sequence[str]) -> str:
-    """The text of a command line for a page of a report.
+    """The words of a command as one line of text, for a page of a report.
 
-    Of absolute paths only the names stay, since folders tell of the machine.
+    Absolute paths are shortened to the file's name, because folders reveal the user's machine.
     """
     return one_line(shlex.join(map(_without_folder, words)))
 
 
 def _without_folder(word: str) -> str:
-    """A word of a command line; of an absolute path, or of an option's one, the name alone."""
+    """A word of a command, with an absolute path in it shortened to the file's name.
+
+    The word is a path itself, or an option such as --output=/folder/name.
+    """
     option, equals, path = word.rpartition("=") if word.startswith("-") else ("", "", word)
     name = PurePath(path).name if PurePath(path).is_absolute() else path
     return option + equals + name
 
 
 def formatted(value: float, form: str) -> str:
-    """A number for people, as format() gives it, with a space before %.
+    """A number as text for people: as `format(value, form)`, with three differences.
 
-    A number that rounds to zero has no sign. In a general form ("g") a number below ten millions
-    has no exponent.
+    A space precedes the percent sign. A number that rounds to zero has no sign. With a format that
+    ends in "g", a number below ten millions has no exponent.
     """
     text = format(value, form)
     if form.endswith("g") and _THOUSANDS.search(text):
@@ -74,26 +82,31 @@ def formatted(value: float, form: str) -> str:
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
-    """A hint for a refusal: the name that was probably meant, or an empty text."""
+    """The hint "(did you mean ...?)" for an error message about an unknown name.
+
+    It names the one of the allowed `names` that is most like the unknown `name`. The hint is empty
+    if no allowed name is like it.
+    """
     close = difflib.get_close_matches(name, list(names), n=1)
     return f" (did you mean {close[0]!r}?)" if close else ""
 
 
 def check_digits(text: str) -> None:
-    """Raise ValueError for a number with more than MOST_DIGITS digits in a row."""
+    """Raise ValueError if the text has a number with more than MOST_DIGITS consecutive digits."""
     if _DIGITS.search(text):
         raise ValueError(f"has a number of more than {MOST_DIGITS} digits")
 
 
 def check_toml(text: str) -> None:
-    """Raise ValueError for numbers of many digits or keys of many parts in a TOML text.
+    """Raise ValueError if a TOML text has a number or a dotted key that takes long to parse.
 
-    Both would keep the parser busy for long.
+    The limits are MOST_DIGITS digits of a number and MOST_KEY_PARTS parts of a key.
     """
     check_digits(text)
     for match in _KEY.finditer(text):
         key = match.group()
-        # A part in quotes may hold dots, so that the parts are counted only where dots are many.
+        # A part in quotes may have dots itself. The parts are counted exactly only if a key has
+        # many dots.
         if key.count(".") >= MOST_KEY_PARTS and not key.startswith("#"):
             parts = len(re.findall(_PART, key))
             if parts > MOST_KEY_PARTS:

@@ -1,7 +1,8 @@
-"""The brake as frozen, validated data: parts of drums and shoes, quantities with units, its file.
+"""The description of a brake as immutable, validated data, and its TOML file.
 
-A `Brake` runs on a surface, a drum or a plane, see `drumlin.brake.surface`. `read_any` reads it
-from a TOML file. Of drumlin the package imports the lowest room `drumlin.base` only.
+The data are the parts of drum and shoes, with every quantity in SI units. The shoes of a `Brake`
+press on a drum or on a plane, see `drumlin.brake.surface`. `read_any` reads a brake from its file.
+From the rest of drumlin this package imports `drumlin.base` only.
 """
 
 import warnings
@@ -15,8 +16,11 @@ __all__ = ["Brake", "Shoe", "read_any", "read_brake", "vary"]
 
 
 def __getattr__(name: str) -> Any:
-    """Serve names of the time when a brake on a plane was another class, with a warning."""
-    # The module is imported only when an old name is asked for.
+    """Return the class for an old name, with a DeprecationWarning.
+
+    The old names are from the time when brakes on a plane had classes of their own for the user.
+    """
+    # The module is imported only when an old name is looked up.
     from drumlin.brake import plane_brake  # noqa: PLC0415
 
     old = {"AnyBrake": Brake, "FlatBrake": plane_brake.FlatBrake, "FlatShoe": plane_brake.FlatShoe}

@@ -1,8 +1,9 @@
-"""Coordinates of a straight shoe beam: x along it from the hinge, y towards the drum's centre.
+"""Coordinates of a shoe that is a straight beam beside the drum.
 
-The angle theta of a beam counts from the beam's normal through the drum's centre O, positive
-towards the loaded end. A point of the friction surface has x = x_O + R sin(theta) and
-y = D - R cos(theta).
+x counts along the beam's axis from the hinge, y across the axis towards the drum's centre O. The
+angle theta of the beam counts from the normal of the axis through O, positive towards the loaded
+end. A point of the drum's friction surface, of radius R, has x = x_O + R sin(theta) and
+y = D - R cos(theta). Here x_O is the foot of the normal and D its length from the axis to O.
 """
 
 import math
@@ -14,18 +15,18 @@ from drumlin.base.arrays import Floats
 
 
 class Axis(NamedTuple):
-    """A beam's axis.
+    """The axis of a straight shoe beam, and the conversion of its coordinates to the brake's.
 
     Attributes
     ----------
-    hinge : (2,), position of the hinge [m]
+    hinge : (2,), position of the hinge, where x = 0 [m]
     along : (2,), unit vector from the hinge to the loaded end
-    towards : (2,), unit vector across the axis, towards the drum's centre O
-    length : L, from the hinge to the loaded end [m]
-    foot : x_O, place of the perpendicular from O [m]
-    distance : D, from O to the axis [m]
-    sense : +1 if x grows with the brake's angle, -1 if it falls
-    origin : the brake's angle of the foot [rad]
+    towards : (2,), unit vector normal to the axis, towards the drum's centre O
+    length : L, length of the beam from the hinge to the loaded end [m]
+    foot : x_O, coordinate x of the foot of the perpendicular from O to the axis [m]
+    distance : D, distance of O from the axis [m]
+    sense : +1 if x grows with the polar angle about O, -1 if x falls
+    origin : polar angle of the foot of the perpendicular about O [rad]
     """
 
     hinge: Floats
@@ -38,28 +39,33 @@ class Axis(NamedTuple):
     origin: float
 
     def angle(self, theta: Floats) -> Floats:
-        """Convert the brake's angles theta [rad] to the beam's, from -pi to pi, same shape."""
+        """Convert polar angles about O [rad] to angles of the beam [rad], same shape.
+
+        The angles of the beam are 0 at the foot of the perpendicular and lie from -pi to pi.
+        """
         turned = self.sense * (np.asarray(theta) - self.origin)
         return np.asarray(turned - 2 * math.pi * np.round(turned / (2 * math.pi)))
 
     def components(self, vector: Floats) -> tuple[float, float]:
-        """Components of a vector (2,) of the brake's frame along the axis and towards O."""
+        """Components of a vector (2,) along the beam's axis and normal to it, towards O."""
         return float(vector @ self.along), float(vector @ self.towards)
 
     def to_brake(self, x: Floats, y: Floats) -> Floats:
-        """Convert points x, y [m] of the beam to the brake's frame: (..., 2) [m]."""
+        """Convert coordinates x, y (...) [m] of the beam to points (..., 2) [m] of the brake."""
         return self.hinge + np.multiply.outer(x, self.along) + np.multiply.outer(y, self.towards)
 
 
 def axis_of(hinge: Floats, end: Floats) -> Axis:
-    """Make the axis from `hinge` (2,) to `end` (2,) [m].
+    """Make the axis of a beam from its hinge (2,) to its loaded end (2,) [m].
 
-    The two points must differ, and O must not lie on their line.
+    The two points must differ, and the drum's centre O must not lie on the line through them.
     """
+    # O is the origin: the vector from the hinge to O is -hinge.
     length = math.dist(hinge, end)
     along = (end - hinge) / length
     left = np.array([-along[1], along[0]])
     side = -1.0 if left @ -hinge < 0 else 1.0
+    # The vector across the axis points to the side on which O lies.
     towards = side * left
     return Axis(
         hinge=hinge,
@@ -68,7 +74,7 @@ def axis_of(hinge: Floats, end: Floats) -> Axis:
         length=length,
         foot=float(-hinge @ along),
         distance=float(-hinge @ towards),
-        # With O to its left, the axis runs counter-clockwise round O.
+        # An axis that has O on its left runs counter-clockwise round O.
         sense=int(side),
         origin=math.atan2(-towards[1], -towards[0]),
     )

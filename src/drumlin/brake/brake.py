@@ -1,8 +1,10 @@
-"""A brake and its shoes, on whatever surface they run.
+"""The classes of a brake and of its shoes, for a drum and for a plane alike.
 
 Conventions: all numbers are SI (m, N, Pa, rad). On a drum the centre O is the origin, and angles
 run counter-clockwise from +x. On a plane the sliding surface is y = 0, the body lies below it and
-the shoes above. `drumlin.brake.surface` describes the differences.
+the shoes above. In both cases one coordinate q gives the position along the surface: the angle
+theta on a drum, x on a plane. `drumlin.brake.surface` describes q and the differences between drum
+and plane.
 """
 
 import math
@@ -23,16 +25,17 @@ from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
 
 
 class ShoeFrame(NamedTuple):
-    """A shoe's own frame, with the coordinate phi that counts from the pin towards the lining.
+    """The frame of a shoe, in which the coordinate phi counts from the pin towards the lining.
 
-    The coordinate of the surface is q = origin + sense * unit * phi, see `drumlin.brake.surface`.
-    In their frames a shoe and its mirror image are the same. On a drum phi is a polar angle at O.
+    A shoe and its mirror image are the same in their own frames. On a drum phi is a polar angle
+    about O. The coordinate of the surface is q = origin + sense * unit * phi, see
+    `drumlin.brake.surface`.
 
     Attributes
     ----------
-    origin : place q of the pin (`Held.pin`)
-    sense : +1 if phi grows with q, -1 if it falls
-    unit : q per unit of phi
+    origin : coordinate q of the pin (`Held.pin`)
+    sense : +1 if phi grows with q, -1 if phi falls
+    unit : change of q per unit of phi
     """
 
     origin: float
@@ -40,43 +43,43 @@ class ShoeFrame(NamedTuple):
     unit: float = 1.0
 
     def phi(self, theta: Floats) -> Floats:
-        """Convert places theta to phi, same shape."""
+        """Convert coordinates of the surface (theta on a drum) to phi, same shape."""
         return self.sense * (np.asarray(theta) - self.origin) / self.unit
 
     def phis(self, theta: Iterable[float]) -> list[float]:
-        """Coordinates phi of a few places theta, as plain numbers."""
+        """Convert some coordinates of the surface to phi; the result is a list of numbers."""
         return [self.sense * (place - self.origin) / self.unit for place in theta]
 
     def theta(self, phi: Floats) -> Floats:
-        """Convert phi to places theta, same shape."""
+        """Convert phi to coordinates of the surface (theta on a drum), same shape."""
         return self.origin + self.sense * self.unit * np.asarray(phi)
 
     def distance(self, theta: Floats) -> Floats:
-        """Distance of places theta from the pin, in the surface's coordinate, same shape.
+        """Distance from the pin along the surface, in its coordinate, same shape as `theta`.
 
-        It is positive towards the lining.
+        It is an angle on a drum and a length on a plane, positive towards the lining.
         """
         return self.sense * (np.asarray(theta) - self.origin)
 
     def to_brake(self, vectors: Floats) -> Floats:
-        """Convert vectors (..., 2) of the shoe's frame to the brake's."""
+        """Convert vectors (..., 2) from the frame of the shoe to the frame of the brake."""
         c, s = math.cos(self.origin), math.sin(self.origin)
-        # A rotation by the origin; with sense -1 the shoe's y axis is mirrored first.
+        # The matrix rotates by the angle `origin`. With sense -1 it first mirrors the shoe's y.
         return np.asarray(vectors) @ np.array([[c, s], [-self.sense * s, self.sense * c]])
 
     def to_shoe(self, vectors: Floats) -> Floats:
-        """Convert vectors (..., 2) of the brake's frame to the shoe's."""
+        """Convert vectors (..., 2) from the frame of the brake to the frame of the shoe."""
         c, s = math.cos(self.origin), math.sin(self.origin)
-        # The matrix is orthogonal: this one is the transpose of the matrix in `to_brake`.
+        # This matrix is the inverse of the one above: the transpose of an orthogonal matrix.
         return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
 
 
 class Shoe(Meshed):
-    """One shoe with its lining and its support (`Held`). A shoe without `body` is rigid."""
+    """A shoe with its lining, support and actuation. A shoe without `body` is rigid."""
 
     surface: ClassVar[FrictionSurface]
 
-    # Shoes on a drum and on a plane have these fields, each in the order of its own file.
+    # `DrumShoe` and `FlatShoe` define these as fields, each in the order of its brake file.
     if TYPE_CHECKING:
 
         @property
@@ -90,12 +93,15 @@ class Shoe(Meshed):
 
     @property
     def sign(self) -> int:
-        """Sign of the lining's outward normal along e_r: +1 internal or on a plane, -1 external."""
+        """+1 for an internal shoe and a shoe on a plane, -1 for an external shoe.
+
+        It is the sign of the radial component of the lining's normal towards the drum.
+        """
         return 1 if self.side == "internal" else -1
 
     @property
     def depth(self) -> float:
-        """Thickness of lining, backing and body together [m]."""
+        """Total thickness [m] of lining, backing and body of the shoe."""
         return (
             self.lining.thickness
             + (self.backing.thickness if self.backing else 0.0)
@@ -110,109 +116,129 @@ class Shoe(Meshed):
     @property
     @abstractmethod
     def frame(self) -> ShoeFrame:
-        """The shoe's own frame."""
+        """The frame of the shoe, in which the coordinate phi counts from the pin."""
 
     @cached_property
     def arc(self) -> tuple[float, float]:
-        """Begin and end (phi_1, phi_2) of the lining in the shoe's frame."""
+        """Coordinates (phi_1, phi_2) of the lining's ends in the shoe's frame, phi_1 < phi_2."""
         first, last = self.frame.phis((self.lining.start, self.lining.end))
-        # A frame whose phi falls with theta swaps the two ends.
+        # If phi falls with theta, the lining's end in theta has the smaller phi.
         return min(first, last), max(first, last)
 
     @property
     @abstractmethod
     def own_pin(self) -> Floats:
-        """Position (2,) [m] of the pin in the shoe's frame."""
+        """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
 
     @abstractmethod
     def own_points(self, xy: Floats) -> Floats:
-        """Convert points (..., 2) [m] of the brake's frame to the shoe's."""
+        """Convert points (..., 2) [m] from the frame of the brake to the frame of the shoe."""
 
     @abstractmethod
     def points(self, xy: Floats) -> Floats:
-        """Convert points (2, n) [m] of the shoe's frame to the brake's."""
+        """Convert points (2, n) [m] from the frame of the shoe to the frame of the brake."""
 
     @abstractmethod
     def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
-        """Points (2, ...) [m] of the shoe's frame at a depth behind the surface and at phi.
+        """Points (2, ...) [m] at a depth behind the friction surface and a coordinate phi.
+
+        The points are in the frame of the shoe.
 
         Parameters
         ----------
-        depth : behind the surface [m], any shape
-        phi : coordinate along the surface, any shape
-        size : of the brake [m], which ties phi to lengths
+        depth : distance behind the friction surface, into the shoe [m], any shape
+        phi : coordinate along the surface in the shoe's frame, any shape
+        size : size of the brake [m], which relates phi to lengths (`Brake.size`)
         """
 
     @abstractmethod
     def off(self, xy: Floats, size: float) -> Floats:
-        """Distance [m] of points (2, ...) [m] of the shoe's frame off the surface, > 0 if open."""
+        """Distance [m] of points from the friction surface, positive on the side of the shoe.
+
+        The points (2, ...) [m] are in the frame of the shoe; `size` [m] is that of the brake.
+        """
 
     @abstractmethod
     def phi_of(self, xy: Floats, size: float) -> Floats:
-        """Coordinate phi of points (2, ...) [m] of the shoe's frame, near the lining's middle."""
+        """Coordinate phi (...) of points (2, ...) [m] that are in the frame of the shoe.
+
+        On a drum it is the angle within half a turn of the lining's middle. `size` [m] is that of
+        the brake.
+        """
 
     @abstractmethod
     def place_of(self, point: Point) -> float:
-        """Place q of a point; of several places it is the nearest to the lining's middle."""
+        """Coordinate q of a point along the surface (theta on a drum, x on a plane).
+
+        Of the angles that differ by whole turns it is the nearest to the lining's middle.
+        """
 
     @abstractmethod
     def back(self, size: float) -> float:
-        """Length [m] of the back of the shoe's body per unit of phi."""
+        """Length [m] along the back of the shoe's body per unit of phi; its radius on a drum."""
 
     @property
     @abstractmethod
     def closing(self) -> float:
-        """Direction [rad] from the middle of the lining straight to the surface."""
+        """Direction [rad] in which the middle of the lining moves straight towards the surface."""
 
     @abstractmethod
     def misfit_gap(self, theta: Floats, size: float) -> Floats:
-        """Gap [m] of the lining's own radius and offset at the places theta, same shape."""
+        """Gap [m] of a lining that is ground to a circle, at coordinates theta, same shape.
+
+        It is the part of the misfit that follows from `misfit.radius` and `misfit.offset`.
+        """
 
     def end_face(self, size: float, *, loaded: bool = False) -> Floats:
-        """Middle (2,) [m], in the shoe's frame, of the end face of an arc that is held.
+        """Middle (2,) [m] of the end face of an arc body at its support, in the shoe's frame.
 
-        With `loaded` it is the middle of the end face that the actuation pushes.
+        With `loaded` it is the middle of the other end face, which the actuation pushes. `size` [m]
+        is that of the brake.
         """
         assert isinstance(self.body, Bar)
         ends = self.frame.phis((self.body.start, self.body.end))
-        # phi counts from the pin, so that the held end is the nearer one.
+        # phi counts from the pin, so that the supported end is the nearer one.
         phi = max(ends, key=abs) if loaded else min(ends, key=abs)
         return self.at(np.array(self.depth - 0.5 * self.body.depth), np.array(phi), size)
 
     @property
     def gripped(self) -> bool:
-        """Whether the support holds the back of an elastic body rather than an end face."""
+        """Whether the support acts on the back of an elastic body and not on an end face.
+
+        A pivot and a guide do so, and a hinge does if the body has a `grip`.
+        """
         has_grip = isinstance(self.body, Bar) and self.body.grip is not None
         return self.held_by in {"pivot", "guide"} or has_grip
 
     def grip(self, size: float) -> tuple[float, float] | None:
-        """The part (phi_1, phi_2) of the body's back that the support holds (see `Bar`).
+        """Interval (phi_1, phi_2) of the back of an elastic body that the support holds.
 
-        It is None if the support holds an end face of the body, or a rigid body.
+        It is None if the support holds an end face of the body, or if the shoe is rigid or has a
+        mesh file. `size` [m] is that of the brake. See `Bar.grip`.
         """
         if not isinstance(self.body, Bar) or self.mesh is not None or not self.gripped:
             return None
         start, end = self.arc
         place = self.lining.middle if self.pivot is None else self.place_of(self.pivot)
-        # The part is at most 60 % of the lining and stays away from its ends.
+        # The held interval is at most 60 % of the lining and stays away from the lining's ends.
         wanted = 0.5 * (self.body.grip or self.body.thickness) / self.back(size)
         half = min(wanted, 0.3 * (end - start))
-        # The part lies opposite the pivot, or in the lining's middle where there is no pivot.
+        # It lies opposite the pivot, or at the lining's middle if there is no pivot.
         phi = self.frame.phi(np.array(place))
         at = float(np.clip(phi, start + 1.5 * half, end - 1.5 * half))
         return at - half, at + half
 
 
 class Brake(Part):
-    """A brake: friction coefficient, direction of motion, surface and shoes."""
+    """A brake with its friction coefficient, direction of motion, friction surface and shoes."""
 
     surface: ClassVar[FrictionSurface]
     direction_key: ClassVar[str]
-    """Key of the direction of motion, as `vary` takes it."""
+    """Key of the direction of motion in a brake file, such as "rotation"."""
     directions: ClassVar[tuple[str, str]]
-    """Values of the direction of motion, for spin +1 and -1."""
+    """The two allowed values of the direction of motion: first for spin +1, then for spin -1."""
 
-    # Brakes with a drum and with a plane have these fields, each in the order of its own file.
+    # `DrumBrake` and `FlatBrake` define these as fields, each in the order of its brake file.
     if TYPE_CHECKING:
 
         @property
@@ -228,10 +254,14 @@ class Brake(Part):
 
     @staticmethod
     def shape_of(data: object) -> "type[Brake]":
-        """The class that reads the data of a brake file: on a plane for data with "plane"."""
-        # A drum is the default, so that an error in a file without both keys names the drum.
+        """The class that reads the data of a brake file: `FlatBrake` for data with "plane".
+
+        Other data are read by `DrumBrake`.
+        """
+        # Data with neither "drum" nor "plane" are an error, and its message shall name the drum.
         shapes = {shape.surface.word: shape for shape in Brake.__subclasses__()}
-        return shapes[PLANE.word if isinstance(data, Mapping) and PLANE.word in data else DRUM.word]
+        on_plane = isinstance(data, Mapping) and PLANE.word in data
+        return shapes[PLANE.word if on_plane else DRUM.word]
 
     @classmethod
     def model_validate(cls, obj: Any, **options: Any) -> Self:
@@ -248,108 +278,120 @@ class Brake(Part):
     @property
     @abstractmethod
     def size(self) -> float:
-        """Length [m] that others are relative to: drum radius or length of the first lining."""
+        """Reference length of the brake [m]: the drum's radius, or the first lining's length."""
 
     @property
     def scale_factor(self) -> float:
-        """Length of the surface per unit of its coordinate: R [m] on a drum, 1 on a plane.
+        """Length along the surface per unit of its coordinate: R [m] on a drum, 1 on a plane.
 
-        It is also the effect of the brake per friction force.
+        It is also the lever arm that converts a friction force to the torque on a drum, or to the
+        braking force on a plane.
         """
         return 1.0 if self.surface.straight else self.size
 
     @property
     def unit(self) -> float:
-        """Coordinate of the surface per unit of phi, see `ShoeFrame`."""
+        """Change of the surface's coordinate q per unit of phi, see `ShoeFrame`."""
         return self.size / self.scale_factor
 
     @property
     def ring(self) -> Ring | None:
-        """The elastic ring of a drum, or None."""
+        """The elastic ring of the drum; None for a rigid drum and for a plane."""
         return None
 
     @property
     def motion(self) -> str:
-        """Text that says what moves and in which direction."""
+        """Text about the motion, such as "drum turns counter-clockwise"."""
         return f"{self.surface.moves} {self.direction}"
 
     @property
     def sense(self) -> str:
-        """Direction of motion as text of a table of results."""
+        """Direction of motion as tables of results show it, such as "counter-clockwise"."""
         return self.surface.sense.format(self.direction)
 
     @abstractmethod
     def reversed(self) -> Self:
-        """The brake with the other direction of motion."""
+        """A copy of the brake with the opposite direction of motion."""
 
     @abstractmethod
     def bare(self) -> Self:
-        """The brake without data on which its condensed bodies do not depend.
+        """The brake reduced to data that change the condensed stiffness of its shoes and ring.
 
-        These are title, direction, the size of a friction above 0, and the surface's deviation from
-        its circle. The shoes stay.
+        Brakes that are equal in this form can share their condensed bodies. Title, direction of
+        motion and the deviation of the drum from its circle get fixed values. A friction
+        coefficient above 0 becomes 1. The shoes stay.
         """
 
     def without_ring(self) -> Self:
-        """The brake on a rigid surface."""
+        """The brake on a rigid drum; a brake on a plane is returned as it is."""
         return self
 
     def round(self) -> Self:
-        """The brake on a surface without deviation from its circle."""
+        """The brake on a drum that is not out of round; a brake on a plane is returned as it is."""
         return self
 
     @property
     def lobes(self) -> tuple[Lobes, ...]:
-        """Harmonics of the surface's deviation from its circle."""
+        """Harmonics of a drum that is out of round; none for a plane."""
         return ()
 
     def surface_off(self, theta: Floats) -> Floats | None:
-        """Distance [m] of the surface outside its circle at the places theta, same shape.
+        """Radial deviation [m] of a drum that is out of round, at angles theta, same shape.
 
-        It is None for a surface without deviation.
+        It is positive where the surface lies outside its circle, and None for a round drum and for
+        a plane.
         """
         return None
 
     @property
     def other_direction(self) -> str:
-        """The direction opposite to that of the motion."""
+        """The direction opposite to the direction of motion."""
         first, second = self.directions
         return second if self.spin > 0 else first
 
     @property
     def spin(self) -> int:
-        """Sense of the motion: +1 along the surface's growing coordinate, -1 against it."""
+        """Sense of the motion: +1 towards growing coordinates of the surface, else -1."""
         return 1 if self.direction == self.directions[0] else -1
 
     @property
     def drag(self) -> float:
-        """Friction on the lining per pressure, along growing places, at full slip: mu s."""
+        """Friction stress on the lining per pressure at full slip: friction times spin.
+
+        It is positive towards growing coordinates of the surface.
+        """
         return self.friction * self.spin
 
     def drag_on(self, shoe: Shoe) -> float:
-        """Friction on a lining per pressure at full slip, along growing phi of the shoe's frame."""
+        """Friction stress on the lining of a shoe per pressure at full slip.
+
+        It is positive towards growing phi, the coordinate of the shoe's own frame.
+        """
         return self.drag * shoe.frame.sense
 
     @property
     def shares(self) -> str | None:
-        """Text that a cam or a strut shares a force among the shoes; None if each has its own."""
+        """Text for an error message that a cam or a strut divides a force among the shoes.
+
+        It is None if the force on each shoe is known before the solve.
+        """
         return shares(self.actuation, self.links)
 
     def unmeshable(self) -> str | None:
-        """Reason why the shoes cannot be meshed: missing data. None if they can."""
+        """Why the shoes cannot be meshed by finite elements (missing data); None if they can."""
         for shoe in self.shoes:
             if shoe.lining.thickness is None or shoe.lining.material is None:
                 return f"shoe {shoe.name!r}: its lining has no thickness and material to mesh"
         return None
 
     def check_meshable(self) -> None:
-        """Raise BadInput if data that finite elements need are missing."""
+        """Raise BadInput if data are missing that finite elements need."""
         reason = self.unmeshable()
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
 
     def unhinged(self) -> str | None:
-        """Text of the first shoe that is not on a plain hinge under a force of its own, or None."""
+        """Why not every shoe turns about a hinge under a known force; None if every shoe does."""
         if self.shares:
             return self.shares
         for shoe in self.shoes:
@@ -358,11 +400,14 @@ class Brake(Part):
         return None
 
     def check_hinged(self, what: str) -> None:
-        """Raise BadInput unless all shoes have hinges and forces of their own, as `what` needs."""
+        """Raise BadInput unless every shoe turns about a hinge under a known force.
+
+        `what` names the computation that needs it, for the message.
+        """
         reason = self.unhinged()
         if reason is not None:
             raise BadInput(f"{what} takes shoes on hinges under forces of their own only: {reason}")
 
     def names(self, group: Sequence[int]) -> str:
-        """Names of a group of shoes, for a refusal."""
+        """Names of the shoes with the indices `group`, for an error message."""
         return ", ".join(f"shoe {self.shoes[i].name!r}" for i in group)

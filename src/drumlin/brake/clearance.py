@@ -1,12 +1,14 @@
-"""Treat misfits as clearance: lining circle, taper, steps between blocks, a drum out of round.
+"""The gap between an unloaded lining and the surface, from clearance and all kinds of misfit.
 
-Every misfit is a gap along the drum's radius, or along the normal of the plane, positive = open. It
-adds to the lining's `clearance`. It therefore acts in each model that has a clearance (finite
-elements, foundation) and leaves their condensed bodies as they are. The laws assume a lining that
-fits. Plane stress knows no misfit across the width (coning, bell-mouthing).
+A misfit is a lining ground to a circle of its own, a taper, steps between blocks of the lining, or
+a drum that is out of round. Each misfit is a gap along the drum's radius, or along the normal of
+the plane, and positive if open. It is added to the lining's `clearance`. It therefore acts in every
+model that has a clearance (finite elements, foundation), and the condensed stiffness of the shoes
+does not depend on it. The laws assume a lining that fits. Plane stress knows no misfit across the
+width (coning, bell-mouthing).
 
-The slope of the surfaces is neglected: normals stay those of the drum's circle. For lobes of order
-n and amplitude a this neglects at most n a/(mu R) of the torque.
+The slope of the surfaces is neglected: normals stay those of the drum's circle. For harmonics of
+order n and amplitude a this neglects at most n a/(mu R) of the torque.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,40 +22,45 @@ from drumlin.brake.components import Lining
 from drumlin.brake.file import vary
 
 ROUND = 1e-9
-"""Change of slope in a clearance table, relative to the largest, up to which it is round-off.
+"""Relative change of slope between two rows of a clearance table that counts as round-off.
 
-A larger change that points to the drum is a tip of the gap.
+It is relative to the largest change of slope in the table. A larger change is a kink of the gap.
 """
+# The type of the result of a function that solves a brake.
 T = TypeVar("T")
 
 
 def gap(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
-    """Gap [m] of a shoe's unloaded lining from the surface, at the places theta, same shape."""
+    """Gap [m] between a shoe's unloaded lining and the surface, with all misfits of both.
+
+    `theta` are coordinates along the surface (angles on a drum); the result has their shape.
+    """
     lining, misfit = shoe.lining, shoe.lining.misfit
     total = lining.clearance_at(theta)
-    # A part of the misfit that is zero costs no computation.
+    # Each part of the misfit is computed only if it is not zero.
     if misfit.radius is not None or misfit.offset.radius > 0:
         total = total + shoe.misfit_gap(theta, brake.size)
-    # The taper is the change of the gap from one end of the lining to the other.
+    # The taper is the difference of the gaps at the two ends of the lining, linear in between.
     if misfit.taper:
         from_middle = shoe.frame.sense * (theta - lining.middle)
         total = total + misfit.taper * from_middle / (lining.end - lining.start)
     if misfit.blocks:
         total = total + block_gap(lining, theta)
-    # A drum that stands back opens the gap of an internal lining and closes an external gap.
+    # Where the drum lies outside its circle, the gap of an internal lining is larger and that of an
+    # external lining is smaller.
     off = brake.surface_off(theta)
     return total if off is None else total + shoe.sign * off
 
 
 def block_gap(lining: Lining, theta: Floats) -> Floats:
-    """Distance [m] by which the blocks of a lining stand back at theta, same shape.
+    """Gap [m] due to the different heights of a lining's blocks, at coordinates theta, same shape.
 
-    Blocks are level, with rounded steps of the arc `step` between them. A step of height h has the
-    smallest radius (R step)^2/(6 h).
+    Each block stands back by its depth, and the gap changes smoothly over the length `step` from
+    one block to the next. A step of height h has the smallest radius of curvature (R step)^2/(6 h).
     """
     gap, before = np.zeros(np.shape(theta)), 0.0
     for begin, depth in lining.misfit.blocks:
-        # A cubic rises over the step from 0 to 1, level at both ends.
+        # A cubic polynomial rises from 0 to 1 over the step, with zero slope at both ends.
         x = np.clip((theta - begin) / lining.step + 0.5, 0.0, 1.0)
         gap = gap + (depth - before) * x**2 * (3 - 2 * x)
         before = depth
@@ -61,40 +68,45 @@ def block_gap(lining: Lining, theta: Floats) -> Floats:
 
 
 def kinks(lining: Lining) -> list[float]:
-    """Angles [rad] at which a lining's gap is not smooth."""
+    """Coordinates along the surface (angles on a drum) at which a lining's gap is not smooth.
+
+    They are the rows of its clearance table and the ends of the rounded steps between its blocks.
+    """
     return [*table_kinks(lining), *step_kinks(lining)]
 
 
 def table_kinks(lining: Lining) -> list[float]:
-    """Angles [rad] of the rows of a lining's table of clearances.
+    """Coordinates (angles on a drum) of the rows of a lining's table of clearances.
 
-    Between these the clearance is linear.
+    The clearance is linear between them. The list is empty if the clearance is a number.
     """
     return [angle for angle, _ in lining.clearance] if isinstance(lining.clearance, tuple) else []
 
 
 def step_kinks(lining: Lining) -> list[float]:
-    """Angles [rad] at which the rounded steps between a lining's blocks begin and end."""
+    """Coordinates (angles on a drum) where the rounded steps between blocks begin and end."""
     half = lining.step / 2
     return [begin + side for begin, _ in lining.misfit.blocks for side in (-half, half)]
 
 
 def tips(lining: Lining) -> list[tuple[float, float]]:
-    """Kinks of a lining's gap that point to the drum, under which the pressure is unbounded.
+    """Kinks of a lining's gap that point to the drum; an elastic pressure is infinite at them.
 
-    Each is an angle [rad] and the change of the gap's slope there [m/rad].
+    Each kink is a pair: its coordinate (an angle on a drum) and the change of the gap's slope
+    there, in metres per unit of the coordinate.
     """
     change = slope_changes(lining)
-    # A gap whose slope grows has its smallest distance to the drum at the kink.
+    # Where the slope of the gap grows abruptly, the lining has a convex edge towards the drum.
     sharp = change > ROUND * np.abs(change).max(initial=0.0)
     rows = zip(table_kinks(lining), change.tolist(), sharp, strict=True)
     return [(angle, slope) for angle, slope, is_sharp in rows if is_sharp]
 
 
 def slope_changes(lining: Lining) -> Floats:
-    """Change of the clearance's slope [m/rad] at each of `table_kinks`.
+    """Change of the clearance's slope at each row of a lining's clearance table, (n,).
 
-    Beyond the table the clearance is constant.
+    It is in metres per unit of the surface's coordinate (rad on a drum). The clearance is constant
+    beyond the table. The array is empty if the clearance is a number.
     """
     if not isinstance(lining.clearance, tuple):
         return np.zeros(0)
@@ -104,49 +116,63 @@ def slope_changes(lining: Lining) -> Floats:
 
 
 def thermal_growth(R: float, expansion: float, warming: float) -> float:
-    """Growth [m] of a drum's radius, which is the amplitude of lobes of order 0.
+    """Growth [m] of a drum's radius as the drum warms.
+
+    It is the amplitude of a harmonic of order 0 in `Drum.out_of_round`.
 
     Parameters
     ----------
     R : radius of the drum [m]
     expansion : coefficient of thermal expansion [1/K]
-    warming : mean warming [K]
+    warming : mean rise of the drum's temperature [K]
     """
     return expansion * warming * R
 
 
 def one_turn(brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float]) -> list[T]:
-    """Solve a brake as its drum stands at each of several angles, without inertia.
+    """Solve a brake for several angular positions of a drum that is out of round.
+
+    Inertia is neglected, and the forces on the shoes are the same at each position.
 
     Parameters
     ----------
-    brake : the brake, whose forces stay
-    solve : any model; its errors are raised
-    angles : of the drum [rad]
+    brake : the brake
+    solve : function that solves a brake; its exceptions are not caught
+    angles : angular positions of the drum [rad]
+
+    Returns
+    -------
+    list
+        the result of `solve` at each angle
     """
     return [solve(vary(brake, {"drum.angle": angle})) for angle in angles]
 
 
 def ground_to(brake: Brake, mismatch: float) -> dict[str, float]:
-    """Changes for `vary` that grind every lining to the drum's radius plus a mismatch [m]."""
+    """Changes for `vary` that grind every lining to the drum's radius plus `mismatch` [m].
+
+    The result has the new radius [m] by the key of each lining's misfit.
+    """
     return {
         f"shoe[{i}].lining.misfit.radius": brake.size + mismatch for i in range(len(brake.shoes))
     }
 
 
 def set_off(brake: Brake, size: float) -> dict[str, float]:
-    """Changes for `vary` that move every lining's circle by `size` [m].
+    """Changes for `vary` that displace the circle of every lining by `size` [m].
 
-    The circle moves along the radius of its hinge, away from the drum's centre.
+    The circle is displaced along the line from the drum's centre to the shoe's hinge, outwards. The
+    result has the components of the offset [m] by their keys.
     """
     slopes = [along_hinge(brake, i, "lining.misfit.offset") for i in range(len(brake.shoes))]
     return {key: size * slope for part in slopes for key, slope in part.items()}
 
 
 def along_hinge(brake: Brake, index: int, key: str) -> dict[str, float]:
-    """Changes of the coordinates of a point `key` as it moves by 1 m along the hinge's radius.
+    """Change of a point's coordinates per metre along the line from drum centre to hinge.
 
-    The point and the hinge are those of shoe `index`.
+    The point is that with the key `key` of shoe `index`, and the hinge is that of the same shoe.
+    The result has the two components by their keys in the brake file.
     """
     hinge = brake.shoes[index].pin
     # The two values are the components of the unit vector from the drum's centre to the hinge.

@@ -1,4 +1,7 @@
-"""The parts of drums and shoes: ring, drum, lining, backing, bodies, actuation. Units are SI."""
+"""The parts of a brake: drum and its ring, lining, backing, shoe bodies, actuation.
+
+All quantities are in SI units.
+"""
 
 import math
 from abc import abstractmethod
@@ -39,17 +42,17 @@ Friction = Annotated[
     Field(ge=0, le=1e6, strict=True),
     AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0),
 ]
-"""A friction coefficient. Below SMALLEST it counts as 0, as every quantity does."""
+"""The type of a friction coefficient. A value below SMALLEST is set to 0, as for all quantities."""
 
 
 class Section(NamedTuple):
-    """A rectangular section.
+    """A rectangular cross-section of a ring, a beam or an arc.
 
     Attributes
     ----------
-    thickness : in the plane of the brake [m]
-    width : across that plane [m]
-    material : its material
+    thickness : thickness in the plane of the brake [m]
+    width : width normal to the plane of the brake [m]
+    material : material of the section
     """
 
     thickness: float
@@ -63,11 +66,11 @@ class Section(NamedTuple):
 
 
 class Bonded(NamedTuple):
-    """Stiffnesses of plates that bend together.
+    """The stiffnesses of bonded plates that bend as one beam.
 
     Attributes
     ----------
-    depth : of the neutral axis from the outer face of the first plate [m]
+    depth : depth of the neutral axis below the outer face of the first plate [m]
     EI : bending stiffness [N m^2]
     EA : stiffness in tension [N]
     GA : stiffness in shear [N]
@@ -80,12 +83,15 @@ class Bonded(NamedTuple):
 
 
 def bonded(plates: Sequence[Section]) -> Bonded:
-    """The stiffnesses of plates that lie on each other in this order."""
+    """The stiffnesses of plates that are bonded to each other and bend as one beam.
+
+    `plates` are the cross-sections in the order in which they lie on each other.
+    """
     t = np.array([plate.thickness for plate in plates])
     width = np.array([plate.width for plate in plates])
     E = np.array([plate.material.E_along for plate in plates])
     G = np.array([plate.material.G_along_through for plate in plates])
-    # The neutral axis is the centre of the plates, each weighted by its stiffness in tension.
+    # The neutral axis is the mean of the plates' middles, weighted by stiffness in tension.
     EA, GA = E * width * t, G * width * t
     own = np.array([plate.bending_stiffness for plate in plates])
     # Distances of the plates' middles from the outer face of the first plate.
@@ -97,29 +103,34 @@ def bonded(plates: Sequence[Section]) -> Bonded:
 
 
 ASSUMED_STEEL = Material(E=210e9, nu=0.3)
-"""Material of a part of which only the bending stiffness is known.
+"""Material of a part for which a brake file gives the bending stiffness but no material.
 
-The width then follows from the bending stiffness. Plane stress depends on the product of both only.
+The width is then chosen to give the bending stiffness. Young's modulus itself does not matter,
+because plane stress depends only on its product with the width.
 """
 
 
 def _section(part: "Ring | Beam | Bar", EI: float | None) -> Section | None:
-    """The section of a ring, beam or arc, or None if it is unknown.
+    """The cross-section of a ring, a beam or an arc; None if it is unknown.
 
-    If `EI` [N m^2] is given, the width is such that the section bends with it.
+    If the bending stiffness `EI` [N m^2] is given, the width of the section is chosen to give it.
     """
     if part.thickness is None:
         return None
     if EI is None:
         known = part.width is not None and part.material is not None
         return Section(part.thickness, part.width, part.material) if known else None  # type: ignore[arg-type]
-    # Any width and material do, since the width is then scaled to the bending stiffness.
+    # The width and material may be arbitrary, since the width is scaled to the bending stiffness.
     section = Section(part.thickness, part.width or 1.0, part.material or ASSUMED_STEEL)
     return section._replace(width=section.width * EI / section.bending_stiffness)
 
 
 def _check_section(part: "Ring | Beam") -> None:
-    """Raise ValueError if a part has neither a whole section nor a bending stiffness."""
+    """Raise ValueError unless a part has a complete cross-section or a bending stiffness.
+
+    A cross-section is thickness, width and material. With a bending stiffness the part may also
+    have the thickness alone.
+    """
     given = {key for key in ("thickness", "width", "material") if getattr(part, key) is not None}
     if len(given) < 3 and (part.bending_stiffness is None or given - {"thickness"}):
         raise ValueError(
@@ -129,14 +140,16 @@ def _check_section(part: "Ring | Beam") -> None:
 
 
 PLAIN_SUPPORTS = ("fixed", "free")
-"""Supports of a ring's far edge that all models and the verification know, see `Ring.is_plain`."""
+"""Supports of the ring's far edge (away from the shoes) that every model can take."""
 
 
 class Ring(Part):
-    """The elastic rim of the drum, behind its friction surface as seen from the shoe.
+    """The elastic rim of the drum, which lies behind its friction surface as seen from the shoe.
 
-    It has a section, or a `bending_stiffness` EI [N m^2], or both; then the section bends with this
-    EI. With thickness and bending stiffness it can be meshed.
+    It has a cross-section (thickness, width and material), or a `bending_stiffness` EI [N m^2], or
+    both. If both are given, the width is replaced by the width that gives this EI. Thickness and
+    bending stiffness suffice for a mesh. `support` says whether the rim's edge away from the shoes
+    is fixed or free.
     """
 
     thickness: Thickness | None = None
@@ -147,39 +160,39 @@ class Ring(Part):
 
     @model_validator(mode="after")
     def _check_whole_section(self) -> Self:
-        """Raise ValueError where neither section nor bending stiffness is given."""
+        """Raise ValueError unless a complete cross-section or a bending stiffness is given."""
         _check_section(self)
         return self
 
     @property
     def is_plain(self) -> bool:
-        """Whether the far edge is fixed or free, and nothing else acts on it.
+        """Whether the ring's edge away from the shoes is simply fixed or free.
 
-        Models that know no other support refuse a ring that is not plain, see
+        Some models know no other support and refuse a ring that is not plain, see
         `ring_support.plain_ring_only`.
         """
         return self.support in PLAIN_SUPPORTS
 
     @property
     def section(self) -> Section | None:
-        """The section, with a width that gives the bending stiffness.
+        """The cross-section of the ring, with a width that gives the bending stiffness.
 
-        It is None if the file has only the bending stiffness.
+        It is None if the brake file has the bending stiffness but no thickness.
         """
         return _section(self, self.bending_stiffness)
 
     @property
     def EI(self) -> float:
-        """Bending stiffness [N m^2]."""
+        """Bending stiffness of the ring [N m^2]."""
         section = self.section
         return section.bending_stiffness if section else float(self.bending_stiffness or 0.0)
 
 
 class Lobes(Part):
-    """One harmonic of a drum's surface off its circle.
+    """One harmonic of the deviation of a drum's friction surface from its circle.
 
-    The surface lies outwards by amplitude cos(order (theta - phase)) [m]. Order 0 is growth (a hot
-    drum), 1 run-out, 2 ovality.
+    The surface lies outside its circle by amplitude cos(order (theta - phase)) [m]. Order 0 is
+    growth of the radius (a hot drum), order 1 is run-out, order 2 is ovality.
     """
 
     order: Annotated[int, Field(ge=0, le=100)]
@@ -188,10 +201,11 @@ class Lobes(Part):
 
 
 class Drum(Part):
-    """The drum with its friction radius R [m]. A drum without `ring` is rigid.
+    """The drum with the radius R [m] of its friction surface. A drum without `ring` is rigid.
 
-    `out_of_round` holds the harmonics of its surface off the circle at `angle` = 0 [rad]; the
-    harmonics turn with the drum.
+    `out_of_round` has the harmonics of the deviation of the surface from its circle. They turn with
+    the drum: `angle` [rad] is the angular position of the drum, and the harmonics are given for
+    `angle` = 0.
     """
 
     radius: Thickness
@@ -200,6 +214,8 @@ class Drum(Part):
     angle: Angle = 0.0
 
 
+# Types of quantities that are constant or given by a table: over the distance from the hinge for a
+# beam, over the angle for a lining.
 StiffnessAlong = Annotated[
     float | Rows, number_or_table("distance", "m", "bending stiffness", "N m^2")
 ]
@@ -208,27 +224,27 @@ Clearance = Annotated[float | Rows, number_or_table("angle", "rad", "clearance",
 
 
 LARGEST_MISFIT = 0.05
-"""Largest misfit, relative to the drum's radius or to a pad's length; a larger misfit is refused.
+"""Largest misfit relative to the drum's radius or to the length of a pad; a larger one is refused.
 
-Beyond it normals along the drum's radii are no longer a good model.
+A misfit is added to the gap along the drum's radii, which holds for small misfits only.
 """
 
 ROUNDED_STEP = math.radians(1.0)
-"""Arc [rad] of the rounded step from one block's height to the next.
+"""Length [rad] over which the face of a lining rises smoothly from one block to the next.
 
-A sharp edge, and the corner of a straight chamfer, carry an unbounded pressure, on which no mesh
-would settle.
+On a plane it is a fraction of the lining's length. Under a sharp edge, or the corner of a straight
+chamfer, the pressure would be infinite, and its peak would grow with every refinement of the mesh.
 """
 
 
 class Misfit(Part):
     """Deviation of a lining's surface from the drum's circle, besides its clearance.
 
-    `drumlin.brake.off_circle` computes the gap that results. `radius` [m] is that of the lining's
-    own circle, by default the drum's. The circle meets the drum's in the lining's middle and is
-    moved from there by `offset` [m]. `taper` [m] is how much farther the lining stands back at its
-    end away from the hinge than at its end near the hinge. `blocks` are rows (angle, depth) [rad,
-    m]: from each angle on the lining stands back by this depth, before the first angle by 0.
+    `radius` [m] is the radius of the circle to which the lining is ground, by default the drum's.
+    This circle touches the drum's circle at the middle of the lining, and is then moved by `offset`
+    [m]. `taper` [m] is the gap at the lining's end away from the hinge minus the gap at its end
+    near the hinge. `blocks` are rows (angle, depth) [rad, m]: from this angle on the lining stands
+    back by this depth; before the first angle it does not stand back.
     """
 
     radius: Thickness | None = None
@@ -249,19 +265,19 @@ class Misfit(Part):
 
         Parameters
         ----------
-        key : of the misfit in the message
-        ends : places where the lining begins and ends
-        step : length of a rounded step between blocks, in the unit of places
-        text : function that writes a place
-        most : largest misfit [m]
-        allowed : text for the largest misfit
+        key : key of the misfit in the message
+        ends : coordinates along the surface where the lining begins and ends
+        step : length of the rounded step between two blocks, in the surface's coordinate
+        text : function that writes a coordinate with its unit
+        most : largest allowed misfit [m]
+        allowed : text for the largest allowed misfit in the message
         """
         deepest = max((abs(depth) for _, depth in self.blocks), default=0.0)
         sizes = {"offset": self.offset.radius, "taper": self.taper, "blocks": deepest}
         for name, size in sizes.items():
             if abs(size) > most:
                 raise ValueError(f"{key}.{name} = {mm(size)}: must be at most {allowed}")
-        # Two rounded steps must not overlap, nor reach over an end of the lining.
+        # Two rounded steps must not overlap or extend beyond an end of the lining.
         edges = [ends[0], *(place for place, _ in self.blocks), ends[1]]
         if self.blocks and min(b - a for a, b in pairwise(edges)) <= step:
             places = ", ".join(text(place) for place, _ in self.blocks)
@@ -273,12 +289,12 @@ class Misfit(Part):
 
 
 class Lining(Part):
-    """The friction lining from place `start` to `end` on the surface.
+    """The friction lining from the coordinate `start` to `end` along the surface.
 
-    All of drumlin sees this class; each shape of brake file has its own subclass.
+    It is the common base class of linings on a drum and on a plane.
     """
 
-    # Linings of a drum and of a plane have these fields, each in the order of its own file.
+    # `DrumLining` and `FlatLining` define these as fields, each in the order of its brake file.
     if TYPE_CHECKING:
 
         @property
@@ -298,24 +314,25 @@ class Lining(Part):
 
     @property
     def middle(self) -> float:
-        """Place of the lining's middle."""
+        """Coordinate of the lining's middle along the surface (an angle on a drum)."""
         return 0.5 * (self.start + self.end)
 
     @property
     @abstractmethod
     def step(self) -> float:
-        """Length of the rounded step between blocks, in the surface's coordinate."""
+        """Length of the rounded step between two blocks, in the surface's coordinate."""
 
     def clearance_at(self, theta: Floats) -> Floats:
-        """Clearance [m] at the places `theta`, same shape, without the misfit."""
+        """Clearance [m] without the misfit at the surface coordinates `theta`, same shape."""
         return value_at(self.clearance, theta)
 
 
 class DrumLining(Lining):
-    """The friction lining from angle `start` to `end` on the friction surface.
+    """The friction lining on a drum from the angle `start` to the angle `end` [rad].
 
-    `clearance` [m] is the gap of the unloaded lining, positive = open: a number, or a table of
-    (angle, clearance) with straight lines between. The gap of the `misfit` is added.
+    `clearance` [m] is the gap between unloaded lining and drum, positive if open: a number, or a
+    table of rows (angle, clearance) with linear interpolation. The gap due to the `misfit` is added
+    to it.
     """
 
     start: Angle
@@ -328,7 +345,7 @@ class DrumLining(Lining):
 
     @property
     def step(self) -> float:
-        """Arc [rad] of the rounded step from one block's height to the next."""
+        """Angle [rad] over which the face rises smoothly from one block's height to the next."""
         return ROUNDED_STEP
 
     @model_validator(mode="after")
@@ -343,10 +360,10 @@ class DrumLining(Lining):
 
 
 class Backing(Part):
-    """A layer between lining and shoe body, over the lining's arc and width (the wooden block).
+    """A layer between lining and shoe body, as long and as wide as the lining (a wooden block).
 
-    In a mesh with a straight beam the backing is a block that fills the space up to the beam,
-    whatever its thickness.
+    If the shoe body is a straight beam, the mesh ignores the thickness: the backing fills the space
+    between lining and beam.
     """
 
     thickness: Thickness
@@ -354,9 +371,9 @@ class Backing(Part):
 
 
 class Table(Part):
-    """The plate of a T-section, between the lining and the web.
+    """The flange of a shoe body with a T-section; it lies between the lining and the web.
 
-    `thickness` [m] lies in the brake's plane, `width` [m] across it.
+    `thickness` [m] is in the plane of the brake, `width` [m] normal to it.
     """
 
     thickness: Thickness
@@ -364,13 +381,14 @@ class Table(Part):
 
 
 class Bar(Part):
-    """A body of constant section behind lining and backing.
+    """An elastic shoe body of constant cross-section behind lining and backing.
 
-    `thickness` and `width` [m] are those of its rectangle; with a `table` they are those of the
-    T-section's web. `bending_stiffness` EI [N m^2] may stand in place of width and material, or
-    besides them; then the width is such that the body bends with EI. `grip` [m] is the length of
-    its back that a pivot or a guide holds, by default the thickness. With a hinge it is the length
-    that is bolted to the lever. Without grip a hinge holds the end face, as an abutment does.
+    `thickness` and `width` [m] are those of a rectangular section. With a `table` (flange) they are
+    those of the web of a T-section. `bending_stiffness` EI [N m^2] may be given in place of width
+    and material or besides them. Then the width is replaced by the width that gives this EI. `grip`
+    [m] is the length of the body's back that a pivot or a guide holds, by default the thickness.
+    With a hinge it is the length that is bolted to the lever. Without grip a hinge holds the end
+    face, as an abutment does.
     """
 
     thickness: Thickness
@@ -380,7 +398,7 @@ class Bar(Part):
     bending_stiffness: BendingStiffness | None = None
     grip: Thickness | None = None
 
-    # Bars on a drum and on a plane have these fields, as angles and as lengths.
+    # `ArcBody` and `FlatBody` define these as fields: the ends are angles or lengths.
     if TYPE_CHECKING:
 
         @property
@@ -392,11 +410,12 @@ class Bar(Part):
 
     @model_validator(mode="after")
     def _check_section_and_table(self) -> Self:
-        """Raise ValueError unless the section is known and its table is as wide as its web."""
+        """Raise ValueError unless the section is known and the flange is as wide as the web."""
         if (self.width is None or self.material is None) and (
             self.bending_stiffness is None or self.width
         ):
             raise ValueError("needs width and material, or bending_stiffness, or all three")
+        # With a flange it would be unclear whether the stiffness is that of the web or of both.
         if self.table is not None and self.bending_stiffness is not None:
             raise ValueError(
                 "table: bending_stiffness is that of the whole body; leave one of them out"
@@ -410,9 +429,10 @@ class Bar(Part):
 
     @property
     def plates(self) -> dict[str, Section]:
-        """Plates of the section by the names of their groups, from the friction surface inwards.
+        """The rectangles of the cross-section, by the names of their groups of elements.
 
-        They are "table", if the body has a table, and "shoe", its rectangle or web.
+        They are "table", the flange of a T-section if there is one, and "shoe", the web or the only
+        rectangle. The order is from the friction surface into the shoe.
         """
         own = _section(self, self.bending_stiffness)
         # The validator of the body has checked that the section is known.
@@ -424,12 +444,12 @@ class Bar(Part):
 
     @property
     def depth(self) -> float:
-        """Whole thickness of the body [m]."""
+        """Thickness of the body, with the flange of a T-section [m]."""
         return self.thickness + (self.table.thickness if self.table else 0.0)
 
 
 class ArcBody(Bar):
-    """The elastic shoe behind the lining: an arc of constant section from `start` to `end`."""
+    """An elastic shoe body that is an arc of constant section from angle `start` to `end` [rad]."""
 
     shape: Literal["arc"] = "arc"
     start: Angle
@@ -437,13 +457,13 @@ class ArcBody(Bar):
 
 
 class Beam(Part):
-    """The elastic shoe as a straight beam from the hinge to the point of the actuation.
+    """An elastic shoe body that is a straight beam from the hinge to the point of actuation.
 
-    It has a section, or a `bending_stiffness` EI [N m^2], or both; then the section bends with this
-    EI. EI is a number, or a table over the distance from the hinge. With thickness and a constant
-    bending stiffness the beam can be meshed. A weakly curved neutral axis has an `offset` [m], a
-    table over the distance from the hinge: how far the axis lies behind the straight line, away
-    from the drum.
+    It has a cross-section (thickness, width and material), or a `bending_stiffness` EI [N m^2], or
+    both. If both are given, the width is replaced by the width that gives this EI. EI is a number,
+    or a table over the distance from the hinge. Thickness and a constant EI suffice for a mesh. If
+    the neutral axis is slightly curved, `offset` [m] is a table of its distance from the straight
+    line, over the distance from the hinge, positive away from the drum.
     """
 
     shape: Literal["beam"]
@@ -455,13 +475,14 @@ class Beam(Part):
 
     @model_validator(mode="after")
     def _check_section_and_tables(self) -> Self:
-        """Raise ValueError where the section or a table along the beam does not fit."""
+        """Raise ValueError for an incomplete section, EI <= 0, or an offset at the hinge."""
         _check_section(self)
         EI = self.bending_stiffness
         if EI is not None:
             values = [value for _, value in EI] if isinstance(EI, tuple) else [EI]
             if min(values) <= 0:
                 raise ValueError("bending_stiffness: must be greater than 0")
+        # The neutral axis begins at the hinge, on the straight line.
         if float(value_at(self.offset, np.zeros(1))[0]) != 0:
             raise ValueError(
                 "offset: must be a table that starts with 0 at the hinge, "
@@ -471,16 +492,17 @@ class Beam(Part):
 
     @property
     def section(self) -> Section | None:
-        """The section, with a width that gives the bending stiffness.
+        """The cross-section of the beam, with a width that gives the bending stiffness.
 
-        It is None if the bending stiffness varies, or if the file has only the bending stiffness.
+        It is None if the bending stiffness varies along the beam, or if the brake file has the
+        bending stiffness but no thickness.
         """
         EI = self.bending_stiffness
         return None if isinstance(EI, tuple) else _section(self, EI)
 
     @property
     def plates(self) -> dict[str, Section]:
-        """The plates of its section by the names of their groups: only "shoe"."""
+        """The rectangular cross-section of the beam, by the name "shoe" of its elements' group."""
         assert self.section is not None  # models refuse a beam without section
         return {"shoe": self.section}
 
@@ -490,7 +512,7 @@ class Beam(Part):
         return self.thickness or 0.0
 
     def bending_stiffness_at(self, x: Floats) -> Floats:
-        """EI [N m^2] at the distances x [m] from the hinge, same shape."""
+        """Bending stiffness EI [N m^2] at the distances x [m] from the hinge, same shape."""
         if self.bending_stiffness is not None:
             return value_at(self.bending_stiffness, x)
         section = self.section
@@ -499,17 +521,21 @@ class Beam(Part):
         return np.full(np.shape(x), section.bending_stiffness)
 
     def offset_at(self, x: Floats) -> Floats:
-        """Offset of the neutral axis [m] at the distances x [m] from the hinge, same shape."""
+        """Distance [m] of the neutral axis from the straight line, away from the drum.
+
+        It is given at the distances x [m] from the hinge, with their shape.
+        """
         return value_at(self.offset, x)
 
 
 def _shape(data: object) -> str:
-    """The shape of a body, "arc" by default."""
+    """The shape of a shoe body from its data: "beam", or "arc", which is the default."""
     if isinstance(data, Mapping):
         return str(data.get("shape", "arc"))
     return getattr(data, "shape", "arc")
 
 
+# The key `shape` of a body tells whether it is read as an arc or as a beam.
 AnyBody = Annotated[
     Annotated[ArcBody, Tag("arc")] | Annotated[Beam, Tag("beam")],
     Discriminator(
@@ -521,9 +547,9 @@ AnyBody = Annotated[
 
 
 class Actuation(Part):
-    """The force on the shoe [N], its direction [rad] and a point of its line of action.
+    """The actuation of a shoe: a force [N], its direction [rad] and a point on its line of action.
 
-    If the brake gives the force of all its shoes (`Drive`), a shoe has no force of its own.
+    If the drive of the brake gives the forces (`Drive`), the file gives no force for the shoe.
     """
 
     force: Force = 0.0
@@ -532,15 +558,15 @@ class Actuation(Part):
 
     @property
     def direction_vector(self) -> Floats:
-        """The direction of the force (2,), of length 1."""
+        """Unit vector (2,) in the direction of the force."""
         return np.array([math.cos(self.direction), math.sin(self.direction)])
 
     @property
     def vector(self) -> Floats:
-        """The force on the shoe (2,) [N]."""
+        """The force on the shoe as a vector (2,) [N]."""
         return self.force * self.direction_vector
 
     def moment_about(self, point: Point) -> float:
-        """Moment of the force about `point` [N m], counter-clockwise positive."""
+        """Moment [N m] of the actuation's force about a point, counter-clockwise positive."""
         arm, force = self.point.xy - point.xy, self.vector
         return float(arm[0] * force[1] - arm[1] * force[0])

@@ -1,9 +1,10 @@
-"""Forces that push several shoes: a wheel cylinder, a cam or wedge, a strut.
+"""Devices that push several shoes of a brake: a wheel cylinder, a cam or wedge, a strut.
 
-They apply where the tables of the shoes give no force. A cylinder pushes every shoe with the same
-force. A cam moves the tips of two shoes equally. Its file gives the sum of both forces; the shoes'
-stiffnesses decide how the sum is shared. A strut passes on the force on the foot of one shoe: it is
-the abutment of this shoe and pushes the other along the same line.
+They give forces to shoes for which the brake file gives no force. A cylinder pushes every shoe with
+the same force. A cam moves the tips of two shoes by the same distance. The brake file gives the sum
+of its two forces, and the stiffnesses of the shoes decide how the sum is shared. A strut lies
+between two shoes: the foot of the first shoe bears on it, and it pushes the second shoe with the
+same force along the same line.
 """
 
 import math
@@ -16,14 +17,15 @@ from drumlin.brake.fields import Force, Modulus, Name, Part, Thickness, Torque
 from drumlin.brake.support import Held
 
 Efficiency = Annotated[float, Field(gt=0, le=1, strict=True)]
+"""The type of the efficiency of a drive, a number above 0 and up to 1."""
 
 
 class Drive(Part):
-    """Drive of all shoes: a cylinder or a cam.
+    """The drive of all shoes: a wheel cylinder or a cam.
 
     A cylinder has a `pressure` [Pa] and a `diameter` [m]. A cam has the sum `force` [N] of its
     forces on both shoes, or a `torque` [N m] and a base `radius` [m]. `efficiency` is the part of
-    the force that arrives.
+    the force that arrives at the shoes; friction in the drive takes the rest.
     """
 
     pressure: Modulus | None = None
@@ -35,10 +37,10 @@ class Drive(Part):
 
     @model_validator(mode="after")
     def _check_given_keys(self) -> Self:
-        """Raise ValueError unless the keys are those of a cylinder or of a cam."""
+        """Raise ValueError unless the given keys are those of a cylinder or of a cam."""
         keys = ("pressure", "diameter", "force", "torque", "radius")
         given = {key for key in keys if getattr(self, key) is not None}
-        # A drive is given by one of three sets of keys, so that no two of its values can differ.
+        # Each of the three sets of keys determines the force. With more keys they could disagree.
         if given not in ({"pressure", "diameter"}, {"force"}, {"torque", "radius"}):
             raise ValueError(
                 "needs pressure and diameter of a cylinder, "
@@ -54,7 +56,7 @@ class Drive(Part):
     @property
     def total(self) -> float:
         """Sum of a cam's forces on both shoes [N], or a cylinder's force on each shoe [N]."""
-        # The force of a cylinder is its pressure on the area of its piston.
+        # The force of a cylinder is the pressure times the area of the piston.
         if self.pressure is not None and self.diameter is not None:
             return self.efficiency * self.pressure * math.pi * self.diameter**2 / 4
         if self.torque is not None and self.radius is not None:
@@ -65,8 +67,9 @@ class Drive(Part):
 class Link(Part):
     """A strut or a strap between two shoes.
 
-    It carries the abutment of the shoe `from`, and it pushes or pulls the shoe `to` along the line
-    of that force. Several links make a chain; they are named from the actuation on.
+    The shoe `from` bears on it by its abutment, and it pushes or pulls the shoe `to` with the same
+    force along the same line. Several links make a chain; the file names them in order, beginning
+    at the shoe that the actuation pushes.
     """
 
     source: Annotated[Name, Field(alias="from")]
@@ -76,23 +79,25 @@ class Link(Part):
 def driven(
     shoes: tuple[Any, ...], drive: Drive | None, links: tuple[Link, ...], *, file: bool
 ) -> tuple[Any, ...]:
-    """The shoes with the actuations that a drive and links give them.
+    """Return the shoes of a brake with the forces that its drive and its struts give them.
 
-    Shoes of a cylinder get its force, shoes of a cam half of its force. A shoe behind a strut gets
-    the strut's line and no force of its own.
+    Each shoe of a cylinder gets the force of the cylinder, each shoe of a cam half the force of the
+    cam. A shoe that a strut pushes gets the strut's line of action and the force 0: its force is
+    known only when the brake is solved.
 
     Parameters
     ----------
-    shoes : as their tables give them
-    drive : drive of all shoes, if there is one
-    links : struts and straps
-    file : whether the data come from a file; a file must not give what a drive overrules
+    shoes : the shoes as the brake file describes them
+    drive : drive of all shoes; None if each shoe has a force of its own
+    links : struts and straps between shoes
+    file : whether the data come from a file, which must not give forces that a drive gives
 
     Raises
     ------
     ValueError
-        if shoes, drive and links do not fit together
+        if shoes, drive and struts do not fit together
     """
+    # The drive pushes the shoes that no strut pushes.
     lines = _lines_of_links(shoes, links)
     pushed = [i for i in range(len(shoes)) if i not in lines]
     if drive is not None and drive.is_cam and len(pushed) != 2:
@@ -110,7 +115,10 @@ def driven(
 
 
 def _lines_of_links(shoes: tuple[Any, ...], links: tuple[Link, ...]) -> dict[int, Actuation]:
-    """Line of action of the links on the shoes that they push, by the index of the shoe."""
+    """Actuation without force along the line of each strut, by the index of the pushed shoe.
+
+    Raises ValueError for a strut that names no shoe of the brake or does not fit its shoes.
+    """
     places = {shoe.name: i for i, shoe in enumerate(shoes)}
     lines: dict[int, Actuation] = {}
     for k, link in enumerate(links):
@@ -126,7 +134,17 @@ def _lines_of_links(shoes: tuple[Any, ...], links: tuple[Link, ...]) -> dict[int
 
 
 def _own_actuation(key: str, shoe: Any, drive: Drive | None, file: bool) -> Actuation:
-    """Actuation of a shoe that no strut pushes, with the force of a drive."""
+    """Actuation of a shoe that no strut pushes, with the force of the drive if there is a drive.
+
+    Raises ValueError if the force is missing, or if a file gives it besides the drive.
+
+    Parameters
+    ----------
+    key : key of the actuation in error messages
+    shoe : shoe as the brake file describes it
+    drive : drive of all shoes, or None
+    file : whether the data come from a file
+    """
     if "actuation" not in shoe.model_fields_set:
         raise ValueError(f"{key}: is missing")
     own: Actuation = shoe.actuation
@@ -137,20 +155,22 @@ def _own_actuation(key: str, shoe: Any, drive: Drive | None, file: bool) -> Actu
         raise ValueError(f"{key}.force: the brake's [actuation] gives it; leave one out")
     if drive is None:
         return own
-    # A cam's shares are equal only at first: the solve finds them from the shoes' stiffnesses.
+    # The two forces of a cam are equal only here. A solve finds them from the shoes' stiffnesses.
     share = drive.total / (2 if drive.is_cam else 1)
     return own.model_copy(update={"force": share})
 
 
 def _line_of_link(key: str, source: Held, link: Link, before: tuple[Link, ...]) -> Actuation:
-    """Line of action of a link, without force.
+    """Actuation of the shoe that a strut pushes: the strut's line of action, with the force 0.
+
+    Raises ValueError if the strut does not fit its shoes or to the other struts.
 
     Parameters
     ----------
-    key : of the link in the messages of errors
-    source : shoe whose abutment the link carries
-    link : the link
-    before : links that the file names before it
+    key : key of the strut in error messages
+    source : shoe whose abutment bears on the strut
+    link : the strut
+    before : struts that the file names before this strut
     """
     if source.abutment is None:
         raise ValueError(
@@ -161,6 +181,7 @@ def _line_of_link(key: str, source: Held, link: Link, before: tuple[Link, ...]) 
             f"{key}.from = {link.source!r}: a strut pushes along its line; "
             "leave out abutment.friction"
         )
+    # In the order of the file, a shoe must be pushed before it pushes another shoe.
     if link.to == link.source or any(other.source == link.to for other in before):
         raise ValueError(
             f"{key}.to = {link.to!r}: must be a shoe that does not push another in a link before; "
@@ -170,13 +191,16 @@ def _line_of_link(key: str, source: Held, link: Link, before: tuple[Link, ...]) 
         raise ValueError(f"{key}.to = {link.to!r}: is pushed by two struts")
     if any(other.source == link.source for other in before):
         raise ValueError(f"{key}.from = {link.source!r}: bears on two struts")
-    # The strut pushes the other shoe against the force on the foot.
+    # The strut's force on the pushed shoe is opposite to its force on the foot of the first shoe.
     return Actuation(
         force=0.0, direction=source.abutment.direction + math.pi, point=source.abutment.point
     )
 
 
 def shares(drive: Drive | None, links: tuple[Link, ...]) -> str | None:
-    """Text of a refusal that a cam or a strut shares the forces; None if each shoe has its own."""
+    """Text for an error message that a cam or a strut divides a force among the shoes.
+
+    It is None if the force on each shoe is known before the solve.
+    """
     by = ["a cam"] * (drive is not None and drive.is_cam) + ["a strut"] * bool(links)
     return f"its shoes share their forces by {' and '.join(by)}" if by else None

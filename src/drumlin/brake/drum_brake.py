@@ -1,4 +1,4 @@
-"""The brake on a drum: data of a brake file with [drum].
+"""The brake on a drum: classes that read and check the data of a brake file with [drum].
 
 Conventions: the drum's centre O is the origin, angles run counter-clockwise from +x, and all
 numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surface of radius R.
@@ -41,7 +41,7 @@ from drumlin.brake.units import deg, mm
 
 
 class DrumShoe(Shoe):
-    """One shoe on a drum with its lining and its support. A shoe without `body` is rigid."""
+    """A shoe on a drum with its lining, support and actuation. Without `body` it is rigid."""
 
     surface = DRUM
     side: Literal["internal", "external"]
@@ -51,49 +51,57 @@ class DrumShoe(Shoe):
 
     @cached_property
     def frame(self) -> ShoeFrame:
-        """The shoe's own frame, with phi of the lining's middle in [0, pi]."""
+        """The frame of the shoe, in which phi of the lining's middle is from 0 to pi."""
         middle = 0.5 * (self.lining.start + self.lining.end)
         offset = math.remainder(middle - self.pin.angle, 2 * math.pi)
-        # With this sense a shoe and its mirror image have equal coordinates phi.
+        # This sense gives a shoe and its mirror image the same coordinates phi.
         sense = 1 if offset >= 0 else -1
         return ShoeFrame(middle - offset, sense)
 
     @property
     def own_pin(self) -> Floats:
-        """Position (2,) [m] of the pin in the shoe's frame."""
+        """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
         return np.array([self.pin.radius, 0.0])
 
     def own_points(self, xy: Floats) -> Floats:
-        """Convert points (..., 2) [m] of the brake's frame to the shoe's."""
+        """Convert points (..., 2) [m] from the frame of the brake to the frame of the shoe."""
         return self.frame.to_shoe(xy)
 
     def points(self, xy: Floats) -> Floats:
-        """Convert points (2, n) [m] of the shoe's frame to the brake's."""
+        """Convert points (2, n) [m] from the frame of the shoe to the frame of the brake."""
         return np.asarray(self.frame.to_brake(xy.T).T)
 
     def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
-        """Points (2, ...) [m] of the shoe's frame at a depth behind the surface and angles phi.
+        """Points (2, ...) [m] at a depth behind the friction surface and at angles phi.
+
+        The points are in the frame of the shoe.
 
         Parameters
         ----------
-        depth : behind the friction surface [m], any shape
-        phi : angles [rad], any shape
+        depth : distance behind the friction surface, into the shoe [m], any shape
+        phi : angles [rad] in the frame of the shoe, any shape
         size : radius of the drum [m]
         """
-        # The body of an internal shoe lies towards the drum's centre, of an external one outside.
+        # An internal shoe lies inside the friction surface, an external shoe outside it.
         r = size - self.sign * depth
         return np.array([r * np.cos(phi), r * np.sin(phi)])
 
     def off(self, xy: Floats, size: float) -> Floats:
-        """Distance [m] of points (2, ...) [m] of the shoe's frame off the surface, > 0 if open."""
+        """Distance [m] of points from the friction surface, positive on the side of the shoe.
+
+        The points (2, ...) [m] are in the frame of the shoe; `size` [m] is the drum's radius.
+        """
         return self.sign * (size - np.hypot(*xy))
 
     def phi_of(self, xy: Floats, size: float) -> Floats:
-        """Angles [rad] of points (2, ...) [m] within half a turn of the lining's middle."""
+        """Polar angles [rad] of points (2, ...) [m], within half a turn of the lining's middle.
+
+        Points and angles are in the frame of the shoe.
+        """
         return angle_near(0.5 * sum(self.arc), xy)
 
     def place_of(self, point: Point) -> float:
-        """Angle [rad] of a point, moved by whole turns to the lining's middle."""
+        """Polar angle [rad] of a point, plus the whole turns that bring it near the lining."""
         return self.surface.nearest(point.angle, self.lining.middle)
 
     def back(self, size: float) -> float:
@@ -102,17 +110,20 @@ class DrumShoe(Shoe):
 
     @property
     def closing(self) -> float:
-        """Direction [rad] of the radius through the lining's middle, towards the drum's face."""
+        """Direction [rad] in which the middle of the lining moves straight towards the drum.
+
+        It is the angle of the lining's middle; an external lining moves in the opposite direction.
+        """
         return self.lining.middle + (self.sign < 0) * math.pi
 
     def misfit_gap(self, theta: Floats, size: float) -> Floats:
-        """Gap [m] of the lining's own radius and offset at the angles theta [rad], same shape."""
+        """Gap [m] of a lining that is ground to a circle, at the angles theta [rad], same shape."""
         misfit = self.lining.misfit
         return circle_gap(size, misfit.radius, misfit.offset, self.lining.middle, self.sign, theta)
 
 
 class DrumBrake(Brake):
-    """A brake on a drum: friction coefficient, sense of rotation, drum and shoes."""
+    """A brake on a drum with its friction coefficient, sense of rotation, drum and shoes."""
 
     surface = DRUM
     direction_key = "rotation"
@@ -133,22 +144,26 @@ class DrumBrake(Brake):
 
     @property
     def size(self) -> float:
-        """The drum's radius [m]."""
+        """Reference length of the brake [m]: the radius of the drum's friction surface."""
         return self.drum.radius
 
     @property
     def ring(self) -> Ring | None:
-        """The drum's elastic ring."""
+        """The elastic ring of the drum; None for a rigid drum."""
         return self.drum.ring
 
     def reversed(self) -> Self:
-        """The brake whose drum turns the other way."""
+        """A copy of the brake whose drum turns in the opposite direction."""
         return self.model_copy(update={"rotation": self.other_direction})
 
     def bare(self) -> Self:
-        """The brake without data on which its condensed bodies do not depend; the shoes stay."""
+        """The brake reduced to data that change the condensed stiffness of its shoes and ring.
+
+        Title, rotation and the deviation of the drum from its circle get fixed values, a friction
+        coefficient above 0 becomes 1.
+        """
         drum = self.drum.model_copy(update={"out_of_round": (), "angle": 0.0})
-        # Condensed bodies know only whether there is friction, not how large it is.
+        # The condensed stiffness depends on whether there is friction, not on its coefficient.
         changes = {
             "title": "-",
             "rotation": self.directions[0],
@@ -158,27 +173,33 @@ class DrumBrake(Brake):
         return self.model_copy(update=changes)
 
     def without_ring(self) -> Self:
-        """The brake on a rigid drum."""
+        """A copy of the brake with a rigid drum."""
         return self.model_copy(update={"drum": self.drum.model_copy(update={"ring": None})})
 
     def round(self) -> Self:
-        """The brake on a drum that is round."""
+        """A copy of the brake with a drum that is not out of round."""
         return self.model_copy(update={"drum": self.drum.model_copy(update={"out_of_round": ()})})
 
     @property
     def lobes(self) -> tuple[Lobes, ...]:
-        """Harmonics of the drum's deviation from its circle."""
+        """Harmonics of the deviation of the drum's surface from its circle."""
         return self.drum.out_of_round
 
     def surface_off(self, theta: Floats) -> Floats | None:
-        """Distance [m] of the drum's surface outside its circle at theta [rad], same shape."""
+        """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
+
+        It is positive where the surface lies outside its circle, and None for a round drum.
+        """
         return off_circle(self.drum, theta) if self.drum.out_of_round else None
 
     @model_validator(mode="after")
     def _check_and_drive_shoes(self, info: ValidationInfo) -> Self:
-        """The brake with the forces of its drive and struts; ValueError where parts do not fit."""
+        """Check drum and shoes, and give the shoes the forces of the drive and of the struts.
+
+        Returns the brake with these forces. Raises ValueError if the parts do not fit together.
+        """
         check_names([shoe.name for shoe in self.shoes])
-        # Numbers of a file must have units; this tells data of a file from data of a program.
+        # Only data of a file must have units: this tells them from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = driven(self.shoes, self.actuation, self.links, file=from_file)
         _check_thickness("drum.ring", self.drum.ring, self.drum.radius)
@@ -190,8 +211,8 @@ class DrumBrake(Brake):
 
 
 def _check_round(drum: Drum) -> None:
-    """Raise ValueError if a drum is too much out of round."""
-    # The amplitudes of all harmonics may add up at some angle.
+    """Raise ValueError if a drum is out of round by more than LARGEST_MISFIT times its radius."""
+    # In the worst case the amplitudes of all harmonics add up at some angle.
     off = sum(abs(lobes.amplitude) for lobes in drum.out_of_round)
     most = LARGEST_MISFIT * drum.radius
     if off > most:
@@ -202,9 +223,10 @@ def _check_round(drum: Drum) -> None:
 
 
 def _check_misfit(key: str, lining: DrumLining, radius: float) -> None:
-    """Raise ValueError if a misfit is too large for a drum of this radius [m].
+    """Raise ValueError if a lining's misfit is too large, or its blocks are not on the lining.
 
-    It is also raised for blocks that are not on the lining.
+    `radius` [m] is that of the drum, to which the largest misfit is proportional. `key` is the key
+    of the misfit in the message.
     """
     misfit, most = lining.misfit, LARGEST_MISFIT * radius
     allowed = f"{LARGEST_MISFIT:g} R = {mm(most)}"
@@ -217,16 +239,16 @@ def _check_misfit(key: str, lining: DrumLining, radius: float) -> None:
 
 
 THINNEST = 1e-9
-"""Smallest thickness of a layer relative to the drum's radius; a thinner layer is refused.
+"""Smallest allowed thickness of a layer, relative to the drum's radius.
 
-Round-off would decide about its elements.
+A thinner layer is refused, because round-off would distort its finite elements.
 """
 
 
 def _check_thickness(
     key: str, part: "DrumLining | Backing | ArcBody | Beam | Ring | Table | None", radius: float
 ) -> None:
-    """Raise ValueError for a part thinner than THINNEST of the drum's radius [m]."""
+    """Raise ValueError for a part thinner than THINNEST times the drum's radius [m]."""
     thickness = None if part is None else part.thickness
     if thickness is not None and thickness < THINNEST * radius:
         raise ValueError(
@@ -236,7 +258,7 @@ def _check_thickness(
 
 
 def _check_shoe(key: str, shoe: DrumShoe, radius: float) -> None:
-    """Raise ValueError if a shoe does not fit together or into a drum of this radius [m]."""
+    """Raise ValueError if parts of a shoe do not fit each other or a drum of this radius [m]."""
     table = shoe.body.table if isinstance(shoe.body, ArcBody) else None
     parts = {"lining": shoe.lining, "backing": shoe.backing, "body": shoe.body, "body.table": table}
     for name, part in parts.items():
@@ -248,6 +270,7 @@ def _check_shoe(key: str, shoe: DrumShoe, radius: float) -> None:
         )
     check_grip(key, shoe)
     _check_support(key, shoe, radius)
+    # The layers of an internal shoe must end before the drum's centre.
     if shoe.sign > 0 and shoe.depth >= radius:
         raise ValueError(
             f"{key}: lining, backing and body are {mm(shoe.depth)} thick together; "
@@ -260,7 +283,7 @@ def _check_shoe(key: str, shoe: DrumShoe, radius: float) -> None:
 
 
 def _check_arc(key: str, body: ArcBody, lining: DrumLining) -> None:
-    """Raise ValueError if an arc is not longer than nothing, or does not carry its lining."""
+    """Raise ValueError if an arc body has no length, or if its lining extends beyond it."""
     if not 0 < body.end - body.start < 2 * math.pi:
         raise ValueError(
             f"{key}.body.end = {deg(body.end)}: must be greater than body.start = "
@@ -271,13 +294,16 @@ def _check_arc(key: str, body: ArcBody, lining: DrumLining) -> None:
     slack = 1e-9  # rad
     if lining.start < body.start - slack or lining.end > body.end + slack:
         raise ValueError(
-            f"{key}.lining = {deg(lining.start)} to {deg(lining.end)}: must lie within the body, "
-            f"{deg(body.start)} to {deg(body.end)}"
+            f"{key}.lining = {deg(lining.start)} to {deg(lining.end)}: "
+            f"must lie within the body, {deg(body.start)} to {deg(body.end)}"
         )
 
 
 def check_grip(key: str, shoe: Held) -> None:
-    """Raise ValueError for a grip of a body that an abutment holds by its end face."""
+    """Raise ValueError if a shoe on an abutment has a `grip`, which only other supports use.
+
+    An abutment holds the end face of the shoe's body, and a grip is a length of its back.
+    """
     body = getattr(shoe, "body", None)
     if shoe.abutment is not None and isinstance(body, Bar) and body.grip is not None:
         raise ValueError(
@@ -287,7 +313,7 @@ def check_grip(key: str, shoe: Held) -> None:
 
 
 def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
-    """Raise ValueError if a straight beam does not fit outside a drum of this radius [m]."""
+    """Raise ValueError if a straight shoe beam does not fit outside a drum of this radius [m]."""
     shown = f'{key}.body.shape = "beam"'
     if shoe.sign > 0 or shoe.held_by != "hinge":
         raise ValueError(f"{shown}: only for an external shoe that turns about its hinge")
@@ -295,7 +321,7 @@ def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
         raise ValueError(
             f"{shown}: the actuation's point is the beam's loaded end and must not be the hinge"
         )
-    # The beam reaches from the hinge to the actuation's point and must pass the drum.
+    # The axis of the beam, from the hinge to the point of actuation, must pass outside the drum.
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     if axis.distance <= radius:
         raise ValueError(
@@ -315,7 +341,11 @@ def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
 
 
 def _check_support(key: str, shoe: DrumShoe, radius: float) -> None:
-    """Raise ValueError if a support leaves a shoe without contact or holds it at the centre O."""
+    """Raise ValueError if the support of a shoe does not let it press on the drum.
+
+    A guide must lead the lining to the drum. Abutment and pivot must not lie at the drum's centre,
+    and the two rigid-body motions of a shoe must close its gap in different ways.
+    """
     if shoe.guide is not None:
         # This is the component of the guide's direction along the lining's outward normal.
         away = shoe.sign * math.cos(shoe.guide.direction - shoe.lining.middle)
@@ -324,6 +354,7 @@ def _check_support(key: str, shoe: DrumShoe, radius: float) -> None:
             raise ValueError(f"{shown}: must lead the middle of the lining towards the drum")
     if shoe.abutment is not None and shoe.abutment.point.radius < 1e-9 * radius:
         raise ValueError(f"{key}.abutment.point = (0, 0): must not be the drum's centre")
+    # On a drum displacements close the gap, a turn about the drum's centre does not.
     if shoe.pivot is None:
         check_motions(key, shoe, slice(0, 2))
         return

@@ -1,12 +1,12 @@
-"""Elasticity matrices of materials and layers, in directions of the layer.
+"""Elasticity matrices of materials and layers, in the axes of the layer.
 
-All kernels that compute strains and stresses take this matrix. Its directions are along the layer,
-around the drum's centre or straight on, and through its thickness. With the strains along and
-through the layer and the shear gamma between both,
+The finite elements take the material of a layer as this matrix D. Its axes are the direction along
+the layer (a circle around the drum's centre, or a straight line) and the direction through its
+thickness. With the strains in these two directions and the shear strain gamma,
 
     sigma = D eps,   eps = (eps_along, eps_through, gamma),   D_13 = D_23 = 0.
 
-The matrix of an isotropic material is the same in all directions: D_11 = D_22 = D_12 + 2 D_33.
+The matrix of an isotropic material is the same in all axes: D_11 = D_22 = D_12 + 2 D_33.
 """
 
 from typing import Any, NamedTuple
@@ -17,17 +17,17 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.fields import AnyMaterial, Material
 
 ISOTROPIC_WITHIN = 1e-14
-"""Relative difference between D_11 or D_22 and D_12 + 2 D_33 up to which a material is isotropic.
+"""Relative difference of D_11 or D_22 from D_12 + 2 D_33 up to which a material is isotropic.
 
-Round-off makes differences of some 1e-16 in isotropic materials.
+Round-off causes differences of some 1e-16 in isotropic materials.
 """
 
 
 def elasticity_matrix(material: AnyMaterial) -> Floats:
-    """Elasticity matrix (3, 3) [Pa] of a material in plane stress, in directions of the layer.
+    """Elasticity matrix (3, 3) [Pa] of a material in plane stress, in the axes of its layer.
 
-    It is the inverse of the matrix of compliances, whose entries are 1/E_along, 1/E_through,
-    -nu_along_through/E_along and 1/G_along_through.
+    It is the inverse of the compliance matrix, with the entries 1/E_along, 1/E_through and
+    1/G_along_through on the diagonal and -nu_along_through/E_along beside it.
     """
     if isinstance(material, Material):
         E, nu = material.E, material.nu
@@ -35,6 +35,7 @@ def elasticity_matrix(material: AnyMaterial) -> Floats:
         stiff = lam + 2 * mu
         return np.array([[stiff, lam, 0.0], [lam, stiff, 0.0], [0.0, 0.0, mu]])
     along, through, nu = material.E_along, material.E_through, material.nu_along_through
+    # The determinant of the compliances, times both Young's moduli, divides the stiffnesses.
     share = 1 - nu**2 * through / along
     coupled = nu * through / share
     return np.array(
@@ -47,10 +48,11 @@ def elasticity_matrix(material: AnyMaterial) -> Floats:
 
 
 def solid_elasticity_matrix(material: Material) -> Floats:
-    """Elasticity matrix (6, 6) [Pa] of an isotropic solid.
+    """Elasticity matrix (6, 6) [Pa] of an isotropic solid in three dimensions.
 
-    Its rows and columns are the strains xx, yy, zz and the shears yz, zx, xy.
+    The order of rows and columns is xx, yy, zz, yz, zx, xy, with shear strains gamma.
     """
+    # lam and mu are Lame's constants.
     E, nu = material.E, material.nu
     lam, mu = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
     found = np.diag([2 * mu] * 3 + [mu] * 3)
@@ -59,14 +61,14 @@ def solid_elasticity_matrix(material: Material) -> Floats:
 
 
 class ElasticLayer(NamedTuple):
-    """Stiffness and directions of a layer, as kernels need them.
+    """The elasticity matrix, width and direction of a layer, for its finite elements.
 
     Attributes
     ----------
-    elasticity : (3, 3), the `elasticity_matrix` [Pa]; of a solid (6, 6)
-    width : across the plane [m]; of a solid a plain factor
-    along : (2,), direction of a straight layer; None of a layer around the drum's centre, which is
-        the origin
+    elasticity : (3, 3), the `elasticity_matrix` [Pa]; (6, 6) for a solid
+    width : width across the plane of the brake [m]; a factor without unit for a solid
+    along : (2,), direction of a straight layer; None for a layer that is an arc about the drum's
+        centre, which is the origin
     """
 
     elasticity: Floats
@@ -75,16 +77,19 @@ class ElasticLayer(NamedTuple):
 
     @classmethod
     def of(cls, material: AnyMaterial, width: float, along: Floats | None = None) -> "ElasticLayer":
-        """Make the layer of a material in plane stress."""
+        """Make a layer of this material and width [m] in plane stress; `along` as of the class."""
         return cls(elasticity_matrix(material), width, along)
 
     @property
     def stiffness(self) -> Floats:
-        """The elasticity matrix times the width [N/m]."""
+        """The elasticity matrix times the width of the layer [N/m]."""
         return self.elasticity * self.width
 
     def directions(self, points: Any) -> Any:
-        """Unit vectors along the layer (2, ...) at points (2, ...) [m], in their precision."""
+        """Unit vectors (2, ...) along the layer at points (2, ...) [m].
+
+        They have the floating-point type of the points.
+        """
         if self.along is None:
             x, y = points
             return np.stack([-y, x]) / np.hypot(x, y)
@@ -93,9 +98,10 @@ class ElasticLayer(NamedTuple):
 
 
 def stiffer_along_and_through(elasticity: Any) -> Any:
-    """Excess (..., 2) of D_11 and D_22 over D_12 + 2 D_33, of elasticity matrices (..., 3, 3).
+    """Excess of D_11 and D_22 over D_12 + 2 D_33 in elasticity matrices D (..., 3, 3).
 
-    It is zero for isotropic matrices.
+    The result (..., 2) [Pa] measures how far the material is from isotropic; it is 0 for isotropic
+    matrices.
     """
     isotropic = elasticity[..., 0, 1] + 2 * elasticity[..., 2, 2]
     along, through = elasticity[..., 0, 0] - isotropic, elasticity[..., 1, 1] - isotropic
@@ -105,5 +111,5 @@ def stiffer_along_and_through(elasticity: Any) -> Any:
 
 
 def has_directions(elasticity: Floats) -> Bools:
-    """Whether each of the elasticity matrices (..., 3, 3) is not isotropic, (...)."""
+    """Whether each elasticity matrix of an array (..., 3, 3) is not isotropic; shape (...)."""
     return np.asarray(stiffer_along_and_through(elasticity).any(axis=-1))

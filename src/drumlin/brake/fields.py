@@ -1,6 +1,8 @@
-"""Quantities, tables, points and materials, of which brakes are described.
+"""The types of a brake's data: quantities, tables of numbers, points and materials.
 
-Every number is SI. When a brake file is read, the context of the validation asks for units.
+The data are in SI units. A brake file must give the unit of each quantity, and the validators
+convert it. Data that a program gives may be plain numbers in SI units. The validation context
+"unit_required" of pydantic tells the two cases apart.
 """
 
 import math
@@ -28,14 +30,14 @@ from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, to_si
 
 
 def _in_si(value: object, info: ValidationInfo, si: str, key: str = "") -> float:
-    """Convert a value to SI; the context of the validation tells whether a unit is required.
+    """Convert a quantity to a number in SI units. Raises ValueError for anything else.
 
     Parameters
     ----------
     value : a number, or a text with its unit
+    info : pydantic's state of the validation; its context "unit_required" refuses plain numbers
     si : the SI unit
-    info : of the validation
-    key : of the value, for the message of an error
+    key : key of the quantity in the error message; "" leaves it out
     """
     try:
         unit_required = bool(info.context and info.context.get("unit_required"))
@@ -45,19 +47,25 @@ def _in_si(value: object, info: ValidationInfo, si: str, key: str = "") -> float
 
 
 def _quantity(si: str) -> BeforeValidator:
-    """The validator that reads a quantity with this SI unit."""
+    """Make the pydantic validator that converts a quantity to this SI unit."""
     return BeforeValidator(partial(_in_si, si=si))
 
 
 def _one_line(text: str) -> str:
-    """Check a title. It heads pages and figures, where $ would begin a formula."""
+    """Return the text of a title; ValueError unless it is one printable line without $.
+
+    Titles head figures, in which matplotlib would read $ as the beginning of a formula.
+    """
     if not text.isprintable() or "$" in text:
         raise ValueError("must be one line of printable characters, without $")
     return text
 
 
 def _name(text: str) -> str:
-    """Check a name. Files and lines in figures are named after it; "all" is the whole brake."""
+    """Return the name of a shoe or of a mesh group; ValueError for characters that are not allowed.
+
+    Files are named after shoes. The name "all" is reserved for the whole brake in tables.
+    """
     if not re.fullmatch(r"\w([\w .+()-]*[\w+)])?", text) or text == "all":
         raise ValueError(
             "must be letters, digits, spaces and . _ + - ( ), "
@@ -67,13 +75,17 @@ def _name(text: str) -> str:
 
 
 def check_names(names: Sequence[str]) -> None:
-    """Raise ValueError if files of two shoes would have the same name."""
+    """Raise ValueError if two shoes have the same name, apart from case and spaces.
+
+    The files that are named after these shoes would overwrite each other.
+    """
     if len({name.replace(" ", "_").casefold() for name in names}) < len(names):
         raise ValueError(
             f"shoe.name = {list(names)}: names must differ, not in case or spaces alone"
         )
 
 
+# Types of the quantities of a brake file: each converts a text with a unit to a number in SI units.
 Length = Annotated[float, _quantity("m")]
 Thickness = Annotated[float, Field(gt=0), _quantity("m")]
 Angle = Annotated[float, _quantity("rad")]
@@ -86,7 +98,7 @@ Name = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_name)]
 
 
 class Part(BaseModel):
-    """A part of a brake: frozen data that refuses unknown keys."""
+    """Base class of a brake and of its parts: immutable data that refuse unknown keys."""
 
     model_config = ConfigDict(
         frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, defer_build=True
@@ -95,7 +107,8 @@ class Part(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _refuse_unknown_keys(cls, data: object) -> object:
-        """The data as they are; ValueError for keys that the part does not have."""
+        """Return the data unchanged; ValueError if they have a key that the part does not have."""
+        # A file may use the alias of a field, such as `shoe` for the field `shoes`.
         allowed = [field.alias or name for name, field in cls.model_fields.items()]
         if isinstance(data, Mapping):
             for key in data:
@@ -107,9 +120,12 @@ class Part(BaseModel):
         return data
 
     def __copy__(self) -> Self:
-        """Copy without the values of cached properties, as `model_copy` changes their sources."""
+        """Copy the fields of the part, but not the cached values of its properties.
+
+        `model_copy` changes fields of the copy, and cached values would no longer fit them.
+        """
         found = super().__copy__()
-        # The dictionary of an instance holds its fields and the cached values of its properties.
+        # The dictionary of an object holds its fields and the cached values of its properties.
         for name in found.__dict__.keys() - type(self).model_fields:
             del found.__dict__[name]
         return found
@@ -118,7 +134,8 @@ class Part(BaseModel):
 class Material(Part):
     """A linear elastic, isotropic material: Young's modulus E [Pa] and Poisson's ratio nu.
 
-    It also has the constants of an `Orthotropic` material, the same in all directions.
+    Its properties are the constants of an `Orthotropic` material with the same values in all
+    directions, so that a program can treat both kinds of material alike.
     """
 
     E: Modulus
@@ -126,54 +143,57 @@ class Material(Part):
 
     @property
     def E_along(self) -> float:
-        """Young's modulus along a layer [Pa]."""
+        """Young's modulus in the direction along the layer [Pa]."""
         return self.E
 
     @property
     def E_through(self) -> float:
-        """Young's modulus through a layer [Pa]."""
+        """Young's modulus in the direction of the layer's thickness [Pa]."""
         return self.E
 
     @property
     def G_along_through(self) -> float:
-        """Shear modulus in the plane of the brake [Pa]."""
+        """Shear modulus in the plane of the brake, between length and thickness of a layer [Pa]."""
         return self.E / (2 * (1 + self.nu))
 
     @property
     def nu_along_through(self) -> float:
-        """Poisson's ratio: contraction through a layer per stretch along it."""
+        """Poisson's ratio: contraction of a layer's thickness per strain along the layer."""
         return self.nu
 
     @property
     def E_half_plane(self) -> float:
-        """Young's modulus [Pa] of the isotropic half-plane with the same compliance."""
+        """Young's modulus [Pa] of the isotropic half-plane with the same surface compliance."""
         return self.E
 
     @property
     def moduli(self) -> dict[str, float]:
-        """All moduli [Pa] by their keys."""
+        """Young's and shear moduli [Pa] of the material by their keys in a brake file."""
         return {"E": self.E}
 
 
 PoissonRatio = Annotated[float, Field(strict=True)]
+"""The type of a Poisson's ratio; its bounds depend on the other constants of the material."""
 ACROSS = ("E_across", "G_along_across", "G_through_across", "nu_along_across", "nu_through_across")
-"""Keys of an orthotropic material that only a solid uses."""
+"""Keys of an orthotropic material across the brake's plane, which only the model of solids uses."""
 
 DEFINITE_WITHIN = 1e-12
-"""Smallest determinant of the compliances at which the energy of every strain is positive.
+"""Smallest allowed determinant of the scaled compliance matrix of an orthotropic material.
 
-Each compliance is divided by the root of the product of its diagonal entries. Below this value
-round-off decides, and the material is refused.
+The matrix is scaled to a unit diagonal: each entry is divided by the root of the product of its two
+diagonal entries. A positive determinant makes the strain energy positive for every strain. Below
+this value round-off decides the sign of the determinant, and the material is refused.
 """
 
 
 class Orthotropic(Part):
-    """A linear elastic material, orthotropic in the directions along, through and across its layer.
+    """A linear elastic orthotropic material of a layer, such as a lining of fibres.
 
-    It has Young's moduli E [Pa] of the directions, shear moduli G [Pa] between two of them, and
-    Poisson's ratios nu. A layer that is pulled along itself shrinks through its thickness by
-    nu_along_through times its stretch. Only solids use the keys ACROSS: plane stress does not
-    depend on them.
+    Its axes are "along" (the length of the layer), "through" (its thickness) and "across" (the
+    width, normal to the plane of the brake). It has a Young's modulus E [Pa] for each axis, and a
+    shear modulus G [Pa] and a Poisson's ratio nu for each pair of axes. A strain along the layer
+    reduces its thickness by nu_along_through times the strain. Plane stress does not depend on the
+    constants across; only the model of solids needs them.
     """
 
     E_along: Modulus
@@ -188,7 +208,7 @@ class Orthotropic(Part):
 
     @model_validator(mode="after")
     def _check_positive_definite(self) -> Self:
-        """Refuse constants under which some strain would have no positive energy."""
+        """Raise ValueError for constants by which some strain would have no positive energy."""
         _check_ratio(
             "nu_along_through",
             self.nu_along_through,
@@ -196,7 +216,8 @@ class Orthotropic(Part):
             self.E_through,
             ("along", "through"),
         )
-        # A material without constants across its layer serves plane stress, a solid needs them all.
+        # Without constants across the layer the material is for plane stress only. A solid needs
+        # all five of them.
         missing = [key for key in ACROSS if getattr(self, key) is None]
         if len(missing) == len(ACROSS):
             return self
@@ -205,6 +226,7 @@ class Orthotropic(Part):
                 f"{missing[0]} is missing: {', '.join(ACROSS)} go together; give all of them "
                 f"or none"
             )
+        # Above, all constants across the layer were found to be given.
         assert (
             self.E_across is not None
             and self.nu_along_across is not None
@@ -217,6 +239,7 @@ class Orthotropic(Part):
             self.E_across,
             ("along", "across"),
         )
+        # The third Poisson's ratio is limited by the two others, see the strain energy.
         low, high = self._nu_through_across_allowed(self.E_across, self.nu_along_across)
         if not low < self.nu_through_across < high:
             raise ValueError(
@@ -228,14 +251,13 @@ class Orthotropic(Part):
     def _nu_through_across_allowed(
         self, E_across: float, nu_along_across: float
     ) -> tuple[float, float]:
-        """Lower and upper bound of nu_through_across.
+        """Lower and upper bound of nu_through_across, between which the strain energy is positive.
 
-        Each compliance is divided by the root of the product of its diagonal entries. The
-        determinant 1 - a^2 - b^2 - c^2 - 2 a b c must be positive. Here a, b and c are Poisson's
-        ratios along-through, along-across and through-across, each times the root of the ratio of
-        its moduli.
+        The compliance matrix is scaled to a unit diagonal. Its other entries are then -a, -b and
+        -c: Poisson's ratios along-through, along-across and through-across, each times the root of
+        the ratio of its two moduli. The determinant 1 - a^2 - b^2 - c^2 - 2 a b c must be positive.
         """
-        # The determinant is a quadratic in c: the bounds of c are its two zeros.
+        # The determinant is a quadratic function of c. The bounds of c are its two zeros.
         a = self.nu_along_through * math.sqrt(self.E_through / self.E_along)
         b = nu_along_across * math.sqrt(E_across / self.E_along)
         reach = math.sqrt(max((1 - a**2) * (1 - b**2) - DEFINITE_WITHIN, 0.0))
@@ -245,11 +267,12 @@ class Orthotropic(Part):
 
     @property
     def E_half_plane(self) -> float:
-        """Young's modulus [Pa] of the isotropic half-plane with the same compliance.
+        """Young's modulus [Pa] of the isotropic half-plane with the same surface compliance.
 
-        The surface of a half-plane gives way by 2/E_half_plane per pressure and wave number. With
-        the compliances s this is the root of 2 s_nn (sqrt(s_tt s_nn) + s_tn + s_gg/2) (Lekhnitskii,
-        Anisotropic Plates, section 34).
+        Under a sinusoidal pressure of amplitude p and wave number k the surface of an isotropic
+        half-plane deflects by 2 p/(E k). For the orthotropic half-plane 2/E is the root of
+        2 s_nn (sqrt(s_tt s_nn) + s_tn + s_gg/2) (Lekhnitskii, Anisotropic Plates, section 34). Here
+        s are the compliances, t the direction along the surface, n the normal and g the shear.
         """
         s_tt, s_nn, s_gg = 1 / self.E_along, 1 / self.E_through, 1 / self.G_along_through
         s_tn = -self.nu_along_through / self.E_along
@@ -257,20 +280,22 @@ class Orthotropic(Part):
 
     @property
     def moduli(self) -> dict[str, float]:
-        """All moduli [Pa] by their keys."""
+        """Young's and shear moduli [Pa] of the material by their keys in a brake file."""
         keys = [key for key in type(self).model_fields if not key.startswith("nu")]
         return {key: value for key in keys if (value := getattr(self, key)) is not None}
 
 
 def _check_ratio(key: str, nu: float, E: float, other: float, names: tuple[str, str]) -> None:
-    """Raise ValueError if Poisson's ratio between two directions is too large.
+    """Raise ValueError if a Poisson's ratio is too large for a positive strain energy.
+
+    Its square must be less than the ratio of the two Young's moduli.
 
     Parameters
     ----------
-    key : of the ratio
-    nu : Poisson's ratio
-    E, other : Young's moduli of the two directions [Pa]
-    names : of the two directions
+    key : key of Poisson's ratio, for the error message
+    nu : Poisson's ratio between two axes
+    E, other : Young's moduli of the first and of the second axis [Pa]
+    names : names of the two axes
     """
     most = math.sqrt(E / other)
     if 1 - (nu / most) ** 2 <= DEFINITE_WITHIN:
@@ -281,12 +306,16 @@ def _check_ratio(key: str, nu: float, E: float, other: float, names: tuple[str, 
 
 
 def _kind_of_material(data: object) -> str:
-    """Kind of a material, "isotropic" or "orthotropic", by keys that only the latter has."""
+    """Tell whether data are those of an "isotropic" or of an "orthotropic" material.
+
+    The data are orthotropic if they have a key that only an orthotropic material has.
+    """
     if isinstance(data, Mapping):
         return "orthotropic" if set(data) & set(Orthotropic.model_fields) else "isotropic"
     return "orthotropic" if isinstance(data, Orthotropic) else "isotropic"
 
 
+# The keys of a material tell whether it is read as isotropic or as orthotropic.
 AnyMaterial = Annotated[
     Annotated[Material, Tag("isotropic")] | Annotated[Orthotropic, Tag("orthotropic")],
     Discriminator(_kind_of_material),
@@ -294,34 +323,38 @@ AnyMaterial = Annotated[
 
 
 class Point(Part):
-    """A point x, y [m] of the brake's plane."""
+    """A point with the coordinates x, y [m] in the plane of the brake."""
 
     x: Length
     y: Length
 
     @property
     def xy(self) -> Floats:
-        """The coordinates as an array (2,) [m]."""
+        """The coordinates x, y of the point as an array (2,) [m]."""
         return np.array([self.x, self.y])
 
     @property
     def radius(self) -> float:
-        """Distance from the drum's centre [m]."""
+        """Distance of the point from the origin, which is the drum's centre [m]."""
         return math.hypot(self.x, self.y)
 
     @property
     def angle(self) -> float:
-        """Angle at the drum's centre [rad]."""
+        """Polar angle of the point about the origin, from -pi to pi [rad]."""
         return math.atan2(self.y, self.x)
 
 
 def _from_polar(data: object, info: ValidationInfo) -> object:
-    """Read a point that a file gives as { radius, angle } in place of { x, y }."""
+    """Convert a point given in polar coordinates { radius, angle } to a `Point`.
+
+    Data without these keys are returned unchanged. Raises ValueError for other keys besides, and
+    for a negative radius.
+    """
     if not isinstance(data, Mapping) or not {"radius", "angle"} & set(data):
         return data
     if set(data) != {"radius", "angle"}:
         raise ValueError("must be { radius = ..., angle = ... } or { x = ..., y = ... }")
-    # A negative radius would turn the point to the other side of the centre unseen.
+    # A negative radius would silently put the point on the other side of the centre.
     radius = _in_si(data["radius"], info, "m", "radius")
     if radius < 0:
         raise ValueError(f"radius = {data['radius']!r} must not be negative")
@@ -330,32 +363,43 @@ def _from_polar(data: object, info: ValidationInfo) -> object:
 
 
 Place = Annotated[Point, BeforeValidator(_from_polar)]
-
+"""The type of a point that a brake file gives by { x, y } or by { radius, angle }."""
 
 Rows = tuple[tuple[float, float], ...]
+"""The type of a table of rows (coordinate, value), between which values are interpolated."""
 
 
 def number_or_table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
-    """The validator of a number or of a table (place, value) with straight lines between.
+    """Make the validator of a quantity that is constant or varies along a coordinate.
+
+    It takes a number, or a table of rows (coordinate, value) with linear interpolation between the
+    rows.
 
     Parameters
     ----------
-    place, name : words for place and value in the message of an error
-    place_si, si : their SI units
+    place, place_si : word for the coordinate in error messages, and its SI unit
+    name, si : word for the value in error messages, and its SI unit
     """
     read = partial(_number_or_rows, si=si, place=place, name=name, row=(place_si, si))
     return BeforeValidator(read)
 
 
 def table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
-    """The validator of rows (place, value) with growing places; parameters of `number_or_table`."""
+    """Make the validator of a table of rows (coordinate, value) with growing coordinates.
+
+    The parameters are those of `number_or_table`.
+    """
     return BeforeValidator(partial(_rows, place=place, name=name, row=(place_si, si)))
 
 
 def _number_or_rows(
     value: object, info: ValidationInfo, *, si: str, place: str, name: str, row: tuple[str, str]
 ) -> float | Rows:
-    """Read a number or a table; parameters as of `_rows`, `si` the unit of the number."""
+    """Convert a number, or a table of rows (coordinate, value), to SI units.
+
+    Raises ValueError for other data and for a table of fewer than two rows. The parameters are
+    those of `_rows`; `si` is the SI unit of a number that stands in place of the table.
+    """
     if not isinstance(value, list | tuple):
         return _in_si(value, info, si)
     rows = _rows(
@@ -375,23 +419,26 @@ def _rows(
     row: tuple[str, str],
     kinds: str = "rows",
 ) -> Rows:
-    """Read the rows of a table.
+    """Convert the rows (coordinate, value) of a table to SI units.
+
+    Raises ValueError for other data and for coordinates that do not grow.
 
     Parameters
     ----------
-    value : the rows as data
-    info : of the validation
-    place, name : words for place and value in the message of an error
-    row : SI units of place and value
-    kinds : words for what may stand here
+    value : the rows, each a list of two quantities
+    info : pydantic's state of the validation
+    place, name : words for coordinate and value in error messages
+    row : SI units of coordinate and value
+    kinds : words for the allowed data in error messages
     """
     items: Sequence[Any] = value if isinstance(value, list | tuple) else [value]
     rows: list[tuple[float, float]] = []
     for item in items:
         if not isinstance(item, list | tuple) or len(item) != 2:
             raise ValueError(f'must be {kinds} like ["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]')
-        rows.append((_in_si(item[0], info, row[0], place), _in_si(item[1], info, row[1], name)))
-    # Places that do not grow would have two values, or none between them.
+        coordinate = _in_si(item[0], info, row[0], place)
+        rows.append((coordinate, _in_si(item[1], info, row[1], name)))
+    # Interpolation between the rows needs coordinates that grow from row to row.
     for k in range(1, len(rows)):
         if rows[k][0] <= rows[k - 1][0]:
             raise ValueError(
@@ -401,27 +448,39 @@ def _rows(
 
 
 def unit_in(annotation: Any) -> str | None:
-    """The SI unit of a field's type: "" for a pure number, None if it is no number."""
+    """The SI unit of the quantity that a field of a part takes, found from the field's type.
+
+    It is "" for a number without unit, and None for a field that takes no number.
+    """
     unit: str | None = _keyword_of(annotation, "si", pure="")
     return unit
 
 
 def row_units_in(annotation: Any) -> tuple[str, str]:
-    """The SI units of place and value in a row of the table that a field's type takes."""
+    """The SI units of coordinate and value of the table that a field takes, from its type."""
     units: tuple[str, str] = _keyword_of(annotation, "row")
     return units
 
 
 def _keyword_of(annotation: Any, key: str, pure: Any = None) -> Any:
-    """Keyword that the validator of a field's type has; `pure` for a number without validator.
+    """An argument with which the validator in a field's type was made, such as its SI unit.
 
-    It is None for any other type.
+    Parameters
+    ----------
+    annotation : type of the field, with its validators
+    key : name of the argument, "si" or "row"
+    pure : value to return for a plain number, which has no validator
+
+    Returns
+    -------
+    Any
+        value of the argument; None if no validator in the type has it
     """
     kind: Any = annotation
     marks: tuple[Any, ...] = ()
     if get_origin(annotation) is Annotated:
         kind, marks = annotation.__origin__, annotation.__metadata__
-    # Validators of quantities and tables are partial functions with their units as keywords.
+    # Validators of quantities and tables are partial functions; the units are their keywords.
     for mark in marks:
         if not isinstance(mark, BeforeValidator) or not isinstance(mark.func, partial):
             continue
@@ -429,7 +488,7 @@ def _keyword_of(annotation: Any, key: str, pure: Any = None) -> Any:
             return mark.func.keywords[key]
     if kind is float:
         return pure
-    # A union: the first of its types that has the keyword counts.
+    # In a union of types the first type with this argument counts.
     for part in get_args(kind):
         found = _keyword_of(part, key, pure)
         if found is not None:
@@ -438,12 +497,18 @@ def _keyword_of(annotation: Any, key: str, pure: Any = None) -> Any:
 
 
 def rows_of(places: Floats, values: Floats) -> Rows:
-    """Make the table of values (n,) at growing places (n,)."""
+    """Make the table of rows (coordinate, value) from two arrays (n,).
+
+    `places` are the coordinates of the rows; they must grow.
+    """
     return tuple(zip(places.tolist(), values.tolist(), strict=True))
 
 
 def value_at(values: float | Rows, places: Floats) -> Floats:
-    """Evaluate a number or table at `places`, same shape."""
+    """Interpolate a table linearly at the coordinates `places`; the result has their shape.
+
+    A number is constant, and a table is constant beyond its first and last row.
+    """
     if isinstance(values, tuple):
         at, value = zip(*values, strict=True)
         return np.interp(places, at, value)

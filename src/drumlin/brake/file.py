@@ -1,6 +1,6 @@
-"""Read brake files, TOML with a unit on every quantity, and change keys of brakes.
+"""Read brake files, get values of a brake by their keys, and make brakes with changed values.
 
-A fault of a file is reported in one line.
+Brake files are in TOML, with a unit on every quantity. An error in a file is reported in one line.
 """
 
 import math
@@ -20,7 +20,7 @@ from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import Part, Point, unit_in
 
 LARGEST_BRAKE_FILE = 500_000
-"""Largest size of a brake file [bytes]. Brake files have some thousands; larger are refused."""
+"""Largest size of a brake file [bytes]; a larger file is refused. Usual files have some 1000."""
 
 FAULT_TEXTS = {
     "tuple_type": "must be tables, each under [[{key}]]",
@@ -35,19 +35,29 @@ FAULT_TEXTS = {
     "bool_type": "must be true or false",
     "bool_parsing": "must be true or false",
 }
-"""Texts of what is allowed, by those faults that pydantic describes in words of Python."""
+"""What a value must be, by pydantic's name of the error.
+
+pydantic's own messages for these errors use words of Python, such as "tuple".
+"""
 
 
 UNION_TAGS = {"arc", "beam", "isotropic", "orthotropic", "float", "str"}
-"""Steps in the path to a fault that are no keys of the file.
+"""Words in pydantic's path to a wrong value that are no keys of the brake file.
 
-They name the kind of body, material or value that was read.
+pydantic adds them to say as which kind of body, material or value the data were read.
 """
 
 
 def _line(error: ValidationError, data: Any) -> str:
-    """Text of the first fault of a validation: key = value as in the file: what is allowed."""
+    """One line about the first error in the data of a brake file: "key = value: what is allowed".
+
+    Parameters
+    ----------
+    error : pydantic's list of errors
+    data : data of the brake file, from which the wrong value is shown
+    """
     fault = error.errors()[0]
+    # Follow pydantic's path to the wrong value: it gives the key and, step by step, the value.
     key = ""
     for step in fault["loc"]:
         if step in UNION_TAGS:
@@ -57,13 +67,14 @@ def _line(error: ValidationError, data: Any) -> str:
             data = data[step]
         except (LookupError, TypeError):
             data = None
+    # pydantic's message is replaced where it uses words of Python.
     message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     if fault["type"] in FAULT_TEXTS:
         message = FAULT_TEXTS[fault["type"]].format(key=key)
     if fault["type"] == "missing":
         return f"{key}: is missing"
     shown = f" = {data!r}" if isinstance(data, str | int | float) else ""
-    # A value of any length must leave room for the reason.
+    # A long value is cut off, so that the line still shows what is allowed.
     if len(shown) > 60:
         shown = shown[:57] + "..."
     return " ".join(f"{key}{shown}: {message}".removeprefix(": ").split())
@@ -75,14 +86,14 @@ P = TypeVar("P", bound=Part)
 def validated(
     kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> P:
-    """Make a part from the nested data of a brake file.
+    """Make a brake, or a part of a brake, from nested data as a brake file has them.
 
     Parameters
     ----------
-    kind : class of the part
-    data : its keys and values
-    unit_required : whether a number without unit is refused; otherwise it is in SI
-    base : folder from which relative paths of meshes start
+    kind : class to make
+    data : nested tables of keys and values
+    unit_required : whether numbers without unit are refused; otherwise they count as SI
+    base : folder from which relative paths of mesh files start
 
     Raises
     ------
@@ -98,7 +109,10 @@ def validated(
 def brake_from(
     data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> Brake:
-    """Make a brake on a drum from the nested data of a brake file; see `validated`."""
+    """Make a brake on a drum from the nested data of a brake file.
+
+    Raises BadInput for wrong data; parameters as of `validated`.
+    """
     return validated(DrumBrake, data, unit_required=unit_required, base=base)
 
 
@@ -117,15 +131,15 @@ def toml_data(text: str, path: Path) -> dict[str, Any]:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Read the data of a brake file; raises BadInput if it cannot be read or is not TOML."""
+    """Read a brake file into nested data; raises BadInput if that fails or it is not TOML."""
     return toml_data(toml_text(path), path)
 
 
 def read_brake(path: Path, text: str | None = None) -> Brake:
-    """Read a brake on a drum from the TOML file `path`, with every quantity with its unit.
+    """Read a brake on a drum from the TOML file `path`, in which every quantity has a unit.
 
-    `text` is the content of the file, if it is known. Raises BadInput with one line that names the
-    key, the value and what is allowed.
+    `text` is the content of the file if it has been read already. Raises BadInput with one line
+    that names the key, the value and what is allowed.
     """
     data = read_toml(path) if text is None else toml_data(text, path)
     try:
@@ -135,7 +149,7 @@ def read_brake(path: Path, text: str | None = None) -> Brake:
 
 
 def vary(brake: P, changes: Mapping[str, Any]) -> P:
-    """A brake in which some keys have other values, checked as a brake file is.
+    """Make a brake in which some keys have other values; it is checked like a brake file.
 
     Parameters
     ----------
@@ -159,7 +173,7 @@ def vary(brake: P, changes: Mapping[str, Any]) -> P:
     >>> drumlin.vary(brake, {"friction": 0.4, "drum.radius": "150 mm"}).friction
     0.4
     """
-    # The changed data are validated as a whole: single changes may fit only together.
+    # All changes are made before the check, because they may be valid only together.
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():
         _set(data, _steps(key), value, key)
@@ -167,9 +181,10 @@ def vary(brake: P, changes: Mapping[str, Any]) -> P:
 
 
 def unit_of(brake: Part, key: str) -> str | None:
-    """The SI unit of a key, written as for `vary`: "" for a pure number, None if it is no number.
+    """The SI unit of the quantity that a key of a brake holds.
 
-    Raises BadInput for an unknown key.
+    It is "" for a number without unit, and None if the value is no number. The key is written as
+    for `vary`. Raises BadInput for an unknown key.
     """
     parts, name = _parts(brake, key)
     field = type(parts[0]).model_fields[name]
@@ -178,34 +193,37 @@ def unit_of(brake: Part, key: str) -> str | None:
 
 
 def is_interval(brake: Part, key: str) -> bool:
-    """Whether the allowed numbers of one sign of a key, all else equal, are an interval.
+    """Whether the allowed positive values of a key form one interval, and the negative ones too.
 
-    This holds for lengths, forces, moduli and pure numbers: each limit on them is from above or
-    from below. It is unknown for angles and for coordinates of points. Single values of these may
-    be forbidden, such as a force through the hinge.
+    All other keys of the brake stay. It is True for lengths, forces, moduli and numbers without
+    unit: they only have upper and lower limits. It is False for angles and for coordinates of
+    points: there, single values in between may be forbidden, such as a force through the hinge.
     """
     unit = unit_of(brake, key)
     return unit not in {None, "rad"} and not isinstance(_parts(brake, key)[0][0], Point)
 
 
 def values_of(brake: Part, key: str) -> list[Any]:
-    """Values of a key, written as for `vary`: a single value, or the value of each shoe.
+    """The list of the values of a key: a single value, or the value of each shoe.
 
-    Raises BadInput for an unknown key.
+    The key is written as for `vary`. Raises BadInput for an unknown key.
     """
     parts, name = _parts(brake, key)
     return [getattr(part, name) for part in parts]
 
 
 def _parts(brake: Part, key: str) -> tuple[list[Part], str]:
-    """The parts that have a key, and the name of its field."""
+    """Find the parts of a brake that a key belongs to, and the name of its field in Python.
+
+    There are several parts if the key means every shoe. Raises BadInput for an unknown key.
+    """
     found: list[Part] = [brake]
     *path, last = _steps(key)
     for step in path:
         if _is_number(step):
             found = found[int(step) : int(step) + 1]
             continue
-        # A step leads to one part below each part, or to several, such as all shoes.
+        # A name leads from each part to one part below it, or to several, such as all shoes.
         below: list[Part] = []
         for part in found:
             value = getattr(part, _name(part, step, key))
@@ -219,8 +237,11 @@ def _parts(brake: Part, key: str) -> tuple[list[Part], str]:
 
 
 def _name(part: Part, key: str, whole: str) -> str:
-    """The name of the field that a file calls `key`."""
-    # A file writes some fields otherwise than Python, such as `shoe` for the tuple `shoes`.
+    """The name in Python of the field of a part that a brake file calls `key`.
+
+    Raises BadInput for an unknown key; `whole` is the whole dotted key for the message.
+    """
+    # Some fields have another name in a file, such as `shoe` for the field `shoes`.
     names = {field.alias or name: name for name, field in type(part).model_fields.items()}
     if key not in names:
         raise BadInput(f"{whole}: unknown key {key!r}; allowed: {', '.join(names)}")
@@ -228,9 +249,9 @@ def _name(part: Part, key: str, whole: str) -> str:
 
 
 def value_of(brake: Part, key: str) -> float:
-    """The number [SI] of a key, written as for `vary`.
+    """The numerical value [SI] of a key of a brake; the key is written as for `vary`.
 
-    Raises BadInput if the value is no number or differs between shoes.
+    Raises BadInput if the value is no number, or if the shoes have different values.
     """
     values = values_of(brake, key)
     if not all(isinstance(value, int | float) for value in values):
@@ -241,15 +262,19 @@ def value_of(brake: Part, key: str) -> float:
 
 
 def differing(one: Part, other: Part) -> str | None:
-    """The first key, other than a title, in which two brakes differ by more than round-off.
+    """The first key in which two brakes differ by more than round-off; None for equal brakes.
 
-    It is None for equal brakes.
+    Titles are not compared.
     """
     return _first_difference(one.model_dump(by_alias=True), other.model_dump(by_alias=True), "")
 
 
 def _first_difference(one: Any, other: Any, key: str) -> str | None:
-    """The first key at or below `key` in which two data differ, or None."""
+    """The first key in which two nested data differ by more than round-off; None if they do not.
+
+    `key` is the key of the data themselves; the keys of nested values begin with it.
+    """
+    # Tables and lists are compared entry by entry, other values directly.
     if isinstance(one, dict) and isinstance(other, dict):
         names = [name for name in {**one, **other} if name != "title"]
         pairs = [
@@ -269,34 +294,34 @@ def _first_difference(one: Any, other: Any, key: str) -> str | None:
 
 
 def _are_lists(one: Any, other: Any) -> bool:
-    """Whether two data are lists of one length."""
+    """Whether two values are lists of the same length."""
     lists = isinstance(one, list | tuple) and isinstance(other, list | tuple)
     return lists and len(one) == len(other)
 
 
 def _steps(key: str) -> list[str]:
-    """Split a key into names and numbers."""
+    """Split a dotted key into names and numbers: "shoe[0].lining" is "shoe", "0", "lining"."""
     return key.replace("[", ".").replace("]", "").split(".")
 
 
 def _is_number(step: str) -> bool:
-    """Whether a step of a key is the number of a shoe."""
+    """Whether a part of a dotted key is an index, such as that of a shoe."""
     return step.isascii() and step.isdigit() and len(step) < 9
 
 
 def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
-    """Set a value in nested data.
+    """Set a value in nested data, in place. Raises BadInput for an unknown key.
 
     Parameters
     ----------
-    data : nested data, which are changed
-    steps : names and numbers that lead to the value
+    data : nested tables and lists, which are changed
+    steps : names and indices that lead to the value; without an index all entries of a list change
     value : the new value
-    key : the whole key, for the message of an error
+    key : the whole dotted key, for the error message
     """
     head, *rest = steps
     if isinstance(data, list | tuple):
-        # A number leads to one shoe; without a number all shoes are changed.
+        # An index leads to one shoe; without an index all shoes are changed.
         if _is_number(head) and int(head) < len(data):
             targets, rest_of = [data[int(head)]], rest
         else:
@@ -305,10 +330,11 @@ def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
             _set(target, rest_of, value, key)
     elif not isinstance(data, dict):
         raise BadInput(f"{key}: {head!r} has nothing to be set in")
+    # As long as names remain, the value is set in the table below.
     elif rest:
         if head not in data:
             raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
         _set(data[head], rest, value, key)
     else:
-        # A copy, as a later key may change a part of the value.
+        # The value is copied, because a later change may set a key within it.
         data[head] = deepcopy(value)

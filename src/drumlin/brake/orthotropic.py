@@ -1,4 +1,7 @@
-"""Find parts of orthotropic material, for models that take isotropic materials only."""
+"""Find parts of orthotropic material in a brake, which some models cannot take.
+
+These models, such as the closed-form laws, assume isotropic materials.
+"""
 
 from collections.abc import Iterator
 
@@ -7,7 +10,7 @@ from drumlin.brake.fields import Orthotropic
 
 
 def orthotropic_parts(brake: Brake) -> Iterator[str]:
-    """The parts of a brake whose material is orthotropic, as a refusal names them."""
+    """Give the name of each part of a brake with orthotropic material, for an error message."""
     for shoe in brake.shoes:
         parts = {"lining": shoe.lining, "backing": shoe.backing, "body": shoe.body}
         for name, part in parts.items():
@@ -18,7 +21,10 @@ def orthotropic_parts(brake: Brake) -> Iterator[str]:
 
 
 def isotropic_only(brake: Brake, model: str) -> str | None:
-    """Reason why a `model` that takes isotropic materials only does not apply, or None."""
+    """Why a model that takes isotropic materials only does not apply to a brake, or None.
+
+    `model` is the name of the model in the text. The result is None if the model applies.
+    """
     part = next(orthotropic_parts(brake), None)
     if part is None:
         return None

@@ -1,8 +1,8 @@
-"""The brake on a plane: data of a brake file with [plane], whose shoes press on a sliding body.
+"""The brake on a plane: classes for a brake file with [plane], and functions that read any brake.
 
-Conventions: the sliding surface is y = 0, the body lies below it and the shoes above. A lining
-reaches from x = start to x = end. The data are those of a brake on a drum, with lengths in place of
-angles.
+The shoes press on the plane surface of a sliding body. The surface is y = 0, the body lies below it
+and the shoes above. A lining reaches from x = start to x = end. The keys are those of a brake on a
+drum, with lengths in place of angles.
 """
 
 import math
@@ -56,9 +56,9 @@ class Plane(Part):
 class FlatMisfit(Misfit):
     """Deviation of a pad's face from the plane, besides its clearance.
 
-    `radius` [m] is that of a face that is ground to a circle: positive for a crowned face, negative
-    for a hollow face. The circle meets the plane in the lining's middle. `blocks` are rows
-    (x, depth) [m]. The other keys are those of a lining on a drum.
+    `radius` [m] is the radius of a face that is ground to a circle: positive for a crowned face,
+    negative for a hollow face. The circle touches the plane at the middle of the lining. `blocks`
+    are rows (x, depth) [m]. The other keys are those of a lining on a drum.
     """
 
     radius: Length | None = None
@@ -66,11 +66,11 @@ class FlatMisfit(Misfit):
 
 
 class FlatLining(Lining):
-    """The friction lining on the plane from x = `start` to x = `end` [m], `width` [m] across.
+    """The friction lining on a plane from x = `start` to x = `end` [m], with the `width` [m].
 
-    Finite elements need `thickness` [m] and `material`. `clearance` [m] is the gap of the unloaded
-    lining: a number, or a table of (x, clearance) with straight lines between. The gap of the
-    `misfit` is added.
+    Finite elements need `thickness` [m] and `material`. `clearance` [m] is the gap between unloaded
+    lining and plane, positive if open: a number, or a table of rows (x, clearance) with linear
+    interpolation. The gap due to the `misfit` is added to it.
     """
 
     start: Length
@@ -87,7 +87,7 @@ class FlatLining(Lining):
         long, radius = self.end - self.start, self.misfit.radius
         if long <= 0:
             raise ValueError(f"end = {mm(self.end)} must be greater than start = {mm(self.start)}")
-        # A circle of the least radius stands off by the largest misfit at the lining's ends.
+        # With the smallest allowed radius the gap at the lining's ends is the largest misfit.
         most = LARGEST_MISFIT * long
         least = long / (8 * LARGEST_MISFIT)
         if radius is not None and abs(radius) < least:
@@ -101,41 +101,42 @@ class FlatLining(Lining):
 
     @property
     def step(self) -> float:
-        """Length [m] of the rounded step from one block's height to the next."""
+        """Length [m] over which the face rises smoothly from one block's height to the next."""
         return ROUNDED_STEP * (self.end - self.start)
 
 
 class FlatBody(Bar):
-    """The elastic shoe behind lining and backing: a bar from x = `start` to x = `end` [m]."""
+    """An elastic shoe body on a plane: a straight bar from x = `start` to x = `end` [m]."""
 
     start: Length
     end: Length
 
     @property
     def shape(self) -> str:
-        """Shape of the body in phi: that of an arc."""
+        """Shape of the body: "arc", because a straight bar is an arc in the coordinate phi."""
         return "arc"
 
 
 class FlatFrame(ShoeFrame):
-    """A flat shoe's own frame, with its origin at the hinge's foot on the plane.
+    """The frame of a shoe on a plane. Its origin lies on the plane, below the pin of the shoe.
 
-    Its points are (distance from the origin towards the lining, height above the plane) [m].
+    A point has two coordinates [m]: the distance from the origin along the plane towards the
+    lining, and the height above the plane.
     """
 
     def to_brake(self, vectors: Floats) -> Floats:
-        """Convert vectors (..., 2) of the shoe's frame to the brake's."""
-        # A shoe whose lining lies towards -x from its pin is mirrored.
+        """Convert vectors (..., 2) from the frame of the shoe to the frame of the brake."""
+        # If the lining lies towards -x from the pin, the frame of the shoe is mirrored.
         return np.asarray(vectors) * np.array([float(self.sense), 1.0])
 
     def to_shoe(self, vectors: Floats) -> Floats:
-        """Convert vectors (..., 2) of the brake's frame to the shoe's."""
-        # A mirror image of the mirror image is the vector itself.
+        """Convert vectors (..., 2) from the frame of the brake to the frame of the shoe."""
+        # Mirroring is its own inverse.
         return self.to_brake(vectors)
 
 
 class FlatShoe(Shoe):
-    """A shoe with a flat lining and its support (`Held`). Without `body` it is rigid."""
+    """A shoe with a flat lining, its support and its actuation. Without `body` it is rigid."""
 
     surface = PLANE
     _size: float | None = PrivateAttr(None)
@@ -146,85 +147,91 @@ class FlatShoe(Shoe):
 
     @model_validator(mode="after")
     def _check_lining_on_body(self) -> Self:
-        """Raise ValueError where the lining reaches beyond the body."""
+        """Raise ValueError if the lining extends beyond the elastic body of the shoe."""
         lining, body = self.lining, self.body
-        # Ends that a file gives in different units may differ by round-off.
+        # Equal ends that a file gives in different units may differ by round-off.
         slack = 1e-9 * (lining.end - lining.start)
         if body and not body.start - slack <= lining.start < lining.end <= body.end + slack:
             raise ValueError(
-                f"lining = {mm(lining.start)} to {mm(lining.end)}: must lie within the body, "
-                f"{mm(body.start)} to {mm(body.end)}"
+                f"lining = {mm(lining.start)} to {mm(lining.end)}: "
+                f"must lie within the body, {mm(body.start)} to {mm(body.end)}"
             )
         return self
 
     @property
     def side(self) -> str:
-        """Side of a drum on which shoes face their lining in the same way."""
+        """Always "internal": a shoe on a plane is treated like a shoe inside a drum."""
         return "internal"
 
     @property
     def size(self) -> float:
-        """Size [m] of the brake; of a shoe outside a brake the length of its own lining."""
+        """Size [m] of the brake of this shoe; for a shoe without a brake its lining's length."""
         return self.lining.end - self.lining.start if self._size is None else self._size
 
     def of_size(self, size: float) -> Self:
-        """The shoe in a brake of this size [m]."""
+        """A copy of the shoe that belongs to a brake of this size [m]."""
         shoe = self.model_copy()
         shoe._size = size
         return shoe
 
     @cached_property
     def frame(self) -> FlatFrame:
-        """The shoe's own frame, with the lining's middle at a distance >= 0."""
+        """The frame of the shoe, in which the middle of the lining has a distance >= 0."""
         sense = 1 if self.lining.middle >= self.pin.x else -1
         return FlatFrame(self.pin.x, sense, self.size)
 
     @property
     def own_pin(self) -> Floats:
-        """Position (2,) [m] of the pin in the shoe's frame."""
+        """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
         return np.array([0.0, self.pin.y])
 
     def own_points(self, xy: Floats) -> Floats:
-        """Convert points (..., 2) [m] of the brake's frame to the shoe's."""
+        """Convert points (..., 2) [m] from the frame of the brake to the frame of the shoe."""
         return self.frame.to_shoe(np.asarray(xy) - np.array([self.pin.x, 0.0]))
 
     def points(self, xy: Floats) -> Floats:
-        """Convert points (2, n) [m] of the shoe's frame to the brake's."""
+        """Convert points (2, n) [m] from the frame of the shoe to the frame of the brake."""
         return np.array([self.pin.x + self.frame.sense * xy[0], xy[1]])
 
     def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
-        """Points (2, ...) [m] of the shoe's frame at phi, a height `depth` [m] above the plane."""
+        """Points (2, ...) [m] at a height `depth` [m] above the plane and a coordinate phi.
+
+        The points are in the frame of the shoe; `size` [m] is the length of phi = 1.
+        """
         return np.stack(np.broadcast_arrays(size * phi, depth))
 
     def off(self, xy: Floats, size: float) -> Floats:
-        """Height [m] above the plane of points (2, ...) [m] of the shoe's frame."""
+        """Height [m] above the plane of points (2, ...) [m] that are in the frame of the shoe."""
         return np.asarray(xy[1])
 
     def phi_of(self, xy: Floats, size: float) -> Floats:
-        """Coordinate phi of points (2, ...) [m] of the shoe's frame."""
+        """Coordinate phi of points (2, ...) [m] that are in the frame of the shoe.
+
+        `size` [m] is the length of phi = 1.
+        """
         return np.asarray(xy[0] / size)
 
     def place_of(self, point: Point) -> float:
-        """Coordinate x [m] of a point."""
+        """Coordinate x [m] of a point, which is its coordinate along the plane."""
         return point.x
 
     def back(self, size: float) -> float:
-        """Length [m] of the back of the shoe's body per unit of phi."""
+        """Length [m] along the back of the shoe's body per unit of phi."""
         return size
 
     @property
     def closing(self) -> float:
-        """Direction [rad] of the plane's normal, towards the plane."""
+        """Direction [rad] in which a lining moves straight towards the plane: -90 deg."""
         return -math.pi / 2
 
     def misfit_gap(self, theta: Floats, size: float) -> Floats:
-        """Gap [m] of a face ground to a circle, with its offset, at places x [m], same shape."""
+        """Gap [m] of a face that is ground to a circle, at the coordinates x [m], same shape."""
         misfit = self.lining.misfit
         return crown_gap(misfit.radius, misfit.offset, theta - self.lining.middle)
 
 
 class FlatBrake(Brake):
-    """A brake on a plane: friction coefficient, sliding plane and shoes."""
+    """A brake on a plane with its friction coefficient, sliding plane and shoes."""
 
     surface = PLANE
     direction_key = "plane.sliding"
@@ -244,16 +251,19 @@ class FlatBrake(Brake):
 
     @property
     def size(self) -> float:
-        """Length [m] of the first lining."""
+        """Reference length of the brake [m]: the length of the first lining."""
         return self.shoes[0].size
 
     def reversed(self) -> Self:
-        """The brake whose body slides the other way."""
+        """A copy of the brake whose body slides in the opposite direction."""
         plane = self.plane.model_copy(update={"sliding": self.other_direction})
         return self.model_copy(update={"plane": plane})
 
     def bare(self) -> Self:
-        """The brake without data on which its condensed bodies do not depend; the shoes stay."""
+        """The brake reduced to data that change the condensed stiffness of its shoes.
+
+        Title and direction get fixed values, a friction coefficient above 0 becomes 1.
+        """
         changes = {
             "title": "-",
             "friction": float(self.friction > 0),
@@ -263,16 +273,20 @@ class FlatBrake(Brake):
 
     @model_validator(mode="after")
     def _check_and_drive_shoes(self, info: ValidationInfo) -> Self:
-        """The brake with the forces of its drive and struts; ValueError where parts do not fit."""
+        """Check the shoes and give them the forces of the drive and of the struts.
+
+        Returns the brake with these forces. Raises ValueError if the parts do not fit together.
+        """
         check_names([shoe.name for shoe in self.shoes])
-        # Numbers of a file must have units; this tells data of a file from data of a program.
+        # Only data of a file must have units: this tells them from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = driven(self.shoes, self.actuation, self.links, file=from_file)
-        # The length of the first lining is the size of the brake, to which all shoes refer.
+        # The length of the first lining is the size of the brake, which all its shoes must know.
         size = shoes[0].lining.end - shoes[0].lining.start
         shoes = tuple(shoe.of_size(size) for shoe in shoes)
         for i, shoe in enumerate(shoes):
             check_grip(f"shoe[{i}]", shoe)
+            # Moves along y and turns close the gap to a plane, moves along x do not.
             check_motions(f"shoe[{i}]", shoe, slice(1, 3))
             if shoe.guide is not None and abs(math.sin(shoe.guide.direction)) < 1e-6:
                 shown = f"shoe[{i}].guide.direction = {deg(shoe.guide.direction)}"
@@ -283,7 +297,17 @@ class FlatBrake(Brake):
 def any_from(
     data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> Brake:
-    """Make a brake from a brake file's data, on a plane for data with [plane]; see `validated`."""
+    """Make a brake from the nested data of a brake file.
+
+    Data with the table [plane] give a brake on a plane, other data a brake on a drum. Raises
+    BadInput for wrong data.
+
+    Parameters
+    ----------
+    data : nested tables of keys and values
+    unit_required : whether numbers without unit are refused; otherwise they count as SI
+    base : folder from which relative paths of mesh files start
+    """
     return validated(Brake.shape_of(data), data, unit_required=unit_required, base=base)
 
 
@@ -292,8 +316,8 @@ def read_any(path: Path | str, text: str | None = None) -> Brake:
 
     Parameters
     ----------
-    path : path of the file, every quantity in it with its unit
-    text : the text of the file where it was read before
+    path : path of the file, in which every quantity has a unit
+    text : content of the file if it has been read already
 
     Returns
     -------
@@ -320,9 +344,10 @@ def read_any(path: Path | str, text: str | None = None) -> Brake:
 
 
 def read_drum(path: Path, what: str, text: str | None = None) -> Brake:
-    """Read a brake on a drum from a TOML file.
+    """Read a brake from a TOML file and require that it is a brake on a drum.
 
-    Raises BadInput as `read_any` does, and for a brake on a plane, which `what` does not take.
+    `text` is the content of the file if it has been read already. Raises BadInput as `read_any`
+    does, and for a brake on a plane; `what` names the computation that needs a drum.
     """
     brake = read_any(path, text)
     if not isinstance(brake, DrumBrake):

@@ -1,15 +1,19 @@
-"""Find rings with a support of their own kind, for models that know plain rings only.
+"""Find out whether the drum's ring has a support that some models cannot take.
 
 Finite elements take any support of a ring. The closed form of the foundation model, the triangles
-of the verification and the reduced model take plain rings, see `Ring.is_plain`. They ask here, so
-that a further kind of support is refused by all of them in one line.
+of the verification and the reduced model take plain rings only, whose far edge is fixed or free
+(see `Ring.is_plain`). They all call this module, so that they
+refuse a ring in the same words.
 """
 
 from drumlin.brake.brake import Brake
 
 
 def plain_ring_only(brake: Brake, model: str) -> str | None:
-    """Reason why a `model` that takes plain rings only does not apply, or None."""
+    """Why a model that takes plain rings only does not apply to a brake; None if it applies.
+
+    `model` is the name of the model in the text.
+    """
     if brake.ring is None or brake.ring.is_plain:
         return None
     return (

@@ -1,6 +1,6 @@
 """The JSON schema of a brake file, made from the classes that read the file.
 
-Editors complete and check TOML with it.
+With the schema, text editors complete and check brake files as they are written.
 """
 
 import json
@@ -17,20 +17,28 @@ from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
+"""The version of JSON schema that the schema of brake files uses."""
+# The pattern matches the text of a quantity in a brake file: a number and some unit.
 QUANTITY = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?\s*[A-Za-zµμ°%1].*$"
 
 
 def quantity(si: str) -> dict[str, Any]:
-    """The schema of a text with a unit of the dimension of an SI unit."""
+    """The schema of a quantity: a text of a number and a unit of the same dimension as `si`."""
     said = f"{QUANTITY_NAMES[si]} with its unit, such as {EXAMPLES[si]!r}"
     return {"type": "string", "pattern": QUANTITY, "description": said, "examples": [EXAMPLES[si]]}
 
 
 class UnitSchema(GenerateJsonSchema):
-    """A generator of schemas in which every quantity is a text with its unit, as in files."""
+    """Generator of JSON schemas in which every quantity is a text with its unit, as in files.
+
+    Without it pydantic describes the numbers in SI that the quantities are converted to.
+    """
 
     def function_before_schema(self, schema: Any) -> JsonSchemaValue:
-        """The schema of a field before its validator: of the input rather than of the result."""
+        """The schema of the data that a validator takes, in place of the data it returns.
+
+        pydantic calls this method for each field with a validator that precedes pydantic's own.
+        """
         found, function = super().function_before_schema(schema), schema["function"]["function"]
         if function is fields._from_polar:
             return {"anyOf": [found, _POLAR]}
@@ -39,6 +47,7 @@ class UnitSchema(GenerateJsonSchema):
         return found
 
 
+# The schema of a point in polar coordinates.
 _POLAR = {
     "type": "object",
     "description": "about the drum's centre, counter-clockwise from +x",
@@ -49,11 +58,18 @@ _POLAR = {
 
 
 def _with_units(found: JsonSchemaValue, si: str | None) -> JsonSchemaValue:
-    """The schema of a number or a table of numbers, which a file gives with units."""
+    """Convert the schema of numbers in SI to the schema of texts with units.
+
+    Parameters
+    ----------
+    found : schema of a number, of a table of numbers, or of a choice of both
+    si : SI unit of the number; None if any unit is allowed
+    """
     if "anyOf" in found:
         return {**found, "anyOf": [_with_units(part, si) for part in found["anyOf"]]}
     if found.get("type") == "number":
         return quantity(si) if si else {"type": "string", "pattern": QUANTITY}
+    # Any other schema is that of a table of numbers: rows of two quantities.
     row = {
         "type": "array",
         "items": {"type": "string", "pattern": QUANTITY},
@@ -68,9 +84,10 @@ def _with_units(found: JsonSchemaValue, si: str | None) -> JsonSchemaValue:
 
 
 def written(schema: Any) -> Any:
-    """Reduce a schema to what files have.
+    """Remove from a schema all entries that do not hold for TOML files, at every level.
 
-    Files have no defaults in SI, no titles made of names, and no null for a missing key.
+    These are defaults in SI units, titles that pydantic makes of Python's names, and the value
+    null, which TOML does not have.
     """
     if isinstance(schema, list):
         return [written(part) for part in schema if part != {"type": "null"}]
@@ -82,12 +99,12 @@ def written(schema: Any) -> Any:
         default_in_si = key == "default" and not isinstance(value, str | bool)
         if title_of_name or default_in_si:
             continue
-        # The keys below these two are names and not words of the schema.
+        # The keys below these two entries are names of fields and classes, which all stay.
         if key in {"properties", "$defs"}:
             found[key] = {name: written(part) for name, part in value.items()}
         else:
             found[key] = written(value)
-    # A choice of one is no choice.
+    # A choice that has one option left is replaced by this option.
     choices = found.get("anyOf", ())
     if len(choices) == 1:
         del found["anyOf"]
@@ -96,14 +113,14 @@ def written(schema: Any) -> Any:
 
 
 IN_FILES = re.compile(r'"(#/\$defs/)?(?:Drum(Brake|Lining|Shoe)|Arc(Body))"')
-"""Names of the classes that read a brake on a drum.
+"""Pattern of the names of the classes that read a brake on a drum.
 
-A schema calls them Brake, Lining, Shoe and Body; users' editors may rely on these names.
+The schema calls them Brake, Lining, Shoe and Body; editors of users may rely on these names.
 """
 
 
 def brake_schema() -> dict[str, Any]:
-    """The schema of a brake file, on a drum or on a plane."""
+    """The JSON schema of a brake file, for brakes on a drum and on a plane."""
     made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
     found = json.loads(IN_FILES.sub(r'"\1\2\3"', json.dumps(written(made))))
     return {

@@ -1,11 +1,13 @@
-"""Supports of a shoe (hinge, lever pivot, abutment, guide) and the rigid-body modes they leave.
+"""Supports of a shoe (hinge, lever pivot, abutment, guide) and the rigid-body motions they allow.
 
-A rigid-body motion of the plane is three numbers: dx, dy [m] and turn [rad] about the origin, the
-drum's centre or that of a plane's coordinates. The point x moves by (dx - turn y, dy + turn x).
+A rigid-body motion in the plane has three numbers: dx, dy [m] and turn [rad] about the origin. It
+displaces the point (x, y) by (dx - turn y, dy + turn x). The rigid-body modes of a shoe are the
+motions that its support allows.
 
-The support reactions do no work on the test modes of a shoe. The test modes equal the rigid-body
-modes unless friction acts at an abutment. Then the reaction leans away from the face's normal: the
-shoe slides along the face, and its test mode is square to the reaction.
+Equilibrium is written with test modes, on which the support reactions do no work. The test modes
+are equal to the rigid-body modes unless friction acts at an abutment. With friction the reaction
+leans away from the normal of the abutment's face: the shoe still slides along the face, but its
+test mode is perpendicular to the reaction.
 """
 
 import math
@@ -30,7 +32,7 @@ from drumlin.brake.components import Actuation
 from drumlin.brake.fields import Angle, Name, Part, Place, Point
 
 MAIN_SUPPORTS = ("hinge", "abutment", "guide")
-"""Keys of the supports of which a shoe has exactly one. A pivot comes on top of a hinge."""
+"""Keys of the supports; a shoe has exactly one of them. A pivot needs a hinge besides."""
 
 MOVES = {
     "hinge": "it turns about its hinge",
@@ -38,20 +40,24 @@ MOVES = {
     "abutment": "its foot slides on an abutment, it has no hinge",
     "guide": "it moves along a guide, it has no hinge",
 }
-"""How a shoe moves, in words of a refusal, by `Held.held_by`."""
+"""How a shoe moves on each support, for error messages, by `Held.held_by`."""
 
 UNHELD = 2
-"""Sense of an abutment's friction that leaves the abutment out, see `Held.freedoms`."""
+"""Value of `sense` by which `Held.freedoms` gives the motions of a shoe without its abutment."""
 
 STICKS = 1e-9
-"""Excess over the friction limit, relative to it, up to which a foot still sticks: round-off."""
+"""Relative excess of the friction at a sticking foot over its limit that counts as round-off.
+
+With a larger excess the foot does not stick.
+"""
 
 
 class Abutment(Part):
     """A face on which the shoe's foot slides.
 
-    The foot bears at `point`. `direction` [rad] is the face's normal, the direction of its force on
-    the foot without friction. Its friction coefficient `friction` opposes the slide.
+    The foot bears at `point`. `direction` [rad] is the direction of the face's normal, and of its
+    force on the foot without friction. `friction` is the friction coefficient between the foot and
+    the face.
     """
 
     point: Place
@@ -66,15 +72,15 @@ class Guide(Part):
 
 
 class Freedoms(NamedTuple):
-    """Rigid-body modes of a shoe.
+    """The k rigid-body modes of a shoe: the motions that its support allows.
 
     Attributes
     ----------
-    motions : (k, 3), the modes
+    motions : (k, 3), dx, dy and turn of each unit mode
     tests : (k, 3), test modes, on which the support reactions do no work
-    work : (k,), work of the actuation on the test modes [N m of a turn, N of a slide]
-    tip : (k,), motion of the actuation's point along its force in the modes [m]
-    names : (k,), "turn", "tilt" (about a pivot), "slide" or "off"
+    work : (k,), work of the actuation on each test mode [N m for a turn, N for a slide]
+    tip : (k,), displacement of the point of actuation along its force in each mode [m]
+    names : (k,), "turn" (about the pin), "tilt" (about a pivot), "slide" or "off" (the face)
     """
 
     motions: Floats
@@ -85,36 +91,45 @@ class Freedoms(NamedTuple):
 
 
 def turn_about(point: Point) -> Floats:
-    """Rigid-body motion (3,) of a unit turn about a point."""
+    """Rigid-body motion (3,), dx, dy and turn, of a rotation by 1 rad about a point."""
     return np.array([point.y, -point.x, 1.0])
 
 
 def slide_along(angle: float) -> Floats:
-    """Rigid-body motion (3,) of a unit slide in the direction `angle` [rad]."""
+    """Rigid-body motion (3,), dx, dy and turn, of a unit translation in a direction [rad]."""
     return np.array([math.cos(angle), math.sin(angle), 0.0])
 
 
 def work_on(motions: Floats, force: Floats, point: Floats) -> Floats:
-    """Work (k,) of a force (2,) [N] at a point (2,) [m] on rigid-body motions (k, 3)."""
+    """Work (k,) that a force (2,) [N] at a point (2,) [m] does on k rigid-body motions (k, 3)."""
     (x, y), (fx, fy) = point, force
     return motions @ np.array([fx, fy, x * fy - y * fx])
 
 
 def wrench(forces: Floats, points: Floats) -> Floats:
-    """Sum (3,) of forces (..., 2) [N] at points (..., 2) [m]: x, y and moment about the origin."""
+    """Resultant (3,) of forces (..., 2) [N] at points (..., 2) [m].
+
+    It has the components in x and y [N] and the moment about the origin [N m].
+    """
     moments = points[..., 0] * forces[..., 1] - points[..., 1] * forces[..., 0]
     return np.array([forces[..., 0].sum(), forces[..., 1].sum(), moments.sum()])
 
 
 def moved(motions: Floats, xy: Floats) -> Floats:
-    """Displacements (2, n, k) of the points xy (2, n) per unit of rigid-body motions (k, 3)."""
+    """Displacements (2, n, k) of the points xy (2, n) [m] in k rigid-body motions (k, 3)."""
     x, y = xy[..., None]
     dx, dy, turn = motions.T
     return np.array([dx - turn * y, dy + turn * x])
 
 
 class SupportChange(NamedTuple):
-    """Change of a shoe's rigid-body `motions` and `tests` (k, 3) with one number of its support."""
+    """Derivatives of a shoe's k modes with respect to one number of its support.
+
+    Attributes
+    ----------
+    motions : (k, 3), derivatives of the rigid-body modes
+    tests : (k, 3), derivatives of the test modes
+    """
 
     motions: Floats
     tests: Floats
@@ -123,10 +138,10 @@ class SupportChange(NamedTuple):
 class Held(Part):
     """A shoe with its name, its support and its actuation, on a drum or on a plane.
 
-    Its support is one of four. A `hinge` is a pin about which the shoe turns. With a `pivot`, the
+    There are four supports. A `hinge` is a pin about which the shoe turns. With a `pivot`, the
     hinge is the pin of a lever: the actuation acts on the lever, and the shoe turns about the pivot
-    at the lever's end. An `abutment` is a face on which the foot slides. A `guide` lets the shoe
-    move along one direction.
+    at the lever's end. An `abutment` is a face on which the foot of the shoe slides. A `guide` lets
+    the shoe move in one direction without turning.
     """
 
     name: Name
@@ -134,7 +149,7 @@ class Held(Part):
     pivot: Place | None = None
     abutment: Abutment | None = None
     guide: Guide | None = None
-    # A shoe behind a strut has this actuation until the strut gives another.
+    # A shoe that a strut pushes has this actuation until the strut gives it its line of action.
     actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
 
     @model_validator(mode="after")
@@ -151,20 +166,21 @@ class Held(Part):
                 f"{given[1]}: a shoe is held by one of {', '.join(MAIN_SUPPORTS)}, "
                 f"not by {' and '.join(given)}"
             )
+        # A pivot is no support of its own: it lies on a lever, which turns about the hinge.
         if self.pivot is not None and self.hinge is None:
             raise ValueError("pivot: is on a lever, whose pin is the hinge; hinge is missing")
         return self
 
     @property
     def held_by(self) -> str:
-        """The shoe's support: "hinge", "pivot", "abutment" or "guide"."""
+        """The kind of the shoe's support: "hinge", "pivot", "abutment" or "guide"."""
         if self.hinge is not None:
             return "hinge" if self.pivot is None else "pivot"
         return "guide" if self.abutment is None else "abutment"
 
     @property
     def pin(self) -> Point:
-        """The point from which moments and angles of the shoe count.
+        """The reference point of the shoe, from which its moments and angles count.
 
         It is the hinge, the foot on an abutment, or the point of actuation of a guided shoe.
         """
@@ -173,37 +189,40 @@ class Held(Part):
         return self.actuation.point if self.abutment is None else self.abutment.point
 
     def under(self, force: float) -> Self:
-        """The shoe under another force [N] of its actuation."""
+        """A copy of the shoe whose actuation has another force [N]."""
         actuation = self.actuation.model_copy(update={"force": force})
         return self.model_copy(update={"actuation": actuation})
 
     @property
     def bearing(self) -> Floats:
-        """Unit vector (2,) of the force of a smooth abutment on the foot."""
+        """Unit vector (2,) of the force that an abutment without friction exerts on the foot."""
         assert self.abutment is not None
         return np.array([math.cos(self.abutment.direction), math.sin(self.abutment.direction)])
 
     @property
     def senses(self) -> tuple[int, ...]:
-        """Possible senses of the friction at the support, see `freedoms`, in the order of trial."""
+        """Senses of the abutment's friction to try in a solve, in this order; see `freedoms`.
+
+        A support without friction has the sense 1 only.
+        """
         return (1, -1, 0) if self.abutment is not None and self.abutment.friction > 0 else (1,)
 
     def stands(self, reaction: Floats, sense: int, slide: float) -> bool:
-        """Whether an abutment can give a reaction on the foot.
+        """Whether an abutment can exert a given reaction on the foot.
 
-        It can if it presses on the foot and its friction opposes the slide, or holds the foot. A
-        shoe without abutment always stands.
+        It can if it presses on the foot, and if its friction opposes the slide of the foot or is
+        large enough to hold it. For a shoe without abutment the result is always True.
 
         Parameters
         ----------
         reaction : (2,), force on the foot [N]
-        sense : of the friction, as of `freedoms`
-        slide : of the foot along the face, in any unit
+        sense : assumed sense of the friction, as in `freedoms`
+        slide : slide of the foot along the face, in any unit; only its sign counts
         """
         if self.abutment is None:
             return True
         c, s = self.bearing
-        # The parts of the reaction along the normal of the face and along the face.
+        # These are the components of the reaction normal to the face and along the face.
         bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
         if bearing <= 0 or self.abutment.friction == 0:
             return bearing > 0
@@ -213,14 +232,17 @@ class Held(Part):
         return sense * slide <= 0
 
     def freedoms(self, sense: int = 1) -> Freedoms:
-        """Rigid-body modes of the shoe.
+        """The rigid-body modes of the shoe.
 
-        The `sense` of an abutment's friction is +1 along the normal turned by +90 deg, -1 against
-        it, and 0 if the foot sticks. With UNHELD the abutment is left out: the foot may slide and
-        come off its face.
+        Parameters
+        ----------
+        sense : sense of the friction of an abutment on the foot. It is +1 in the direction of the
+            face's normal turned by +90 deg, -1 in the opposite direction, and 0 if the foot sticks.
+            With UNHELD the abutment is left out: the foot may slide and leave the face. Other
+            supports ignore it.
         """
         at = self.actuation.point.xy
-        # Every shoe but a guided one turns about its pin; a second mode follows from its support.
+        # Every shoe except a guided one turns about its pin. A lever or an abutment adds a mode.
         motions, names = [turn_about(self.pin)], ["turn"]
         if self.guide is not None:
             motions, names = [slide_along(self.guide.direction)], ["slide"]
@@ -230,12 +252,13 @@ class Held(Part):
         tests = list(motions)
         if self.abutment is not None and sense != 0:
             along = self.abutment.direction + math.pi / 2
-            # Friction turns the test mode, so that it stays square to the reaction.
+            # Friction rotates the test mode by the friction angle, so that it stays perpendicular
+            # to the reaction.
             leaning = (sense != UNHELD) * sense * math.atan(self.abutment.friction)
             motions.append(slide_along(along))
             tests.append(slide_along(along + leaning))
             names.append("slide")
-        # A foot without its face also moves along the normal of the face.
+        # Without the abutment the foot also moves along the normal of the face.
         if self.abutment is not None and sense == UNHELD:
             motions.append(slide_along(self.abutment.direction))
             tests.append(motions[-1])
@@ -243,43 +266,49 @@ class Held(Part):
         moved, tested = np.array(motions), np.array(tests)
         work = work_on(tested, self.actuation.vector, at)
         tip = work_on(moved, self.actuation.direction_vector, at)
-        # With a pivot the actuation acts on the lever, and does no work as the shoe tilts.
+        # With a pivot the actuation acts on the lever. It does no work as the shoe tilts about it.
         if self.pivot is not None:
             work[1] = tip[1] = 0.0
         return Freedoms(moved, tested, work, tip, tuple(names))
 
     def changes(self, sense: int = 1) -> dict[str, tuple[SupportChange, ...]]:
-        """Exact changes of the rigid-body modes with the support, by key.
+        """Exact derivatives of the rigid-body modes with respect to the data of the support.
 
-        Points change along x and y [per m], directions [per rad], friction [per 1]. The modes are
-        linear in points. The `sense` is as of `freedoms`.
+        The result has a tuple by the key of each datum: for a point two derivatives, along x and y
+        [per m], for a direction one [per rad], for a friction coefficient one. The modes depend
+        linearly on the points. `sense` is the sense of the friction, as in `freedoms`.
         """
         k = len(self.freedoms(sense).names)
 
-        def both(row: int, change: Floats) -> SupportChange:
-            """An equal change of motion and test mode `row`."""
+        def equal_changes(row: int, change: Floats) -> SupportChange:
+            """The same derivative (3,) of the rigid-body mode and of the test mode `row`."""
             return SupportChange(_change_of_mode(k, row, change), _change_of_mode(k, row, change))
 
-        def point(row: int) -> tuple[SupportChange, ...]:
-            """The changes of mode `row`, a turn about a point, as the point moves along x and y."""
-            return both(row, np.array([0.0, -1.0, 0.0])), both(row, np.array([1.0, 0.0, 0.0]))
+        def changes_with_point(row: int) -> tuple[SupportChange, ...]:
+            """Derivatives of mode `row`, a turn about a point, as the point moves in x and y."""
+            along_x = equal_changes(row, np.array([0.0, -1.0, 0.0]))
+            along_y = equal_changes(row, np.array([1.0, 0.0, 0.0]))
+            return along_x, along_y
 
         if self.guide is not None:
-            return {"guide.direction": (both(0, slide_along(self.guide.direction + math.pi / 2)),)}
+            # The derivative of a unit vector by its angle is the vector turned by 90 deg.
+            turned = slide_along(self.guide.direction + math.pi / 2)
+            return {"guide.direction": (equal_changes(0, turned),)}
         if self.abutment is None:
-            return {"hinge": point(0)} | ({} if self.pivot is None else {"pivot": point(1)})
-        found = {"abutment.point": point(0)}
-        # If the foot sticks, the direction of its face does not matter.
+            of_hinge = {"hinge": changes_with_point(0)}
+            return of_hinge if self.pivot is None else {**of_hinge, "pivot": changes_with_point(1)}
+        found = {"abutment.point": changes_with_point(0)}
+        # If the foot sticks, the modes do not depend on the direction of the face.
         if sense == 0:
             return found
-        # Friction leans the test mode by its angle; the motion stays along the face.
+        # The test mode is rotated by the friction angle, the motion stays along the face. The
+        # derivative of each with respect to the face's direction is perpendicular to it.
         mu, along = self.abutment.friction, self.abutment.direction + math.pi / 2
         tested = slide_along(along + sense * math.atan(mu) + math.pi / 2)
         of_motion = slide_along(along + math.pi / 2)
-        of_direction = SupportChange(
-            _change_of_mode(k, 1, of_motion), _change_of_mode(k, 1, tested)
-        )
-        found["abutment.direction"] = (of_direction,)
+        change_of_motion = _change_of_mode(k, 1, of_motion)
+        change_of_test = _change_of_mode(k, 1, tested)
+        found["abutment.direction"] = (SupportChange(change_of_motion, change_of_test),)
         if mu > 0:
             of_test = _change_of_mode(k, 1, sense * tested / (1 + mu**2))
             found["abutment.friction"] = (SupportChange(np.zeros((k, 3)), of_test),)
@@ -287,7 +316,10 @@ class Held(Part):
 
 
 def _absolute_mesh_path(mesh: Path | None, info: ValidationInfo) -> Path | None:
-    """The path from the brake file's folder; the file there is protected from being written."""
+    """Make the path of a mesh file absolute; relative paths start from the brake file's folder.
+
+    The mesh file is protected from being overwritten. Without a brake file the path stays.
+    """
     base = (info.context or {}).get("base")
     if mesh is None or base is None:
         return mesh
@@ -296,7 +328,10 @@ def _absolute_mesh_path(mesh: Path | None, info: ValidationInfo) -> Path | None:
 
 
 def _read_group_names(value: object, read: ValidatorFunctionWrapHandler) -> object:
-    """Read the names or numbers of a group in a mesh file. Raises ValueError for other data."""
+    """Read the names or numbers of a group of elements in a mesh file.
+
+    `read` is pydantic's own reader. Raises ValueError with a plain message for other data.
+    """
     try:
         return read(value)
     except ValidationError as error:
@@ -308,11 +343,17 @@ def _read_group_names(value: object, read: ValidatorFunctionWrapHandler) -> obje
 GroupNames = Annotated[
     Name | StrictInt | tuple[Name | StrictInt, ...] | None, WrapValidator(_read_group_names)
 ]
-"""How a mesh file calls a group: a name, a number, several of them, or as drumlin does."""
+"""How a mesh file calls a group of elements: a name, a number, or several of them.
+
+With None the group has the name that drumlin gives it.
+"""
 
 
 class MeshGroups(Part):
-    """The names or numbers that a mesh file has for the groups of a shoe; None: drumlin's name."""
+    """The names or numbers of a shoe's groups of elements or nodes in its mesh file.
+
+    A group without an entry has the name of its key here.
+    """
 
     lining: GroupNames = None
     backing: GroupNames = None
@@ -323,7 +364,7 @@ class MeshGroups(Part):
     actuation: GroupNames = None
 
     def names_of(self, group: str) -> list[str]:
-        """The names in the file, in lower case, of one of drumlin's groups."""
+        """The names, in lower case, that the mesh file has for one of drumlin's groups."""
         given = getattr(self, group)
         if given is None:
             return [group]
@@ -332,16 +373,17 @@ class MeshGroups(Part):
 
     @property
     def given(self) -> list[str]:
-        """The groups of drumlin for which a brake file gives names of the mesh file."""
+        """The groups for which the brake file gives other names or numbers than drumlin's."""
         return [group for group in type(self).model_fields if getattr(self, group) is not None]
 
 
 class Meshed(Held):
     """A shoe that may have a mesh file, `mesh`, in place of the parametric mesh.
 
-    The coordinates of the mesh are the brake's, or those of the shoe's own `frame`: then a shoe and
-    its mirror image can share a file. `mesh_interference` states that a contact line deep in the
-    drum or the plane is intended. `groups` are the names or numbers of its groups in the file.
+    The coordinates of the mesh are those of the brake, or those of the shoe's own `frame`: then a
+    shoe and its mirror image can share a file. `mesh_interference` states that a contact line deep
+    inside the drum or the plane is intended. `groups` are the names or numbers of the groups of
+    elements in the mesh file.
     """
 
     mesh: Annotated[Path | None, AfterValidator(_absolute_mesh_path)] = None
@@ -352,7 +394,7 @@ class Meshed(Held):
 
     @model_validator(mode="after")
     def _check_mesh_keys(self) -> Self:
-        """Raise ValueError for keys that only a shoe with a mesh file may have."""
+        """Raise ValueError if a shoe without mesh file has a key about a mesh file."""
         for key in ("mesh_unit", "mesh_frame", "mesh_interference", "groups"):
             if self.mesh is None and getattr(self, key) != type(self).model_fields[key].default:
                 raise ValueError(
@@ -362,28 +404,30 @@ class Meshed(Held):
 
 
 def _change_of_mode(count: int, row: int, change: Floats) -> Floats:
-    """Changes (count, 3) of several modes of which only mode `row` changes."""
+    """Derivatives (count, 3) of `count` modes, zero except for mode `row`, which has `change`."""
     found = np.zeros((count, 3))
     found[row] = change
     return found
 
 
 def check_motions(key: str, shoe: Held, columns: slice) -> None:
-    """Raise ValueError if two rigid-body modes of a shoe close its gap alike.
+    """Raise ValueError if the two rigid-body modes of a shoe close its gap in the same way.
 
-    Then nothing holds one of the modes.
+    A combination of the two modes would then leave the gap unchanged, so that contact could not
+    stop it.
 
     Parameters
     ----------
-    key : of the shoe in the message
+    key : key of the shoe in the message
     shoe : the shoe
-    columns : columns of a motion that close the gap: dx and dy on a drum, dy and turn on a plane
+    columns : components of a motion that close the gap: dx and dy on a drum, dy and turn on a plane
     """
     closing = shoe.freedoms().motions[:, columns]
-    # A shoe with one mode has no second mode that could be like it.
+    # Two modes close the gap in the same way if these components are proportional.
     if len(closing) != 2:
         return
     lengths = np.linalg.norm(closing, axis=1)
+    # A small determinant, relative to the lengths of the two rows, shows that they are parallel.
     if abs(np.linalg.det(closing)) <= 1e-6 * np.prod(lengths):
         what = (
             "pivot: the lever's pin"

@@ -1,29 +1,28 @@
-"""The surface on which a brake runs, a drum or a plane: its coordinate, geometry and words.
+"""The friction surface of a brake, a drum or a plane: its coordinate, geometry and words.
 
-There is one class `Brake` and one class `Shoe`. They, or their `surface` DRUM or PLANE, know the
-differences between a drum and a plane. Nothing outside `drumlin.brake` looks at the class of a
-brake.
+One class `Brake` and one class `Shoe` serve both kinds of surface. The differences between a drum
+and a plane are in the subclasses of these two classes and in the constants DRUM and PLANE. No
+module outside `drumlin.brake` asks for the class of a brake.
 
-The coordinate q counts along the surface: the angle theta [rad] on a drum, the place x [m] on a
-plane. Linings, tables of clearances, pressures and contact arcs of a shoe are given in q. Three
-numbers of a brake tie q to lengths:
+The coordinate q counts along the surface: it is the angle theta [rad] on a drum and x [m] on a
+plane. Ends of linings, tables of clearances, pressures and contact arcs of a shoe are given in q.
+Three numbers of a brake relate q to lengths:
 
-- `Brake.scale_factor` is ds/dq, the length of the surface per unit of q: the radius R on a drum, 1
-  on a plane. By virtual work it is also the effect of the brake per friction force. The effect is
-  conjugate to q: a torque on a drum, a braking force on a plane.
-- `Brake.size` [m] is the length to which others are relative, and with which bodies are compared: R
-  on a drum, the length of the first lining on a plane.
-- `ShoeFrame.unit` is q per unit of phi. Finite elements use phi = s/size, the coordinate of a
-  shoe's own frame. On a drum phi is an angle and the unit is 1; on a plane phi is a length in
-  sizes.
+- `Brake.scale_factor` is ds/dq, the length along the surface per unit of q: the radius R on a drum,
+  1 on a plane. By virtual work it also converts a friction force to the effect of the brake, which
+  is a torque on a drum and a braking force on a plane.
+- `Brake.size` [m] is the reference length of the brake: R on a drum, the length of the first lining
+  on a plane.
+- `ShoeFrame.unit` is the change of q per unit of phi. The coordinate phi = s/size belongs to the
+  frame of a shoe, and the finite elements use it. On a drum phi is an angle and the unit is 1. On a
+  plane phi is a length divided by the size.
 
-`ShoeFrame.theta` and `ShoeFrame.phi` convert between q and phi, so that a response needs no
-conversion. A `Shoe` knows the rest of the geometry: where its frame lies, and how its points and
-depths lie to the surface. Formulas that hold on one surface only refuse the other surface by its
-`word`: those of the laws of hinged shoes and of the foundation model.
+`ShoeFrame.theta` and `ShoeFrame.phi` convert between q and phi. The results of all models are in q.
+A `Shoe` has the rest of the geometry: where its frame lies, and how far its points are from the
+surface. The laws of hinged shoes and the foundation model hold on a drum only: they refuse a plane.
 
-A brake file has two shapes of data, one with [drum] and one with [plane]. `DrumBrake` and
-`FlatBrake` are these two shapes. They are named where a file is read, and nowhere else.
+A brake file has either a table [drum] or a table [plane]. `DrumBrake` and `FlatBrake` are the
+classes for these two kinds of file. Only the code that reads files uses them by name.
 """
 
 import math
@@ -38,30 +37,33 @@ from drumlin.brake.units import deg, mm
 
 @dataclass(frozen=True)
 class FrictionSurface:
-    """The units and words of a surface, and its geometry.
+    """The geometry of a friction surface, and its units and words in outputs.
+
+    The effect of a brake is its torque on a drum, and its braking force on a plane.
 
     Parameters
     ----------
-    word : what the surface is called
-    moving : what moves
-    moves : that it moves, before a direction
-    sense : a direction as a table of results has it, with {} for the direction
-    coordinate : the name of the coordinate q
-    unit : its SI unit
-    shown_unit : the unit in which a person sees q
-    shown : how many of that unit are one SI unit
-    place : a value of q in words
-    axis, figure_axis, page_axis : label of an axis of q in a session, in a report, in the explorer
-    moved : how far the surface has moved, in a word
-    held : what holds it, in a word
-    effect : what a brake does to the surface
-    effect_unit : the unit of the effect
-    symbol : the sign of the effect in a derivative
-    key : the effect as the key of a table
-    short : the effect in a narrow column of text
-    heading : the head of a narrow column with the effect and its unit
-    factor : what a brake factor is the ratio of
-    period : a full turn in q, after which places repeat; 0 where they never do
+    word : name of the surface, "drum" or "plane"
+    moving : name of the body that moves, "drum" or "body"
+    moves : words before the direction of motion, such as "drum turns"
+    sense : pattern for the direction of motion in tables of results; {} stands for the direction
+    coordinate : name of the coordinate q along the surface, "theta" or "x"
+    unit : SI unit of q
+    shown_unit : unit in which q is shown to people
+    shown : factor that converts q from the SI unit to the shown unit
+    place : function that writes a value of q with its unit
+    axis, figure_axis, page_axis : labels of an axis of q in a Python session, in a report and in
+        the explorer
+    moved : word for the motion of the surface, "rotation" or "slide"
+    held : word for the load that holds the surface, "moment" or "force"
+    effect : word for the effect, "torque" or "braking force"
+    effect_unit : SI unit of the effect
+    symbol : letter for the effect in formulas
+    key : key of the effect in tables
+    short : word for the effect in a narrow column of text
+    heading : heading of a narrow column for the effect, with the unit
+    factor : formula of the brake factor
+    period : change of q by a full turn, 2 pi on a drum; 0 on a plane, which has no turns
     """
 
     word: str
@@ -89,44 +91,56 @@ class FrictionSurface:
 
     @property
     def straight(self) -> bool:
-        """Whether the surface is a plane: its normal is the same everywhere."""
+        """Whether the surface is a plane and not a drum."""
         return self.period == 0
 
     def unlike(self, other: "FrictionSurface") -> str | None:
-        """Text of a refusal that the surface is not the wanted `other`; None if it is."""
+        """Text for an error message that the shoes do not press on the surface `other`.
+
+        It is None if this surface is `other`.
+        """
         return None if self == other else f"its shoes press on a {self.word}, not on a {other.word}"
 
     def along(self, q: Floats) -> Floats:
-        """Unit vectors (2, ...) along growing q at the places q."""
+        """Unit tangents (2, ...) of the surface at the coordinates q, towards growing q."""
         if self.straight:
             return np.array([np.ones(np.shape(q)), np.zeros(np.shape(q))])
         return np.array([-np.sin(q), np.cos(q)])
 
     def outwards(self, q: Floats) -> Floats:
-        """Unit normals (2, ...) of an internal lining at the places q, into the surface."""
+        """Unit normals (2, ...) of the surface at the coordinates q.
+
+        They point from an internal lining into the drum, or from a lining into the plane.
+        """
         if self.straight:
             return np.array([np.zeros(np.shape(q)), -np.ones(np.shape(q))])
         return np.array([np.cos(q), np.sin(q)])
 
     def levers(self, q: Floats, size: float) -> Floats:
-        """Moments (2, ...) [m] about the origin of unit forces `outwards` and `along` at q."""
+        """Moments (2, ...) [m] about the origin of unit forces on the surface at the coordinates q.
+
+        The first row is for unit forces along the normals that `outwards`
+        gives, the second row for unit forces along the surface. `size` [m] is the drum's radius.
+        """
         zero = np.zeros(np.shape(q))
         if self.straight:
             return np.array([-np.asarray(q), zero])
         return np.array([zero, zero + size])
 
     def turns(self, twice: float) -> float:
-        """Whole turns, in q, nearest to half of `twice`.
+        """The multiple of a full turn, in q, that is nearest to half of `twice`; 0 on a plane.
 
-        For two linings `twice` is the sum of the ends of the first less that of the second.
+        It tells by how many turns two linings are given apart from each other. Then `twice` is the
+        sum of the two ends of the first lining minus that of the second lining.
         """
         return 0.0 if self.straight else self.period * round(twice / (2 * self.period))
 
     def nearest(self, q: float, middle: float) -> float:
-        """The place q, moved by whole turns, that is nearest to `middle`."""
+        """The coordinate q plus the whole turns that bring it nearest to `middle`."""
         return q if self.straight else middle + math.remainder(q - middle, self.period)
 
 
+# The friction surface of every brake on a drum.
 DRUM = FrictionSurface(
     word="drum",
     moving="drum",
@@ -151,6 +165,7 @@ DRUM = FrictionSurface(
     factor="T/(F R)",
     period=2 * math.pi,
 )
+# The friction surface of every brake on a plane.
 PLANE = FrictionSurface(
     word="plane",
     moving="body",

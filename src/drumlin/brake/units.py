@@ -1,6 +1,6 @@
-"""Convert quantities as people write them ("150 mm", "2 kN") to SI numbers, and back.
+"""Convert quantities as people write them ("150 mm", "2 kN") to numbers in SI units, and back.
 
-Inside drumlin every number is in m, N, Pa and rad. Only this module converts.
+All other modules of drumlin work with numbers in m, N, Pa and rad.
 """
 
 import functools
@@ -11,9 +11,9 @@ from typing import Any
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import LONGEST_QUANTITY
 
-# A quantity is a number and a unit. A unit is words with one-digit powers, joined by blank, * or /;
-# the last denominator may be in brackets. Nothing else reaches pint, which would evaluate m^9^9^9
-# for ever.
+# A quantity is a number and a unit. A unit consists of words, each with a power of one digit at
+# most, joined by a blank, * or /. The last denominator may be in brackets. Other texts are refused
+# before pint sees them, because pint would evaluate a unit such as m^9^9^9 for ever.
 _WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
 _UNIT = (
     rf"(?:1 ?/ ?)?{_WORD}(?:[ */]{{1,3}}{_WORD}){{0,5}}"
@@ -24,14 +24,18 @@ _QUANTITY = re.compile(
 )
 
 LARGEST_NUMBER_SI = 1e30
-"""Largest number of a brake in SI units. No brake needs more, and products stay finite."""
+"""Largest number of a brake in SI units; a larger number is refused.
 
-SMALLEST = 1e-30
-"""Smallest size of a number of a brake in SI units; a smaller number counts as 0.
-
-Squares of smaller numbers would vanish while the numbers would not.
+No brake needs a larger number, and products of such numbers stay finite.
 """
 
+SMALLEST = 1e-30
+"""Smallest absolute value of a number of a brake in SI units; a smaller number is set to 0.
+
+The square of a much smaller number would be rounded to 0 although the number is not 0.
+"""
+
+# Error messages show these examples of a quantity, by its SI unit.
 EXAMPLES = {
     "m": "8 mm",
     "N": "2 kN",
@@ -41,6 +45,7 @@ EXAMPLES = {
     "N m^2": "12 MN m^2",
     "1/Pa": "1e-5 mm^3/(N m)",
 }
+# Error messages call a quantity by these names, by its SI unit.
 QUANTITY_NAMES = {
     "m": "a length",
     "N": "a force",
@@ -50,8 +55,8 @@ QUANTITY_NAMES = {
     "N m^2": "a bending stiffness",
     "1/Pa": "a wear coefficient",
 }
-# Factors to SI of the units of most files, which then need no pint. The tests compare the factors
-# with pint's.
+# These factors convert the usual units to SI, so that most files are read without loading pint. The
+# tests compare them with the factors of pint.
 COMMON = {
     "m": {"m": 1.0, "mm": 1e-3},
     "N": {"N": 1.0, "kN": 1e3},
@@ -62,7 +67,10 @@ COMMON = {
 
 @functools.cache
 def _registry() -> Any:
-    """The units of pint. It takes 0.25 s to load, and only files with other units need it."""
+    """The units that the package pint knows.
+
+    pint takes 0.25 s to load. It is loaded only for a unit that is not in COMMON.
+    """
     import pint  # noqa: PLC0415
 
     return pint.UnitRegistry()
@@ -70,18 +78,24 @@ def _registry() -> Any:
 
 @functools.cache
 def _factor(unit: str, si: str) -> float:
-    """Factor from `unit` to the SI unit `si`; raises ValueError if it measures something else."""
+    """Factor that converts a number in `unit` to the SI unit `si`.
+
+    Raises ValueError if `unit` is unknown or has another dimension than `si`.
+    """
     common = COMMON.get(si, {}).get(unit.strip())
     return _factor_by_pint(unit, si) if common is None else common
 
 
 def _factor_by_pint(unit: str, si: str) -> float:
-    """The factor from `unit` to the SI unit `si`, from pint; ValueError as `_factor` raises."""
+    """Factor that converts a number in `unit` to the SI unit `si`, as the package pint knows it.
+
+    Raises ValueError if `unit` is unknown or has another dimension than `si`.
+    """
     registry = _registry()
     try:
         factor, base = registry.get_base_units(registry.parse_units(unit.strip()))
         si_factor, si_base = registry.get_base_units(si)
-    # pint raises errors of many kinds: undefined unit, token errors and others.
+    # pint raises exceptions of many classes for a unit that it cannot read.
     except Exception as error:
         raise ValueError(
             f"unknown unit {unit.strip()!r}; allowed: {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}"
@@ -92,19 +106,20 @@ def _factor_by_pint(unit: str, si: str) -> float:
 
 
 def to_si(value: object, si: str, *, unit_required: bool) -> float:
-    """Convert a quantity to a number in SI.
+    """Convert a quantity to a number in SI units.
 
     Parameters
     ----------
-    value : text with a unit, or a number in SI
+    value : a text with a unit, such as "8 mm", or a number in SI units
     si : the SI unit
     unit_required : whether a number without unit is refused
 
     Raises
     ------
     ValueError
-        with a line that says what is allowed
+        for another value, with a line that says what is allowed
     """
+    # A text is split into its number and its unit.
     if isinstance(value, str):
         if len(value) > LONGEST_QUANTITY:
             raise ValueError(
@@ -123,14 +138,18 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
         raise ValueError(f"has no unit; write {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     else:
         number = value
-    # The comparison is false for nan, and exact for an integer that is too large for a float.
+    # For nan the comparison is false, so that nan is refused. Python compares integers of any size
+    # exactly.
     if not abs(number) <= LARGEST_NUMBER_SI:
         raise ValueError(f"must be finite and at most {LARGEST_NUMBER_SI:g} in SI units")
     return float(number) if abs(number) >= SMALLEST else 0.0
 
 
 def quantity(key: str, text: str, si: str) -> float:
-    """Convert the text of an option to a number in SI; raises BadInput with one line."""
+    """Convert the text of a command's option to a number in SI units.
+
+    Raises BadInput for a text that is no such quantity; `key` is the option in the message.
+    """
     try:
         return to_si(text, si, unit_required=True)
     except ValueError as error:

@@ -16,28 +16,30 @@ from drumlin.brake.support import Held
 from drumlin.brake.units import COMMON, to_si
 
 INLINE = (Material, Orthotropic, Point, Misfit, Lobes, Table)
-"""Parts that are written in one line, in braces."""
+"""Classes of parts that a brake file has in one line, in braces, and not as a table of lines."""
 
 READABLE = {"m": ("mm", "m"), "rad": ("deg",), "Pa": ("GPa", "MPa"), "N": ("kN", "N")}
-"""Units that people read easily, by SI unit, in the order of trial."""
+"""Units for a written file, by SI unit. The first unit with a short and exact number is used."""
 
 
 def brake_text(brake: Part) -> str:
-    """The text of a brake file that reads as exactly this brake, without keys at their default.
+    """The text of a brake file from which exactly this brake is read again.
 
-    Paths of mesh files are written as they are in the brake, so that they are found from the same
-    folder. Raises BadInput for a path with bytes that are no UTF-8: no brake file can name it.
+    Keys with their default value are left out. Paths of mesh files are written as they are in the
+    brake: relative paths are valid from the current folder only. Raises BadInput for a path that is
+    no UTF-8, because a brake file cannot name it.
     """
     return "\n".join(_table(_as_given(brake), "")).strip() + "\n"
 
 
 def _as_given(brake: Part) -> Part:
-    """The brake without the forces that follow from its drive and its struts.
+    """The brake as its file describes it: without forces that follow from a drive or a strut.
 
-    A file must not repeat these forces.
+    A brake file must not give these forces. A force that follows from a drive is set to nan.
     """
     if not isinstance(brake, Brake) or not (brake.actuation or brake.links):
         return brake
+    # A strut gives a shoe its whole actuation, a drive gives it the force alone.
     pushed = {link.to for link in brake.links}
     shoes = []
     for shoe in brake.shoes:
@@ -51,10 +53,11 @@ def _as_given(brake: Part) -> Part:
 
 
 def _fields(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
-    """Key, value and field of each value that is not the default."""
+    """Key in the file, value and pydantic field of each value of a part that is no default."""
     for name, field in type(part).model_fields.items():
         value = getattr(part, name)
-        # The default of a force is for shoes under a drive, whose force is nan here.
+        # A force of nan follows from the drive and is left out. Any other force is written, even if
+        # it is the default 0.
         if isinstance(part, Actuation) and name == "force":
             if not math.isnan(value):
                 yield name, value, field
@@ -63,7 +66,11 @@ def _fields(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
 
 
 def _table(part: Part, path: str) -> Iterator[str]:
-    """The lines of a table: its own keys first, then the tables below it."""
+    """Lines of a part as a TOML table: first its own keys, then the tables of the parts in it.
+
+    `path` is the dotted name of the table; it is "" for the whole brake.
+    """
+    # TOML requires that the keys of a table precede the tables within it.
     below = []
     for key, value, field in _fields(part):
         parts = value if isinstance(value, tuple) else (value,)
@@ -72,17 +79,19 @@ def _table(part: Part, path: str) -> Iterator[str]:
             below.append((key, value))
         else:
             yield f"{key} = {_value(value, field)}"
+    # A tuple of parts, such as the shoes, becomes an array of tables, [[name]].
     for key, value in below:
         name = f"{path}.{key}" if path else key
         several = isinstance(value, tuple)
-        for item in value if several else (value,):
+        items = value if several else (value,)
+        for item in items:
             yield ""
             yield f"[[{name}]]" if several else f"[{name}]"
             yield from _table(item, name)
 
 
 def _value(value: Any, field: FieldInfo) -> str:
-    """The text of a value."""
+    """The text of a value of a part in TOML; `field` is the pydantic field, which has its unit."""
     if isinstance(value, Part):
         return _inline(value)
     if isinstance(value, bool):
@@ -91,6 +100,7 @@ def _value(value: Any, field: FieldInfo) -> str:
         return _quoted(str(value))
     if isinstance(value, tuple) and any(isinstance(item, Part) for item in value):
         return "[" + ", ".join(_inline(item) for item in value) + "]"
+    # The units of a table of numbers, or of a number, are found from the type of the field.
     kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     if isinstance(value, tuple):
         place, size = row_units_in(kind)
@@ -100,7 +110,10 @@ def _value(value: Any, field: FieldInfo) -> str:
 
 
 def _quoted(text: str) -> str:
-    """A text in quotes, with the escapes of JSON, which TOML takes, and one for DEL."""
+    """A text in quotes for TOML. Raises BadInput for a text that is no UTF-8.
+
+    The escape sequences are those of JSON, which TOML takes, and one for the character DEL.
+    """
     try:
         text.encode("utf-8")
     except UnicodeEncodeError as error:
@@ -111,18 +124,19 @@ def _quoted(text: str) -> str:
 
 
 def _inline(part: Part) -> str:
-    """The text of a part in one line."""
+    """The text of a part in TOML in one line: { key = value, ... }."""
     pairs = [f"{key} = {_value(value, field)}" for key, value, field in _fields(part)]
     return f"{{ {', '.join(pairs)} }}"
 
 
 def quantity_text(value: float, si: str) -> str:
-    """A number [SI] as a quoted text with a readable unit, which reads as exactly this number.
+    """A quantity as the quoted text of a brake file, such as "150 mm", exact to the last digit.
 
-    A pure number, with an empty unit `si`, is written without quotes.
+    `value` is the number in the SI unit `si`. A number without unit (`si` is "") has no quotes.
     """
     if not si:
         return repr(value)
+    # A readable unit is used only if reading the text gives exactly the same number.
     for unit in READABLE.get(si, ()):
         text = f"{value / COMMON[si][unit]:.12g} {unit}"
         if to_si(text, si, unit_required=True) == value and "e" not in text.split(maxsplit=1)[0]:
