@@ -3,10 +3,11 @@
     python -m drumlin_studies.width_error FIRST LAST [DEGREE]
 
 prints a line for each brake on a rigid drum that random_brake draws from the seeds FIRST to
-LAST - 1, and the table of estimated over true errors: by one width and by several, of brakes that
-plane stress misses by more than LEAST_JUDGED. The truth is the model of the width of the degree
-DEGREE (5) on the first level of the section. Plane stress on the same section is judged, so that
-the section's error cancels.
+LAST - 1, and two tables: of estimated over true errors, and of the true error that remains after
+the correction for the widths over the correction. The first table is by one width and by several.
+Both are of brakes that plane stress misses by more than LEAST_JUDGED. The truth is the model of the
+width of the degree DEGREE (5) on the first level of the section. Plane stress on the same section
+is judged, so that the section's error cancels.
 """
 
 import sys
@@ -22,6 +23,7 @@ from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
+from drumlin.fem.width.correction import REMAINING_SHARE, correct_for_widths
 from drumlin.fem.width.error import model_distance
 from drumlin.fem.width.functions import breaks_of
 from drumlin.fem.width.prepare import prepare_width, width_why_not
@@ -45,16 +47,22 @@ class WidthErrorRow(NamedTuple):
     title : of the brake
     widths : number of different widths of its parts, and of breaks beside a web
     true, estimated : relative errors by the names of JUDGED
+    remaining : true relative errors after the correction for the widths
     """
 
     title: str
     widths: int
     true: dict[str, float]
     estimated: dict[str, float]
+    remaining: dict[str, float]
 
     def ratio(self, name: str) -> float:
         """The estimated error over the true one."""
         return self.estimated[name] / self.true[name]
+
+    def remaining_share(self, name: str) -> float:
+        """The error that remains after the correction over the estimated error."""
+        return self.remaining[name] / self.estimated[name]
 
 
 def judged(brake: Brake, degree: int = TRUE_WIDTH_DEGREE) -> WidthErrorRow | str:
@@ -67,15 +75,19 @@ def judged(brake: Brake, degree: int = TRUE_WIDTH_DEGREE) -> WidthErrorRow | str
         points = singular_points_of(brake, response, error=LEVELS[0].error)
         plane = solve_prepared_model(prepare(brake, LEVELS[0], points), brake, start=response)
         scene = prepare_width(brake, LEVELS[0], degree, points)
-        true = model_distance(brake, plane, solve_prepared_model(scene, brake, start=response))
+        wide = solve_prepared_model(scene, brake, start=response)
+        corrected = correct_for_widths(brake, plane)
     except NoAnswer as error:
         return str(error)
+    true, remaining = model_distance(brake, plane, wide), model_distance(brake, corrected, wide)
     found = response.plane_stress_error
     assert found is not None
     if found.unknown or true.unknown:
         return f"estimate: {found.unknown or 'known'}; truth: {true.unknown or 'known'}"
     widths = max(len(breaks_of(shoe)) - 1 for shoe in brake.shoes)
-    return WidthErrorRow(brake.title, widths, dict(true.brake), dict(found.brake))
+    return WidthErrorRow(
+        brake.title, widths, dict(true.brake), dict(found.brake), dict(remaining.brake)
+    )
 
 
 def rows_of_seeds(first: int, last: int, degree: int) -> Iterator[WidthErrorRow | str]:
@@ -107,6 +119,26 @@ def table_of(rows: list[WidthErrorRow]) -> list[str]:
     return lines
 
 
+def remaining_table_of(rows: list[WidthErrorRow]) -> list[str]:
+    """Lines of the error that remains after the correction over the correction.
+
+    The last two columns are the part of the brakes within `REMAINING_SHARE`, and the part of the
+    brakes whose error the correction more than halves.
+    """
+    lines = ["error      brakes  share  half  90 %  95 %  most  within share  halved"]
+    for name in JUDGED:
+        own = [row for row in rows if row.true[name] > LEAST_JUDGED]
+        if not own:
+            continue
+        shares = [row.remaining_share(name) for row in own]
+        numbers = "  ".join(f"{value:4.2f}" for value in np.quantile(shares, [0.5, 0.9, 0.95, 1.0]))
+        within = np.mean([share <= REMAINING_SHARE[name] for share in shares])
+        halved = np.mean([row.remaining[name] < 0.5 * row.true[name] for row in own])
+        line = f"{name:10} {len(own):6}   {REMAINING_SHARE[name]:4.2f}  {numbers}"
+        lines.append(f"{line}  {within:12.0%}  {halved:6.0%}")
+    return lines
+
+
 def main() -> None:
     """Print the rows and the table of some seeds."""
     first, last, *degree = map(int, sys.argv[1:])
@@ -117,12 +149,14 @@ def main() -> None:
             continue
         rows.append(row)
         errors = ", ".join(
-            f"{name} {row.true[name]:.1e} x {row.estimated[name] / (row.true[name] or 1):.2f}"
+            f"{name} {row.true[name]:.1e} x {row.estimated[name] / (row.true[name] or 1):.2f}, "
+            f"corrected {row.remaining[name]:.1e}"
             for name in JUDGED
         )
         sys.stdout.write(f"{row.title} ({row.widths}): {errors}\n")
         sys.stdout.flush()
-    sys.stdout.write("\n".join(table_of(rows)) + "\n")
+    lines = [*table_of(rows), "", *remaining_table_of(rows)]
+    sys.stdout.write("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":
