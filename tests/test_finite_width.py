@@ -24,7 +24,7 @@ from drumlin.sweeps.cases import case_row
 from drumlin.sweeps.file import sweep_from_data
 from sections import t_section
 
-LINE = "after the correction for the widths: estimated error: "
+LINE = "error of plane stress after the correction for the widths: "
 
 
 def one_width(brake):

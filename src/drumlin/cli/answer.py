@@ -126,7 +126,7 @@ def _model_error_text(effect: str, response: "Response") -> str:
     names = {"torque": effect, "reaction": "hinge reaction"}
     subject = "error of plane stress itself"
     if found.corrected:
-        subject = "after the correction for the widths: estimated error"
+        subject = "error of plane stress after the correction for the widths"
     line = f"{subject}: p {found.brake['pressure']:.1e} (mean over the width)"
     for key, name in names.items():
         line += f", {name} {found.brake[key]:.1e}"
