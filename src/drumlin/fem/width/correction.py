@@ -31,8 +31,9 @@ The fraction holds for 95 % of the brakes for the torque, for 93 % for the mean 
 and for 95 % for the reactions. The brakes were 95 random ones of one and of several widths. The
 command was `python -m drumlin_studies.width_error 1000 1099`, whose truth is degree 5 across the
 width. Only errors of plane stress above 0.1 % were counted. The median fractions are 0.07, 0.21 and
-0.08; the largest are 1.6, 1.9 and 1.4. Larger values state errors that few brakes have, and smaller
-ones are exceeded more often.
+0.08; the largest are 1.6, 1.9 and 1.4. Where contraction and the bending of a table cancel in the
+torque, its correction is small, and its remaining error may exceed the fraction. Larger values
+state errors that few brakes have, and smaller values are exceeded more often.
 """
 CORRECTED_FORCES = (
     "torque",
