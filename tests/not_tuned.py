@@ -44,11 +44,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/preparation/meshes.py": {"MOST_LINING_ELEMENTS": MEMORY},
     "fem/substructure/body.py": {"FRAME": DEFINITION},
     "fem/substructure/elimination.py": {"LEAF_HALVINGS": SPEED},
-    "fem/preparation/finite_width.py": {
-        "PLANE_STRAIN_SHARE": "share that solid shoes show, whose difference is said with the answer",
-        "LARGEST_CHECKED_NU": "range that has been checked",
-        "TORQUE_DEVIATION": "measured error that is said",
-        "PRESSURE_DEVIATION": "measured error that is said",
+    "fem/width/correction.py": {
+        "REMAINING_SHARE": "measured error that is said",
     },
     "fem/width/error.py": {
         "COARSE_ENOUGH": "any number between 0.05 and 0.45 tells sections that miss the contact",

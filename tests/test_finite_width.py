@@ -1,211 +1,206 @@
-"""The correction for finite width: a flange on a foundation, a lining's plane strain."""
+"""The correction of plane stress for the widths of the shoes: how near it comes to solid shoes."""
 
 import json
+import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
+import drumlin as package
 from command_line import drumlin
-from drumlin.base.errors import BadInput
-from drumlin.brake.fields import Material
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
-from drumlin.fem.preparation import finite_width
-from drumlin.fem.solid import model
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
+from drumlin.fem.width import error
+from drumlin.fem.width.correction import corrected_shoe, pressure_in_contact
+from drumlin.fem.width.error import coarse_answers, model_distance
+from drumlin.fem.width.prepare import prepare_width
+from drumlin.response.balance import shoe_balance
 from drumlin.sweeps.cases import case_row
 from drumlin.sweeps.file import sweep_from_data
 from sections import t_section
 
-pytestmark = pytest.mark.slow
+LINE = "error of plane stress after the correction for the widths: "
 
 
-def by_differences(beta, reach, count=2000):
-    """Mean deflection of a flange on an elastic foundation, by cubic beam elements.
-
-    y'''' + 4 beta^4 y = 0 with y(0) = 1, y'(0) = 0, free at the reach; the mean follows from the
-    energy.
-    """
-    h = reach / count
-    bend = (
-        np.array(
-            [
-                [12, 6 * h, -12, 6 * h],
-                [6 * h, 4 * h * h, -6 * h, 2 * h * h],
-                [-12, -6 * h, 12, -6 * h],
-                [6 * h, 2 * h * h, -6 * h, 4 * h * h],
-            ]
-        )
-        / h**3
-    )
-    bed = (
-        h
-        / 420
-        * np.array(
-            [
-                [156, 22 * h, 54, -13 * h],
-                [22 * h, 4 * h * h, 13 * h, -3 * h * h],
-                [54, 13 * h, 156, -22 * h],
-                [-13 * h, -3 * h * h, -22 * h, 4 * h * h],
-            ]
-        )
-    )
-    size = 2 * count + 2
-    K = np.zeros((size, size))
-    area = np.zeros(size)
-    for i in range(count):
-        part = slice(2 * i, 2 * i + 4)
-        K[part, part] += bend + 4 * beta**4 * bed
-        area[part] += [h / 2, h * h / 12, h / 2, -h * h / 12]
-    y = np.zeros(size)
-    y[0] = 1.0
-    y[2:] = np.linalg.solve(K[2:, 2:], -K[2:, 0])
-    return area @ y / reach
+def one_width(brake):
+    return brake
 
 
-@pytest.mark.parametrize("turns", [0.3, 1.0, 2.5])
-def test_the_flange_is_a_beam_on_a_foundation(turns):
-    """With beta c = turns; D = 1, K = 4 beta^4."""
-    reach = 0.7
-    beta = turns / reach
-    found = finite_width.mean_pressure_under_flange(reach, 1.0, 4 * beta**4)
-    assert found == pytest.approx(by_differences(beta, reach, 150), rel=1e-5)
+def solid_answer(brake, plane, degree=5, level=LEVELS[1]):
+    """The answer of shoes with their widths on the second level of the section."""
+    points = singular_points_of(brake, plane, error=level.error)
+    return solve_prepared_model(prepare_width(brake, level, degree, points), brake, start=plane)
 
 
-def test_a_stiff_flange_presses_evenly_and_a_long_one_under_the_web():
-    assert finite_width.mean_pressure_under_flange(1.0, 1.0, 1e-12) == pytest.approx(1.0, abs=1e-9)
-    # The area under the curve of an infinite beam is 1/beta (Hetenyi).
-    for reach in (20.0, 60.0, 500.0):
-        assert finite_width.mean_pressure_under_flange(reach, 1.0, 4.0) == pytest.approx(
-            1 / reach, rel=1e-6
-        )
+def test_without_contraction_one_width_is_not_corrected(flexible):
+    changes = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
+    brake = vary(flexible, changes)
+    plane, found = solve(brake), solve(brake, finite_width=True)
+    assert max(model_distance(brake, plane, found).brake.values()) < 1e-9
+    assert max(found.plane_stress_error.brake.values()) < 1e-9
 
 
-@given(E=st.floats(1e6, 1e10), nu=st.floats(0.0, 0.49))
-def test_a_lining_lies_between_plane_stress_and_plane_strain(E, nu):
-    material = Material(E=E, nu=nu)
-    assert (
-        pytest.approx(E, rel=1e-12) == finite_width.material_between_plane_states(material, 0.0).E
-    )
-    # A layer that cannot contract has the modulus E/(1 - nu^2).
-    held = finite_width.material_between_plane_states(material, 1.0)
-    assert held.E / (1 - nu**2) == pytest.approx(E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), rel=1e-9)
-
-
-def test_it_halves_the_error_of_a_t_section_and_leaves_a_narrow_one_alone(flexible):
+def test_on_equal_sections_it_is_the_answer_with_the_widths(flexible):
     brake = t_section(flexible)
-    brake = vary(brake, {"shoe.backing.thickness": 2e-3})
-    true = model.solve(brake, elements=12).shoes[1].torque
-    plane, other = (
-        solve(each, elements=12).shoes[1].torque
-        for each in (brake, finite_width.correct_for_finite_width(brake))
-    )
-    assert plane / true - 1 > 0.01
-    assert abs(other / true - 1) < 0.4 * abs(plane / true - 1)
-    narrow = vary(flexible, dict.fromkeys(("shoe.lining.width", "shoe.body.width"), 4e-3))
-    assert finite_width.correct_for_finite_width(narrow) == narrow
+    answers = coarse_answers(brake, solve(brake, elements=12))
+    for i, (plane, wide) in enumerate(zip(*(each.shoes for each in answers), strict=True)):
+        found = corrected_shoe(brake, i, plane, answers)
+        assert plane.torque != pytest.approx(wide.torque, rel=1e-3)
+        assert found.pressure == pytest.approx(wide.pressure, abs=1e-12 * wide.peak_pressure)
+        for name in ("torque", "normal_force", "hinge_reaction", "peak_pressure"):
+            assert getattr(found, name) == pytest.approx(getattr(wide, name), rel=1e-12)
+        assert np.array(found.contact_arcs) == pytest.approx(np.array(wide.contact_arcs))
 
 
-def test_the_option_solves_the_corrected_brake_and_says_how_far_it_is_to_be_trusted(
-    root, flexible, tmp_path
-):
+def test_beyond_the_contact_the_coarse_pressure_is_zero(flexible):
+    """The polynomials of the coarse section oscillate beyond the end of the contact."""
+    wide = coarse_answers(flexible, solve(flexible, elements=12)).wide.shoes[1]
+    end = wide.contact_arcs[-1][1]
+    beyond = np.linspace(end, wide.theta[-1], 50)[1:]
+    assert np.abs(wide.pressure_at(beyond)).max() > 0
+    assert not pressure_in_contact(wide, beyond).any()
+    inside = np.linspace(wide.theta[0], 0.5 * (wide.theta[0] + end), 50)
+    assert pressure_in_contact(wide, inside) == pytest.approx(wide.pressure_at(inside))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("section", [one_width, t_section])
+def test_it_more_than_halves_the_error_and_states_what_remains(flexible, section):
+    brake = section(flexible)
+    plane, found = solve(brake), solve(brake, finite_width=True)
+    true = solid_answer(brake, plane)
+    without = model_distance(brake, plane, true).brake
+    remaining = model_distance(brake, found, true).brake
+    for name, size in remaining.items():
+        stated = found.plane_stress_error.brake[name] + found.error[name]
+        assert without[name] > 1e-3
+        assert size < 0.5 * without[name], name
+        assert size < stated, name
+        assert found.plane_stress_error.brake[name] < without[name], name
+
+
+@pytest.mark.slow
+def test_the_balance_is_that_of_the_corrected_pressure(flexible):
     brake = t_section(flexible)
-    plain, found = solve(brake, elements=12), solve(brake, elements=12, finite_width=True)
-    assert (
-        found.torque
-        == solve(finite_width.correct_for_finite_width(brake), elements=12).torque
-        != plain.torque
-    )
-    (note,) = set(found.notes) - set(
-        solve(finite_width.correct_for_finite_width(brake), elements=12).notes
-    )
-    factor = (
-        finite_width.lining_material_for_width(brake.shoes[0]).E / brake.shoes[0].lining.material.E
-    )
-    assert f"modulus of the lining times {factor:.3f};" in note and "within 1.5 %" in note
-    file, answers = root / "studies" / "plane_stress" / "brake.toml", []
-    for options in ((), ("--finite-width",)):
-        done = drumlin("solve", file, "--elements", "12", *options, "--json", tmp_path / "a.json")
-        assert done.returncode == 0
-        answers.append(json.loads((tmp_path / "a.json").read_text())["torque"])
-    assert answers == [
-        solve(read_brake(file), elements=12, finite_width=wide).torque for wide in (False, True)
-    ]
+    found = solve(brake, finite_width=True)
+    balances = [shoe_balance(brake, i, shoe) for i, shoe in enumerate(found.shoes)]
+    assert found.balance.force == max(each.force for each in balances)
+    assert found.balance.moment == max(each.moment for each in balances)
+    (note,) = [line for line in found.notes if line.startswith("corrected for the widths")]
+    assert f"balances to {found.balance.force:.1e} (force)" in note
+    assert not any("not quite as round" in line for line in found.notes)
+    # The pressure and the torque are corrected one by one, but by the same two answers.
+    assert 1e-9 < found.balance.force < 1e-3
+
+
+@pytest.mark.slow
+def test_a_solve_prints_what_remains_alone_and_with_the_error_of_the_mesh(root, tmp_path):
+    file = root / "studies" / "plane_stress" / "brake.toml"
+    done = drumlin("solve", file, "--finite-width", "--json", tmp_path / "a.json", "--verbose")
+    assert done.returncode == 0, done.stderr
+    text = " ".join(done.stdout.split())
+    data = json.loads((tmp_path / "a.json").read_text())
+    left, mesh = data["plane_stress_error"], data["error"]
+    assert left["corrected"] is True
+    assert left["peak"] is None
+    assert f"{LINE}p {left['pressure']:.1e} (mean over the width)" in text
+    assert f"both together: p {left['pressure'] + mesh['pressure']:.1e}" in text
+    assert "error of plane stress itself" not in text
+    assert "corrected for the widths of the shoes: torque by " in text
+    brake = read_brake(file)
+    plane = solve(brake, model_error=True)
+    assert data["torque"] == pytest.approx(solve(brake, finite_width=True).torque, rel=1e-9)
+    assert data["torque"] != pytest.approx(plane.torque, rel=1e-3)
+    for name in ("torque", "pressure", "reaction"):
+        assert 0 < left[name] < plane.plane_stress_error.brake[name]
+    assert "corrected" not in plane.plane_stress_error.as_dict()
 
 
 @pytest.mark.parametrize(
-    ("file", "changes", "said"),
+    ("file", "reason"),
     [
-        ("double_shoe/brake.toml", {"shoe.lining.material.nu": 0.46}, "lining.material.nu = 0.46"),
-        ("laws/pad.toml", {}, "its shoes press on a plane"),
+        ("studies/post_brake/brake.toml", "its drum is an elastic ring"),
+        ("meshes/double_shoe.toml", "a mesh of its own is a section without widths"),
     ],
 )
-def test_what_the_correction_does_not_cover_it_refuses(root, file, changes, said):
-    brake = (
-        vary(read_any(root / "studies" / file), changes)
-        if changes
-        else read_any(root / "studies" / file)
-    )
-    with pytest.raises(BadInput, match=f"--finite-width: does not apply to this brake: .*{said}"):
-        solve(brake, finite_width=True)
+def test_where_the_model_of_the_width_does_not_apply_it_is_refused(root, file, reason):
+    said = f"--finite-width: does not apply to this brake: .*{reason}"
+    with pytest.raises(BadInput, match=said):
+        solve(read_any(root / file), finite_width=True)
 
 
-def test_the_option_belongs_to_the_finite_elements(root):
+def test_where_the_coarse_section_has_no_answer_it_is_refused(brake, monkeypatch):
+    def refuse(*_, **__):
+        raise NoAnswer("no equilibrium")
+
+    monkeypatch.setattr(error, "prepare_width", refuse)
+    said = "--finite-width: the correction is not known: on a coarse section, .*no equilibrium"
+    with pytest.raises(NoAnswer, match=said):
+        solve(brake, elements=8, finite_width=True)
+
+
+@pytest.mark.slow
+def test_it_corrects_brakes_on_a_plane(root):
+    brake = read_any(root / "studies" / "brakes" / "rail_clamp.toml")
+    plane, found = solve(brake), solve(brake, finite_width=True)
+    assert found.effect == pytest.approx(plane.effect, rel=0.1)
+    sizes = model_distance(brake, plane, found).brake
+    assert sizes["pressure"] > found.plane_stress_error.brake["pressure"] > 1e-5
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"model_error": False}, "--no-model-error: --finite-width states the error that remains"),
+        ({"worn_in": True}, "--finite-width: does not apply to worn-in linings"),
+    ],
+)
+def test_options_that_contradict_it_are_refused(brake, options, said):
+    with pytest.raises(BadInput, match=said):
+        package.solve(brake, finite_width=True, **options)
+
+
+def test_the_option_belongs_to_the_finite_elements_and_to_answers(root):
+    file = root / "studies" / "double_shoe" / "brake.toml"
+    done = drumlin("solve", file, "--model", "sine", "--finite-width")
+    assert done.returncode == 2
+    assert "--finite-width belong to --model fem" in " ".join(done.stderr.split())
+    for command in ("wear", "hold", "sensitivity"):
+        done = drumlin(command, file, "--finite-width")
+        assert done.returncode == 2
+        assert "--finite-width" in done.stderr
+        assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.slow
+def test_a_comparison_takes_the_option_and_draws_plane_stress(root, flexible, tmp_path):
+    file = root / "studies" / "double_shoe" / "flexible.toml"
     done = drumlin(
-        "solve",
-        root / "studies" / "double_shoe" / "brake.toml",
-        "--model",
-        "sine",
-        "--finite-width",
+        "compare", file, "--elements", "8", "--finite-width", "--output", tmp_path / "report"
     )
-    assert done.returncode == 2 and "--finite-width belong to --model fem" in " ".join(
-        done.stderr.split()
-    )
-
-
-def test_what_else_is_done_with_a_brake_takes_the_corrected_one(root, flexible, tmp_path):
-    """Wear, the holding brake and a comparison start from the solve of the corrected brake."""
-    file, torque = root / "studies" / "double_shoe" / "flexible.toml", {}
-    wide = finite_width.correct_for_finite_width(flexible)
-    options = ("--elements", "8", "--finite-width", "--json", tmp_path / "a.json")
-    done = drumlin("wear", file, "--distance", "0.01", *options)
-    assert done.returncode == 0 and done.stdout.startswith(
-        "corrected for the finite width: modulus"
-    )
-    torque["wear"] = json.loads((tmp_path / "a.json").read_text())["states"][0]["torque"]
-    done = drumlin("compare", file, *options[:-2], "--output", tmp_path / "report")
-    assert done.returncode == 0 and "fem: corrected for the finite width" in " ".join(
-        done.stdout.split()
-    )
+    assert done.returncode == 0
+    assert "fem: corrected for the widths" in " ".join(done.stdout.split())
     (case,) = json.loads((tmp_path / "report" / "results.json").read_text())["cases"]
-    torque["compare"] = next(model["torque"] for model in case["models"] if model["model"] == "fem")
-    want = solve(wide, elements=8).torque
-    assert want != pytest.approx(solve(flexible, elements=8).torque, rel=1e-4)
-    assert torque == pytest.approx(dict.fromkeys(torque, want), rel=1e-4)
-    done = drumlin("hold", file, "--steps", "1", *options)
-    assert done.returncode == 0 and done.stdout.startswith(
-        "corrected for the finite width: modulus"
-    )
-    slopes = drumlin("sensitivity", file, "--finite-width")
-    assert (
-        slopes.returncode == 2
-        and "--finite-width" in slopes.stderr
-        and slopes.stderr.count("\n") == 1
-    )
-    done = drumlin("wear", file, "--model", "foundation", "--finite-width")
-    assert done.returncode == 2 and "--finite-width belong to --model fem" in " ".join(
-        done.stderr.split()
-    )
+    (torque,) = [model["torque"] for model in case["models"] if model["model"] == "fem"]
+    assert torque == pytest.approx(solve(flexible, elements=8, finite_width=True).torque)
+    assert (tmp_path / "report" / "fields.vtu").is_file()
 
 
-def test_a_sweep_takes_the_option(root, flexible):
+@pytest.mark.slow
+def test_a_sweep_takes_the_option_and_states_what_remains(root, flexible):
     file = str(root / "studies" / "double_shoe" / "flexible.toml")
     options = {"elements": 8, "finite_width": True}
-    cases = sweep_from_data(
-        {"brake": file, "model": {"fem": options}, "vary": {"friction": [0.2, 0.3]}}
+    (case,) = sweep_from_data(
+        {"brake": file, "model": {"fem": options}, "vary": {"friction": [0.2]}}
     ).cases
-    for case, friction in zip(cases, (0.2, 0.3), strict=True):
-        wide = finite_width.correct_for_finite_width(vary(flexible, {"friction": friction}))
-        assert case_row(case)["torque"] == solve(wide, elements=8).torque
+    row = case_row(case)
+    want = solve(vary(flexible, {"friction": 0.2}), elements=8, finite_width=True)
+    assert row["torque"] == pytest.approx(want.torque, rel=1e-12)
+    left = want.plane_stress_error.brake["torque"]
+    assert row["plane_stress_error_torque"] == pytest.approx(left, rel=1e-6)
+    assert math.isfinite(left)

@@ -143,7 +143,7 @@ def test_the_command_runs_a_brake_in_and_writes_all_states(tmp_path):
         (["--model", "sine"], "--model = 'sine': does not wear; allowed: fem, foundation"),
         (
             ["--model", "foundation", "--elements", "4"],
-            "--elements, --kind, --guided and --finite-width belong to --model fem",
+            "--elements, --kind and --guided belong to --model fem",
         ),
         (["--torque", "5"], "--torque = '5': must be a torque: a number and its unit"),
     ],

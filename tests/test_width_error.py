@@ -107,11 +107,6 @@ def test_on_one_mesh_it_stands_alone(root):
     [
         ("studies/post_brake/brake.toml", (), "its drum is an elastic ring"),
         ("meshes/double_shoe.toml", (), "a mesh of its own is a section without widths"),
-        (
-            "studies/double_shoe/brake.toml",
-            ("--finite-width", "--elements", "12"),
-            "the linings' moduli are corrected for the widths of the shoes",
-        ),
     ],
 )
 def test_where_it_is_not_known_a_line_says_why(root, file, options, why):

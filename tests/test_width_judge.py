@@ -1,17 +1,30 @@
 """The judge of the estimated error of plane stress on random brakes."""
 
+import numpy as np
 import pytest
 
 from drumlin.brake.file import read_brake, vary
-from drumlin_studies.width_error import WidthErrorRow, judged, table_of
+from drumlin.fem.width.correction import REMAINING_SHARE
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.width_error import (
+    LEAST_JUDGED,
+    WidthErrorRow,
+    judged,
+    remaining_table_of,
+    table_of,
+)
 from sections import t_section
 
 
-def row(widths, true, ratio):
+def row(widths, true, ratio, remaining=0.0):
     """A row whose three errors are `true`, and estimated as a multiple of it."""
     names = ("torque", "pressure", "reaction")
     return WidthErrorRow(
-        "t", widths, dict.fromkeys(names, true), dict.fromkeys(names, ratio * true)
+        "t",
+        widths,
+        dict.fromkeys(names, true),
+        dict.fromkeys(names, ratio * true),
+        dict.fromkeys(names, remaining * true),
     )
 
 
@@ -22,6 +35,15 @@ def test_the_table_counts_errors_that_matter():
     assert several.split()[:4] == ["several", "torque", "1", "2.00"]
 
 
+def test_the_table_of_corrected_answers_counts_errors_that_matter():
+    rows = [row(1, 1e-2, 1.0, 0.1), row(3, 1e-2, 1.0, 0.9), row(3, 1e-4, 1.0, 9.0)]
+    _, torque, *_ = remaining_table_of(rows)
+    name, brakes, share, half, *_, most, within, halved = torque.split()
+    assert [name, brakes, half, most] == ["torque", "2", "0.50", "0.90"]
+    assert 0.1 < float(share) < 0.9
+    assert within == halved == "50%"
+
+
 def test_a_brake_is_judged_on_its_own_section(flexible):
     found = judged(t_section(flexible), 3)
     assert isinstance(found, WidthErrorRow)
@@ -29,6 +51,7 @@ def test_a_brake_is_judged_on_its_own_section(flexible):
     for name, true in found.true.items():
         assert true > 1e-3
         assert 0.5 < found.ratio(name) < 2.0
+        assert 0 < found.remaining[name] < 0.5 * true
 
 
 def test_a_brake_without_an_estimate_is_a_line(root, flexible):
@@ -41,3 +64,18 @@ def test_a_brake_without_an_estimate_is_a_line(root, flexible):
 @pytest.mark.parametrize("name", ["torque", "pressure", "reaction"])
 def test_the_ratio_of_a_row_is_that_of_estimated_and_true(name):
     assert row(1, 2e-3, 1.25).ratio(name) == pytest.approx(1.25)
+
+
+@pytest.mark.slow
+def test_what_remains_after_the_correction_is_within_its_share_on_other_brakes():
+    """On brakes whose share of the correction was not used to choose the stated shares."""
+    kinds = ("arc", "backed", "rigid", "out of round")
+    brakes = [random_brake(seed, kinds[seed % 4]) for seed in range(3000, 3016)]
+    rows = [found for found in map(judged, brakes) if isinstance(found, WidthErrorRow)]
+    shares = []
+    for name, stated in REMAINING_SHARE.items():
+        own = [found for found in rows if found.true[name] > LEAST_JUDGED]
+        shares += [found.remaining_share(name) / stated for found in own]
+    assert len(shares) > 24
+    assert np.mean(np.array(shares) < 1) > 0.85
+    assert max(shares) > 0.5

@@ -100,29 +100,6 @@ def _in_si(option: str, value: float | str, unit: str) -> float:
     return quantity(option, value, unit) if isinstance(value, str) else value
 
 
-class _Corrected(NamedTuple):
-    """A brake whose lining moduli may be corrected for the finite widths of the shoes.
-
-    Attributes
-    ----------
-    brake : the brake, with corrected moduli if the correction was asked for
-    notes : lines for the user about the correction; empty without it
-    """
-
-    brake: Brake
-    notes: tuple[str, ...]
-
-
-def _corrected(brake: Brake, finite_width: bool) -> _Corrected:
-    """Correct the moduli of a brake's linings for the widths of the shoes if `finite_width`."""
-    if not finite_width:
-        return _Corrected(brake, ())
-    from drumlin.fem.preparation import finite_width as width
-
-    other = width.correct_for_finite_width(brake)
-    return _Corrected(other, (width.correction_note(brake, other),))
-
-
 def solve(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -151,10 +128,10 @@ def solve(
     kind : "quad2", "quad1", "tri2" or "tri1", the elements of the parametric mesh ("fem")
     penalty : contact stiffness as a multiple of E/t of the lining, up to inf ("fem", "solid")
     tolerance : relative error of p (L2) and of the torque that is to be reached ("fem", "solid")
-    finite_width : whether the linings' moduli are corrected for the widths of the shoes ("fem")
+    finite_width : whether the answer is corrected for the widths of the shoes ("fem")
     worn_in : whether the linings are worn until their pressure no longer changes ("fem")
-    model_error : whether the error of plane stress itself is estimated; not for worn-in linings
-        ("fem")
+    model_error : whether the error of plane stress itself is estimated, with `finite_width` the
+        error that remains; not for worn-in linings ("fem")
     across : number of elements over half the width of a lining ("solid")
     fields : path of a .vtu file for displacements and stresses in the shoes ("solid")
     sections : number of sections along each beam ("foundation")
@@ -199,6 +176,10 @@ def solve(
     # The model is checked before the options: an unknown model is the more helpful message.
     chosen = pick(model, whole)
     check_options(model, options)
+    if finite_width and worn_in:
+        raise BadInput("--finite-width: does not apply to worn-in linings")
+    if finite_width and not model_error:
+        raise BadInput("--no-model-error: --finite-width states the error that remains")
     if model == "fem" and model_error and not worn_in:
         options["model_error"] = True
     return chosen.solve(whole, **options)
@@ -228,7 +209,7 @@ def compare(
     kind : kind of the finite elements, see `solve`
     penalty : contact stiffness of the finite elements, see `solve`
     tolerance : relative error of the finite elements, see `solve`
-    finite_width : whether the linings' moduli are corrected, see `solve`
+    finite_width : whether the answer of the finite elements is corrected, see `solve`
 
     Returns
     -------
@@ -305,7 +286,6 @@ def wear(
     kind: str | None = None,
     sections: int | None = None,
     lift: Sequence[str] | None = None,
-    finite_width: bool = False,
     say: Say = _unheard,
 ) -> WearRun:
     """Wear the linings of a brake by Archard's law, as during running-in.
@@ -328,7 +308,6 @@ def wear(
     kind : kind of the finite elements, see `solve`
     sections : number of sections along each beam ("foundation")
     lift : simplifications of the foundation model to remove, see `solve`
-    finite_width : whether the linings' moduli are corrected, see `solve`
     say : function that is called with a line when the computation begins
 
     Returns
@@ -353,14 +332,14 @@ def wear(
     """
     from drumlin.lining_wear import linings, whole_brake
 
-    worn, notes = _corrected(_brake_of(brake), finite_width and model == "fem")
+    worn = _brake_of(brake)
     # Guided shoes are another brake, whose shoes are supported by guides.
     worn = linings.put_shoes_on_guides(worn) if guided else worn
     worn.check_meshable()
     on_mesh = _given(elements=elements, kind=kind)
     on_springs = _given(sections=sections, lift=lift)
     # Options that belong to the other model are refused.
-    only_mesh = on_mesh | _given(guided=guided, finite_width=finite_width)
+    only_mesh = on_mesh | _given(guided=guided)
     whole_brake.check_wear_options(model, only_mesh, on_springs)
     # The wear law, the torque to keep constant and the prepared models determine the computation.
     law = whole_brake.make_wear_law(coefficient, exponent)
@@ -375,7 +354,6 @@ def wear(
         reverse=reverse,
         torque=held,
         tolerance=tolerance,
-        notes=notes,
     )
 
 
@@ -386,12 +364,10 @@ class HoldingRun(NamedTuple):
     ----------
     brake : the brake that was solved
     states : state at each angle of rotation, beginning at rest
-    notes : lines for the user about the brake that was solved
     """
 
     brake: Brake
     states: tuple[Hold, ...]
-    notes: tuple[str, ...]
 
     def as_dict(self) -> list[dict[str, Any]]:
         """The states as plain data for JSON, in SI; the keys are those of `drumlin hold --json`."""
@@ -408,7 +384,6 @@ def hold(
     elements: int | None = None,
     kind: str | None = None,
     penalty: float | None = None,
-    finite_width: bool = False,
     say: Say = _unheard,
 ) -> HoldingRun:
     """Turn the drum from rest against the shoes that hold it, through partial slip to full slip.
@@ -422,7 +397,6 @@ def hold(
     elements : number of finite elements along each lining, see `solve`
     kind : kind of the finite elements, see `solve`
     penalty : contact stiffness, see `solve`
-    finite_width : whether the linings' moduli are corrected, see `solve`
     say : function that is called with a line about the shoes when the computation begins
 
     Returns
@@ -449,7 +423,7 @@ def hold(
     from drumlin.fem.analysis import holding
     from drumlin.fem.solve import prepare_finest_division
 
-    held, notes = _corrected(_brake_of(brake), finite_width)
+    held = _brake_of(brake)
     held.check_meshable()
     if not 1 <= steps <= MOST_STEPS:
         raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_STEPS}")
@@ -462,7 +436,7 @@ def hold(
     # The state at rest comes first: there is one state more than increments.
     rotations = np.linspace(0.0, end, steps + 1)
     states = holding.hold_drum_through_rotations(scene, held, rotations, say=say, **stiffness)
-    return HoldingRun(held, tuple(states), notes)
+    return HoldingRun(held, tuple(states))
 
 
 def sensitivity(
@@ -731,7 +705,6 @@ def fields(
     elements: int | None = None,
     kind: str | None = None,
     penalty: float | None = None,
-    finite_width: bool = False,
 ) -> tuple[Fields, ...]:
     """Displacements and stresses in the shoes, and in an elastic drum ring, by finite elements.
 
@@ -742,7 +715,6 @@ def fields(
     elements : number of finite elements along each lining, see `solve`
     kind : kind of the finite elements, see `solve`
     penalty : contact stiffness, see `solve`
-    finite_width : whether the linings' moduli are corrected, see `solve`
 
     Returns
     -------
@@ -774,7 +746,7 @@ def fields(
         raise BadInput(f"--fields = {str(path)!r}: must end in .vtu")
     check_outputs(path)
     on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
-    solved = _corrected(_brake_of(brake), finite_width).brake
+    solved = _brake_of(brake)
     solved.check_meshable()
     scene = prepare_finest_division(solved, **on_mesh)
     found = recover_all_fields(scene, solved, solve_prepared_model(scene, solved, **stiffness))

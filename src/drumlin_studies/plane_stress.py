@@ -18,11 +18,11 @@ from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.finite_width import correct_for_finite_width
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.face import ContactFace
 from drumlin.fem.solve import solve as by_elements
+from drumlin.fem.width.correction import correct_for_widths
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, hinged, sine
 from drumlin.lining_wear.archard import WearLaw, wear_linings_in_given_steps
@@ -54,7 +54,7 @@ READER_LIMITS = (0.01, 0.05, 0.20)
 class SolidAndPlane(NamedTuple):
     """A brake with its responses by solid shoes, by plane stress, and by corrected plane stress.
 
-    The correction takes the finite width of the shoe into account.
+    The correction is for the widths of the shoes.
     """
 
     brake: Brake
@@ -75,13 +75,9 @@ def solve_by_three_models(brake: Brake, elements: int, across: int | None = None
     across : int, optional
         Elements across half the width of the solid shoes; by default the solid model chooses.
     """
-    other = correct_for_finite_width(brake)
-    return SolidAndPlane(
-        brake,
-        _solve_solid(brake, elements, across),
-        _solve_plane_stress(brake, elements),
-        _solve_plane_stress(other, elements),
-    )
+    plane = _solve_plane_stress(brake, elements)
+    true = _solve_solid(brake, elements, across)
+    return SolidAndPlane(brake, true, plane, correct_for_widths(brake, plane))
 
 
 def pressure_unevenness(shoe: ShoeResponse, zone: float) -> float:
@@ -413,11 +409,10 @@ def _models_on(brake: Brake, meshes: Sequence[int], solids: Sequence[int]) -> li
         models.append(ModelOnBrake("foundation", "", partial(foundation.solve, brake, lift=())))
         lifted = partial(foundation.solve, brake, lift=("all",))
         models.append(ModelOnBrake("lifted", "all", lifted))
-    corrected = correct_for_finite_width(brake)
     for n in meshes:
         setting = f"{n} elements"
         models.append(ModelOnBrake("plane stress", setting, partial(_solve_plane_stress, brake, n)))
-        by_corrected = partial(_solve_plane_stress, corrected, n)
+        by_corrected = partial(_solve_corrected, brake, n)
         models.append(ModelOnBrake("plane stress, corrected", setting, by_corrected))
     for n in solids:
         models.append(ModelOnBrake("solid", f"{n} elements", partial(_solve_solid, brake, n)))
@@ -437,6 +432,11 @@ def _largest_errors(brake: Brake, response: Response, truth: Response) -> tuple[
 def _solve_plane_stress(brake: Brake, elements: int) -> Response:
     """The response of a brake in plane stress, with `elements` elements along each lining."""
     return solve_prepared_model(prepare(brake, elements=elements), brake)
+
+
+def _solve_corrected(brake: Brake, elements: int) -> Response:
+    """The response of a brake in plane stress on a mesh, corrected for the widths of the shoes."""
+    return correct_for_widths(brake, _solve_plane_stress(brake, elements))
 
 
 def _solve_solid(brake: Brake, elements: int, across: int | None = None) -> Response:

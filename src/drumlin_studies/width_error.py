@@ -4,9 +4,11 @@ The command
 
     python -m drumlin_studies.width_error FIRST LAST [DEGREE]
 
-prints a line for each random brake on a rigid drum with a seed from FIRST to LAST - 1, and a table
-of the ratios of estimated to true error. The table treats brakes whose parts have one width and
-brakes with several widths apart. It leaves out errors below LEAST_JUDGED.
+prints a line for each random brake on a rigid drum with a seed from FIRST to LAST - 1, and two
+tables. The first has the ratios of estimated to true error, the second the ratios of the true error
+that remains after the correction for the widths to the correction. The first table treats brakes
+whose parts have one width and brakes with several widths apart. Both leave out brakes that plane
+stress misses by less than LEAST_JUDGED.
 
 The true error is the difference from a model whose displacements vary across the width as
 polynomials of the degree DEGREE (by default 5). Both models use the first level of hp elements for
@@ -26,6 +28,7 @@ from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
+from drumlin.fem.width.correction import REMAINING_SHARE, correct_for_widths
 from drumlin.fem.width.error import model_distance
 from drumlin.fem.width.functions import breaks_of
 from drumlin.fem.width.prepare import prepare_width, width_why_not
@@ -50,16 +53,22 @@ class WidthErrorRow(NamedTuple):
     widths : largest number of intervals across half the width of a shoe. The edges of narrower
         parts, for example of a web, separate the intervals.
     true, estimated : relative errors by the names of JUDGED
+    remaining : true relative errors after the correction for the widths
     """
 
     title: str
     widths: int
     true: dict[str, float]
     estimated: dict[str, float]
+    remaining: dict[str, float]
 
     def ratio(self, name: str) -> float:
         """The estimated error `name` over the true error; name : one of JUDGED."""
         return self.estimated[name] / self.true[name]
+
+    def remaining_share(self, name: str) -> float:
+        """The error that remains after the correction over the estimated error."""
+        return self.remaining[name] / self.estimated[name]
 
 
 def judged(brake: Brake, degree: int = TRUE_WIDTH_DEGREE) -> WidthErrorRow | str:
@@ -77,15 +86,19 @@ def judged(brake: Brake, degree: int = TRUE_WIDTH_DEGREE) -> WidthErrorRow | str
         points = singular_points_of(brake, response, error=LEVELS[0].error)
         plane = solve_prepared_model(prepare(brake, LEVELS[0], points), brake, start=response)
         scene = prepare_width(brake, LEVELS[0], degree, points)
-        true = model_distance(brake, plane, solve_prepared_model(scene, brake, start=response))
+        wide = solve_prepared_model(scene, brake, start=response)
+        corrected = correct_for_widths(brake, plane)
     except NoAnswer as error:
         return str(error)
+    true, remaining = model_distance(brake, plane, wide), model_distance(brake, corrected, wide)
     found = response.plane_stress_error
     assert found is not None
     if found.unknown or true.unknown:
         return f"estimate: {found.unknown or 'known'}; truth: {true.unknown or 'known'}"
     widths = max(len(breaks_of(shoe)) - 1 for shoe in brake.shoes)
-    return WidthErrorRow(brake.title, widths, dict(true.brake), dict(found.brake))
+    return WidthErrorRow(
+        brake.title, widths, dict(true.brake), dict(found.brake), dict(remaining.brake)
+    )
 
 
 def rows_of_seeds(first: int, last: int, degree: int) -> Iterator[WidthErrorRow | str]:
@@ -123,6 +136,26 @@ def table_of(rows: list[WidthErrorRow]) -> list[str]:
     return lines
 
 
+def remaining_table_of(rows: list[WidthErrorRow]) -> list[str]:
+    """Lines of the error that remains after the correction over the correction.
+
+    The last two columns are the part of the brakes within `REMAINING_SHARE`, and the part of the
+    brakes whose error the correction more than halves.
+    """
+    lines = ["error      brakes  share  half  90 %  95 %  most  within share  halved"]
+    for name in JUDGED:
+        own = [row for row in rows if row.true[name] > LEAST_JUDGED]
+        if not own:
+            continue
+        shares = [row.remaining_share(name) for row in own]
+        numbers = "  ".join(f"{value:4.2f}" for value in np.quantile(shares, [0.5, 0.9, 0.95, 1.0]))
+        within = np.mean([share <= REMAINING_SHARE[name] for share in shares])
+        halved = np.mean([row.remaining[name] < 0.5 * row.true[name] for row in own])
+        line = f"{name:10} {len(own):6}   {REMAINING_SHARE[name]:4.2f}  {numbers}"
+        lines.append(f"{line}  {within:12.0%}  {halved:6.0%}")
+    return lines
+
+
 def main() -> None:
     """Print the lines and the table for the seeds and the degree on the command line."""
     first, last, *degree = map(int, sys.argv[1:])
@@ -132,13 +165,15 @@ def main() -> None:
             sys.stdout.write(f"{row}\n")
             continue
         rows.append(row)
-        errors = []
-        for name in JUDGED:
-            ratio = row.estimated[name] / (row.true[name] or 1)
-            errors.append(f"{name} {row.true[name]:.1e} x {ratio:.2f}")
-        sys.stdout.write(f"{row.title} ({row.widths}): {', '.join(errors)}\n")
+        errors = ", ".join(
+            f"{name} {row.true[name]:.1e} x {row.estimated[name] / (row.true[name] or 1):.2f}, "
+            f"corrected {row.remaining[name]:.1e}"
+            for name in JUDGED
+        )
+        sys.stdout.write(f"{row.title} ({row.widths}): {errors}\n")
         sys.stdout.flush()
-    sys.stdout.write("\n".join(table_of(rows)) + "\n")
+    lines = [*table_of(rows), "", *remaining_table_of(rows)]
+    sys.stdout.write("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

@@ -213,7 +213,7 @@ SWEEP: tuple[Table, ...] = (
         "elements": "number of elements along each lining", "kind": "kind of the elements",
         "penalty": "contact stiffness over E/t of the lining",
         "tolerance": "largest error of p and of the torque, in place of `elements`",
-        "finite_width": "whether the lining's modulus is corrected for the widths",
+        "finite_width": "whether the answer is corrected for the widths of the shoes",
         "model_error": "whether the error of plane stress itself is stated"}),
     ("`[model.solid]`", SolidOptions, {
         "elements": "number of elements along each lining",

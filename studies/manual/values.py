@@ -22,7 +22,7 @@ from drumlin.fem.model import (
     LARGEST_UNREFINED_ROUND_OFF,
     PENALTY,
 )
-from drumlin.fem.preparation.finite_width import LARGEST_CHECKED_NU
+from drumlin.fem.width.correction import REMAINING_SHARE
 from drumlin.fem.width.prepare import LARGEST_WIDTH_NU
 from drumlin.lining_wear.run_in import COEFFICIENT, WEAR_SETTLED, WORN_OUT
 from drumlin.response.response import EDGE_ZONE
@@ -53,7 +53,7 @@ def quoted_values() -> dict[str, str]:
         "largest_imbalance": _power_of_ten_text(LARGEST_ANSWER_IMBALANCE),
         "largest_loss": _power_of_ten_text(LARGEST_UNREFINED_ROUND_OFF),
         "most_loss": _power_of_ten_text(LARGEST_REFINED_ROUND_OFF),
-        "width_poisson": f"{LARGEST_CHECKED_NU:g}",
+        **_width_shares(),
         "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
         "wear_coefficient": f"{1e9 * COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",
@@ -75,6 +75,14 @@ def fill_in_values(text: str, known: Mapping[str, str]) -> str:
         return known[found[1]]
 
     return QUOTED.sub(value_of_quote, text)
+
+
+def _width_shares() -> dict[str, str]:
+    """The shares of the correction for the widths that remain as its error, in percent."""
+    shares = {}
+    for name, share in REMAINING_SHARE.items():
+        shares[f"width_share_{name}"] = f"{100 * share:g} %"
+    return shares
 
 
 def _power_of_ten_text(number: float) -> str:

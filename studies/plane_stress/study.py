@@ -17,7 +17,6 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
 from drumlin.fem.analysis.fields import write_fields_as_vtu
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation import finite_width
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.fields import recover
@@ -282,7 +281,6 @@ def report(result: Result, folder: Path) -> Path:
         not_drawn=not_drawn,
         within=partial(_share_within, result.maps),
         largest=largest,
-        stated=(finite_width.TORQUE_DEVIATION, finite_width.PRESSURE_DEVIATION),
         shares=rows.share_rows(result.maps),
         sentence=rows.sentences_on_maps(result.maps),
         along=rows.sentences_on_curves(result.curves),

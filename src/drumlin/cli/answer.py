@@ -124,7 +124,10 @@ def _model_error_text(effect: str, response: "Response") -> str:
     if found.unknown:
         return f"error of plane stress itself: not known, {found.unknown}"
     names = {"torque": effect, "reaction": "hinge reaction"}
-    line = f"error of plane stress itself: p {found.brake['pressure']:.1e} (mean over the width)"
+    subject = "error of plane stress itself"
+    if found.corrected:
+        subject = "error of plane stress after the correction for the widths"
+    line = f"{subject}: p {found.brake['pressure']:.1e} (mean over the width)"
     for key, name in names.items():
         line += f", {name} {found.brake[key]:.1e}"
     line += ", peak pressure not known"

@@ -31,7 +31,7 @@ Tolerance = Annotated[
 FiniteWidth = Annotated[
     bool,
     typer.Option(
-        "--finite-width", help="correct plane stress for the width; torque within 1.5 % of a solid"
+        "--finite-width", help="correct torque, p and reactions for the widths of the shoes"
     ),
 ]
 NoModelError = Annotated[

@@ -211,7 +211,6 @@ def hold(
     elements: Elements = None,
     kind: Kind = None,
     penalty: Penalty = None,
-    finite_width: FiniteWidth = False,
 ) -> None:
     """Turn the drum against its shoes, from rest through partial slip to full slip."""
     from drumlin.base.files import check_outputs, write_json
@@ -226,13 +225,10 @@ def hold(
             elements=elements,
             kind=kind,
             penalty=of.penalty_number(penalty),
-            finite_width=finite_width,
             say=say,
         )
     if json_file is not None:
         write_json(json_file, run.as_dict())
-    for line in run.notes:
-        tell(line)
     print_columns(_states_table(run), [])
     for line in run.states[-1].notes:
         tell(line)
@@ -296,7 +292,6 @@ def wear(
     kind: Kind = None,
     sections: of.Sections = None,
     lift: of.Lift = None,
-    finite_width: FiniteWidth = False,
 ) -> None:
     """Wear the linings by Archard's law until the pressure is that of the rigid-shoe law."""
     from drumlin.base.files import check_outputs, write_json
@@ -318,7 +313,6 @@ def wear(
             kind=kind,
             sections=sections,
             lift=lift,
-            finite_width=finite_width,
             say=say,
         )
     if json_file is not None:

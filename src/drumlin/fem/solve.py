@@ -19,15 +19,14 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.finite_width import correct_for_finite_width as corrected
-from drumlin.fem.preparation.finite_width import correction_note
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
+from drumlin.fem.width.correction import check_correctable, correct_for_widths
 from drumlin.fem.width.error import plane_stress_error
 from drumlin.response.balance import loaded, shoe_balance, worst
 from drumlin.response.merit import with_merits
-from drumlin.response.response import ModelError, Response
+from drumlin.response.response import Response
 
 REPORTED_IMBALANCE = 1e-8
 """Relative imbalance of the pressure curve p(theta) above which a response has a note on it.
@@ -36,9 +35,6 @@ The imbalance counts beyond that of the nodal forces. Elements with straight or 
 a little off the round drum, so that p(theta) on the drum balances worse than the forces at the
 nodes. The value changes no result.
 """
-
-CORRECTED_WIDTH = "the linings' moduli are corrected for the widths of the shoes"
-"""Reason why a response that is corrected for finite widths states no error of plane stress."""
 
 
 def solve(
@@ -65,28 +61,21 @@ def solve(
     tolerance : largest estimated relative error of p (L2, outside the zones at the lining's ends)
         and of the torque; by default DEFAULT_TOLERANCE, or the errors that are reached
     penalty : factor alpha of the contact stiffness alpha E/t
-    finite_width : whether the linings' moduli are corrected for the widths of the shoes, see
-        fem/preparation/finite_width.py
+    finite_width : whether the response is corrected for the widths of the shoes, see
+        fem/width/correction.py; it then states the error that remains
     model_error : whether the response states the error that plane stress itself causes, see
-        fem/width/error.py
+        fem/width/error.py; not needed together with `finite_width`
     cache : keeps the condensed bodies of earlier solves
 
     Raises
     ------
     BadInput
-        for `elements` or a `kind` together with a tolerance, and for options that
-        `check_division_options` refuses
+        for `elements` or a `kind` together with a tolerance, for options that
+        `check_division_options` refuses, and for a correction that does not apply to the brake
     NoAnswer
-        if a given tolerance is not reached, and if `solve_prepared_model` has no solution
+        if a given tolerance is not reached, if the correction for the widths is not known, and if
+        `solve_prepared_model` has no solution
     """
-    if finite_width:
-        other = corrected(brake)
-        response = solve(
-            other, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
-        )
-        notes = (*response.notes, correction_note(brake, other))
-        known = ModelError({}, unknown=CORRECTED_WIDTH) if model_error else None
-        return replace(response, notes=notes, plane_stress_error=known)
     check_penalty(penalty)
     for option, value in {"elements": elements, "kind": kind}.items():
         if tolerance is not None and value is not None:
@@ -94,6 +83,8 @@ def solve(
                 f"--tolerance = {tolerance:g}: chooses the elements; leave out --{option} = {value}"
             )
     brake.check_meshable()
+    if finite_width:
+        check_correctable(brake)
     # A given tolerance must be met. Without options the default tolerance is met as well as
     # possible. Given elements, and shoes with mesh files, are solved once without error estimate.
     answer = partial(solve_prepared_model, penalty=penalty)
@@ -110,13 +101,17 @@ def solve(
         response = answer(
             prepare_finest_division(brake, elements=elements, kind=kind, cache=cache), brake
         )
-    if not brake.surface.straight:
+    seconds = dict(response.seconds)
+    if finite_width:
+        with add_elapsed_time(seconds, "correction for the widths"):
+            response = correct_for_widths(brake, response, penalty=penalty, cache=cache)
+    elif not brake.surface.straight:
         response = _add_note_on_curve_balance(brake, response)
-    if model_error:
-        seconds = dict(response.seconds)
+    if model_error and not finite_width:
         with add_elapsed_time(seconds, "error of plane stress"):
             own = plane_stress_error(brake, response, penalty=penalty, cache=cache)
-        response = replace(response, seconds=seconds, plane_stress_error=own)
+        response = replace(response, plane_stress_error=own)
+    response = replace(response, seconds=seconds)
     return with_merits(brake, response)
 
 

@@ -5,7 +5,7 @@ after the other. The method itself is in `drumlin.lining_wear.run_in` and
 `drumlin.lining_wear.archard`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -39,22 +39,20 @@ class WearRun:
     law : the wear law
     states : states of the linings at growing sliding distances, the unworn state first
     target : pressure [Pa] and torque [N m] to which wear tends
-    notes : lines of text about the brake, such as its correction for finite width
     """
 
     setup: WearSetup
     law: WearLaw
     states: tuple[WearState, ...]
     target: WearTarget
-    notes: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The run as plain data for JSON, in SI; the keys are those of `drumlin wear --json`."""
         return wear_run_data(self.setup, self.states, self.target, self.law)
 
     def lines(self) -> list[str]:
-        """The run as lines of text: notes, a table of some states, and the life of the linings."""
-        return [*self.notes, *report_lines(self.setup, self.states, self.target, self.law)]
+        """The run as lines of text: a table of some states, and the life of the linings."""
+        return report_lines(self.setup, self.states, self.target, self.law)
 
 
 class WearSetups(NamedTuple):
@@ -87,7 +85,7 @@ def check_wear_options(
     foreign = on_springs if model == "fem" else on_mesh
     if foreign:
         raise BadInput(
-            "--elements, --kind, --guided and --finite-width belong to --model fem, "
+            "--elements, --kind and --guided belong to --model fem, "
             "--sections and --lift to foundation"
         )
 
@@ -167,7 +165,6 @@ def run_wear(
     reverse: float | str | None = None,
     torque: float | None = None,
     tolerance: float | None = None,
-    notes: Sequence[str] = (),
 ) -> WearRun:
     """Wear the linings of a brake over a distance, or until they are worn in.
 
@@ -181,7 +178,6 @@ def run_wear(
         again and again; None for one direction
     torque : torque [N m] that the actuation is adjusted to keep; None for a constant actuation
     tolerance : largest error of the pressure in a step (L2 norm, relative); None for the default
-    notes : lines of text that the run keeps for its report
 
     Raises
     ------
@@ -202,4 +198,4 @@ def run_wear(
     states = run_in(setup, law, backward=backward, **options)
     check_worn_depth(setup, states)
     goal = rigid_law_target(setup, law, torque)
-    return WearRun(setup, law, tuple(states), goal, tuple(notes))
+    return WearRun(setup, law, tuple(states), goal)

@@ -12,8 +12,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.comparison import Comparison, Outcome, TableColumn, as_csv, columns_of, compare
-from drumlin.fem.preparation.finite_width import correct_for_finite_width
-from drumlin.models import refusals
+from drumlin.models import MODELS, refusals
 from drumlin.report import figures
 from drumlin.report.page import software_versions, write_page
 from drumlin.response.balance import loaded
@@ -152,9 +151,10 @@ def write_comparison_page(
         drawn = True
         # Of all options, only these two concern the mesh.
         mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
-        # With --finite-width the response belongs to a brake that is corrected for the width.
-        solved_brake = correct_for_finite_width(brake) if options.get("finite_width") else brake
-        not_drawn = draw_fields(solved_brake, fem, folder, "fields", **mesh_options)
+        # The correction for the widths knows no stresses. The picture shows plane stress.
+        if options.get("finite_width"):
+            fem = MODELS["fem"].solve(brake, **{**options, "finite_width": False})
+        not_drawn = draw_fields(brake, fem, folder, "fields", **mesh_options)
     notes = _notes_of_models(brake, comparison)
     page = write_page(
         Path(__file__).with_name("comparison.html"),

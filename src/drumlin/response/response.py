@@ -126,20 +126,25 @@ class ModelError(NamedTuple):
         empty if the errors are not known
     shoes : errors "torque", "pressure" and "reaction" of each shoe
     unknown : reason why the errors are not known; empty if they are known
+    corrected : whether the response is corrected for the widths, so that the errors are those that
+        remain
     """
 
     brake: Mapping[str, float]
     shoes: tuple[Mapping[str, float], ...] = ()
     unknown: str = ""
+    corrected: bool = False
 
     def as_dict(self) -> dict[str, Any]:
         """The errors of the brake as plain data for JSON.
 
-        The error of the peak pressure is not known, and therefore None.
+        The error of the peak pressure is not known, and therefore None. A corrected response has
+        the key "corrected".
         """
         if self.unknown:
             return {"unknown": self.unknown}
-        return {**self.brake, "peak": None}
+        corrected = {"corrected": True} if self.corrected else {}
+        return {**self.brake, "peak": None, **corrected}
 
 
 class PressureOverWidth(NamedTuple):

@@ -9,6 +9,7 @@ displacements are sums of products of the section's shape functions psi_a and fu
 All polynomials of z up to a degree q give the model of degree q. The degree q = 0 with the
 constants of plane stress is plane stress itself. The input is a divided shoe and a degree. The
 results are the substructures of the shoe, which enter contact, equilibrium and response like those
-of plane stress, and the error of plane stress (hierarchic plate models: Szabo & Babuska,
-Introduction to Finite Element Analysis, ch. 13; Duester, Broeker & Rank 2001).
+of plane stress, the error of plane stress, and the correction of plane stress for the widths
+(hierarchic plate models: Szabo & Babuska, Introduction to Finite Element Analysis, ch. 13; Duester,
+Broeker & Rank 2001).
 """

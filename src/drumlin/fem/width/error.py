@@ -95,6 +95,34 @@ def coarse_section(
     return coarse
 
 
+class CoarseAnswers(NamedTuple):
+    """Two answers on the coarse section of a brake: of plane stress, and of degree 2 in width."""
+
+    plane: Response
+    wide: Response
+
+
+def coarse_answers(
+    brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
+) -> CoarseAnswers:
+    """The answers of plane stress and of the model of the width on a coarse section of a brake.
+
+    The parameters are those of `plane_stress_error`.
+
+    Raises
+    ------
+    NoAnswer
+        where one of the answers is missing
+    """
+    try:
+        section = coarse_section(brake, response, penalty=penalty, cache=cache)
+        scene = prepare_width(brake, section.level, WIDTH_DEGREE, section.points, cache=cache)
+        wide = solve_prepared_model(scene, brake, penalty=penalty, start=response)
+    except (NoAnswer, np.linalg.LinAlgError) as error:
+        raise NoAnswer(f"on a coarse section, with its width: {error}") from error
+    return CoarseAnswers(section.plane, wide)
+
+
 def plane_stress_error(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> ModelError:
@@ -111,12 +139,10 @@ def plane_stress_error(
     if reason is not None:
         return ModelError({}, unknown=reason)
     try:
-        section = coarse_section(brake, response, penalty=penalty, cache=cache)
-        scene = prepare_width(brake, section.level, WIDTH_DEGREE, section.points, cache=cache)
-        wide = solve_prepared_model(scene, brake, penalty=penalty, start=response)
-    except (NoAnswer, np.linalg.LinAlgError) as error:
-        return ModelError({}, unknown=f"on a coarse section, with its width: {error}")
-    return model_distance(brake, section.plane, wide)
+        answers = coarse_answers(brake, response, penalty=penalty, cache=cache)
+    except NoAnswer as error:
+        return ModelError({}, unknown=str(error))
+    return model_distance(brake, *answers)
 
 
 def model_distance(brake: Brake, plane: Response, wide: Response) -> ModelError:
