@@ -59,6 +59,17 @@ def test_a_finer_tolerance_takes_a_finer_section_or_a_higher_degree(brake):
     assert "degree 2 across the width" not in fine.notes[-1]
 
 
+@pytest.mark.slow
+def test_on_a_t_section_stated_errors_are_above_the_true_ones(brake):
+    section = t_section(brake)
+    found = solve_with_widths(section, Tolerance(1e-2, 1e-2))
+    start = solve(section)
+    points = singular_points_of(section, start)
+    truth = solve_prepared_model(prepare_width(section, LEVELS[0], 6, points), section, start=start)
+    for name, error in model_distance(section, found, truth).brake.items():
+        assert error < found.error[name], name
+
+
 def test_shoes_of_several_widths_take_a_tolerance(brake):
     found = solid.solve(t_section(brake), tolerance=5e-2)
     assert max(found.error["pressure"], found.error["torque"]) < 5e-2
