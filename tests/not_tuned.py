@@ -58,7 +58,10 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "BESIDE_WEB": DEFINITION,
     },
     "fem/width/integrals.py": {"SYMMETRIES": DEFINITION},
-    "fem/width/ladder.py": {"LOOKED_AHEAD": "one even and one odd degree"},
+    "fem/width/ladder.py": {
+        "LOOKED_AHEAD": "one even and one odd degree",
+        "SLOWEST_FALL": "power for the strongest singularity at a corner",
+    },
     "fem/width/prepare.py": {
         "LARGEST_WIDTH_NU": SAID,
         "LARGEST_WIDTH_DEGREE": SAID,

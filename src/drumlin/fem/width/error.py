@@ -10,6 +10,7 @@ the width of a shoe whose parts have one width.
 
 import math
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -52,7 +53,7 @@ off by 0.5 or more. All other contacts are off by 0.05 at most.
 
 
 class CoarseSection(NamedTuple):
-    """The coarse division of a brake's section on which degrees across the width are compared.
+    """The division of a brake's section on which degrees across the width are compared.
 
     `level` is the division, `points` are the singular points of each shape of shoe, and `plane` is
     the answer of plane stress on this division.
@@ -76,15 +77,7 @@ def coarse_section(
     NoAnswer
         where plane stress has no answer on the first level
     """
-    alike = first_shoes_of_equal_shape(brake)
-
-    def answered(level: Level) -> CoarseSection:
-        """The section of a level, with the answer of plane stress on it."""
-        points = singular_points_of(brake, response, alike, level.error)
-        scene = prepare(brake, level, points, alike=alike, cache=cache)
-        plane = solve_prepared_model(scene, brake, penalty=penalty, start=response)
-        return CoarseSection(level, points, plane)
-
+    answered = partial(section_of_level, brake, response, penalty=penalty, cache=cache)
     try:
         coarse = answered(WIDTH_LEVEL)
     except NoAnswer:
@@ -93,6 +86,36 @@ def coarse_section(
     if error.unknown or error.brake["pressure"] > COARSE_ENOUGH:
         return answered(LEVELS[0])
     return coarse
+
+
+def section_of_level(
+    brake: Brake,
+    response: Response,
+    level: Level,
+    *,
+    penalty: float = PENALTY,
+    cache: Cache | None = None,
+) -> CoarseSection:
+    """The section of a brake by a level, with the answer of plane stress on it.
+
+    Parameters
+    ----------
+    brake : the brake
+    response : answer of plane stress, whose contact grades the section
+    level : degree and grading of the hp elements
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
+    cache : substructures of earlier solves
+
+    Raises
+    ------
+    NoAnswer
+        where plane stress has no answer on the level
+    """
+    alike = first_shoes_of_equal_shape(brake)
+    points = singular_points_of(brake, response, alike, level.error)
+    scene = prepare(brake, level, points, alike=alike, cache=cache)
+    plane = solve_prepared_model(scene, brake, penalty=penalty, start=response)
+    return CoarseSection(level, points, plane)
 
 
 class CoarseAnswers(NamedTuple):

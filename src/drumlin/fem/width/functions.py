@@ -218,6 +218,12 @@ def half_widths_of(shoe: Shoe) -> dict[str, float]:
     return {name: width / 2 for name, (_, width) in materials_of_parts(shoe).items()}
 
 
+def has_several_widths(shoe: Shoe) -> bool:
+    """Whether the parts of a shoe have several widths."""
+    halves = half_widths_of(shoe).values()
+    return max(halves) > min(halves) * (1 + SAME_SIDE)
+
+
 def breaks_of(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
     """The breaks (m + 1,) [m] of a shoe: the sides of its parts, and one break beside its web.
 

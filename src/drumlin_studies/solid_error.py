@@ -1,0 +1,247 @@
+"""The stated errors of solid shoes solved to a tolerance against the true errors, on random brakes.
+
+    python -m drumlin_studies.solid_error KIND FIRST LAST [TOLERANCE [LEVEL]]
+
+solves the brakes of the seeds FIRST to LAST - 1 to TOLERANCE (0.01) by `solve_with_widths`. It
+prints a line for each brake and a table of stated over true errors. KIND is a name in DRAWN:
+
+- "free": brakes of random_brake whose parts have several widths
+- "built": shoes as they are built. The table is as wide as the lining and 1/30 to 1/8 of this width
+  thick, the web is 1/12 to 1/4 as wide, and both are of steel.
+- "one": brakes of random_brake whose bodies are made as wide as the linings
+
+The truth has functions across the width that are graded to the sides of all parts, on the level
+LEVEL (2) of the section.
+"""
+
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.file import vary
+from drumlin.fem.error_control.adapt import Tolerance
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.hp.division import Level
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.solve import solve
+from drumlin.fem.width.error import model_distance
+from drumlin.fem.width.functions import (
+    SAME_SIDE,
+    WidthFunctions,
+    breaks_of,
+    half_widths_of,
+    has_several_widths,
+)
+from drumlin.fem.width.ladder import solve_with_widths
+from drumlin.fem.width.prepare import prepare_width, width_why_not
+from drumlin.response.response import Response
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.width_error import KINDS_WITH_WIDTHS
+
+GRADED_DEGREE = 3
+"""Degree across the width of the truth, in each of its pieces."""
+GRADED_LENGTH = 0.2
+"""Length of the truth's pieces beside the side of a part, over the lining's thickness.
+
+Where the next break is nearer than this thickness, it is the length over the distance to this
+break. Pieces much shorter than elements of the section add unknowns without use.
+"""
+STEEL = {"E": 210e9, "nu": 0.3}
+"""Material of the tables and webs of shoes "as built": Young's modulus [Pa], Poisson's ratio."""
+TABLE = (1 / 30, 1 / 8)
+"""Smallest and largest thickness of a drawn table, over the lining's width."""
+WEB = (1 / 12, 1 / 4)
+"""Smallest and largest width of a drawn web, over the lining's width."""
+JUDGED_ERRORS = ("torque", "pressure")
+"""The errors that a tolerance bounds, by their names in the response's `error`."""
+LEAST_TRUE_ERROR = 1e-5
+"""True relative error from which on a stated error is judged: the truth itself is no better."""
+
+
+class SolidErrorRow(NamedTuple):
+    """The true and the stated errors of a brake that was solved to a tolerance.
+
+    Attributes
+    ----------
+    title : of the brake
+    true, stated : relative errors by the names of JUDGED_ERRORS
+    cost : processor time of the solve, over that of a default solve by plane stress
+    reached : whether the stated errors meet the tolerance
+    how : degrees across the width and of the section, in words
+    """
+
+    title: str
+    true: dict[str, float]
+    stated: dict[str, float]
+    cost: float
+    reached: bool
+    how: str
+
+    def ratio(self, name: str) -> float:
+        """The stated error over the true error."""
+        return self.stated[name] / self.true[name]
+
+
+def free_brake(seed: int) -> Brake:
+    """The random brake of a seed on a rigid drum."""
+    return random_brake(seed, KINDS_WITH_WIDTHS[seed % len(KINDS_WITH_WIDTHS)])
+
+
+def built_brake(seed: int) -> Brake:
+    """The brake of a seed with a shoe as they are built: a table and a web of steel."""
+    brake = random_brake(seed, "backed")
+    rng = np.random.default_rng([seed, len(KINDS_WITH_WIDTHS)])
+    table, web = (math.exp(rng.uniform(*np.log(part))) for part in (TABLE, WEB))
+    width = brake.shoes[0].lining.width
+    changes = {
+        "shoe.backing.thickness": table * width,
+        "shoe.backing.material": STEEL,
+        "shoe.body.width": web * width,
+        "shoe.body.material": STEEL,
+    }
+    return vary(brake, changes)
+
+
+def brake_of_one_width(seed: int) -> Brake:
+    """The random brake of a seed, its bodies as wide as their linings."""
+    brake = free_brake(seed)
+    if any(shoe.body is None for shoe in brake.shoes):
+        return brake
+    return vary(brake, {"shoe.body.width": brake.shoes[0].lining.width})
+
+
+DRAWN: dict[str, Callable[[int], Brake]] = {
+    "free": free_brake,
+    "built": built_brake,
+    "one": brake_of_one_width,
+}
+"""How a brake is drawn from a seed, by the kind of its widths."""
+
+
+def graded_functions(shoe: Shoe) -> WidthFunctions:
+    """Functions across the width of a shoe that are graded to the sides of all its parts."""
+    halves, breaks = half_widths_of(shoe).values(), breaks_of(shoe)
+
+    def is_side(place: float) -> bool:
+        """Whether a part of the shoe ends at this place."""
+        return any(abs(place - half) <= SAME_SIDE * half for half in halves)
+
+    found = set(breaks)
+    for inner, outer in pairwise(breaks):
+        size = GRADED_LENGTH * min(outer - inner, shoe.lining.thickness)
+        if is_side(inner):
+            found.add(inner + size)
+        if is_side(outer):
+            found.add(outer - size)
+    return WidthFunctions(tuple(sorted(found)), GRADED_DEGREE)
+
+
+def true_response(brake: Brake, level: Level) -> Response:
+    """The response of a brake with graded functions across the width, on a level of the section."""
+    start = solve(brake)
+    points = singular_points_of(brake, start, error=level.error)
+    scene = prepare_width(brake, level, graded_functions, points)
+    return solve_prepared_model(scene, brake, start=start)
+
+
+def solid_errors(brake: Brake, tolerance: float, level: Level) -> SolidErrorRow | str:
+    """The stated and the true errors of a brake with widths, or why there are none.
+
+    Parameters
+    ----------
+    brake : the brake
+    tolerance : relative error that is allowed, of mean pressure and torque
+    level : level of the section of the truth
+    """
+    reason = width_why_not(brake)
+    if reason is not None:
+        return reason
+    try:
+        started = time.process_time()
+        solve(brake, model_error=False)
+        plane_done = time.process_time()
+        found = solve_with_widths(brake, Tolerance(tolerance, tolerance), must=False)
+        done = time.process_time()
+        true = model_distance(brake, found, true_response(brake, level))
+    except (NoAnswer, np.linalg.LinAlgError) as error:
+        return str(error)
+    stated = {name: (found.error or {})[name] for name in JUDGED_ERRORS}
+    return SolidErrorRow(
+        title=brake.title,
+        true={name: true.brake[name] for name in JUDGED_ERRORS},
+        stated=stated,
+        cost=(done - plane_done) / (plane_done - started),
+        reached=max(stated.values()) <= tolerance,
+        how=found.notes[-1],
+    )
+
+
+def solid_rows(
+    kind: str, seeds: range, tolerance: float, level: Level
+) -> Iterator[SolidErrorRow | str]:
+    """The rows of the brakes of a kind in DRAWN, or why a brake has none.
+
+    Parameters
+    ----------
+    kind : how the brakes are drawn
+    seeds : seeds of the brakes
+    tolerance : relative error that is allowed, of mean pressure and torque
+    level : level of the section of the truth
+    """
+    for seed in seeds:
+        try:
+            brake = DRAWN[kind](seed)
+        except (BadInput, NoAnswer) as error:
+            yield str(error)
+            continue
+        if any(map(has_several_widths, brake.shoes)) == (kind == "one"):
+            continue
+        found = solid_errors(brake, tolerance, level)
+        yield found if isinstance(found, SolidErrorRow) else f"{brake.title}: {found}"
+
+
+def quantile_table(rows: list[SolidErrorRow]) -> list[str]:
+    """Lines of stated over true errors: their number, the share of too small ones, quantiles."""
+    lines = ["error     brakes  too small  least   5 %   half  95 %"]
+    for name in JUDGED_ERRORS:
+        ratios = [row.ratio(name) for row in rows if row.true[name] > LEAST_TRUE_ERROR]
+        if ratios:
+            small = np.mean([ratio < 1 for ratio in ratios])
+            at = np.quantile(ratios, [0.0, 0.05, 0.5, 0.95])
+            numbers = "  ".join(f"{value:5.2f}" for value in at)
+            lines.append(f"{name:9} {len(ratios):5}  {small:9.0%}  {numbers}")
+    if rows:
+        share, cost = np.mean([row.reached for row in rows]), np.median([row.cost for row in rows])
+        lines.append(f"{share:.0%} of {len(rows)} brakes reach the tolerance")
+        lines.append(f"{cost:.0f} times the time of a default solve by plane stress (median)")
+    return lines
+
+
+def main() -> None:
+    """Print the rows and the table of a kind of brakes."""
+    kind, first, last = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+    tolerance, level = [*map(float, sys.argv[4:]), *(1e-2, 2.0)[len(sys.argv) - 4 :]]
+    rows = []
+    for row in solid_rows(kind, range(first, last), tolerance, LEVELS[int(level) - 1]):
+        if isinstance(row, str):
+            sys.stdout.write(f"{row}\n")
+            continue
+        rows.append(row)
+        errors = ", ".join(
+            f"{name} {row.true[name]:.1e} x {row.ratio(name):.2f}" for name in JUDGED_ERRORS
+        )
+        sys.stdout.write(f"{row.title}: {errors}, cost {row.cost:.0f}, {row.how}\n")
+        sys.stdout.flush()
+    sys.stdout.write("\n".join(quantile_table(rows)) + "\n")
+
+
+if __name__ == "__main__":
+    main()
