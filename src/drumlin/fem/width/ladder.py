@@ -27,7 +27,7 @@ For shoes of several widths the width's part holds and the section's part does n
 section converges more slowly than in plane stress. On one random brake ("free" 2000 of
 `drumlin_studies.solid_error`) the first two levels differ by 3.6 % of the pressure with degree 2
 across the width, and by 0.24 % in plane stress. The sum was stated at 0.3 of the true error of the
-pressure, at 0.07 of that of the torque. `solid.solve` therefore refuses a tolerance for these shoes.
+pressure and at 0.07 of that of the torque. `solid.solve` refuses a tolerance for these shoes.
 """
 
 from collections.abc import Iterator, Sequence
