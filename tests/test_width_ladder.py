@@ -14,7 +14,7 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import model_distance
-from drumlin.fem.width.functions import WidthFunctions, has_several_widths
+from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.ladder import chosen_degree, solve_with_widths, width_section
 from drumlin.fem.width.prepare import prepare_width
 from drumlin_studies.solid_error import (
@@ -23,7 +23,6 @@ from drumlin_studies.solid_error import (
     SolidErrorRow,
     graded_functions,
     quantile_table,
-    solid_errors,
 )
 from sections import t_section
 
@@ -68,22 +67,6 @@ def test_on_a_t_section_stated_errors_are_above_the_true_ones(brake):
     truth = solve_prepared_model(prepare_width(section, LEVELS[0], 6, points), section, start=start)
     for name, error in model_distance(section, found, truth).brake.items():
         assert error < found.error[name], name
-
-
-def test_shoes_of_several_widths_take_a_tolerance(brake):
-    found = solid.solve(t_section(brake), tolerance=5e-2)
-    assert max(found.error["pressure"], found.error["torque"]) < 5e-2
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("kind", "seed"), [("free", 2000), ("free", 2004), ("built", 2000)])
-def test_with_several_widths_stated_errors_are_above_the_true_ones(kind, seed):
-    brake = DRAWN[kind](seed)
-    assert has_several_widths(brake.shoes[0])
-    row = solid_errors(brake, 5e-2, LEVELS[0])
-    assert row.reached
-    for name in JUDGED_ERRORS:
-        assert row.ratio(name) > 1.0, name
 
 
 @pytest.mark.slow
@@ -146,6 +129,11 @@ def test_options_of_hexahedra_do_not_go_with_a_tolerance(brake, options, said):
         solid.solve(brake, tolerance=1e-2, **options)
     with pytest.raises(BadInput, match="--tolerance = 1: must be greater than 0"):
         solid.solve(brake, tolerance=1.0)
+
+
+def test_shoes_of_several_widths_have_no_stated_errors_yet(brake):
+    with pytest.raises(BadInput, match="shoe 'right' has parts of several widths, whose errors"):
+        solid.solve(t_section(brake), tolerance=1e-2)
 
 
 def test_the_table_of_solid_errors_counts_the_too_small_ones():

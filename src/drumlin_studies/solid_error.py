@@ -86,8 +86,8 @@ class SolidErrorRow(NamedTuple):
     how: str
 
     def ratio(self, name: str) -> float:
-        """The stated error over the true error."""
-        return self.stated[name] / self.true[name]
+        """The stated error over the true error; inf where the true error is zero."""
+        return self.stated[name] / self.true[name] if self.true[name] else math.inf
 
 
 def free_brake(seed: int) -> Brake:
