@@ -59,8 +59,8 @@ SLOWEST_FALL = 1.0
 """Power k of the degree by which the width's part of the error is assumed to fall, as q^-k.
 
 Polynomials of degree q up to a singularity r^a of the displacements leave an error of q^-2a in the
-energy norm (Babuska, Szabo & Katz 1981, SIAM J. Numer. Anal. 18, 515). The strongest singularity at a
-corner has a = 1/2, and so k = 1. A larger k states errors smaller, a smaller k larger. On the
+energy norm (Babuska, Szabo & Katz 1981, SIAM J. Numer. Anal. 18, 515). The strongest singularity at
+a corner has a = 1/2, and so k = 1. A larger k states errors smaller, a smaller k larger. On the
 random brakes of WIDTH_SAFETY the smallest stated over true error without a safety factor is 1.6
 with k = 1, and 1.2 with k = 1.5.
 """
