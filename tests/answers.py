@@ -22,11 +22,11 @@ from typing import Any, NamedTuple
 
 from typer.testing import CliRunner
 
-from drumlin.brake.writing import brake_text
+from drumlin.brake.writing import brake_file_text
 from drumlin.cli.commands import app
-from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
+from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
-from drumlin_studies.random_kinds import draw_brake_of_holding_kind
+from drumlin_studies.random_kinds import draw_brake_of_support_kind
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -77,12 +77,12 @@ def brake_files(folder: Path, count: int) -> Iterator[Path]:
     for seed in range(SEED, SEED + count):
         kind = kinds[seed % len(kinds)]
         brake = (
-            random_brake(seed, kind)
+            draw_random_brake(seed, kind)
             if kind in SHAPE_KINDS
-            else draw_brake_of_holding_kind(seed, kind)
+            else draw_brake_of_support_kind(seed, kind)
         )
         path = folder / f"random_{seed}_{kind.replace(' ', '_')}.toml"
-        path.write_text(brake_text(brake), encoding="utf-8")
+        path.write_text(brake_file_text(brake), encoding="utf-8")
         yield path
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from drumlin import Brake, vary
 from drumlin.brake import read_brake
 from drumlin.verification import triangles
-from drumlin_studies.stated_true import true_errors
+from drumlin_studies.stated_true import true_errors_of_response
 
 HERE = Path(__file__).parent
 STORED = HERE / "blocks_truth.json"
@@ -51,11 +51,11 @@ def stored(steps: int) -> dict[str, Any]:
 
 def _by_triangles(steps: int) -> dict[str, Any]:
     brake = brake_of(steps)
-    *_, before, last = triangles.solve_sequence(brake)
+    *_, before, last = triangles.solve_on_triangle_level_sequence(brake)
     pressure = last[0].pressure_at(angles_of(brake))
     return {
         "torque": last[0].torque,
-        "moved": float(f"{true_errors(brake, before, last)['pressure']:.2g}"),
+        "moved": float(f"{true_errors_of_response(brake, before, last)['pressure']:.2g}"),
         "pressure": [float(f"{p:.6g}") for p in pressure],
     }
 

@@ -18,7 +18,7 @@ from drumlin.brake.file import read_brake
 from drumlin.contact import self_locking
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
-from drumlin.studies import load
+from drumlin.studies import import_study
 
 # A job in the background ignores these signals, and the processes that it starts would, too.
 for number in (signal.SIGINT, signal.SIGHUP):
@@ -62,7 +62,7 @@ def root() -> Path:
 @pytest.fixture(scope="module")
 def module(request: pytest.FixtureRequest) -> Any:
     """The study's module, for test modules that name their study in STUDY_NAME."""
-    return load(request.module.STUDY_NAME)[0]
+    return import_study(request.module.STUDY_NAME)[0]
 
 
 @pytest.fixture(scope="module")
@@ -74,13 +74,13 @@ def result(module: Any) -> Any:
 def settled_sizes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The nodes of each contact problem that self_locking settles from now on, as it goes."""
     sizes: list[int] = []
-    settle = self_locking.solve_by_block_pivoting
+    settle = self_locking.solve_contact_by_block_pivoting
 
     def counted(problem: ContactProblem, *rest: Any, **more: Any) -> Contact:
         sizes.append(len(problem.q))
         return settle(problem, *rest, **more)
 
-    monkeypatch.setattr(self_locking, "solve_by_block_pivoting", counted)
+    monkeypatch.setattr(self_locking, "solve_contact_by_block_pivoting", counted)
     return sizes
 
 

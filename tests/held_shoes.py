@@ -3,7 +3,7 @@
 from typing import Any
 
 from drumlin.brake.brake import Brake
-from drumlin.brake.file import brake_from
+from drumlin.brake.file import make_drum_brake_from_data
 
 R = 0.11
 STEEL = {"E": 2.1e11, "nu": 0.3}
@@ -32,4 +32,4 @@ def brake_of(kind: str, spin: int, mu: float = 0.35, **more: Any) -> Brake:
     }
     rotation = "counter-clockwise" if spin > 0 else "clockwise"
     data = {"title": "t", "rotation": rotation, "friction": mu, "drum": {"radius": R}}
-    return brake_from(data | {"shoe": [shoe | KINDS[kind] | more]})
+    return make_drum_brake_from_data(data | {"shoe": [shoe | KINDS[kind] | more]})

@@ -99,7 +99,7 @@ def shoe(brake: Brake, index: int, elements: int) -> Shoe:
     x, w = np.asarray(edge.global_coordinates()), edge.dx
     centre = (x * w).sum(axis=(1, 2)) / w.sum()
     arm = x - centre[:, None, None]
-    F, P = spec.actuation.vector, spec.actuation.point.xy
+    F, P = spec.actuation.force_vector, spec.actuation.point.xy
     couple = (P - centre)[0] * F[1] - (P - centre)[1] * F[0]
     traction = F[:, None, None] / w.sum() + couple / (arm**2 * w).sum() * np.array(
         [-arm[1], arm[0]]
@@ -133,7 +133,7 @@ def shoe(brake: Brake, index: int, elements: int) -> Shoe:
         radius,
         np.asarray(surface.dx),
         lining.material.E / t * lining.width,
-        brake.friction * brake.spin,
+        brake.friction * brake.sign_of_motion,
     )
 
 
@@ -267,7 +267,9 @@ def hold(
     x = np.linalg.solve(K_c + (N.T * weight) @ N, f_c)
     elastic, at, p, torques = np.zeros(len(radius)), 0.0, np.zeros(len(radius)), []
     for rotation in rotations:
-        turned = elastic + radius * brake.spin * (rotation - at) + (T @ x if torques else 0.0)
+        turned = (
+            elastic + radius * brake.sign_of_motion * (rotation - at) + (T @ x if torques else 0.0)
+        )
 
         def energy(x, bound, turned=turned):
             """Energy, its slope and second slope, and p and t per eps, for a bound (q,) of t.
@@ -306,7 +308,7 @@ def hold(
         else:
             raise AssertionError("the bound of the traction did not settle")
         elastic, at = t, rotation
-        torques.append(brake.spin * float((weight * t) @ radius))
+        torques.append(brake.sign_of_motion * float((weight * t) @ radius))
     return np.array(torques)
 
 

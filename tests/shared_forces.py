@@ -5,7 +5,7 @@ from math import pi, radians
 from typing import Any
 
 from drumlin.brake.brake import Brake
-from drumlin.brake.file import brake_from
+from drumlin.brake.file import make_drum_brake_from_data
 
 R = 0.11
 STEEL = {"E": 2.1e11, "nu": 0.3}
@@ -14,7 +14,7 @@ LINING = {"thickness": 0.001, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 
 def brake_of(spin: int, mu: float, shoes: list[dict[str, Any]], **more: Any) -> Brake:
     rotation = "counter-clockwise" if spin > 0 else "clockwise"
-    return brake_from(
+    return make_drum_brake_from_data(
         {"title": "t", "rotation": rotation, "friction": mu, "drum": {"radius": R}, "shoe": shoes}
         | more
     )

@@ -9,12 +9,12 @@ import pytest
 
 from drumlin import BadInput, NoAnswer, vary
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.file import write_mesh
+from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.solve import solve
-from drumlin.response.norms import pressure_distance
-from drumlin.verification.reference import solve_reference_responses
-from drumlin_studies.work_precision import refined_division
+from drumlin.response.norms import relative_distance_of_pressures
+from drumlin.verification.reference import solve_brake_for_reference_values
+from drumlin_studies.work_precision import divide_lining_graded_to_its_ends
 from picking import picked, saying
 from shared_parts import drum_ring
 
@@ -37,7 +37,9 @@ def contact_ends(brake, response):
 
 def distance(response, truth):
     """Relative L2 distance of p, of the worst shoe."""
-    return max(starmap(pressure_distance, zip(response.shoes, truth.shoes, strict=True)))
+    return max(
+        starmap(relative_distance_of_pressures, zip(response.shoes, truth.shoes, strict=True))
+    )
 
 
 @pytest.mark.parametrize("name", ["brake", "flexible"])
@@ -54,7 +56,7 @@ def test_two_references_agree_and_levels_meet_their_tolerance(name, request):
     ends = contact_ends(brake, first)
     # One end at the hinge and two in the middle of a lining make the case hard.
     assert len(ends) == 3
-    truth, before, other = solve_reference_responses(brake)
+    truth, before, other = solve_brake_for_reference_values(brake)
     for each in (before, other):
         assert distance(each, truth) < 1e-4
         # Other orders of sums move the value by 2e-7 (round-off).
@@ -125,7 +127,10 @@ def test_kinks_of_a_clearance_are_refined(brake):
 
 def test_refined_divisions_shrink_towards_the_edges_the_more_the_finer_they_are(brake):
     shoe, radius = brake.shoes[0], brake.drum.radius
-    coarse, fine = refined_division(shoe, radius, 36, 6), refined_division(shoe, radius, 72, 6)
+    coarse, fine = (
+        divide_lining_graded_to_its_ends(shoe, radius, 36, 6),
+        divide_lining_graded_to_its_ends(shoe, radius, 72, 6),
+    )
     for division in (coarse, fine):
         steps = np.diff(division.angles)
         assert (steps > 0).all() and steps.max() <= division.step * (1 + 1e-9)
@@ -159,6 +164,10 @@ def test_tolerances_out_of_range_and_what_cannot_be_refined_are_refused(brake, t
             solve(brake, tolerance=tolerance)
     with pytest.raises(BadInput, match="leave out --elements"):
         solve(brake, tolerance=1e-3, elements=20)
-    write_mesh(tmp_path / "s.msh", shoe_mesh(brake.shoes[0], brake.drum.radius, 20), brake.shoes[0])
+    write_shoe_mesh_to_file(
+        tmp_path / "s.msh",
+        parametric_mesh_of_shoe(brake.shoes[0], brake.drum.radius, 20),
+        brake.shoes[0],
+    )
     with pytest.raises(BadInput, match="mesh file"):
         solve(vary(brake, {"shoe[0].mesh": str(tmp_path / "s.msh")}), tolerance=1e-3)

@@ -10,11 +10,14 @@ import pytest
 import drumlin
 from drumlin import BadInput, Brake
 from drumlin.brake import read_any, vary
-from drumlin.brake.file import brake_from
-from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
+from drumlin.brake.file import make_drum_brake_from_data
+from drumlin.fem.analysis.holding import (
+    find_full_slip_rotation,
+    states_of_holding_brake_at_rotations,
+)
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
-from drumlin.fem.solve import prepare_finest_division
-from drumlin.laws import law
+from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from picking import picked
 
 R, BAND, HALF, PITCH = 0.25, 0.267, math.radians(18), math.radians(48)
@@ -58,7 +61,7 @@ def band(mu: float = 0.35, spin: int = -1, blocks: int = 3, thickness: float = 5
         "shoe": shoes,
         "link": links,
     }
-    return brake_from(data)
+    return make_drum_brake_from_data(data)
 
 
 def pulls(mu: float, spin: int, blocks: int) -> list[float]:
@@ -89,7 +92,7 @@ def pulls(mu: float, spin: int, blocks: int) -> list[float]:
 @pytest.mark.parametrize("spin", [1, -1])
 @pytest.mark.parametrize("blocks", [1, 3])
 def test_the_law_of_a_band_of_blocks_is_the_equilibrium_of_each(spin: int, blocks: int) -> None:
-    response = law(band(spin=spin, blocks=blocks))
+    response = solve_brake_by_its_rigid_shoe_law(band(spin=spin, blocks=blocks))
     found = pulls(0.35, spin, blocks)
     for shoe, pull in zip(response.shoes, found[1:], strict=True):
         assert np.linalg.norm(shoe.hinge_reaction) == pytest.approx(pull, rel=1e-9)
@@ -114,7 +117,10 @@ def test_short_blocks_have_the_ratio_of_pulls_of_textbooks() -> None:
             point = shoe.abutment.point if "abutment" in key else shoe.actuation.point  # type: ignore[union-attr]
             changes[f"shoe[{k}].{key}"] = {"x": point.x * arm, "y": point.y * arm}
     t = 0.35 * math.tan(PITCH / 2)
-    reactions = [np.linalg.norm(shoe.hinge_reaction) for shoe in law(vary(brake, changes)).shoes]
+    reactions = [
+        np.linalg.norm(shoe.hinge_reaction)
+        for shoe in solve_brake_by_its_rigid_shoe_law(vary(brake, changes)).shoes
+    ]
     assert reactions == pytest.approx(
         [2000 * ((1 + t) / (1 - t)) ** (k + 1) for k in range(3)], rel=1e-3
     )
@@ -123,7 +129,7 @@ def test_short_blocks_have_the_ratio_of_pulls_of_textbooks() -> None:
 @pytest.mark.parametrize("spin", [1, -1])
 def test_elastic_blocks_balance_and_thin_linings_bear_by_the_law(spin: int) -> None:
     brake = band(spin=spin)
-    fem, rigid = drumlin.solve(brake), law(brake)
+    fem, rigid = drumlin.solve(brake), solve_brake_by_its_rigid_shoe_law(brake)
     assert fem.torque == pytest.approx(rigid.torque, rel=3e-3)
     assert picked(fem.shoes, "torque") == pytest.approx(picked(rigid.shoes, "torque"), rel=3e-3)
     assert max(fem.balance.force, fem.balance.moment) < 1e-9
@@ -131,7 +137,7 @@ def test_elastic_blocks_balance_and_thin_linings_bear_by_the_law(spin: int) -> N
 
 def test_slopes_and_full_slip_of_a_chain() -> None:
     brake = band(thickness=5e-3)
-    scene = prepare_finest_division(brake, elements=20)
+    scene = prepared_model_of_finest_division(brake, elements=20)
     torque = [
         drumlin.solve(vary(brake, {"friction": mu}), elements=20).torque
         for mu in (0.35, 0.3501, 0.3499)
@@ -139,7 +145,7 @@ def test_slopes_and_full_slip_of_a_chain() -> None:
     assert compute_torque_sensitivity(scene, brake).friction == pytest.approx(
         (torque[1] - torque[2]) / 2e-4, rel=1e-6
     )
-    states = hold_drum_through_rotations(
+    states = states_of_holding_brake_at_rotations(
         scene, brake, np.array([0.0, find_full_slip_rotation(scene, brake)])
     )
     assert states[-1].torque == pytest.approx(torque[0], rel=1e-9)
@@ -148,7 +154,7 @@ def test_slopes_and_full_slip_of_a_chain() -> None:
 def test_the_file_wears_in_to_its_law(root: Path) -> None:
     brake = read_any(root / "studies/brakes/band.toml")
     worn = drumlin.solve(brake, worn_in=True)
-    assert worn.torque == pytest.approx(law(brake).torque, rel=1e-4)
+    assert worn.torque == pytest.approx(solve_brake_by_its_rigid_shoe_law(brake).torque, rel=1e-4)
     anchor, pull = np.linalg.norm(worn.shoes[-1].hinge_reaction), 2000.0
     assert worn.torque == pytest.approx((anchor - pull) * 0.267, rel=1e-8)
 
@@ -173,5 +179,5 @@ def test_a_chain_is_named_from_the_actuation_on(links: list[tuple[str, str]], sa
     data = band().model_dump(by_alias=True)
     data["link"] = [{"from": a, "to": b} for a, b in links]
     with pytest.raises(BadInput) as error:
-        brake_from(data)
+        make_drum_brake_from_data(data)
     assert said in str(error.value)

@@ -6,11 +6,11 @@ import math
 import pytest
 
 from conftest import ROOT
-from drumlin.studies import load
+from drumlin.studies import import_study
 from drumlin_studies import benchmarks
 from picking import picked
 
-load("manual")
+import_study("manual")
 
 from studies.manual import history  # noqa: E402
 
@@ -20,17 +20,17 @@ def measured():
     """A measurement of one brake on few repeats."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(benchmarks, "TIMED_SOLVES", ("double_shoe",))
-        patch.setattr(benchmarks, "COUNTED", ("double_shoe",))
-        return benchmarks.measure_figures(repeats=1)
+        patch.setattr(benchmarks, "COUNTED_BRAKES", ("double_shoe",))
+        return benchmarks.measure_all_benchmarks(repeats=1)
 
 
 @pytest.mark.slow
 def test_the_command_appends_a_line(measured, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(benchmarks, "measure_figures", lambda repeats: measured)
+    monkeypatch.setattr(benchmarks, "measure_all_benchmarks", lambda repeats: measured)
     path = tmp_path / "new" / "history.jsonl"
     benchmarks.main(str(path), "1")
     benchmarks.main(str(path), "1")
-    assert benchmarks.read_history(path) == [measured, measured]
+    assert benchmarks.read_benchmark_history(path) == [measured, measured]
     first, second = path.read_text().splitlines()
     assert first == second == capsys.readouterr().out.splitlines()[0]
     assert set(json.loads(first)) == {"commit", "date", "figures"}
@@ -57,13 +57,13 @@ def test_a_ratio_is_the_median_of_neighbours():
 def test_a_changed_source_is_marked(monkeypatch):
     answers = {"status": " M src/drumlin/door.py", "rev-parse": "1234567"}
     monkeypatch.setattr(benchmarks, "git_output", lambda *words: answers[words[0]])
-    assert benchmarks.commit_name() == "1234567+"
+    assert benchmarks.short_commit_hash() == "1234567+"
     answers["status"] = ""
-    assert benchmarks.commit_name() == "1234567"
+    assert benchmarks.short_commit_hash() == "1234567"
 
 
 def test_the_kept_history_is_whole():
-    kept = benchmarks.read_history()
+    kept = benchmarks.read_benchmark_history()
     assert kept
     assert len(kept[-1].figures) >= 15
     dates = picked(kept, "date")
@@ -75,7 +75,7 @@ def test_the_kept_history_is_whole():
 
 
 def test_every_figure_is_in_the_table_and_in_one_panel():
-    kept = benchmarks.read_history()
+    kept = benchmarks.read_benchmark_history()
     other = kept[-1]._replace(commit="abcdef0", figures={**kept[-1].figures, "hold": 1.0})
     rows = [*kept, other]
     table = history.history_table(rows)

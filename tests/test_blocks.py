@@ -11,16 +11,19 @@ import blocks
 from drumlin import Brake, NoAnswer, Response, solve, vary
 from drumlin.fem.error_control import levels
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
-from drumlin.fem.error_control.levels import LEVELS, solved_levels
-from drumlin.fem.error_control.singular_points import pressure_changes_by_kinks, singular_points_of
-from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe
+from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.singular_points import (
+    pressure_changes_by_kinks_of_gap,
+    singular_points_of_all_linings,
+)
+from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe_into_hp_elements
 from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.consistency_blocks import (
     BLOCK_KINDS,
     FEWEST_BLOCK_STEPS,
     MOST_BLOCK_STEPS,
-    block_error_rows,
-    random_blocks,
+    draw_brake_with_blocks,
+    stated_error_rows_for_block_linings,
 )
 from picking import picked
 
@@ -59,7 +62,9 @@ def test_columns_at_steps_shrink_with_the_levels_where_the_lining_presses_and_no
     counts = {}
     for kind in (Singularity.STEP, Singularity.OPEN_STEP):
         places = [SingularPoint(middle + side * step / 2, step, kind) for side in (-1, 1)]
-        angles = [divide_shoe(shoe, R, level, places).angles for level in LEVELS[:4]]
+        angles = [
+            divide_shoe_into_hp_elements(shoe, R, level, places).angles for level in LEVELS[:4]
+        ]
         for own in angles:
             for point in places:
                 assert np.abs(own - point.at).min() < 1e-12
@@ -86,7 +91,7 @@ def test_an_end_of_the_contact_beside_a_step_ends_a_column() -> None:
             SingularPoint(middle, step, Singularity.STEP),
             SingularPoint(contact, contact - shoe.arc[0], Singularity.END),
         ]
-        angles = divide_shoe(shoe, R, level, places).angles
+        angles = divide_shoe_into_hp_elements(shoe, R, level, places).angles
         assert np.abs(angles - contact).min() < 0.06 * step
 
 
@@ -102,7 +107,7 @@ def solved(brake: Brake, monkeypatch: pytest.MonkeyPatch) -> tuple[Response, Res
     """The default response, and that on the second level with all kinks as places."""
     found = solve(brake)
     monkeypatch.setattr("drumlin.fem.error_control.singular_points.NEGLIGIBLE_KINKS", 0.0)
-    (*_, true) = islice(solved_levels(brake, solve_prepared_model), 2)
+    (*_, true) = islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), 2)
     return found, true.response
 
 
@@ -147,7 +152,7 @@ def test_what_the_chords_of_a_table_change_in_p_is_foretold() -> None:
     spread = (
         lining.material.E / thin.thickness * np.std(strays) * math.sqrt(lining.end - lining.start)
     )
-    inner = pressure_changes_by_kinks(thin, R)[1:-1]
+    inner = pressure_changes_by_kinks_of_gap(thin, R)[1:-1]
     assert math.sqrt(float(np.sum(inner**2))) == pytest.approx(spread, rel=0.01)
 
 
@@ -162,7 +167,7 @@ def test_kinks_that_p_does_not_feel_are_no_places(brake: Brake) -> None:
     kinks = [
         sum(
             point.kind == Singularity.KINK
-            for point in singular_points_of(many, response, error=error)[0]
+            for point in singular_points_of_all_linings(many, response, error=error)[0]
         )
         for error in (1e-2, 1e-6, 0.0)
     ]
@@ -181,21 +186,21 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
         seen.append(turns[len(seen) % 2])
         return seen[-1]
 
-    monkeypatch.setattr(levels, "singular_points_of", in_turn)
+    monkeypatch.setattr(levels, "singular_points_of_all_linings", in_turn)
     passes: list[Any] = []
 
     def counted(scene: Any, brake: Brake, *, start: Response | None = None) -> Response:
         passes.append(scene)
         return solve_prepared_model(scene, brake, start=start)
 
-    list(solved_levels(brake, counted, levels=LEVELS[:1]))
+    list(solve_on_finer_and_finer_levels(brake, counted, levels=LEVELS[:1]))
     assert len(passes) == 2
 
 
 @pytest.mark.parametrize("seed", (11, len(BLOCK_KINDS) + 1))
 def test_random_linings_of_blocks_are_those_of_their_seed(seed) -> None:
-    brake, other = random_blocks(seed), random_blocks(seed, 6)
-    assert brake == random_blocks(seed) and brake.title == other.title
+    brake, other = draw_brake_with_blocks(seed), draw_brake_with_blocks(seed, 6)
+    assert brake == draw_brake_with_blocks(seed) and brake.title == other.title
     for shoe in brake.shoes:
         assert FEWEST_BLOCK_STEPS <= len(shoe.lining.misfit.blocks) <= MOST_BLOCK_STEPS
     for shoe in other.shoes:
@@ -206,8 +211,10 @@ def test_a_brake_without_a_truth_is_a_row_that_is_refused(monkeypatch: pytest.Mo
     def none(*_: Any) -> Any:
         raise NoAnswer("no level has an answer")
 
-    monkeypatch.setattr("drumlin_studies.consistency_blocks.truth_by_hp_elements", none)
-    assert picked(block_error_rows(11), ("outcome", "said")) == [
+    monkeypatch.setattr(
+        "drumlin_studies.consistency_blocks.solve_fine_reference_by_hp_elements", none
+    )
+    assert picked(stated_error_rows_for_block_linings(11), ("outcome", "said")) == [
         ("refused", "no level has an answer")
     ]
 
@@ -215,4 +222,4 @@ def test_a_brake_without_a_truth_is_a_row_that_is_refused(monkeypatch: pytest.Mo
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [11, 14, 22, 27, 30, 34])
 def test_stated_errors_of_random_linings_of_blocks_hold(seed: int) -> None:
-    assert set(picked(block_error_rows(seed), "outcome")) == {"agrees"}
+    assert set(picked(stated_error_rows_for_block_linings(seed), "outcome")) == {"agrees"}

@@ -12,18 +12,24 @@ from skfem.models.elasticity import linear_elasticity, plane_stress
 from drumlin import NoAnswer, vary
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
-from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import (
     FRAME,
-    body_constraints,
-    condense_body,
-    scalar_basis,
-    stiffness,
+    condense_body_to_contact_and_frame,
+    multi_point_constraints_of_body,
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.substructure.elimination import eliminate_inner_unknowns, nested_dissection
-from drumlin.fem.substructure.interface import make_contact_line, unit_loads_on_end
+from drumlin.fem.substructure.elimination import (
+    eliminate_inner_unknowns,
+    elimination_order_by_nested_dissection,
+)
+from drumlin.fem.substructure.interface import (
+    make_contact_line_of_lining,
+    nodal_forces_of_unit_loads_on_loaded_end,
+)
 from picking import saying
 
 STEEL = Material(E=210e9, nu=0.3)
@@ -46,8 +52,8 @@ def whole(mesh):
 @pytest.mark.parametrize("kind", KINDS)
 def test_stiffness_equals_skfems_own_form(kind):
     mesh = whole(KINDS[kind]())
-    basis = scalar_basis(mesh)
-    K = stiffness(basis, {"shoe": ElasticLayer.of(STEEL, 0.04)})
+    basis = scalar_finite_element_basis_of_mesh(mesh)
+    K = sparse_stiffness_of_body(basis, {"shoe": ElasticLayer.of(STEEL, 0.04)})
     vector = basis.with_element(skfem.ElementVector(basis.elem))
     theirs = 0.04 * linear_elasticity(*plane_stress(STEEL.E, STEEL.nu)).assemble(vector)
     # Node numbers of drumlin are 2 node + component.
@@ -62,9 +68,9 @@ def test_stiffness_equals_skfems_own_form(kind):
 def test_uniaxial_plane_stress(kind):
     """s_xx = E e_xx, e_yy = -nu e_xx, exactly, for every element: end forces E e b h only."""
     mesh = whole(KINDS[kind]())
-    basis = scalar_basis(mesh)
+    basis = scalar_finite_element_basis_of_mesh(mesh)
     b, strain = 0.04, 1e-3
-    K = stiffness(basis, {"shoe": ElasticLayer.of(STEEL, b)})
+    K = sparse_stiffness_of_body(basis, {"shoe": ElasticLayer.of(STEEL, b)})
     x, y = basis.doflocs
     u = np.column_stack([strain * x, -STEEL.nu * strain * y]).ravel()
     force = (K @ u).reshape(-1, 2)
@@ -93,8 +99,10 @@ def test_curved_cantilever_under_end_shear():
         mesh = skfem.MeshQuad2.from_mesh(grid)
         r, phi = mesh.doflocs
         mesh = whole(skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t))
-        basis = scalar_basis(mesh)
-        K = stiffness(basis, {"shoe": ElasticLayer.of(Material(E=1e4, nu=0.25), 1.0)})
+        basis = scalar_finite_element_basis_of_mesh(mesh)
+        K = sparse_stiffness_of_body(
+            basis, {"shoe": ElasticLayer.of(Material(E=1e4, nu=0.25), 1.0)}
+        )
         x, y = basis.doflocs
         u = np.zeros(2 * basis.N)
         base, tip = np.flatnonzero(np.abs(x) < 1e-12), np.flatnonzero(np.abs(y) < 1e-12)
@@ -111,8 +119,8 @@ def test_curved_cantilever_under_end_shear():
 
 
 def test_dissection_is_an_order_of_all_nodes_in_which_regions_follow_one_another(brake):
-    basis = prepare(brake, elements=40).bodies[0].basis
-    order = nested_dissection(basis.doflocs, basis.element_dofs)
+    basis = make_prepared_model(brake, elements=40).bodies[0].basis
+    order = elimination_order_by_nested_dissection(basis.doflocs, basis.element_dofs)
     assert np.array_equal(np.sort(order.nodes), np.arange(basis.N))
     assert set(np.diff(order.region)) == {0, 1}
     assert np.bincount(order.region).max() < 0.2 * basis.N
@@ -155,30 +163,33 @@ def test_a_singular_inside_is_refused():
 
 @pytest.mark.parametrize("elements", [1, 2, 3, 7])
 def test_dissection_of_tiny_meshes(brake, elements):
-    mesh = shoe_mesh(brake.shoes[0], brake.drum.radius, elements)
-    basis = scalar_basis(mesh)
+    mesh = parametric_mesh_of_shoe(brake.shoes[0], brake.drum.radius, elements)
+    basis = scalar_finite_element_basis_of_mesh(mesh)
     assert np.array_equal(
-        np.sort(nested_dissection(basis.doflocs, basis.element_dofs).nodes), np.arange(basis.N)
+        np.sort(elimination_order_by_nested_dissection(basis.doflocs, basis.element_dofs).nodes),
+        np.arange(basis.N),
     )
 
 
 def full_system(brake, elements=12):
     """Stiffness of a shoe and the pieces of its condensation."""
     shoe = brake.shoes[0]
-    mesh = shoe_mesh(shoe, brake.drum.radius, elements)
-    basis = scalar_basis(mesh)
-    K = stiffness(basis, elastic_layers_of_shoe(shoe))
-    line = make_contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
+    mesh = parametric_mesh_of_shoe(shoe, brake.drum.radius, elements)
+    basis = scalar_finite_element_basis_of_mesh(mesh)
+    K = sparse_stiffness_of_body(basis, elastic_layers_of_shoe(shoe))
+    line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
     rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
-    ties = body_constraints(basis, line.nodes, rigid, np.array([shoe.hinge.radius, 0.0]))
-    loads, _ = unit_loads_on_end(basis, mesh.boundaries["actuation"])
+    ties = multi_point_constraints_of_body(
+        basis, line.nodes, rigid, np.array([shoe.hinge.radius, 0.0])
+    )
+    loads, _ = nodal_forces_of_unit_loads_on_loaded_end(basis, mesh.boundaries["actuation"])
     return basis, K, line, rigid, ties, loads
 
 
 def test_condensed_displacements_equal_those_of_the_whole_system(brake):
     basis, K, line, rigid, ties, loads = full_system(brake)
     n = 2 * len(line.nodes)
-    condensed = condense_body(K, ties, {"actuation": ties.matrix.T @ loads}, n)
+    condensed = condense_body_to_contact_and_frame(K, ties, {"actuation": ties.matrix.T @ loads}, n)
     rng = np.random.default_rng(0)
     nodal = rng.normal(size=n) * 1e3
     forces = np.zeros(2 * basis.N)
@@ -191,21 +202,23 @@ def test_condensed_displacements_equal_those_of_the_whole_system(brake):
     u[free] = spsolve(K[free][:, free].tocsc(), forces[free])
     scale = np.abs(u).max()
 
-    Y = condensed.half_flexibility(np.column_stack([nodal + condensed.load_on_contact @ factors]))
+    Y = condensed.nodal_forces_over_cholesky_factor(
+        np.column_stack([nodal + condensed.load_on_contact @ factors])
+    )
     work = float((Y[:, 0] ** 2).sum())
     c = np.column_stack([u[2 * line.nodes], u[2 * line.nodes + 1]]).ravel()
     assert work == pytest.approx(c @ (nodal + condensed.load_on_contact @ factors), rel=1e-9)
     reaction = (condensed.L_fc @ Y)[:, 0] - condensed.load_on_frame @ factors
     applied = forces.reshape(-1, 2).sum(axis=0)
     assert reaction[:2] == pytest.approx(-applied, rel=1e-9, abs=1e-9 * np.abs(applied).max())
-    everywhere = condensed.displacement(nodal, np.zeros(FRAME), factors)
+    everywhere = condensed.nodal_displacements_in_one_case(nodal, np.zeros(FRAME), factors)
     assert everywhere.T.ravel() == pytest.approx(u, abs=1e-9 * scale)
 
 
 def test_end_loads_have_their_resultants(brake):
     basis, _, _, _, _, loads = full_system(brake)
     mesh = basis.mesh
-    loads, centre = unit_loads_on_end(basis, mesh.boundaries["actuation"])
+    loads, centre = nodal_forces_of_unit_loads_on_loaded_end(basis, mesh.boundaries["actuation"])
     x, y = basis.doflocs - centre[:, None]
     nodal = loads.reshape(-1, 2, 3)
     assert nodal.sum(axis=0) == pytest.approx(np.array([[1, 0, 0], [0, 1, 0]]), abs=1e-11)
@@ -215,6 +228,6 @@ def test_end_loads_have_their_resultants(brake):
 
 def test_a_rigid_shoe_has_only_its_lining_meshed(brake):
     bare = vary(brake, {"shoe.body": None})
-    scene = prepare(bare, elements=20)
+    scene = make_prepared_model(bare, elements=20)
     assert list(scene.bodies[0].mesh.subdomains) == ["lining"]
     assert saying(scene.left_out, "rigid, no [shoe.body]")

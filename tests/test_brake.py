@@ -11,8 +11,8 @@ from conftest import STUDY
 from drumlin.base.errors import BadInput
 from drumlin.brake import units
 from drumlin.brake.brake import ShoeFrame
-from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.brake.units import to_si
+from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
+from drumlin.brake.units import quantity_in_si
 from picking import picked
 
 TEXT = (STUDY / "brake.toml").read_text()
@@ -39,7 +39,7 @@ def test_the_study_brake_has_the_source_geometry(brake):
     for shoe in brake.shoes:
         assert shoe.hinge.radius == pytest.approx(0.125, rel=1e-12)
         assert np.degrees(shoe.arc) == pytest.approx((5, 130), rel=1e-12)
-        arm = abs(shoe.actuation.moment_about(shoe.hinge)) / shoe.actuation.force
+        arm = abs(shoe.actuation.moment_of_force_about_point(shoe.hinge)) / shoe.actuation.force
         assert arm == pytest.approx(0.1 + 0.125 * math.cos(math.radians(15)), rel=1e-12)
 
 
@@ -177,7 +177,7 @@ def test_units_do_not_matter(tmp_path, brake):
     for a, b in zip(read(tmp_path, text).shoes, brake.shoes, strict=True):
         assert a.lining.thickness == pytest.approx(b.lining.thickness, rel=1e-14)
         assert pytest.approx(b.lining.material.E, rel=1e-14) == a.lining.material.E
-        assert a.actuation.vector == pytest.approx(b.actuation.vector, rel=1e-14)
+        assert a.actuation.force_vector == pytest.approx(b.actuation.force_vector, rel=1e-14)
 
 
 def test_a_clearance_table_is_read_and_interpolated(tmp_path):
@@ -186,7 +186,7 @@ def test_a_clearance_table_is_read_and_interpolated(tmp_path):
         '"0.1 mm"]]'
     )
     lining = read(tmp_path, TEXT.replace('end = "55 deg"', table, 1)).shoes[0].lining
-    assert lining.clearance_at(np.radians([-70, -35, 0, 27.5])) == pytest.approx(
+    assert lining.clearance_at_coordinates(np.radians([-70, -35, 0, 27.5])) == pytest.approx(
         [0, 1e-4, 2e-4, 1.5e-4], abs=1e-18
     )
     for bad, words in [
@@ -217,9 +217,9 @@ def test_vary_changes_one_key_or_the_key_of_every_shoe_and_validates(brake):
 
 def test_numbers_in_python_are_si(brake):
     data = brake.model_dump(by_alias=True)
-    assert brake_from(data) == brake
+    assert make_drum_brake_from_data(data) == brake
     with pytest.raises(BadInput, match="unit"):
-        brake_from(data, unit_required=True)
+        make_drum_brake_from_data(data, unit_required=True)
 
 
 def test_a_changed_copy_of_a_shoe_has_a_frame_of_its_own(brake):
@@ -240,20 +240,26 @@ def test_a_changed_copy_of_a_shoe_has_a_frame_of_its_own(brake):
 def test_the_frame_of_a_shoe_and_back_is_the_identity_and_keeps_lengths(origin, sense, x, y):
     frame = ShoeFrame(origin, sense)
     v = np.array([x, y])
-    assert frame.to_shoe(frame.to_brake(v)) == pytest.approx(v, abs=1e-12)
-    assert np.linalg.norm(frame.to_brake(v)) == pytest.approx(np.linalg.norm(v), rel=1e-12)
+    assert frame.convert_to_shoe_frame(frame.convert_to_brake_frame(v)) == pytest.approx(
+        v, abs=1e-12
+    )
+    assert np.linalg.norm(frame.convert_to_brake_frame(v)) == pytest.approx(
+        np.linalg.norm(v), rel=1e-12
+    )
     # The ray phi = 0.3 lies at theta = origin + sense 0.3.
     ray = np.array([math.cos(0.3), math.sin(0.3)])
     theta = float(frame.theta(np.array(0.3)))
-    assert frame.to_brake(ray) == pytest.approx([math.cos(theta), math.sin(theta)], abs=1e-12)
+    assert frame.convert_to_brake_frame(ray) == pytest.approx(
+        [math.cos(theta), math.sin(theta)], abs=1e-12
+    )
 
 
 @given(st.floats(1e-6, 1e6))
 def test_a_quantity_is_its_number_times_its_unit(number):
-    assert to_si(f"{number!r} mm", "m", unit_required=True) == pytest.approx(
+    assert quantity_in_si(f"{number!r} mm", "m", unit_required=True) == pytest.approx(
         number * 1e-3, rel=1e-14
     )
-    assert to_si(f"{number!r} deg", "rad", unit_required=True) == pytest.approx(
+    assert quantity_in_si(f"{number!r} deg", "rad", unit_required=True) == pytest.approx(
         math.radians(number), rel=1e-14
     )
 
@@ -269,5 +275,5 @@ def test_varying_inside_a_table_that_was_given_leaves_that_table_alone(brake):
 def test_common_units_are_those_of_pint():
     for si, factors in units.COMMON.items():
         for unit, factor in factors.items():
-            assert factor == pytest.approx(units._factor_by_pint(unit, si), rel=1e-15)
-            assert units.to_si(f"2 {unit}", si, unit_required=True) == 2 * factor
+            assert factor == pytest.approx(units._si_factor_of_unit_by_pint(unit, si), rel=1e-15)
+            assert units.quantity_in_si(f"2 {unit}", si, unit_required=True) == 2 * factor

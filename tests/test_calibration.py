@@ -9,22 +9,27 @@ import numpy as np
 import pytest
 
 from drumlin.fem.error_control import estimate
-from drumlin.fem.error_control.estimate import FACTORS, QUANTITIES, Factors, read_factors
-from drumlin.fem.error_control.levels import solved_levels
+from drumlin.fem.error_control.estimate import (
+    FACTORS,
+    QUANTITIES,
+    Factors,
+    read_error_estimate_factors,
+)
+from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
 from drumlin.fem.model import solve_prepared_model
-from drumlin.studies import load
+from drumlin.studies import import_study
 from drumlin_studies.calibration import (
-    QUANTILE,
+    STATED_QUANTILE,
     LevelRecord,
     Provenance,
     draw_calibration_brake,
-    factors_as_text,
+    error_samples_of_quantity,
+    errors_and_estimates_of_levels,
     fit_safety_factors,
-    level_errors,
-    samples_of_quantity,
+    safety_factors_as_json_text,
 )
 from drumlin_studies.stated_true import RELEVANT
-from drumlin_studies.stored_truth import solve_by_finer_divisions
+from drumlin_studies.stored_truth import solve_brake_by_finer_hp_meshes
 from picking import picked
 
 PROVENANCE = Provenance("1 to 3", 3, 9, "abc", "2000-01-01")
@@ -57,10 +62,10 @@ def test_the_fit_finds_the_factors_that_cover_all_but_the_share_that_may_be_miss
     levels = made_up(2000, part)
     found = fit_safety_factors(levels)
     for value, most in ((found.pressure, 0.5), (found.peak, 0.9), (found.force, 0.7)):
-        assert 0.99 * QUANTILE * most <= value <= 1.05 * most
+        assert 0.99 * STATED_QUANTILE * most <= value <= 1.05 * most
     for name, factor in (("pressure", found.pressure), ("peak", found.peak)):
-        ratios = samples_of_quantity(levels, name).ratios(factor, 0.0)
-        assert np.mean(ratios < 1) <= 1 - QUANTILE
+        ratios = error_samples_of_quantity(levels, name).stated_over_true_errors(factor, 0.0)
+        assert np.mean(ratios < 1) <= 1 - STATED_QUANTILE
 
 
 def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel():
@@ -84,8 +89,11 @@ def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel(
             )
         )
     found = fit_safety_factors(levels)
-    torque = samples_of_quantity(levels, "torque")
-    assert np.mean(torque.ratios(found.force, found.cancelled / found.force) < 1) <= 1 - QUANTILE
+    torque = error_samples_of_quantity(levels, "torque")
+    assert (
+        np.mean(torque.stated_over_true_errors(found.force, found.cancelled / found.force) < 1)
+        <= 1 - STATED_QUANTILE
+    )
     assert found.cancelled * 100 > 0.15
 
 
@@ -95,14 +103,16 @@ def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
         true={**level.true, "peak": math.nan, "torque": 0.5 * RELEVANT, "pressure": 1e-3}
     )
     assert [
-        len(samples_of_quantity([unknown], name).true) for name in ("pressure", "torque", "peak")
+        len(error_samples_of_quantity([unknown], name).true)
+        for name in ("pressure", "torque", "peak")
     ] == [
         1,
         1,
         0,
     ]
     assert [
-        samples_of_quantity([unknown], name).known.tolist() for name in ("pressure", "torque")
+        error_samples_of_quantity([unknown], name).is_true_error_usable.tolist()
+        for name in ("pressure", "torque")
     ] == [
         [True],
         [False],
@@ -112,10 +122,10 @@ def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
 def test_the_file_holds_the_factors_and_what_they_were_fitted_on(tmp_path):
     factors = Factors(0.5, 0.6, 0.001, 0.8)
     path = tmp_path / "factors.json"
-    path.write_text(factors_as_text(factors, PROVENANCE), encoding="utf-8")
-    assert read_factors(path) == factors
+    path.write_text(safety_factors_as_json_text(factors, PROVENANCE), encoding="utf-8")
+    assert read_error_estimate_factors(path) == factors
     data = json.loads(path.read_text(encoding="utf-8"))
-    assert data["provenance"] == {**PROVENANCE._asdict(), "quantile": QUANTILE}
+    assert data["provenance"] == {**PROVENANCE._asdict(), "quantile": STATED_QUANTILE}
     for name in Factors._fields:
         assert len(data[name]["meaning"].split()) > 10
 
@@ -124,23 +134,25 @@ def test_the_file_that_the_code_reads_was_written_by_the_command():
     path = Path(estimate.__file__).with_name("factors.json")
     data = json.loads(path.read_text(encoding="utf-8"))
     written = Provenance(**{key: data["provenance"][key] for key in Provenance._fields})
-    assert path.read_text(encoding="utf-8") == factors_as_text(FACTORS, written)
+    assert path.read_text(encoding="utf-8") == safety_factors_as_json_text(FACTORS, written)
     assert written.brakes > 200 and written.levels > 1000 and written.commit and written.date
 
 
 @pytest.fixture(scope="module")
 def seen():
     _, brake = draw_calibration_brake(300_001)
-    return brake, level_errors(
-        brake, solve_by_finer_divisions(brake), solved_levels(brake, solve_prepared_model)
+    return brake, errors_and_estimates_of_levels(
+        brake,
+        solve_brake_by_finer_hp_meshes(brake),
+        solve_on_finer_and_finer_levels(brake, solve_prepared_model),
     )
 
 
 def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
     brake, levels = seen
-    responses = picked(solved_levels(brake, solve_prepared_model), "response")
+    responses = picked(solve_on_finer_and_finer_levels(brake, solve_prepared_model), "response")
     for (before, last), level in zip(pairwise(responses), levels, strict=True):
-        stated = estimate.estimate(brake, before, last)
+        stated = estimate.estimate_errors_from_two_levels(brake, before, last)
         assert stated.brake["pressure"] == pytest.approx(
             FACTORS.pressure * level.step["pressure"] + level.beside["pressure"], rel=1e-6
         )
@@ -154,7 +166,7 @@ def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
 
 @pytest.mark.slow
 def test_the_study_writes_the_same_twice(tmp_path):
-    module, _ = load("calibration")
+    module, _ = import_study("calibration")
     for folder in ("one", "other"):
         module.report(module.study(short=True), tmp_path / folder)
     one, other = ((tmp_path / folder / "factors.json").read_bytes() for folder in ("one", "other"))

@@ -11,7 +11,7 @@ import pytest
 from command_line import drumlin, process
 from conftest import STUDY
 from drumlin.brake.file import read_brake
-from drumlin.cli.terminal import print_table
+from drumlin.cli.terminal import print_table_of_compared_models
 from drumlin.comparison import COLUMNS
 from drumlin.fem.solve import solve
 from picking import picked
@@ -210,7 +210,7 @@ def test_on_a_narrow_terminal_columns_are_left_out_by_name_and_no_number_is_cut(
     monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
     for columns, left_out in ((66, ["self-energising", "contact arcs [deg]"]), (160, [])):
         monkeypatch.setenv("COLUMNS", str(columns))
-        print_table(table, COLUMNS)
+        print_table_of_compared_models(table, COLUMNS)
         lines = capsys.readouterr().out.replace("\n  contact", " contact").splitlines()
         assert max(map(len, lines[:-1])) <= columns
         text = "\n".join(lines)

@@ -12,9 +12,9 @@ from drumlin.contact.equations import (
     BorderedEquations,
     ContactProblem,
     ContactSetEquations,
-    condition_number,
-    equilibrate_problem,
-    is_bordering_cheaper,
+    condition_number_on_contact_set,
+    is_bordered_system_cheaper_than_new_factors,
+    scale_contact_problem,
 )
 
 
@@ -158,13 +158,13 @@ def test_changing_a_few_nodes_of_a_factorised_set_equals_factorising_the_other_s
         rng.normal(size=1),
     )
     active = rng.random(n) < 0.8
-    system, other = equilibrate_problem(problem), active.copy()
+    system, other = scale_contact_problem(problem), active.copy()
     other[rng.choice(n, n // 10, replace=False)] ^= True
     base, direct = (
-        ContactSetEquations(system.K, system.free_unknowns(active)),
-        ContactSetEquations(system.K, system.free_unknowns(other)),
+        ContactSetEquations(system.K, system.mark_unknowns_of_contact_set(active)),
+        ContactSetEquations(system.K, system.mark_unknowns_of_contact_set(other)),
     )
-    changed = BorderedEquations(base, system.K, system.free_unknowns(other))
+    changed = BorderedEquations(base, system.K, system.mark_unknowns_of_contact_set(other))
     for r in (system.r, rng.normal(size=(n + 1, 3))):
         a, b = direct.solve(r), changed.solve(r)
         assert b == pytest.approx(a, rel=1e-6, abs=1e-8 * np.abs(a).max())
@@ -236,8 +236,8 @@ def test_followed_from_wider_gaps_the_contact_is_that_of_the_answer(n, seed, ske
     A, x = p_matrix(rng, n, skew), rng.uniform(0.2, 1.0, n)
     motion = (-x[:, None], -x[None], np.array([-1.0])) if hinged else free(A, x)[2:]
     problem = ContactProblem(A, rng.normal(size=n), *motion)
-    active, steps = active_set.follow_solution_from_wider_gaps(problem)
-    found = active_set.solve_by_block_pivoting(problem, active)
+    active, steps = active_set.find_contact_set_by_closing_wide_gaps(problem)
+    found = active_set.solve_contact_by_block_pivoting(problem, active)
     assert found.steps == 1
     assert steps <= 10 * n
     w = problem.q + A @ found.p + problem.B @ found.y
@@ -250,7 +250,7 @@ def test_followed_from_wider_gaps_the_contact_is_that_of_the_answer(n, seed, ske
 def test_followed_from_wider_gaps_a_contact_without_answer_never_arrives():
     """A spring that softens as it is pressed, w = -1 - p: no pressure closes it."""
     with pytest.raises(NoAnswer, match="never reaches"):
-        active_set.follow_solution_from_wider_gaps(free([[-1.0]], [-1.0]))
+        active_set.find_contact_set_by_closing_wide_gaps(free([[-1.0]], [-1.0]))
 
 
 @pytest.mark.parametrize(
@@ -270,10 +270,12 @@ def test_a_path_that_turns_back_is_followed_to_the_only_answer(A, q, p):
 
     Gaps grow again on the way, in the last case twice; all eight contact sets were tried.
     """
-    active, steps = active_set.follow_solution_from_wider_gaps(free(A, q))
+    active, steps = active_set.find_contact_set_by_closing_wide_gaps(free(A, q))
     assert active.tolist() == (np.array(p) > 0).tolist()
     assert steps <= 5
-    assert active_set.solve_by_block_pivoting(free(A, q), active).p == pytest.approx(p, rel=1e-9)
+    assert active_set.solve_contact_by_block_pivoting(free(A, q), active).p == pytest.approx(
+        p, rel=1e-9
+    )
 
 
 def test_wrong_nodes_that_do_not_become_fewer_are_given_up_after_five_steps_more():
@@ -289,11 +291,11 @@ def test_wrong_nodes_that_do_not_become_fewer_are_given_up_after_five_steps_more
     with pytest.raises(
         active_set.ContactSetNotConverged, match="still changes after 7 steps"
     ) as end:
-        active_set.solve_by_block_pivoting(cycle, start)
+        active_set.solve_contact_by_block_pivoting(cycle, start)
     assert end.value.steps == 7
     with pytest.raises(active_set.ContactSetNotConverged, match="after 2 steps"):
-        active_set.solve_by_block_pivoting(cycle, start, most_steps=2)
-    _, followed = active_set.follow_solution_from_wider_gaps(cycle)
+        active_set.solve_contact_by_block_pivoting(cycle, start, most_steps=2)
+    _, followed = active_set.find_contact_set_by_closing_wide_gaps(cycle)
     assert active_set.solve_contact_problem(cycle, start).steps == 7 + followed + 1
 
 
@@ -301,9 +303,15 @@ def test_round_off_does_not_change_the_contact_set_and_more_does():
     on, off = np.array([True, True]), np.array([False, True])
     for size, steps in ((1e-14, 1), (1e-9, 2)):
         # A node that is pulled open must leave the contact.
-        assert active_set.solve_by_block_pivoting(free(np.eye(2), [size, -1]), on).steps == steps
+        assert (
+            active_set.solve_contact_by_block_pivoting(free(np.eye(2), [size, -1]), on).steps
+            == steps
+        )
         # A node that penetrates the drum must join the contact.
-        assert active_set.solve_by_block_pivoting(free(np.eye(2), [-size, -1]), off).steps == steps
+        assert (
+            active_set.solve_contact_by_block_pivoting(free(np.eye(2), [-size, -1]), off).steps
+            == steps
+        )
         scaled = ContactProblem(
             np.eye(2),
             np.array([-size, 1.0]),
@@ -311,7 +319,7 @@ def test_round_off_does_not_change_the_contact_set_and_more_does():
             np.array([[0.0, -1]]),
             np.array([-1.0]),
         )
-        assert active_set.solve_by_block_pivoting(scaled, off).steps == steps
+        assert active_set.solve_contact_by_block_pivoting(scaled, off).steps == steps
 
 
 def hinged_twice():
@@ -324,7 +332,7 @@ def hinged_twice():
 
 @pytest.mark.parametrize("start", [None, [False] * 3, [True, False, False], [False, True, False]])
 def test_every_free_motion_is_resisted_before_the_equations_are_solved(start):
-    found = active_set.solve_by_block_pivoting(
+    found = active_set.solve_contact_by_block_pivoting(
         hinged_twice(), None if start is None else np.array(start)
     )
     assert found.p == pytest.approx([1, 3, 0], rel=1e-14)
@@ -336,7 +344,7 @@ def test_nodes_that_the_actuation_closes_first():
     A, q, B, C, h = hinged_twice()
 
     def first(*changed, **more):
-        return active_set._find_first_contact_set(ContactProblem(A, *changed), **more)
+        return active_set._find_nodes_that_touch_first(ContactProblem(A, *changed), **more)
 
     assert first(q, B, C, h).tolist() == [True, True, False]
     # The third node closes at once with the others.
@@ -369,7 +377,7 @@ def test_with_two_motions_the_answer_is_regular_where_neither_has_lost_its_resis
     def regular(resistance):
         A, B, p = 4 * np.eye(2), -3 * np.eye(2), np.array([1.0, 2])
         C = -np.asarray(resistance, float)
-        return active_set.solve_by_block_pivoting(
+        return active_set.solve_contact_by_block_pivoting(
             ContactProblem(A, np.zeros(2), B, C, C @ p), np.array([True, True])
         ).stable
 
@@ -385,9 +393,11 @@ def test_condition_is_that_of_the_equilibrated_equations():
     # unit diagonal of A, largest entries of the columns of B and rows of C: those of equal springs,
     # each on its motion
     exact = np.linalg.cond(np.block([[np.eye(2), -np.eye(2)], [-np.eye(2), np.zeros((2, 2))]]), 1)
-    assert condition_number(problem, on) == pytest.approx(exact, rel=1e-12)
-    assert condition_number(free(np.eye(2), [1, 1]), np.zeros(2, bool)) == 1.0
-    assert condition_number(free(np.ones((2, 2)), [1, 1]), np.ones(2, bool)) == np.inf
+    assert condition_number_on_contact_set(problem, on) == pytest.approx(exact, rel=1e-12)
+    assert condition_number_on_contact_set(free(np.eye(2), [1, 1]), np.zeros(2, bool)) == 1.0
+    assert (
+        condition_number_on_contact_set(free(np.ones((2, 2)), [1, 1]), np.ones(2, bool)) == np.inf
+    )
 
 
 def test_equilibration_makes_units_of_a_b_and_c_and_is_undone():
@@ -398,8 +408,8 @@ def test_equilibration_makes_units_of_a_b_and_c_and_is_undone():
         np.array([[4.0, 2]]),
         np.array([8.0]),
     )
-    system = equilibrate_problem(problem)
-    scaled = system.problem
+    system = scale_contact_problem(problem)
+    scaled = system.scaled_contact_problem
     assert np.diagonal(scaled.A) == pytest.approx([1, 1])
     assert scaled.A[0, 1] == pytest.approx(1 / 6) and scaled.q == pytest.approx([1 / 2, 2 / 3])
     assert np.abs(scaled.B).max() == np.abs(scaled.C).max() == 1 and scaled.B[
@@ -423,11 +433,13 @@ def test_coarse_problems_are_those_on_every_other_node():
         rows = np.arange(2.0 * n).reshape(n, 2) ** 2
         # The last node of an even number has one neighbour.
         P[-1] = P[-1] if n % 2 else [0, 0, 0.5]
-        assert active_set.restrict_to_every_other_node(rows) == pytest.approx(P.T @ rows)
-        assert active_set.restrict_to_every_other_node(rows.T, 1) == pytest.approx((P.T @ rows).T)
-        assert active_set.interpolate_coarse_pressures(rows[: (n + 1) // 2, 0], n) == pytest.approx(
-            P @ rows[: (n + 1) // 2, 0]
+        assert active_set.restrict_array_to_every_other_node(rows) == pytest.approx(P.T @ rows)
+        assert active_set.restrict_array_to_every_other_node(rows.T, 1) == pytest.approx(
+            (P.T @ rows).T
         )
+        assert active_set.interpolate_pressures_to_all_nodes(
+            rows[: (n + 1) // 2, 0], n
+        ) == pytest.approx(P @ rows[: (n + 1) // 2, 0])
     assert active_set.guess_contact_set_from_coarse_problem(free(np.eye(47), np.ones(47))).all()
     # Where no start is found all nodes are returned.
     assert active_set.guess_contact_set_from_coarse_problem(free(-np.eye(48), -np.ones(48))).all()
@@ -440,7 +452,7 @@ def test_a_few_changed_nodes_use_the_factors_that_there_are():
     def changed(base, count):
         return base.free ^ (np.arange(len(base.free)) < count)
 
-    base, few = start(BORDERED_ABOVE_UNKNOWNS + 8), is_bordering_cheaper
+    base, few = start(BORDERED_ABOVE_UNKNOWNS + 8), is_bordered_system_cheaper_than_new_factors
     assert few(base, changed(base, BORDERED_ABOVE_UNKNOWNS // 8))
     # More than an eighth of the nodes that are on.
     assert not few(base, changed(base, BORDERED_ABOVE_UNKNOWNS // 8 + 1))
@@ -466,10 +478,10 @@ def test_pairs_of_nodes_that_carry_no_two_motions_are_passed_over_in_silence():
     B = np.array([[1.0, 0.0], [1.0, 0.5], [2.0, 0.0], [1.0, 1.0]])
     for h in ([1.0, 0.3], [1.0, -0.1]):
         with pytest.raises(NoAnswer, match="cannot balance"):
-            active_set._find_balancing_nodes(
+            active_set._find_nodes_that_balance_load_on_modes(
                 np.full(4, 0.1), B, -B.T, np.array(h), np.ones(4, dtype=bool)
             )
-    first = active_set._find_balancing_nodes(
+    first = active_set._find_nodes_that_balance_load_on_modes(
         np.full(4, 0.1), B, -B.T, np.array([-1.0, -0.3]), np.ones(4, dtype=bool)
     )
     assert len(set(first)) == 2
@@ -481,11 +493,11 @@ def test_with_the_scales_of_another_problem_the_answer_is_the_same():
     one = ContactProblem(A, -rng.random(6), -x[:, None], -x[None], np.array([-5.0]))
     other = one._replace(A=3 * A + np.eye(6), C=-0.5 * x[None])
     found, like = (
-        active_set.solve_by_block_pivoting(other),
-        active_set.solve_by_block_pivoting(one).system,
+        active_set.solve_contact_by_block_pivoting(other),
+        active_set.solve_contact_by_block_pivoting(one).system,
     )
-    scaled = active_set.solve_by_block_pivoting(other, scales_of=like)
-    assert equilibrate_problem(other, like).row_scales is like.row_scales and not np.array_equal(
+    scaled = active_set.solve_contact_by_block_pivoting(other, scales_of=like)
+    assert scale_contact_problem(other, like).row_scales is like.row_scales and not np.array_equal(
         found.system.row_scales, like.row_scales
     )
     np.testing.assert_array_equal(scaled.active, found.active)

@@ -8,46 +8,46 @@ import numpy as np
 import pytest
 from scipy.special import betainc
 
-from drumlin.fem.error_control.levels import solved_levels
+from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
 from drumlin.fem.hp.corner import (
     POWER_LAW_PART,
     UnboundedCorner,
-    column_size_at_tip,
-    corner_exponent,
-    corner_exponents_of,
-    polynomial_error_of_power,
-    pressure_error_at_corners,
-    pressure_error_under_tips,
-    pressure_with_power_law,
-    response_with_power_laws,
-    unbounded_corners,
+    corners_with_unbounded_pressure,
+    element_column_size_for_gap_tip_error,
+    polynomial_error_of_power_function,
+    pressure_error_left_at_gap_tips,
+    pressure_error_left_at_lining_corners,
+    pressure_exponent_at_lining_corner,
+    pressure_exponents_at_both_lining_corners,
+    pressure_with_power_law_at_corner,
+    response_with_power_laws_at_corners,
 )
 from drumlin.fem.hp.division import HALF_FORCE_PART
 from drumlin.fem.model import solve_prepared_model
-from drumlin.response.resultants import gauss_points, lobatto
-from drumlin_studies.stated_true import true_errors
-from drumlin_studies.stored_truth import read_stored_truth
+from drumlin.response.resultants import gauss_lobatto_points, polynomial_values_at_gauss_points
+from drumlin_studies.stated_true import true_errors_of_response
+from drumlin_studies.stored_truth import read_stored_fine_solution
 
 TRUTHS = Path(__file__).parent / "truths"
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])
 def test_without_friction_on_a_rigid_drum_the_pressure_is_bounded_by_symmetry(nu):
-    assert corner_exponent(0.0, nu) == 0.0
+    assert pressure_exponent_at_lining_corner(0.0, nu) == 0.0
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])
 def test_a_little_friction_makes_the_power_4_over_pi_of_it(nu):
-    assert corner_exponent(2e-3, nu) == pytest.approx(-8e-3 / math.pi, rel=1e-2)
+    assert pressure_exponent_at_lining_corner(2e-3, nu) == pytest.approx(-8e-3 / math.pi, rel=1e-2)
 
 
 def test_a_square_block_on_a_half_plane_of_its_own_material_has_the_power_of_dundurs_and_lee():
-    assert corner_exponent(0.0, 0.3, 1.0, 0.3) == pytest.approx(-0.226, abs=5e-4)
+    assert pressure_exponent_at_lining_corner(0.0, 0.3, 1.0, 0.3) == pytest.approx(-0.226, abs=5e-4)
 
 
 def test_friction_towards_the_corner_bounds_the_pressure_and_away_from_it_makes_it_steeper():
-    assert corner_exponent(-0.3, 0.2) == 0.0
-    powers = [corner_exponent(f, 0.2) for f in (0.0, 0.1, 0.2, 0.4, 0.6)]
+    assert pressure_exponent_at_lining_corner(-0.3, 0.2) == 0.0
+    powers = [pressure_exponent_at_lining_corner(f, 0.2) for f in (0.0, 0.1, 0.2, 0.4, 0.6)]
     for a, b in pairwise(powers):
         assert a > b > -1
 
@@ -60,7 +60,7 @@ def test_what_a_polynomial_leaves_of_a_power_is_its_distance_by_gauss_and_jacobi
         for n in range(degree + 1)
     ]
     inside = sum((2 * n + 1) * c**2 for n, c in enumerate(coefficients))
-    assert polynomial_error_of_power(power, degree) == pytest.approx(
+    assert polynomial_error_of_power_function(power, degree) == pytest.approx(
         math.sqrt(1 - inside * (2 * power + 1)), rel=1e-6
     )
 
@@ -68,7 +68,7 @@ def test_what_a_polynomial_leaves_of_a_power_is_its_distance_by_gauss_and_jacobi
 def test_columns_at_a_tip_leave_the_error_that_they_are_made_for():
     """Of ln x on both sides, by least squares on many points."""
     degree, error, length = 4, 1e-2, 3.0
-    size = column_size_at_tip(length, degree, error)
+    size = element_column_size_for_gap_tip_error(length, degree, error)
     x, weight = np.polynomial.legendre.leggauss(400)
     x, weight = 0.5 + 0.5 * x, 0.5 * weight
     basis = np.polynomial.legendre.legvander(2 * x - 1, degree) * np.sqrt(weight)[:, None]
@@ -84,11 +84,14 @@ def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
     0.0003 and 0.01 of the contact, where neither the elements at the corner nor the rest of the
     lining matter.
     """
-    stored = read_stored_truth(TRUTHS / "corner_dragged_inwards.json")
-    *_, last = islice(solved_levels(stored.brake, solve_prepared_model), 5)
+    stored = read_stored_fine_solution(TRUTHS / "corner_dragged_inwards.json")
+    *_, last = islice(solve_on_finer_and_finer_levels(stored.brake, solve_prepared_model), 5)
     (found,) = last.response.shoes
-    ((at_start, power),) = unbounded_corners(stored.brake, 0, found)
-    assert power == pytest.approx(min(corner_exponents_of(stored.brake, 0))) and power < -0.2
+    ((at_start, power),) = corners_with_unbounded_pressure(stored.brake, 0, found)
+    assert (
+        power == pytest.approx(min(pressure_exponents_at_both_lining_corners(stored.brake, 0)))
+        and power < -0.2
+    )
     x = found.theta - found.theta[0] if at_start else found.theta[-1] - found.theta
     length = np.diff(found.contact_arcs).sum()
     near = (x > 3e-4 * length) & (x < 1e-2 * length)
@@ -106,18 +109,20 @@ def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_ag
     power, order = -0.3, 6
     ends = np.concatenate([[0.0], 1e-4 * 2.4 ** np.arange(11)])
     x = np.append(
-        (ends[:-1, None] + np.diff(ends)[:, None] * 0.5 * (1 + lobatto(order)[:-1])).ravel(),
+        (
+            ends[:-1, None] + np.diff(ends)[:, None] * 0.5 * (1 + gauss_lobatto_points(order)[:-1])
+        ).ravel(),
         ends[-1],
     )
     with np.errstate(divide="ignore"):
         exact = x**power + 2 - x
     exact[0] = exact[1]
     theta, p = (1.0 + x, exact) if at_start else ((1.0 + ends[-1] - x)[::-1], exact[::-1])
-    new, value = pressure_with_power_law(
+    new, value = pressure_with_power_law_at_corner(
         theta, p, order, UnboundedCorner(at_start=at_start, exponent=power), reach=POWER_LAW_PART
     )
-    at, q, weight = gauss_points(new, value, order)
-    before, r, own = gauss_points(theta, p, order)
+    at, q, weight = polynomial_values_at_gauss_points(new, value, order)
+    before, r, own = polynomial_values_at_gauss_points(theta, p, order)
     assert (weight * q).sum() == pytest.approx((own * r).sum(), rel=1e-12)
     assert (weight * q * at).sum() == pytest.approx((own * r * before).sum(), rel=1e-12)
     assert (np.diff(new) > 0).all() and new[0] == theta[0] and new[-1] == theta[-1]
@@ -132,13 +137,13 @@ def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
     """The pieces of degree 5 that stand for x^-0.3 near a corner follow it between their nodes."""
     power, order = -0.3, 5
     ends = np.concatenate([[0.0], 1e-4 * 2.4 ** np.arange(11)])
-    inner = np.diff(ends)[:, None] * 0.5 * (1 + lobatto(order)[:-1])
+    inner = np.diff(ends)[:, None] * 0.5 * (1 + gauss_lobatto_points(order)[:-1])
     x = np.append((ends[:-1, None] + inner).ravel(), ends[-1])
     p = np.append(x[1] ** power, x[1:] ** power)
-    new, value = pressure_with_power_law(
+    new, value = pressure_with_power_law_at_corner(
         x, p, order, UnboundedCorner(at_start=True, exponent=power), reach=POWER_LAW_PART
     )
-    at, q, weight = (part.ravel() for part in gauss_points(new, value, order))
+    at, q, weight = (part.ravel() for part in polynomial_values_at_gauss_points(new, value, order))
     # Gauss points within the pieces that were made, but for the last one at the corner.
     near = (at > 1e-10) & (at < 0.5 * POWER_LAW_PART)
     terms = np.stack([at[near] ** power, np.ones(near.sum()), at[near]], axis=1)
@@ -157,11 +162,11 @@ def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
     ],
 )
 def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, gain):
-    stored = read_stored_truth(TRUTHS / f"{name}.json")
-    *_, last = islice(solved_levels(stored.brake, solve_prepared_model), level)
-    raw = true_errors(stored.brake, last.response.shoes, stored.true.shoes)["pressure"]
-    found = response_with_power_laws(stored.brake, last.response)
-    error = true_errors(stored.brake, found.shoes, stored.true.shoes)["pressure"]
+    stored = read_stored_fine_solution(TRUTHS / f"{name}.json")
+    *_, last = islice(solve_on_finer_and_finer_levels(stored.brake, solve_prepared_model), level)
+    raw = true_errors_of_response(stored.brake, last.response.shoes, stored.true.shoes)["pressure"]
+    found = response_with_power_laws_at_corners(stored.brake, last.response)
+    error = true_errors_of_response(stored.brake, found.shoes, stored.true.shoes)["pressure"]
     assert error < most and error < raw / gain
 
 
@@ -170,16 +175,16 @@ def test_what_is_left_of_p_is_known_where_it_has_no_bound():
 
     At a corner far smaller columns leave little error.
     """
-    stored = read_stored_truth(TRUTHS / "tip_short.json")
-    *_, last = islice(solved_levels(stored.brake, solve_prepared_model), 4)
+    stored = read_stored_fine_solution(TRUTHS / "tip_short.json")
+    *_, last = islice(solve_on_finer_and_finer_levels(stored.brake, solve_prepared_model), 4)
     (shoe,), (found,) = stored.brake.shoes, last.response.shoes
-    left = pressure_error_under_tips(shoe, stored.brake.size, found)
+    left = pressure_error_left_at_gap_tips(shoe, stored.brake.size, found)
     assert left == pytest.approx(
-        true_errors(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
+        true_errors_of_response(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
     )
-    corner = read_stored_truth(TRUTHS / "corner_dragged_inwards.json").brake
-    *_, last = islice(solved_levels(corner, solve_prepared_model), 2)
+    corner = read_stored_fine_solution(TRUTHS / "corner_dragged_inwards.json").brake
+    *_, last = islice(solve_on_finer_and_finer_levels(corner, solve_prepared_model), 2)
     (found,) = last.response.shoes
-    assert pressure_error_at_corners(corner, 0, found) > 2e-3
-    (better,) = response_with_power_laws(corner, last.response).shoes
-    assert pressure_error_at_corners(corner, 0, better) < 3e-4
+    assert pressure_error_left_at_lining_corners(corner, 0, found) > 2e-3
+    (better,) = response_with_power_laws_at_corners(corner, last.response).shoes
+    assert pressure_error_left_at_lining_corners(corner, 0, better) < 3e-4

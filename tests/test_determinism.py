@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from conftest import ROOT
-from drumlin.cli.process import run
+from drumlin.cli.process import run_command_line
 
 pytestmark = pytest.mark.slow
 
@@ -53,7 +53,7 @@ def test_equal_runs_write_equal_files_but_for_times(tmp_path, monkeypatch, capsy
             ["export", brake, "--to", "calculix", "--output", "decks"],
             ["view", brake, "--output", "v.svg"],
         ):
-            assert run(words) == 0
+            assert run_command_line(words) == 0
         written.append(
             {
                 path.relative_to(folder): path.read_bytes()

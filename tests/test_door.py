@@ -14,9 +14,9 @@ import nbformat
 import pytest
 
 import drumlin
-from drumlin.laws import sine
-from drumlin.response.balance import contact_resultant
-from drumlin.response.merit import merit
+from drumlin.laws import solve_brake_by_sine_law
+from drumlin.response.balance import resultant_of_contact_on_shoe
+from drumlin.response.merit import figures_of_merit_of_shoe_on_drum
 from picking import picked
 
 BRAKE = "studies/double_shoe/brake.toml"
@@ -188,10 +188,10 @@ def test_fields_are_written_for_every_shoe_and_ring(root, tmp_path):
 
 
 def test_a_result_is_checked_against_stored_values(root, tmp_path):
-    from drumlin.verification.check import curves_text
+    from drumlin.verification.check import pressure_curves_as_csv
 
     table = tmp_path / "p.csv"
-    table.write_text(curves_text(drumlin.solve(root / BRAKE)))
+    table.write_text(pressure_curves_as_csv(drumlin.solve(root / BRAKE)))
     found = drumlin.check(root / BRAKE, table, tolerance=1e-3)
     assert found.within
     assert found.reference.endswith("double_shoe_brake.json")
@@ -248,7 +248,12 @@ def test_what_the_manual_and_the_notebooks_import_is_public(root):
     ("old", "new", "name", "present"),
     [
         ("drumlin.errors", "drumlin.base.errors", "BadInput", "BadInput"),
-        ("drumlin.fem.assembly", "drumlin.fem.preparation.prepare", "prepare", "prepare"),
+        (
+            "drumlin.fem.assembly",
+            "drumlin.fem.preparation.prepare",
+            "prepare",
+            "make_prepared_model",
+        ),
         (
             "drumlin.fem.group",
             "drumlin.fem.equilibrium.group",
@@ -259,7 +264,7 @@ def test_what_the_manual_and_the_notebooks_import_is_public(root):
             "drumlin.fem.self_locking",
             "drumlin.fem.analysis.self_locking",
             "limits",
-            "friction_limits_of_groups",
+            "self_locking_limits_of_shoe_groups",
         ),
         (
             "drumlin.fem.sensitivity",
@@ -289,9 +294,11 @@ def test_a_path_may_be_a_text_and_a_response_carries_its_figures_of_merit(root):
         assert response.merits[i].shoe_factor == pytest.approx(
             shoe.torque / (2000 * 0.150), rel=1e-12
         )
-        assert response.merits[i] == merit(brake, i, shoe, contact_resultant(brake, i, shoe))
+        assert response.merits[i] == figures_of_merit_of_shoe_on_drum(
+            brake, i, shoe, resultant_of_contact_on_shoe(brake, i, shoe)
+        )
     assert response.bearing_load is not None
-    assert drumlin.solve(brake, "sine").torque == sine(brake).torque
+    assert drumlin.solve(brake, "sine").torque == solve_brake_by_sine_law(brake).torque
 
 
 def test_a_response_shows_itself(root):

@@ -10,32 +10,35 @@ from skfem.models.elasticity import lame_parameters, plane_stress
 
 from drumlin.brake.elasticity import (
     ElasticLayer,
-    elasticity_matrix,
-    has_directions,
+    is_elasticity_matrix_orthotropic,
+    plane_stress_elasticity_matrix,
     solid_elasticity_matrix,
 )
 from drumlin.brake.fields import Material
 from drumlin.fem.hp import element as hp
 from drumlin.fem.hp.arc import (
-    angular_integrals,
-    arc_column_stiffness,
+    angular_factors_of_column_stiffness,
+    condensed_arc_column_stiffness,
     condensed_arc_element_stiffness,
 )
 from drumlin.fem.hp.columns import (
-    column_stiffness,
-    order_of_column_unknowns,
-    rotate_matrix_components,
+    condensed_element_column_stiffness,
+    order_of_element_column_unknowns,
+    rotate_node_axes_of_matrix,
 )
-from drumlin.fem.hp.shoe import element_nodes
-from drumlin.fem.substructure.body import scalar_basis, stiffness
+from drumlin.fem.hp.shoe import node_coordinates_of_layers_and_columns
+from drumlin.fem.substructure.body import (
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
+)
 from drumlin.fem.substructure.elasticity import (
-    directions_through_layers,
-    split_elasticity,
-    stresses_from_gradients,
+    isotropic_and_directional_constants,
+    stresses_from_displacement_gradients,
+    thickness_directions_of_layers,
 )
-from drumlin.response.resultants import lobatto
+from drumlin.response.resultants import gauss_lobatto_points
 from drumlin.verification.triangles import lagrange
-from drumlin.verification.triangles.triangulation import TriangleLayer, initial_mesh
+from drumlin.verification.triangles.triangulation import TriangleLayer, triangulate_grid
 from picking import picked
 
 DIRECTED = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]]) * 1e8
@@ -109,7 +112,7 @@ def test_the_matrix_of_an_isotropic_material_has_the_constants_of_plane_stress()
     material = Material(E=2.1e11, nu=0.3)
     lam, mu = plane_stress(material.E, material.nu)
     expected = [[lam + 2 * mu, lam, 0], [lam, lam + 2 * mu, 0], [0, 0, mu]]
-    assert elasticity_matrix(material) == pytest.approx(np.array(expected), rel=1e-14)
+    assert plane_stress_elasticity_matrix(material) == pytest.approx(np.array(expected), rel=1e-14)
     lam, mu = lame_parameters(material.E, material.nu)
     solid = solid_elasticity_matrix(material)
     assert solid[:3, :3] == pytest.approx(lam + 2 * mu * np.eye(3), rel=1e-14)
@@ -118,9 +121,11 @@ def test_the_matrix_of_an_isotropic_material_has_the_constants_of_plane_stress()
 
 @pytest.mark.parametrize("nu", [-0.999, -0.3, 0.0, 0.25, 0.4999])
 def test_isotropic_materials_have_no_directions(nu):
-    matrix = elasticity_matrix(Material(E=3e8, nu=nu))
-    assert not has_directions(matrix) and not has_directions(0.0371 * matrix)
-    assert has_directions(DIRECTED) and has_directions(
+    matrix = plane_stress_elasticity_matrix(Material(E=3e8, nu=nu))
+    assert not is_elasticity_matrix_orthotropic(matrix) and not is_elasticity_matrix_orthotropic(
+        0.0371 * matrix
+    )
+    assert is_elasticity_matrix_orthotropic(DIRECTED) and is_elasticity_matrix_orthotropic(
         matrix * [[1, 1, 1], [1, 1 + 1e-9, 1], [1, 1, 1]]
     )
 
@@ -131,7 +136,7 @@ def test_stresses_are_those_of_the_matrix_in_the_layers_directions(name):
     points, H = random.uniform(0.1, 0.2, (2, 5)), random.standard_normal((2, 2, 5))
     t, n = directions(layer, points)
     assert layer.directions(points) == pytest.approx(t, abs=1e-14)
-    assert directions_through_layers(t) == pytest.approx(n, abs=1e-14)
+    assert thickness_directions_of_layers(t) == pytest.approx(n, abs=1e-14)
     eps = 0.5 * (H + H.swapaxes(0, 1))
 
     def parts(tensor):
@@ -140,7 +145,7 @@ def test_stresses_are_those_of_the_matrix_in_the_layers_directions(name):
         )
 
     strains = parts(eps) * np.array([[1], [1], [2]])
-    assert parts(stresses_from_gradients(H, DIRECTED, t)) == pytest.approx(
+    assert parts(stresses_from_displacement_gradients(H, DIRECTED, t)) == pytest.approx(
         DIRECTED @ strains, rel=1e-12
     )
 
@@ -155,11 +160,14 @@ def test_on_meshes_the_stiffness_is_that_of_scikit_fems_own_assembly(kind, name)
     if kind == "quad2":
         mesh = skfem.MeshQuad2(mesh.doflocs + 0.01 * np.sin(40 * mesh.doflocs[::-1]), mesh.t)
     mesh = mesh.with_subdomains({"body": np.arange(mesh.nelements)})
-    basis = scalar_basis(mesh)
-    K, theirs = stiffness(basis, {"body": LAYERS[name]}), by_skfem(basis, LAYERS[name])
+    basis = scalar_finite_element_basis_of_mesh(mesh)
+    K, theirs = (
+        sparse_stiffness_of_body(basis, {"body": LAYERS[name]}),
+        by_skfem(basis, LAYERS[name]),
+    )
     assert abs(K - theirs).max() < 1e-13 * abs(K).max()
     assert abs(K - K.T).max() < 1e-15 * abs(K).max()
-    precise = stiffness(basis, {"body": LAYERS[name]}, precise=True)
+    precise = sparse_stiffness_of_body(basis, {"body": LAYERS[name]}, precise=True)
     assert precise.dtype == np.longdouble and abs(K - precise).max() < 1e-13 * abs(K).max()
 
 
@@ -168,17 +176,19 @@ def bent_elements(p):
 
     No edge of the elements is an arc of a circle.
     """
-    x = 0.5 * (lobatto(p) + 1)
+    x = 0.5 * (gauss_lobatto_points(p) + 1)
     s, d = np.repeat(x, p + 1), np.tile(x, p + 1)
     found = []
     for k in range(3):
         phi, r = 0.3 + 0.2 * (k + d) + 0.03 * s * d, 0.14 - 0.02 * s + 0.004 * np.sin(3 * d)
         found.append(np.stack([r * np.cos(phi), r * np.sin(phi)]))
-    return np.ascontiguousarray(np.array(found)[..., hp.reference_element(p).order])
+    return np.ascontiguousarray(np.array(found)[..., hp.reference_element_of_degree(p).order])
 
 
 def along_at(layer, xy, p):
-    return np.moveaxis(layer.directions(np.moveaxis(hp.element_gauss_points(xy, p), 1, 0)), 0, 1)
+    return np.moveaxis(
+        layer.directions(np.moveaxis(hp.gauss_points_of_elements(xy, p), 1, 0)), 0, 1
+    )
 
 
 @pytest.mark.parametrize("name", LAYERS)
@@ -186,14 +196,16 @@ def along_at(layer, xy, p):
 def test_elements_of_high_degree_have_the_rotated_stiffness_of_every_point(p, name):
     layer, xy = LAYERS[name], bent_elements(p)
     matrices = np.tile(layer.stiffness, (len(xy), 1, 1))
-    K = hp.element_stiffness(xy, matrices, p, along_at(layer, xy, p))
-    gradients, area = hp.shape_function_gradients(xy, p)
-    points = np.moveaxis(hp.element_gauss_points(xy, p), 1, 0)
-    theirs = lagrange._directed_stiffness(gradients.transpose(0, 2, 1, 3), area, layer, points)
+    K = hp.plane_stress_stiffness_of_elements(xy, matrices, p, along_at(layer, xy, p))
+    gradients, area = hp.shape_function_gradients_and_gauss_areas(xy, p)
+    points = np.moveaxis(hp.gauss_points_of_elements(xy, p), 1, 0)
+    theirs = lagrange._orthotropic_triangle_stiffness(
+        gradients.transpose(0, 2, 1, 3), area, layer, points
+    )
     size = np.abs(K).max()
     assert np.abs(K.reshape(theirs.shape) - theirs).max() < 1e-13 * size
     long = xy.astype(np.longdouble)
-    precise = hp.element_stiffness(
+    precise = hp.plane_stress_stiffness_of_elements(
         long, matrices.astype(np.longdouble), p, along_at(layer, long, p)
     )
     assert np.abs(K - precise).max() < 1e-13 * size
@@ -207,12 +219,20 @@ def test_elements_of_high_degree_have_the_rotated_stiffness_of_every_point(p, na
 
 
 def test_isotropic_elements_beside_directed_ones_stay_what_they_are_alone():
-    p, xy, steel = 4, bent_elements(4), 0.02 * elasticity_matrix(Material(E=2e11, nu=0.3))
+    p, xy, steel = (
+        4,
+        bent_elements(4),
+        0.02 * plane_stress_elasticity_matrix(Material(E=2e11, nu=0.3)),
+    )
     layer = LAYERS["around"]
     along = along_at(layer, xy, p)
-    mixed = hp.element_stiffness(xy, np.array([steel, layer.stiffness, steel]), p, along)
-    alone = hp.element_stiffness(xy, np.tile(steel, (3, 1, 1)), p)
-    directed = hp.element_stiffness(xy, np.tile(layer.stiffness, (3, 1, 1)), p, along)
+    mixed = hp.plane_stress_stiffness_of_elements(
+        xy, np.array([steel, layer.stiffness, steel]), p, along
+    )
+    alone = hp.plane_stress_stiffness_of_elements(xy, np.tile(steel, (3, 1, 1)), p)
+    directed = hp.plane_stress_stiffness_of_elements(
+        xy, np.tile(layer.stiffness, (3, 1, 1)), p, along
+    )
     for k, expected in enumerate((alone, directed, alone)):
         assert np.array_equal(mixed[k], expected[k])
 
@@ -228,13 +248,13 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
     no isotropic material.
     """
     half, depths = np.array([0.003, 0.05, 0.21]), np.array([0.0, 0.0002, 0.004, 0.011])
-    steel = elasticity_matrix(Material(E=2e11, nu=0.28))
+    steel = plane_stress_elasticity_matrix(Material(E=2e11, nu=0.28))
     layers = [
         ElasticLayer(D, 0.04, np.array([0.0, 1.0]) if flat else None)
         for D in (DIRECTED, 0.1 * DIRECTED, steel)
     ]
     matrices = np.array(picked(layers, "stiffness"))
-    angles, radius = half[:, None] * lobatto(p), 0.14
+    angles, radius = half[:, None] * gauss_lobatto_points(p), 0.14
 
     def place(depth, phi):
         """Coordinates (x, y) of a depth and an angle, on an arc or on a flat pad.
@@ -245,12 +265,14 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
             return np.array(np.broadcast_arrays(-depth, radius * phi))
         return np.array([(radius - depth) * np.cos(phi), (radius - depth) * np.sin(phi)])
 
-    xy = element_nodes(place, depths, angles, p)
+    xy = node_coordinates_of_layers_and_columns(place, depths, angles, p)
     along = np.array([along_at(layer, own, p) for layer, own in zip(layers, xy, strict=True)])
-    of = order_of_column_unknowns(p, 3, contact=contact, held=held)
-    theirs = column_stiffness(hp.condensed_element_stiffness(xy, matrices, p, along), of)
-    A = angular_integrals(angles, p, flat=flat, directed=True)
-    ours = arc_column_stiffness(
+    of = order_of_element_column_unknowns(p, 3, contact=contact, held=held)
+    theirs = condensed_element_column_stiffness(
+        hp.condensed_element_stiffness(xy, matrices, p, along), of
+    )
+    A = angular_factors_of_column_stiffness(angles, p, flat=flat, directed=True)
+    ours = condensed_arc_column_stiffness(
         condensed_arc_element_stiffness(radius - depths, A, matrices, p, radius if flat else None),
         p,
         contact=contact,
@@ -260,12 +282,12 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
     for K, own, side in zip(theirs, ours, 0.0 * half if flat else half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
-        expected = rotate_matrix_components(K, np.concatenate([lines * -1, ends, lines]))
+        expected = rotate_node_axes_of_matrix(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
 def test_split_and_put_together_a_matrix_is_the_same():
-    lam, mu, a, b = split_elasticity(DIRECTED)
+    lam, mu, a, b = isotropic_and_directional_constants(DIRECTED)
     assert np.array(
         [[lam + 2 * mu + a, lam, 0], [lam, lam + 2 * mu + b, 0], [0, 0, mu]]
     ) == pytest.approx(DIRECTED)
@@ -274,7 +296,7 @@ def test_split_and_put_together_a_matrix_is_the_same():
 def test_triangles_of_the_second_solver_carry_an_even_strain():
     """A straight layer of triangles under u = H x has the nodal forces of its even stress."""
     layer = LAYERS["straight"]
-    mesh = initial_mesh(
+    mesh = triangulate_grid(
         np.linspace(0, 0.2, 4), [np.linspace(0, 1, 3)], [TriangleLayer(-1, 1, layer)]
     )
 
@@ -282,13 +304,15 @@ def test_triangles_of_the_second_solver_carry_an_even_strain():
         return np.stack([s, 0.02 * d + 0.1 * s], axis=-1)
 
     degree = 3
-    nodes = lagrange.make_nodes(mesh, place, degree)
-    K = lagrange.triangle_stiffnesses(mesh, nodes, [TriangleLayer(-1, 1, layer)], degree)
+    nodes = lagrange.make_triangle_nodes(mesh, place, degree)
+    K = lagrange.triangle_stiffness_matrices(mesh, nodes, [TriangleLayer(-1, 1, layer)], degree)
     H = np.array([[1e-3, 4e-4], [-2e-4, 5e-4]])
     u = nodes.xy @ H.T
     energy = sum(
         0.5 * u[of].ravel() @ own @ u[of].ravel() for own, of in zip(K, nodes.of, strict=True)
     )
-    sigma = stresses_from_gradients(H[..., None], DIRECTED, layer.along[:, None])[..., 0]
+    sigma = stresses_from_displacement_gradients(H[..., None], DIRECTED, layer.along[:, None])[
+        ..., 0
+    ]
     area = 0.2 * 0.02
     assert energy == pytest.approx(0.5 * (sigma * H).sum() * area * layer.width, rel=1e-12)

@@ -10,16 +10,20 @@ import independent
 from drumlin.base.errors import BadInput
 from drumlin.base.journal import Journal
 from drumlin.fem.solve import solve
-from drumlin.studies import load
-from drumlin.verification.reference import ReferenceResponses, solve_reference_responses
+from drumlin.studies import import_study
+from drumlin.verification.reference import ReferenceResponses, solve_brake_for_reference_values
 from drumlin_studies import work_precision
-from drumlin_studies.recommendation import TARGET_NAMES, fastest_rows, recommendation_matrices
+from drumlin_studies.recommendation import (
+    TARGET_NAMES,
+    recommended_methods_by_brake_and_target,
+    rows_of_fastest_methods_by_target,
+)
 from drumlin_studies.work_precision import (
     ERROR_KEYS,
     Method,
-    measure_method,
-    reference_uncertainty,
-    time_call,
+    measure_call_time_over_unit_workload,
+    measure_own_method_on_brake,
+    uncertainty_of_reference_responses,
 )
 from picking import having, picked, saying
 from shared_parts import scaled_pressures
@@ -51,7 +55,7 @@ class Stopping(Journal):
 def outcome(tmp_path_factory):
     """The study's module, its result after two interruptions, and its journal at each of them."""
     path = tmp_path_factory.mktemp("study") / "journal.jsonl"
-    module, _ = load("error_vs_runtime")
+    module, _ = import_study("error_vs_runtime")
     kept, references = [], {}
 
     def once(brake, refinement):
@@ -60,7 +64,7 @@ def outcome(tmp_path_factory):
         return (
             references[key]
             if key in references
-            else references.setdefault(key, solve_reference_responses(brake, refinement))
+            else references.setdefault(key, solve_brake_for_reference_values(brake, refinement))
         )
 
     with pytest.MonkeyPatch.context() as patch:
@@ -145,7 +149,7 @@ def test_the_floor_lies_below_what_is_claimed(outcome):
     result = outcome[1]
     for name, floors in result.floors.items():
         assert 0 < floors["torque_error"] < 1e-6 and floors["pressure_error"] < 1e-3
-        for row in fastest_rows(result.rows, result.floors):
+        for row in rows_of_fastest_methods_by_target(result.rows, result.floors):
             if row["brake"] == name and "error" in row:
                 key = next(k for k, said in TARGET_NAMES.items() if said == row["quantity"])
                 assert floors[key] < row["target"] and row["error"] <= row["target"]
@@ -172,7 +176,9 @@ def test_report(outcome, tmp_path):
         " for p (",
     ):
         assert said in text
-    for matrix in recommendation_matrices(fastest_rows(result.rows, result.floors)):
+    for matrix in recommended_methods_by_brake_and_target(
+        rows_of_fastest_methods_by_target(result.rows, result.floors)
+    ):
         cells = list(chain.from_iterable(matrix.lines.values()))
         assert {cell.row["target"] for cell in cells} == set(matrix.targets)
         for cell in cells:
@@ -184,24 +190,24 @@ def test_report(outcome, tmp_path):
 
 def test_methods_that_do_not_apply_are_rows(brake):
     rows = [
-        measure_method(
+        measure_own_method_on_brake(
             brake, Method("foundation", "f", {"model": "foundation"}), None, lambda: None
         ),
-        measure_method(
+        measure_own_method_on_brake(
             brake, Method("weak penalty", "w", {"elements": 4, "penalty": -1.0}), None, lambda: None
         ),
     ]
     for row in rows:
         assert row["status"].startswith("refused: --")
     with pytest.raises(BadInput):
-        load("no_such_study")
+        import_study("no_such_study")
 
 
 def test_times_are_medians_of_enough_repeats_beside_the_unit():
     def work(n):
         return lambda: sum(range(n))
 
-    found = time_call(work(20_000), work(10_000), 1e-4)
+    found = measure_call_time_over_unit_workload(work(20_000), work(10_000), 1e-4)
     assert found.lower <= found.seconds <= found.upper
     assert found.repeats >= 5
     assert 1 < found.ratio < 4
@@ -216,10 +222,12 @@ def test_the_floor_is_the_distance_of_both_references_whose_shoes_do_not_cancel(
         ),
     )
     assert other.torque == pytest.approx(one.torque, rel=1e-12)
-    assert reference_uncertainty(brake, ReferenceResponses(one, one, other))[
+    assert uncertainty_of_reference_responses(brake, ReferenceResponses(one, one, other))[
         "torque_error"
     ] == pytest.approx(2 / one.torque, rel=1e-12)
     peaks = replace(one, shoes=scaled_pressures(one.shoes, 1.01))
-    found = reference_uncertainty(brake, ReferenceResponses(one, peaks, None))
+    found = uncertainty_of_reference_responses(brake, ReferenceResponses(one, peaks, None))
     assert [found["pressure_error"], found["peak_error"]] == pytest.approx([0.01, 0.01], rel=1e-9)
-    assert set(reference_uncertainty(brake, ReferenceResponses(one, one, one)).values()) == {0.0}
+    assert set(
+        uncertainty_of_reference_responses(brake, ReferenceResponses(one, one, one)).values()
+    ) == {0.0}

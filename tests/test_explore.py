@@ -20,13 +20,23 @@ from browsing import PROGRAM, browser, play, served
 from conftest import ROOT, STUDY
 from drumlin.brake import read_any, read_brake, vary
 from drumlin.explore.answers import Explorer
-from drumlin.explore.knobs import brake_of, knobs_of, link_of, setting_from, start_of
-from drumlin.explore.page import reply
-from drumlin.explore.picture import numbers_of, picture_of, scale_of
+from drumlin.explore.knobs import (
+    brake_at_knob_setting,
+    knobs_for_brake,
+    link_query_of_setting,
+    setting_at_brake_file_values,
+    setting_from_link_query,
+)
+from drumlin.explore.page import reply_to_address
+from drumlin.explore.picture import (
+    highest_pressure_of_scale,
+    picture_of_answer,
+    pressure_curve_as_whole_numbers,
+)
 from drumlin.fem.model import solve_prepared_model
-from drumlin.laws import sine
-from drumlin.lining_wear.worn_in import worn_in_brake
-from drumlin.response.resultants import integrate
+from drumlin.laws import solve_brake_by_sine_law
+from drumlin.lining_wear.worn_in import brake_with_worn_in_clearances
+from drumlin.response.resultants import integral_of_piecewise_polynomial
 from picking import having, picked
 from shared_forces import cam_brake, servo
 
@@ -43,18 +53,27 @@ def knob(explorer, name):
 
 
 def turned(explorer, **values):
-    setting = start_of(explorer.brake)
+    setting = setting_at_brake_file_values(explorer.brake)
     for name, value in values.items():
-        setting = setting.turned(knob(explorer, name), value)
+        setting = setting.setting_with_knob_moved(knob(explorer, name), value)
     return setting
 
 
 def test_untouched_knobs_leave_the_brake_as_it_is(explorer):
-    assert brake_of(explorer.brake, explorer.knobs, start_of(explorer.brake)) == explorer.brake
+    assert (
+        brake_at_knob_setting(
+            explorer.brake, explorer.knobs, setting_at_brake_file_values(explorer.brake)
+        )
+        == explorer.brake
+    )
     # Nor does a knob that is turned and turned back.
     for each in explorer.knobs:
-        setting = start_of(explorer.brake).turned(each, each.high).turned(each, each.start)
-        assert setting == start_of(explorer.brake)
+        setting = (
+            setting_at_brake_file_values(explorer.brake)
+            .setting_with_knob_moved(each, each.high)
+            .setting_with_knob_moved(each, each.start)
+        )
+        assert setting == setting_at_brake_file_values(explorer.brake)
 
 
 CHANGES = {
@@ -81,19 +100,19 @@ def test_a_knob_does_what_a_changed_file_does(explorer, name):
     expected = drumlin.solve(brake)
     assert answer.found.torque == pytest.approx(expected.torque, rel=5e-4)
     assert answer.found.torque != pytest.approx(drumlin.solve(explorer.brake).torque, rel=1e-3)
-    assert answer.law.torque == pytest.approx(sine(brake).torque, rel=1e-9)
+    assert answer.law.torque == pytest.approx(solve_brake_by_sine_law(brake).torque, rel=1e-9)
 
 
 def test_every_quantity_has_a_test():
     assert set(CHANGES) | {"wear"} == set(
-        picked(knobs_of(read_brake(STUDY / "brake.toml")), "name")
+        picked(knobs_for_brake(read_brake(STUDY / "brake.toml")), "name")
     )
 
 
 def test_worn_long_enough_the_brake_is_the_laws(explorer):
     worn = explorer.answer(turned(explorer, wear=50.0))
     scene = explorer.scene(explorer.brake)
-    goal = solve_prepared_model(scene, worn_in_brake(scene, explorer.brake))
+    goal = solve_prepared_model(scene, brake_with_worn_in_clearances(scene, explorer.brake))
     assert worn.found.torque == pytest.approx(goal.torque, rel=2e-3)
     assert worn.found.torque == pytest.approx(worn.law.torque, rel=2e-3)
     new = explorer.answer(turned(explorer))
@@ -119,7 +138,7 @@ def test_what_is_kept_changes_no_answer(explorer):
         turned(explorer, friction=0.2),
         turned(explorer, shoe=20.0),
         turned(explorer, wear=3.0),
-        start_of(brake),
+        setting_at_brake_file_values(brake),
     ]
     for setting in [*path, *reversed(path)]:
         assert explorer.answer(setting).found.torque == Explorer(brake).answer(setting).found.torque
@@ -136,17 +155,17 @@ def test_a_setting_that_keeps_the_bodies_costs_a_fraction_of_a_solve(explorer):
         return median(times)
 
     brake = explorer.brake
-    explorer.answer(start_of(brake))
-    kept = spent(lambda k: reply(explorer, f"/picture?friction={0.2 + 0.01 * k}", "b"))
-    anew = spent(lambda k: reply(explorer, f"/picture?shoe={100 + k}", "b"))
+    explorer.answer(setting_at_brake_file_values(brake))
+    kept = spent(lambda k: reply_to_address(explorer, f"/picture?friction={0.2 + 0.01 * k}", "b"))
+    anew = spent(lambda k: reply_to_address(explorer, f"/picture?shoe={100 + k}", "b"))
     solved = spent(lambda k: drumlin.solve(vary(brake, {"friction": 0.2 + 0.01 * k})))
     assert kept < 0.4 * solved
     assert anew < 1.5 * solved
 
 
 def test_self_locking_is_said_and_its_distance(explorer):
-    answer = explorer.answer(start_of(explorer.brake))
-    limit = min(explorer.locking(answer.brake).values())
+    answer = explorer.answer(setting_at_brake_file_values(explorer.brake))
+    limit = min(explorer.locking_friction_of_groups(answer.brake).values())
     # The limit comes from the condensed matrices on 80 elements.
     assert limit == pytest.approx(1.1812, rel=1e-3)
     assert answer.law_locking == pytest.approx(0.8231, rel=1e-3)
@@ -159,13 +178,15 @@ def test_self_locking_is_said_and_its_distance(explorer):
 
 def test_a_picture_shows_the_pressure_it_is_of(explorer):
     answer = explorer.answer(turned(explorer, force=6.0))
-    picture = picture_of(answer, explorer.brake)
+    picture = picture_of_answer(answer, explorer.brake)
     assert picture.scale == 5
     for shoe, curve in zip(answer.found.shoes, picture.fem, strict=True):
-        area = integrate(shoe.theta, np.maximum(shoe.pressure, 0), shoe.order)
+        area = integral_of_piecewise_polynomial(
+            shoe.theta, np.maximum(shoe.pressure, 0), shoe.order
+        )
         assert np.trapezoid(curve.p * 1e6, np.radians(curve.at)) == pytest.approx(area, rel=5e-3)
         assert curve.p.min() >= 0
-        sent = numbers_of(curve, picture.scale)
+        sent = pressure_curve_as_whole_numbers(curve, picture.scale)
         assert np.array(sent["at"]) * 1e-3 == pytest.approx(curve.at, abs=6e-4)
         assert np.array(sent["p"]) * 1e-4 * picture.scale == pytest.approx(
             curve.p, abs=6e-5 * picture.scale
@@ -190,7 +211,7 @@ def test_a_brake_on_a_plane_is_explored_too():
         "wear",
         "misfit",
     } & names
-    answer = explorer.answer(start_of(brake))
+    answer = explorer.answer(setting_at_brake_file_values(brake))
     solved = drumlin.solve(brake)
     assert not answer.failure
     assert answer.found.effect == pytest.approx(solved.effect, rel=1e-3)
@@ -198,31 +219,35 @@ def test_a_brake_on_a_plane_is_explored_too():
     changed = turned(explorer, friction=0.5 * other.start)
     expected = drumlin.solve(vary(brake, {"friction": 0.5 * other.start}))
     assert explorer.answer(changed).found.effect == pytest.approx(expected.effect, rel=1e-3)
-    back = brake.other_direction
-    setting, lines = setting_from(explorer.knobs, brake, {"sliding": back})
+    back = brake.opposite_direction_of_motion
+    setting, lines = setting_from_link_query(explorer.knobs, brake, {"sliding": back})
     assert (
         not lines
-        and link_of(explorer.knobs, brake, setting) == f"sliding={back.replace('+', '%2B')}"
+        and link_query_of_setting(explorer.knobs, brake, setting)
+        == f"sliding={back.replace('+', '%2B')}"
     )
     expected = drumlin.solve(vary(brake, {"plane.sliding": back}))
     assert explorer.answer(setting).found.effect == pytest.approx(expected.effect, rel=1e-3)
-    picture = picture_of(answer, brake)
+    picture = picture_of_answer(answer, brake)
     for shoe, curve in zip(solved.shoes, picture.fem, strict=True):
         assert np.trapezoid(curve.p, curve.at * 1e-3) * 1e6 == pytest.approx(
-            integrate(shoe.theta, shoe.pressure, shoe.order), rel=5e-3
+            integral_of_piecewise_polynomial(shoe.theta, shoe.pressure, shoe.order), rel=5e-3
         )
     assert (
         f"braking force <b>{answer.found.effect:.6g} N</b>" in picture.head
         and "-0.0 %" not in picture.head
     )
     for address in ("/", "/picture", "/locking", "/brake.toml?friction=0.2"):
-        assert reply(explorer, address, "b").status == 200
-    assert read_any(path, reply(explorer, "/brake.toml?friction=0.2", "b").text).friction == 0.2
+        assert reply_to_address(explorer, address, "b").status == 200
+    assert (
+        read_any(path, reply_to_address(explorer, "/brake.toml?friction=0.2", "b").text).friction
+        == 0.2
+    )
 
 
 def test_how_far_the_fixed_division_is_off_is_said(explorer):
     """The page states the distance from `solve`, whose own estimate stands beside it."""
-    data = json.loads(reply(explorer, "/locking?friction=0.4", "b").text)
+    data = json.loads(reply_to_address(explorer, "/locking?friction=0.4", "b").text)
     answer = explorer.answer(turned(explorer, friction=0.4))
     solved = drumlin.solve(answer.brake)
     stated = explorer.stated(answer)
@@ -230,26 +255,38 @@ def test_how_far_the_fixed_division_is_off_is_said(explorer):
     assert stated.own == pytest.approx(solved.error)
     assert 0 < stated.torque < 1e-3 and 1e-6 < stated.pressure < 0.02
     assert f"torque {stated.torque:.1e}, p {stated.pressure:.1e}" in data["error"]
-    assert "fixed division" in json.loads(reply(explorer, "/picture", "b").text)["error"]
+    assert "fixed division" in json.loads(reply_to_address(explorer, "/picture", "b").text)["error"]
 
 
 def test_the_scale_is_round_and_holds_the_peak():
     for peak in np.geomspace(1e-3, 1e3, 200):
-        assert peak <= scale_of(peak) <= 2.5001 * peak
-        assert round(scale_of(peak) / 10 ** math.floor(math.log10(scale_of(peak)) + 1e-9), 6) in {
+        assert peak <= highest_pressure_of_scale(peak) <= 2.5001 * peak
+        assert round(
+            highest_pressure_of_scale(peak)
+            / 10 ** math.floor(math.log10(highest_pressure_of_scale(peak)) + 1e-9),
+            6,
+        ) in {
             1,
             2,
             5,
             10,
         }
-    assert scale_of(0.0) == 1.0
+    assert highest_pressure_of_scale(0.0) == 1.0
 
 
 def test_a_link_leads_back_to_its_setting(explorer):
     setting = turned(explorer, friction=0.345, shoe=77.7, wear=12.25)
-    link = link_of(explorer.knobs, explorer.brake, setting)
-    assert setting_from(explorer.knobs, explorer.brake, dict(parse_qsl(link))) == (setting, ())
-    assert link_of(explorer.knobs, explorer.brake, start_of(explorer.brake)) == ""
+    link = link_query_of_setting(explorer.knobs, explorer.brake, setting)
+    assert setting_from_link_query(explorer.knobs, explorer.brake, dict(parse_qsl(link))) == (
+        setting,
+        (),
+    )
+    assert (
+        link_query_of_setting(
+            explorer.knobs, explorer.brake, setting_at_brake_file_values(explorer.brake)
+        )
+        == ""
+    )
 
 
 @pytest.mark.parametrize(
@@ -264,13 +301,13 @@ def test_a_link_leads_back_to_its_setting(explorer):
     ],
 )
 def test_what_a_link_cannot_mean_is_said(explorer, query, said):
-    page = reply(explorer, f"/?{query}", "b")
+    page = reply_to_address(explorer, f"/?{query}", "b")
     assert page.status == 200
     # The page has no script but its own.
     assert page.text.count("<script>") == 1
     line = next(text for text in page.text.splitlines() if 'id="head"' in text)
     assert said in line.replace("&#39;", "'")
-    assert json.loads(reply(explorer, f"/picture?{query}", "b").text)["torque"] >= 0
+    assert json.loads(reply_to_address(explorer, f"/picture?{query}", "b").text)["torque"] >= 0
 
 
 @given(
@@ -280,16 +317,16 @@ def test_what_a_link_cannot_mean_is_said(explorer, query, said):
 def test_no_address_breaks_the_page(explorer, junk, query):
     words = "&".join(f"{key}={text}" for key, text in query.items())
     for address in (junk, f"/?{junk}", f"/?{words}"):
-        assert reply(explorer, address, "b").status in {200, 404}
+        assert reply_to_address(explorer, address, "b").status in {200, 404}
 
 
 def test_a_title_with_tags_stays_a_text():
     explorer = Explorer(vary(read_brake(STUDY / "brake.toml"), {"title": "<b>x</b>"}))
-    assert "<b>x</b>" not in reply(explorer, "/", "b").text
+    assert "<b>x</b>" not in reply_to_address(explorer, "/", "b").text
 
 
 def test_the_saved_file_is_the_brake_that_is_solved(explorer, tmp_path):
-    saved = reply(explorer, "/brake.toml?friction=0.4&wear=2&turn=5", "mine")
+    saved = reply_to_address(explorer, "/brake.toml?friction=0.4&wear=2&turn=5", "mine")
     assert saved.file == "mine_explored.toml"
     brake = read_any(tmp_path / "b.toml", saved.text)
     answer = explorer.answer(turned(explorer, friction=0.4, wear=2.0, turn=5.0))
@@ -298,7 +335,7 @@ def test_the_saved_file_is_the_brake_that_is_solved(explorer, tmp_path):
 
 
 def test_a_setting_without_answer_saves_nothing(explorer):
-    locked = reply(
+    locked = reply_to_address(
         Explorer(vary(explorer.brake, {"friction": 0.9})), "/brake.toml?friction=1.5", "b"
     )
     assert locked.status == 422
@@ -316,29 +353,35 @@ BRAKES = [
 def test_every_example_can_be_explored(path):
     brake = read_brake(path)
     explorer = Explorer(brake)
-    answer = explorer.answer(start_of(brake))
+    answer = explorer.answer(setting_at_brake_file_values(brake))
     assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
-    assert reply(explorer, "/", "b").status == 200
+    assert reply_to_address(explorer, "/", "b").status == 200
 
 
 @pytest.mark.parametrize("brake", [cam_brake(body=0.01), servo(body=0.01)], ids=["cam", "servo"])
 def test_shoes_that_share_a_force_are_explored_by_it(brake):
     explorer = Explorer(brake)
-    answer = explorer.answer(start_of(brake))
+    answer = explorer.answer(setting_at_brake_file_values(brake))
     assert not answer.failure
     assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     force = knob(explorer, "force")
     twice = explorer.answer(turned(explorer, force=2 * force.start))
     # Without a clearance pressures are proportional to the force.
     assert twice.found.torque == pytest.approx(2 * answer.found.torque, rel=1e-6)
-    assert reply(explorer, "/", "b").status == reply(explorer, "/picture", "b").status == 200
+    assert (
+        reply_to_address(explorer, "/", "b").status
+        == reply_to_address(explorer, "/picture", "b").status
+        == 200
+    )
 
 
 @pytest.mark.slow
 def test_a_browser_moves_a_slider_and_reads_the_torque_of_solve(tmp_path, explorer):
     with served() as address, browser(tmp_path) as page:
         link = play(page, address)
-        scale = json.loads(reply(explorer, "/picture?" + link.split("?")[1], "b").text)["scale"]
+        scale = json.loads(reply_to_address(explorer, "/picture?" + link.split("?")[1], "b").text)[
+            "scale"
+        ]
         drawn = page.execute_script(DRAWN)
         assert max(p for _, p in drawn["fem"]) * 1e-4 * scale > 0.5
         radii = list(starmap(math.hypot, drawn["drum-area"]))

@@ -4,9 +4,9 @@ import pytest
 
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.solve import solve
-from drumlin.response.norms import pressure_distance
+from drumlin.response.norms import relative_distance_of_pressures
 from drumlin_studies.extreme_cases import KnobCase
-from drumlin_studies.trial import changed_knobs_text
+from drumlin_studies.trial import text_of_changed_quantities
 
 QUICK = [KnobCase(thickness=1 / 3), KnobCase(arc=170.0)]
 SLOW = [
@@ -36,16 +36,18 @@ def check(case):
     off, step = abs(found.torque / fine.torque - 1), abs(coarse.torque / fine.torque - 1)
     assert off <= found.error["torque"] + 2 * step
     for a, b, c in zip(found.shoes, fine.shoes, coarse.shoes, strict=True):
-        assert pressure_distance(a, b) <= found.error["pressure"] + 2 * pressure_distance(c, b)
+        assert relative_distance_of_pressures(a, b) <= found.error[
+            "pressure"
+        ] + 2 * relative_distance_of_pressures(c, b)
 
 
-@pytest.mark.parametrize("case", QUICK, ids=changed_knobs_text)
+@pytest.mark.parametrize("case", QUICK, ids=text_of_changed_quantities)
 def test_far_apart(case):
     check(case)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", SLOW, ids=changed_knobs_text)
+@pytest.mark.parametrize("case", SLOW, ids=text_of_changed_quantities)
 def test_farther_apart(case):
     check(case)
 

@@ -16,20 +16,24 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.plane_brake import read_any
 from drumlin.cli import process
 from drumlin.fem.mesh import vtu
-from drumlin.fem.mesh.inp import read_inp
+from drumlin.fem.mesh.inp import read_mesh_from_inp_text
 from drumlin_studies.fuzzing import endings, soundness, trials
 from drumlin_studies.fuzzing.broken_meshes import (
     MESH_SUFFIXES,
-    solve_of_meshed_brake,
-    sound_mesh_files,
+    input_with_mesh_file,
+    valid_mesh_files_by_suffix,
 )
-from drumlin_studies.fuzzing.endings import find_fault, run_in_subprocess, run_in_this_process
+from drumlin_studies.fuzzing.endings import (
+    describe_fault_of_run,
+    run_input_in_subprocess,
+    run_input_in_this_process,
+)
 from drumlin_studies.fuzzing.faults import (
-    pressure_table_text,
-    reference_file_text,
-    shown_command_line,
+    command_line_as_text,
+    content_of_reference_file,
+    csv_table_of_pressures,
 )
-from drumlin_studies.fuzzing.inputs import BrokenInput, brake_text
+from drumlin_studies.fuzzing.inputs import BrokenInput, content_of_brake_file
 from judged_endings import BAD, GIVEN, GOOD, REFUSED
 from picking import saying
 
@@ -47,7 +51,8 @@ below begins with the same inputs and goes on.
 @pytest.mark.parametrize("generator", trials.GENERATORS)
 def test_the_first_inputs_of_a_generator_end_as_promised(generator):
     verdicts = [
-        trials.try_input(generator, number) for number in range(FIRST.get(generator, OTHERS_FIRST))
+        trials.run_and_judge_input(generator, number)
+        for number in range(FIRST.get(generator, OTHERS_FIRST))
     ]
     assert [verdict.fault for verdict in verdicts if verdict.fault] == []
 
@@ -57,7 +62,9 @@ def test_no_broken_input_ends_in_a_fault():
     """As many of each generator as fit; the same ones in the same order every time."""
     start, number, faults = time.monotonic(), 0, []
     while number < 30 or (time.monotonic() - start < SECONDS and number < 300):
-        faults += [trials.try_input(generator, number).fault for generator in trials.GENERATORS]
+        faults += [
+            trials.run_and_judge_input(generator, number).fault for generator in trials.GENERATORS
+        ]
         number += 1
     assert not any(faults), "\n".join(filter(None, faults))
 
@@ -70,8 +77,8 @@ def test_each_generator_repeats_itself_and_varies():
 
 @pytest.mark.parametrize("generator", ["sizes", "tables"])
 def test_a_process_of_its_own_ends_alike(generator):
-    given = trials.make_input(generator, 0)
-    one, other = run_in_this_process(given), run_in_subprocess(given)
+    given = trials.make_numbered_input(generator, 0)
+    one, other = run_input_in_this_process(given), run_input_in_subprocess(given)
     assert (one.status, one.err) == (other.status, other.err)
 
 
@@ -80,33 +87,37 @@ def test_words_that_no_process_can_be_given_are_tried_in_this_one():
     numbers = [
         n
         for n in range(60)
-        if not all(map(trials.can_be_process_word, trials.make_input("words", n).words))
+        if not all(
+            map(trials.can_be_process_argument, trials.make_numbered_input("words", n).words)
+        )
     ]
     assert {True, False} == {
-        bool(saying(trials.make_input("words", n).words, "\0")) for n in numbers
+        bool(saying(trials.make_numbered_input("words", n).words, "\0")) for n in numbers
     }
-    assert [trials.try_input("words", n, apart=True).status for n in numbers[:6]] == [2] * len(
-        numbers[:6]
-    )
+    assert [trials.run_and_judge_input("words", n, apart=True).status for n in numbers[:6]] == [
+        2
+    ] * len(numbers[:6])
 
 
 def test_what_waits_without_end_is_found(monkeypatch):
     monkeypatch.setattr(endings, "LONGEST_WAIT", 0.05)
-    monkeypatch.setattr(process, "run", lambda words: threading.Event().wait(60))
-    assert "RunTooLong" in find_fault(GIVEN, run_in_this_process(GIVEN))
+    monkeypatch.setattr(process, "run_command_line", lambda words: threading.Event().wait(60))
+    assert "RunTooLong" in describe_fault_of_run(GIVEN, run_input_in_this_process(GIVEN))
 
 
 def test_a_warning_and_a_run_that_works_without_end_are_found(monkeypatch):
-    monkeypatch.setattr(process, "run", lambda words: warnings.warn("x", stacklevel=1) or 0)
-    assert "UserWarning" in find_fault(GIVEN, run_in_this_process(GIVEN))
+    monkeypatch.setattr(
+        process, "run_command_line", lambda words: warnings.warn("x", stacklevel=1) or 0
+    )
+    assert "UserWarning" in describe_fault_of_run(GIVEN, run_input_in_this_process(GIVEN))
 
     def slow(words):
         while True:
             pass
 
     monkeypatch.setattr(endings, "LONGEST_RUN", 0.2)
-    monkeypatch.setattr(process, "run", slow)
-    assert "took" in find_fault(GIVEN, run_in_this_process(GIVEN))
+    monkeypatch.setattr(process, "run_command_line", slow)
+    assert "took" in describe_fault_of_run(GIVEN, run_input_in_this_process(GIVEN))
 
 
 @pytest.mark.parametrize("suffix", MESH_SUFFIXES)
@@ -116,40 +127,42 @@ def test_a_sound_mesh_is_answered_and_that_of_an_impossible_one_is_a_fault(suffi
     Impossible meshes are made from meshes that drumlin takes: otherwise a refusal would prove
     nothing.
     """
-    sound = solve_of_meshed_brake("sound", sound_mesh_files()[suffix], suffix, must_fail=False)
-    end = run_in_this_process(sound)
-    assert end.status == 0 and find_fault(sound, end) == ""
-    assert "has none" in find_fault(sound._replace(must_fail=True), end)
+    sound = input_with_mesh_file(
+        "sound", valid_mesh_files_by_suffix()[suffix], suffix, must_fail=False
+    )
+    end = run_input_in_this_process(sound)
+    assert end.status == 0 and describe_fault_of_run(sound, end) == ""
+    assert "has none" in describe_fault_of_run(sound._replace(must_fail=True), end)
 
 
 def test_an_answer_that_cannot_be_true_is_found(monkeypatch):
     brake = read_any(ROOT / "studies" / f"{BRAKE}.toml")
     answer = solve(brake, "fem", elements=6)
-    assert soundness.find_unsound_response(brake, answer) == ""
+    assert soundness.explain_wrong_response(brake, answer) == ""
 
     def seen(**changed):
         parts = {name: getattr(answer, name) for name in ("torque", "balance", "shoes", "model")}
-        return soundness.find_unsound_response(brake, SimpleNamespace(**parts | changed))
+        return soundness.explain_wrong_response(brake, SimpleNamespace(**parts | changed))
 
     assert seen(torque=math.nan) == "not finite"
     assert "negative" in seen(torque=-answer.torque)
     assert "out of balance" in seen(balance=SimpleNamespace(force=1e-3, moment=0.0))
     no_moment = SimpleNamespace(moment=0.0)
-    monkeypatch.setattr(soundness, "contact_resultant", lambda *_: no_moment)
+    monkeypatch.setattr(soundness, "resultant_of_contact_on_shoe", lambda *_: no_moment)
     assert "of its pressure" in seen()
 
 
 @pytest.mark.parametrize("case", BAD)
 def test_the_judge_finds_each_kind_of_fault(case):
-    assert find_fault(GIVEN, GOOD) == find_fault(GIVEN, REFUSED) == ""
-    assert find_fault(GIVEN, BAD[case])
+    assert describe_fault_of_run(GIVEN, GOOD) == describe_fault_of_run(GIVEN, REFUSED) == ""
+    assert describe_fault_of_run(GIVEN, BAD[case])
 
 
 def test_a_name_that_reads_like_no_number_is_none():
     named = GIVEN._replace(files={"b.toml": b'shoe = [{name = "nan mm"}, {name = "inf"}]'})
     end = GOOD._replace(out="nan mm  3 N m\n", written={"r.csv": b"shoe,p\ninf,1\n"})
-    assert find_fault(named, end) == "" != find_fault(GIVEN, end)
-    assert find_fault(named, end._replace(out="nan mm  nan N m\n"))
+    assert describe_fault_of_run(named, end) == "" != describe_fault_of_run(GIVEN, end)
+    assert describe_fault_of_run(named, end._replace(out="nan mm  nan N m\n"))
 
 
 # the ones that a list names
@@ -173,15 +186,15 @@ TEXTS = {
 @pytest.mark.parametrize("case", TEXTS)
 def test_brake_files_that_used_to_fall(case):
     before, after = TEXTS[case]
-    text = brake_text(BRAKE).decode()
+    text = content_of_brake_file(BRAKE).decode()
     assert before in text
     given = BrokenInput(
         case,
         {"b.toml": text.replace(before, after, 1).encode()},
         ["solve", "b.toml", "--elements", "6"],
     )
-    end = run_in_this_process(given)
-    assert end.status == 2 and find_fault(given, end) == ""
+    end = run_input_in_this_process(given)
+    assert end.status == 2 and describe_fault_of_run(given, end) == ""
 
 
 WORDS = {
@@ -199,26 +212,29 @@ WORDS = {
 
 @pytest.mark.parametrize("case", WORDS)
 def test_command_lines_that_used_to_fall(case):
-    files = {"b.toml": brake_text(BRAKE), "post.toml": brake_text("post_brake/brake")}
+    files = {
+        "b.toml": content_of_brake_file(BRAKE),
+        "post.toml": content_of_brake_file("post_brake/brake"),
+    }
     given = BrokenInput(case, files, WORDS[case])
-    end = run_in_this_process(given)
-    assert end.status == 2 and find_fault(given, end) == ""
+    end = run_input_in_this_process(given)
+    assert end.status == 2 and describe_fault_of_run(given, end) == ""
 
 
 def test_a_small_vtu_that_unpacks_to_much_is_refused_before(monkeypatch):
-    data = sound_mesh_files()[".vtu"]
-    vtu.check_unpacked_size(data)
+    data = valid_mesh_files_by_suffix()[".vtu"]
+    vtu.check_unpacked_vtu_size_fits_memory(data)
     monkeypatch.setattr(vtu, "MOST_UNPACKED", 1000)
     with pytest.raises(ValueError, match="unpacks to more than 1000 bytes"):
-        vtu.check_unpacked_size(data)
+        vtu.check_unpacked_vtu_size_fits_memory(data)
     with pytest.raises(ValueError, match="unpacks"):
-        vtu._size_when_unpacked(zlib.compress(bytes(50_000_000)), zlib.decompressobj, 1000)
+        vtu._size_of_unpacked_block(zlib.compress(bytes(50_000_000)), zlib.decompressobj, 1000)
     assert (
-        vtu._size_when_unpacked(zlib.compress(bytes(5_000_000)), zlib.decompressobj, 5_000_000)
+        vtu._size_of_unpacked_block(zlib.compress(bytes(5_000_000)), zlib.decompressobj, 5_000_000)
         == 5_000_000
     )
     with pytest.raises(ValueError, match="entities"):
-        vtu.check_unpacked_size(b'<!DOCTYPE x [<!ENTITY a "b">]>' + data)
+        vtu.check_unpacked_vtu_size_fits_memory(b'<!DOCTYPE x [<!ENTITY a "b">]>' + data)
 
 
 @pytest.mark.parametrize(
@@ -233,19 +249,23 @@ def test_a_small_vtu_that_unpacks_to_much_is_refused_before(monkeypatch):
 def test_sets_of_a_mesh_that_fill_the_memory_are_refused_before(text):
     # A shoe that needs such a set is refused with this reason.
     triangle = "*NODE\n1, 0, 0\n2, 1, 0\n3, 0, 1\n*ELEMENT, TYPE=CPS3, ELSET=E\n1, 1, 2, 3\n"
-    broken = read_inp(triangle + text).broken
+    broken = read_mesh_from_inp_text(triangle + text).broken
     reasons = ("more than 2000000 members", "is a member of itself")
     assert any(reason.endswith(reasons) or reasons[0] in reason for reason in broken.values())
 
 
 def test_the_sound_files_are_sound():
     files = {
-        "b.toml": brake_text(BRAKE),
-        "ref.json": reference_file_text(),
-        "r.csv": pressure_table_text(),
+        "b.toml": content_of_brake_file(BRAKE),
+        "ref.json": content_of_reference_file(),
+        "r.csv": csv_table_of_pressures(),
     }
     given = BrokenInput("x", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"])
-    end = run_in_this_process(given)
-    assert end.status == 0 and find_fault(given, end) == "" and "of the reference" in end.out
+    end = run_input_in_this_process(given)
+    assert (
+        end.status == 0
+        and describe_fault_of_run(given, end) == ""
+        and "of the reference" in end.out
+    )
     with pytest.raises(BadInput):
-        raise BadInput(shown_command_line(given))
+        raise BadInput(command_line_as_text(given))

@@ -11,22 +11,25 @@ from hypothesis import strategies as st
 
 from conftest import STUDY
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.comparison import converge
+from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
+from drumlin.comparison import solve_on_refined_meshes
 from drumlin.contact import active_set
-from drumlin.fem.analysis.fields import recover_shoe_fields, write_fields_as_vtu
+from drumlin.fem.analysis.fields import (
+    stress_and_displacement_fields_of_shoe,
+    write_fields_to_vtu_file,
+)
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.laws import locking_friction, sine
-from drumlin.response.norms import pressure_distance
-from drumlin.verification.cost import cost_table_lines, measure_fem_cost
+from drumlin.laws import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
+from drumlin.response.norms import relative_distance_of_pressures
+from drumlin.verification.cost import cost_by_size_table_lines, measure_time_and_memory_of_fem
 from picking import picked, saying
 
 ROTATIONS = ("counter-clockwise", "clockwise")
 BRAKE = read_brake(STUDY / "brake.toml")
-SCENE = prepare(BRAKE, elements=40)
+SCENE = make_prepared_model(BRAKE, elements=40)
 
 
 def same(a, b, rel):
@@ -47,7 +50,7 @@ def test_a_stiff_shoe_with_a_thin_lining_returns_to_the_sine_law(rotation):
         BRAKE,
         {"rotation": rotation, "shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 0.003},
     )
-    law, fem = sine(rigid), solve(rigid, elements=120)
+    law, fem = solve_brake_by_sine_law(rigid), solve(rigid, elements=120)
     assert fem.torque == pytest.approx(law.torque, rel=3e-3)
     for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=3e-3)
@@ -69,7 +72,9 @@ def test_the_deviation_from_the_law_falls_with_the_lining(brake):
     deviations = []
     for thickness in (0.008, 0.004, 0.002):
         rigid = vary(brake, {"shoe.body": None, "shoe.lining.thickness": thickness})
-        deviations.append(abs(solve(rigid, elements=80).torque / sine(rigid).torque - 1))
+        deviations.append(
+            abs(solve(rigid, elements=80).torque / solve_brake_by_sine_law(rigid).torque - 1)
+        )
     assert deviations[0] < 2e-3
     assert deviations[2] < deviations[1] < deviations[0]
     assert deviations[2] < 0.4 * deviations[0]
@@ -81,10 +86,10 @@ def test_forces_and_moments_balance_and_contact_is_complementary(penalty, brake)
     assert response.converged
     assert max(response.balance.force, response.balance.moment) < 1e-9
     for index, (body, shoe) in enumerate(zip(SCENE.bodies, BRAKE.shoes, strict=True)):
-        problem = ShoeGroup(SCENE, BRAKE, (index,), penalty).problem
+        problem = ShoeGroup(SCENE, BRAKE, (index,), penalty).contact_problem_of_group
         found = active_set.solve_contact_problem(problem)
         w = problem.q + problem.A @ found.p + problem.B @ found.y
-        area = body.coupling.area
+        area = body.coupling.areas_of_contact_nodes
         compression = found.p.max() * shoe.lining.thickness / shoe.lining.material.E
         assert found.p.min() >= 0
         # No node may penetrate the drum by more than p/eps.
@@ -104,12 +109,12 @@ def test_a_clearance_opens_the_contact_and_stays_complementary():
 
 
 def test_torque_and_pressure_converge(brake):
-    result = converge(brake, (20, 40, 80, 160))
+    result = solve_on_refined_meshes(brake, (20, 40, 80, 160))
     limit = result.torque
     assert limit.uncertainty < 1e-5 * limit.value
     assert abs(result.responses[-1].torque / limit.value - 1) < 2e-6
     for shoe in (0, 1):
-        steps = result.pressure_steps(shoe)
+        steps = result.pressure_distances_between_meshes(shoe)
         for a, b in pairwise(steps):
             assert b < a / 1.9
         order, error = result.pressure(shoe)
@@ -134,7 +139,9 @@ def test_every_kind_of_mesh_converges_to_one_answer(kind, brake, fine):
     for count in elements:
         response = solve(brake, elements=count, kind=kind, penalty=math.inf)
         assert max(response.balance.force, response.balance.moment) < 1e-9
-        distances = list(starmap(pressure_distance, zip(response.shoes, fine.shoes, strict=True)))
+        distances = list(
+            starmap(relative_distance_of_pressures, zip(response.shoes, fine.shoes, strict=True))
+        )
         errors.append([abs(response.torque / fine.torque - 1), max(distances)])
     # The order is of each number: lists compare by their first number alone.
     assert (np.array(errors[1]) < most).all()
@@ -153,14 +160,16 @@ def test_the_fields_of_every_kind_agree(kind, brake, tmp_path):
     """Displacements of the loaded end within 5 %, and the .vtu file read back."""
     moved = []
     for chosen, elements in (("quad2", 80), (kind, 60)):
-        scene = prepare(brake, elements=elements, kind=chosen)
-        found = recover_shoe_fields(scene, brake, solve_prepared_model(scene, brake), 1)
+        scene = make_prepared_model(brake, elements=elements, kind=chosen)
+        found = stress_and_displacement_fields_of_shoe(
+            scene, brake, solve_prepared_model(scene, brake), 1
+        )
         far = np.argmin(np.linalg.norm(found.points - brake.shoes[1].actuation.point.xy, axis=1))
         moved.append(found.displacement[far])
         assert np.isfinite(found.stress).all()
         assert len(np.unique(found.cells)) == len(found.points)
     assert np.linalg.norm(moved[1] - moved[0]) < 0.05 * np.linalg.norm(moved[0])
-    write_fields_as_vtu(tmp_path / "f.vtu", [found])
+    write_fields_to_vtu_file(tmp_path / "f.vtu", [found])
     mesh = meshio.read(tmp_path / "f.vtu")
     assert picked(mesh.cells, "type") == [found.cell_type]
     assert mesh.point_data["von Mises [Pa]"] == pytest.approx(found.von_mises)
@@ -202,7 +211,7 @@ def test_contact_ends_are_located_inside_an_element(kind, open_heels):
 
 def test_without_friction_the_friction_path_equals_the_frictionless_one():
     still = vary(BRAKE, {"friction": 0})
-    frictionless = prepare(still, elements=40)
+    frictionless = make_prepared_model(still, elements=40)
     assert frictionless.bodies[0].closure_by_friction is None
     a, b = solve_prepared_model(SCENE, still), solve_prepared_model(frictionless, still)
     assert a.torque == b.torque == 0
@@ -279,7 +288,7 @@ def test_a_brake_in_mm_n_mpa_numbers_gives_the_same_numbers(brake):
         lengths = {"radius", "thickness", "width", "x", "y"} if value is not None else set()
         return value * 1e3 if key in lengths else value * 1e-6 if key == "E" else value
 
-    a, b = solve(brake, elements=40), solve(brake_from(scaled(data)), elements=40)
+    a, b = solve(brake, elements=40), solve(make_drum_brake_from_data(scaled(data)), elements=40)
     assert b.torque == pytest.approx(1e3 * a.torque, rel=1e-10)
     assert b.iterations == a.iterations
     for x, y in zip(a.shoes, b.shoes, strict=True):
@@ -293,7 +302,7 @@ def test_the_contact_set_settles_in_15_steps_on_every_mesh_and_penalty(name, req
     spec = request.getfixturevalue(name)
     most = ran = 0
     for elements in (10, 20, 40, 80, 160, 320):
-        scene = prepare(spec, elements=elements)
+        scene = make_prepared_model(spec, elements=elements)
         for case in (spec, vary(spec, {"shoe.lining.clearance": 5e-5})):
             torques = []
             for penalty in (1e1, 1e3, 1e6, 1e9, 1e12, math.inf):
@@ -327,7 +336,9 @@ def test_the_softening_of_a_penalty_is_linear_in_it_and_as_stated():
 
 @pytest.mark.parametrize("index", (0, 1))
 def test_starts_agree(index):
-    problem = ShoeGroup(SCENE, vary(BRAKE, {"shoe.lining.clearance": 1e-4}), (index,)).problem
+    problem = ShoeGroup(
+        SCENE, vary(BRAKE, {"shoe.lining.clearance": 1e-4}), (index,)
+    ).contact_problem_of_group
     n = len(problem.q)
     rng = np.random.default_rng(5)
     starts = [None, np.zeros(n, bool), rng.random(n) < 0.5, rng.random(n) < 0.1]
@@ -339,7 +350,7 @@ def test_starts_agree(index):
 def test_equal_shoes_are_condensed_once_and_it_is_said(brake):
     assert SCENE.bodies[0] is SCENE.bodies[1]
     assert saying(SCENE.left_out, "condensed once")
-    other = prepare(vary(brake, {"shoe[1].lining.thickness": 0.007}), elements=10)
+    other = make_prepared_model(vary(brake, {"shoe[1].lining.thickness": 0.007}), elements=10)
     assert other.bodies[0] is not other.bodies[1]
 
 
@@ -347,7 +358,7 @@ def test_a_scene_refuses_a_brake_of_other_shape(brake):
     with pytest.raises(BadInput, match="differs from the prepared scene"):
         solve_prepared_model(SCENE, vary(brake, {"shoe[0].lining.thickness": 0.007}))
     with pytest.raises(BadInput, match="elements"):
-        prepare(brake, elements=0)
+        make_prepared_model(brake, elements=0)
     for penalty in (0.0, -1.0, math.nan):
         with pytest.raises(BadInput, match="penalty"):
             solve_prepared_model(SCENE, BRAKE, penalty=penalty)
@@ -356,20 +367,22 @@ def test_a_scene_refuses_a_brake_of_other_shape(brake):
 @pytest.mark.parametrize("force", [0.0, -2000.0])
 def test_a_force_that_is_zero_or_pulls_the_shoe_off_is_an_answer(brake, force):
     free = vary(brake, {"shoe.actuation.force": force})
-    for response in (solve_prepared_model(SCENE, free), sine(free)):
+    for response in (solve_prepared_model(SCENE, free), solve_brake_by_sine_law(free)):
         assert response.torque == 0
         assert response.converged
         for shoe in response.shoes:
             assert not shoe.contact_arcs and not shoe.pressure.any()
         assert "no contact" in response.notes[0]
-        assert response.shoes[0].hinge_reaction == pytest.approx(-free.shoes[0].actuation.vector)
+        assert response.shoes[0].hinge_reaction == pytest.approx(
+            -free.shoes[0].actuation.force_vector
+        )
 
 
 @pytest.mark.parametrize("friction", [1.2, 1.5, 3.0, 20.0])
 def test_a_self_locking_brake_is_refused_with_both_limits(friction):
     locked = vary(BRAKE, {"friction": friction})
     with pytest.raises(NoAnswer, match=rf"self-locking, friction {friction:g} .* mu_lock = 0.823"):
-        sine(locked)
+        solve_brake_by_sine_law(locked)
     with pytest.raises(
         NoAnswer, match=rf"self-locking.*friction {friction:g};.*mu_lock = .*rigid-shoe law"
     ):
@@ -383,7 +396,9 @@ def test_a_rigid_shoe_locks_where_the_sine_law_does():
     with pytest.raises(NoAnswer) as refusal:
         solve(rigid, elements=40)
     limit = float(str(refusal.value).split("mu_lock = ")[1].split()[0])
-    assert limit == pytest.approx(locking_friction(rigid, rigid.shoes[1]), rel=5e-3)
+    assert limit == pytest.approx(
+        self_locking_friction_of_hinged_shoe(rigid, rigid.shoes[1]), rel=5e-3
+    )
 
 
 def test_torque_grows_without_bound_towards_the_elastic_limit_of_self_locking():
@@ -424,14 +439,14 @@ def test_cost_is_counted_from_the_same_run(brake):
 
     Exact ratios are for the command `drumlin cost` to state.
     """
-    c = measure_fem_cost(brake, elements=60, repeats=3)
+    c = measure_time_and_memory_of_fem(brake, elements=60, repeats=3)
     assert 1 < c.solve_ratio < 10
     assert 0 < c.further_ratio < 0.5
 
 
 @pytest.mark.slow
 def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
-    head, *rows, last = cost_table_lines(brake, sizes=(2_000, 4_000))
+    head, *rows, last = cost_by_size_table_lines(brake, sizes=(2_000, 4_000))
     assert "memory [GiB]" in head
     # Meshes consist of whole layers of elements and meet a size only roughly.
     assert [float(row.split()[0]) for row in rows] == pytest.approx([2_000, 4_000], rel=0.4)
@@ -469,8 +484,8 @@ def test_external_shoes(brake):
     }
     for rotation in ROTATIONS:
         spec = vary(brake, {**external, "rotation": rotation})
-        law, fem = sine(spec), solve(spec, elements=80)
+        law, fem = solve_brake_by_sine_law(spec), solve(spec, elements=80)
         for a, b in zip(law.shoes, fem.shoes, strict=True):
             assert b.torque == pytest.approx(a.torque, rel=3e-3)
             assert b.self_energising == a.self_energising
-            assert pressure_distance(a, b, math.radians(6)) < 0.01
+            assert relative_distance_of_pressures(a, b, math.radians(6)) < 0.01

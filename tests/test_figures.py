@@ -10,8 +10,8 @@ from drumlin.brake import read_any
 from drumlin.door import solve
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
-from drumlin.report.palette import CATEGORIES, GRADES, LOOKS
-from drumlin.report.render import _round_up
+from drumlin.report.palette import CATEGORIES, COLOR_AND_LINE_STYLE_BY_MODEL, GRADES
+from drumlin.report.render import _rounded_up_to_end_of_colour_bar
 from picking import saying
 
 # Dichromats by Machado, Oliveira & Fernandes (2009), severity 1, on linear RGB
@@ -86,9 +86,9 @@ def test_the_colours_stay_apart(colours, sight):
 
 
 def test_every_model_has_a_look_of_its_own():
-    looks = [(colour, str(style)) for colour, style in LOOKS.values()]
+    looks = [(colour, str(style)) for colour, style in COLOR_AND_LINE_STYLE_BY_MODEL.values()]
     assert len(set(looks)) == len(looks)
-    assert {colour for colour, _ in LOOKS.values()} <= set(CATEGORIES)
+    assert {colour for colour, _ in COLOR_AND_LINE_STYLE_BY_MODEL.values()} <= set(CATEGORIES)
 
 
 def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_beside_them(brake):
@@ -102,7 +102,7 @@ def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_be
     assert bool(p.max() * 1e-6 > top) is bool(cut)
     lower = Figure().subplots()
     lower.set_ylim(0, 0.5 * p.max())
-    figures.mark_cut_off_curve(lower, theta, p, "#000000")
+    figures.mark_where_curve_leaves_axes(lower, theta, p, "#000000")
     assert [line.get_ydata()[0] for line in lower.lines] == [0.5 * p.max()] * len(
         lower.lines
     ) and lower.lines
@@ -173,10 +173,10 @@ def test_a_strut_reaches_from_a_foot_to_the_shoe_that_it_pushes(root):
 
 def test_the_top_of_a_colour_bar_is_round_in_its_quarters_and_near():
     for value in np.geomspace(0.013, 900, 300):
-        top = _round_up(float(value))
+        top = _rounded_up_to_end_of_colour_bar(float(value))
         assert value <= top * (1 + 1e-9) and top <= 1.51 * value
         assert len(f"{top / 4:.6g}".replace("0.", "").strip("0.").replace(".", "")) <= 2
-    assert _round_up(10.6) == pytest.approx(12)
+    assert _rounded_up_to_end_of_colour_bar(10.6) == pytest.approx(12)
 
 
 def test_panels_of_other_angles_say_their_own(root, brake):

@@ -13,19 +13,31 @@ from pathlib import Path
 import pytest
 
 from conftest import STUDY
-from drumlin.base.errors import BadInput, NoAnswer, Stopped, ended, line_and_status
+from drumlin.base.errors import (
+    BadInput,
+    NoAnswer,
+    Stopped,
+    error_line_and_exit_status,
+    run_and_return_exit_status,
+)
 from drumlin.base.files import (
-    cell,
-    check_folder,
-    check_outputs,
-    inputs_kept,
+    check_output_files_are_writable,
+    check_path_can_be_folder,
+    protect_input_files,
     read_bytes,
     read_text,
-    replacing,
+    spreadsheet_cell_without_formula,
+    temporary_file_replacing_output,
     write_text,
 )
-from drumlin.base.texts import MOST_DIGITS, check_digits, check_toml, one_line, typed
-from drumlin.cli.process import run
+from drumlin.base.texts import (
+    MOST_DIGITS,
+    check_numbers_have_few_digits,
+    check_toml_parses_quickly,
+    command_text_without_folders,
+    printable_single_line,
+)
+from drumlin.cli.process import run_command_line
 from picking import picked
 
 
@@ -150,7 +162,7 @@ def test_a_stopped_run_leaves_the_earlier_file_and_no_other(tmp_path):
     path = tmp_path / "r.json"
     path.write_text("earlier")
     for error in (Stopped(15), KeyboardInterrupt(), ValueError()):
-        with pytest.raises(type(error)), replacing(path) as partial:
+        with pytest.raises(type(error)), temporary_file_replacing_output(path) as partial:
             partial.write_text("half")
             raise error
     assert path.read_text() == "earlier" and picked(tmp_path.iterdir(), "name") == ["r.json"]
@@ -178,13 +190,13 @@ def test_what_cannot_be_written_is_one_line(tmp_path, monkeypatch, case):
 def test_two_outputs_need_two_files_and_a_folder_no_file(tmp_path):
     (tmp_path / "l.json").symlink_to("r.json")
     with pytest.raises(BadInput, match="twice"):
-        check_outputs(tmp_path / "r.json", None, tmp_path / "l.json")
-    check_outputs(tmp_path / "r.json", tmp_path / "s.json")
+        check_output_files_are_writable(tmp_path / "r.json", None, tmp_path / "l.json")
+    check_output_files_are_writable(tmp_path / "r.json", tmp_path / "s.json")
     (tmp_path / "f").write_text("")
     for path in (tmp_path / "f", tmp_path / "f" / "below"):
         with pytest.raises(BadInput, match="not a folder"):
-            check_folder(path)
-    check_folder(tmp_path / "new" / "below")
+            check_path_can_be_folder(path)
+    check_path_can_be_folder(tmp_path / "new" / "below")
 
 
 # inputs
@@ -208,7 +220,7 @@ def test_no_output_is_an_input_however_it_is_spelled(tmp_path, monkeypatch, spel
         with pytest.raises(
             BadInput, match="one of the files that are read; must not be written over"
         ):
-            run([*words, spelling])
+            run_command_line([*words, spelling])
     assert (tmp_path / "b.json").read_text() == text
 
 
@@ -220,7 +232,7 @@ def test_no_output_is_the_mesh_even_of_a_model_that_reads_none(tmp_path, monkeyp
     (tmp_path / "b.toml").write_text(text)
     (tmp_path / "m.msh").write_text("mesh")
     with pytest.raises(BadInput, match="must not be written over"):
-        run(["solve", "b.toml", "--model", "sine", "--json", "m.msh"])
+        run_command_line(["solve", "b.toml", "--model", "sine", "--json", "m.msh"])
     assert (tmp_path / "m.msh").read_text() == "mesh"
 
 
@@ -229,7 +241,7 @@ def test_outside_of_the_command_line_what_was_read_may_be_written(tmp_path):
     path.write_text("read")
     read_text(path, 100, "a file")
     write_text(path, "written")
-    with inputs_kept():
+    with protect_input_files():
         read_text(path, 100, "a file")
         with pytest.raises(BadInput, match="must not be written over"):
             write_text(path, "again")
@@ -314,7 +326,7 @@ def test_what_is_no_mesh_is_refused_at_once(tmp_path, monkeypatch, kind):
     ):
         with pytest.raises(BadInput, match=rf"m\.msh.*({said})"), within(10):
             start = time.process_time()
-            run(words)
+            run_command_line(words)
         # The libraries are loaded within this time as well.
         assert time.process_time() - start < 1.5
 
@@ -335,24 +347,25 @@ def test_a_page_shows_what_was_typed_without_the_machine_s_folders():
         "",
     ]
     assert (
-        typed(words) == "drumlin compare 'b <i>.toml' --output=r --penalty 1e5 a/b.toml 'x\\n' ''"
+        command_text_without_folders(words)
+        == "drumlin compare 'b <i>.toml' --output=r --penalty 1e5 a/b.toml 'x\\n' ''"
     )
 
 
 def test_lines_for_people_are_printable_and_short():
-    assert one_line("a\nb\x1b[31m\u202e\udcff\x85") == r"a\nb\x1b[31m\u202e\udcff\x85"
-    assert one_line("θ µ 漢字 ü") == "θ µ 漢字 ü"
-    long = one_line("key = " + "9" * 10_000 + ": must be a number")
+    assert printable_single_line("a\nb\x1b[31m\u202e\udcff\x85") == r"a\nb\x1b[31m\u202e\udcff\x85"
+    assert printable_single_line("θ µ 漢字 ü") == "θ µ 漢字 ü"
+    long = printable_single_line("key = " + "9" * 10_000 + ": must be a number")
     assert len(long) < 700 and long.startswith("key = 9") and long.endswith(": must be a number")
     assert str(BadInput("a\nb")) == r"a\nb"
 
 
 def test_texts_are_limited_before_a_parser_sees_them():
-    check_digits("9" * MOST_DIGITS)
+    check_numbers_have_few_digits("9" * MOST_DIGITS)
     for text in ("9" * (MOST_DIGITS + 1), "x = 1" + "_1" * MOST_DIGITS):
         with pytest.raises(ValueError, match="digits"):
-            check_digits(text)
-    check_toml("# " + "." * 1000 + '\na.b."c.d" = ["1.5 mm", 2.5]\n')
+            check_numbers_have_few_digits(text)
+    check_toml_parses_quickly("# " + "." * 1000 + '\na.b."c.d" = ["1.5 mm", 2.5]\n')
     for key in (
         "a." * 20 + "a",
         "'a' . " * 20 + "a",
@@ -361,21 +374,21 @@ def test_texts_are_limited_before_a_parser_sees_them():
         "{x." + "a." * 20 + "a}",
     ):
         with pytest.raises(ValueError, match="parts"):
-            check_toml(key + " = 1")
+            check_toml_parses_quickly(key + " = 1")
 
 
 @pytest.mark.parametrize(
     "text", ["=1+1", "+cmd|' /C calc'!A0", "-2+3+cmd|x", "@SUM(1)", "\t=1", "\r=1", "-x"]
 )
 def test_a_text_that_a_spreadsheet_would_compute_is_led_by_an_apostrophe(text):
-    assert cell(text) == f"'{text}"
+    assert spreadsheet_cell_without_formula(text) == f"'{text}"
 
 
 @pytest.mark.parametrize(
     "value", ["-70 to 55.1", "-1e-05", "+3", "-70", "a=1", "", -3.5, None, "failed: -"]
 )
 def test_numbers_and_harmless_texts_are_cells_as_they_are(value):
-    assert cell(value) == value
+    assert spreadsheet_cell_without_formula(value) == value
 
 
 # the last word of a process
@@ -406,12 +419,12 @@ ENDS = {
 @pytest.mark.parametrize("case", ENDS)
 def test_every_exception_ends_in_one_line_and_a_status(capsys, case):
     error, line, status = ENDS[case]
-    assert line_and_status(error) == (line, status)
+    assert error_line_and_exit_status(error) == (line, status)
 
     def run_it():
         raise error
 
-    assert ended(run_it) == status
+    assert run_and_return_exit_status(run_it) == status
     said = capsys.readouterr().err
     assert said.count("\n") == (1 if line else 0) and (not line or said.startswith("drumlin: "))
 
@@ -419,7 +432,7 @@ def test_every_exception_ends_in_one_line_and_a_status(capsys, case):
 def test_notes_of_a_stop_are_said():
     stop = KeyboardInterrupt()
     stop.add_note("5 cases are kept")
-    assert line_and_status(stop) == ("stopped; 5 cases are kept", 130)
+    assert error_line_and_exit_status(stop) == ("stopped; 5 cases are kept", 130)
 
 
 def test_the_handler_loads_nothing_heavy():

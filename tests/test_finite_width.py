@@ -12,16 +12,16 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.width import error
 from drumlin.fem.width.correction import corrected_shoe, pressure_in_contact
-from drumlin.fem.width.error import coarse_answers, model_distance
-from drumlin.fem.width.prepare import prepare_width
-from drumlin.response.balance import shoe_balance
-from drumlin.sweeps.cases import case_row
-from drumlin.sweeps.file import sweep_from_data
+from drumlin.fem.width.error import coarse_answers, distance_of_plane_stress_from_widths
+from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.response.balance import relative_imbalance_of_shoe
+from drumlin.sweeps.cases import results_or_failure_of_case
+from drumlin.sweeps.file import sweep_from_file_data
 from sections import t_section
 
 LINE = "error of plane stress after the correction for the widths: "
@@ -33,15 +33,17 @@ def one_width(brake):
 
 def solid_answer(brake, plane, degree=5, level=LEVELS[1]):
     """The answer of shoes with their widths on the second level of the section."""
-    points = singular_points_of(brake, plane, error=level.error)
-    return solve_prepared_model(prepare_width(brake, level, degree, points), brake, start=plane)
+    points = singular_points_of_all_linings(brake, plane, error=level.error)
+    return solve_prepared_model(
+        prepare_brake_with_widths(brake, level, degree, points), brake, start=plane
+    )
 
 
 def test_without_contraction_one_width_is_not_corrected(flexible):
     changes = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
     brake = vary(flexible, changes)
     plane, found = solve(brake), solve(brake, finite_width=True)
-    assert max(model_distance(brake, plane, found).brake.values()) < 1e-9
+    assert max(distance_of_plane_stress_from_widths(brake, plane, found).brake.values()) < 1e-9
     assert max(found.plane_stress_error.brake.values()) < 1e-9
 
 
@@ -74,8 +76,8 @@ def test_it_more_than_halves_the_error_and_states_what_remains(flexible, section
     brake = section(flexible)
     plane, found = solve(brake), solve(brake, finite_width=True)
     true = solid_answer(brake, plane)
-    without = model_distance(brake, plane, true).brake
-    remaining = model_distance(brake, found, true).brake
+    without = distance_of_plane_stress_from_widths(brake, plane, true).brake
+    remaining = distance_of_plane_stress_from_widths(brake, found, true).brake
     for name, size in remaining.items():
         stated = found.plane_stress_error.brake[name] + found.error[name]
         assert without[name] > 1e-3
@@ -88,7 +90,7 @@ def test_it_more_than_halves_the_error_and_states_what_remains(flexible, section
 def test_the_balance_is_that_of_the_corrected_pressure(flexible):
     brake = t_section(flexible)
     found = solve(brake, finite_width=True)
-    balances = [shoe_balance(brake, i, shoe) for i, shoe in enumerate(found.shoes)]
+    balances = [relative_imbalance_of_shoe(brake, i, shoe) for i, shoe in enumerate(found.shoes)]
     assert found.balance.force == max(each.force for each in balances)
     assert found.balance.moment == max(each.moment for each in balances)
     (note,) = [line for line in found.notes if line.startswith("corrected for the widths")]
@@ -138,7 +140,7 @@ def test_where_the_coarse_section_has_no_answer_it_is_refused(brake, monkeypatch
     def refuse(*_, **__):
         raise NoAnswer("no equilibrium")
 
-    monkeypatch.setattr(error, "prepare_width", refuse)
+    monkeypatch.setattr(error, "prepare_brake_with_widths", refuse)
     said = "--finite-width: the correction is not known: on a coarse section, .*no equilibrium"
     with pytest.raises(NoAnswer, match=said):
         solve(brake, elements=8, finite_width=True)
@@ -149,7 +151,7 @@ def test_it_corrects_brakes_on_a_plane(root):
     brake = read_any(root / "studies" / "brakes" / "rail_clamp.toml")
     plane, found = solve(brake), solve(brake, finite_width=True)
     assert found.effect == pytest.approx(plane.effect, rel=0.1)
-    sizes = model_distance(brake, plane, found).brake
+    sizes = distance_of_plane_stress_from_widths(brake, plane, found).brake
     assert sizes["pressure"] > found.plane_stress_error.brake["pressure"] > 1e-5
 
 
@@ -195,10 +197,10 @@ def test_a_comparison_takes_the_option_and_draws_plane_stress(root, flexible, tm
 def test_a_sweep_takes_the_option_and_states_what_remains(root, flexible):
     file = str(root / "studies" / "double_shoe" / "flexible.toml")
     options = {"elements": 8, "finite_width": True}
-    (case,) = sweep_from_data(
+    (case,) = sweep_from_file_data(
         {"brake": file, "model": {"fem": options}, "vary": {"friction": [0.2]}}
     ).cases
-    row = case_row(case)
+    row = results_or_failure_of_case(case)
     want = solve(vary(flexible, {"friction": 0.2}), elements=8, finite_width=True)
     assert row["torque"] == pytest.approx(want.torque, rel=1e-12)
     left = want.plane_stress_error.brake["torque"]

@@ -9,13 +9,16 @@ from conftest import ROOT, partly
 from drumlin import foundation
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.analysis.deflection import deflection_along_beam, inward_displacement_of_rim
+from drumlin.fem.analysis.deflection import (
+    inward_displacement_of_ring_surface,
+    stations_and_deflections_of_beam,
+)
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.fem.substructure.body import scalar_basis
-from drumlin.foundation.ring import flexibility
-from drumlin.laws import sine
+from drumlin.fem.substructure.body import scalar_finite_element_basis_of_mesh
+from drumlin.foundation.ring import ring_displacement_per_radial_force
+from drumlin.laws import solve_brake_by_sine_law
 
 STUDY = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
 # A soft lining without Poisson's ratio on a block that is stiff against it and soft against the
@@ -49,10 +52,10 @@ POST = vary(
 
 
 def test_the_mesh_fills_beam_block_and_lining_and_nothing_else():
-    scene = prepare(vary(POST, {"drum.ring": None}), elements=30)
+    scene = make_prepared_model(vary(POST, {"drum.ring": None}), elements=30)
     assert scene.bodies[0] is scene.bodies[1]
     mesh, lining = scene.bodies[0].mesh, POST.shoes[0].lining
-    dx = scalar_basis(mesh).dx.sum(axis=1)
+    dx = scalar_finite_element_basis_of_mesh(mesh).dx.sum(axis=1)
     area = {name: float(dx[elements].sum()) for name, elements in mesh.subdomains.items()}
     assert dx.min() > 0
     half, back = math.radians(40), 2.02
@@ -62,7 +65,9 @@ def test_the_mesh_fills_beam_block_and_lining_and_nothing_else():
     assert area["backing"] == pytest.approx(between, rel=1e-7)
     shoe, nodes = POST.shoes[0], {}
     for name, facets in mesh.boundaries.items():
-        nodes[name] = shoe.frame.to_brake(mesh.p[:, np.unique(mesh.facets[:, facets])].T)
+        nodes[name] = shoe.frame.convert_to_brake_frame(
+            mesh.p[:, np.unique(mesh.facets[:, facets])].T
+        )
     assert np.hypot(*nodes["contact"].T) == pytest.approx(2.0, rel=1e-12)
     assert nodes["hinge"][:, 1] == pytest.approx(-2.3)
     assert nodes["actuation"][:, 1] == pytest.approx(2.3)
@@ -98,8 +103,8 @@ def test_with_matched_stiffness_the_torque_agrees_within_two_per_cent(half, rota
     brake = vary(with_arc(POST, half), MATCHED | {"rotation": rotation})
     fem, mine, printed = (
         solve(brake, elements=40),
-        foundation.solve(brake, lift=["tilt"]),
-        foundation.solve(brake),
+        foundation.solve_brake_by_foundation_model(brake, lift=["tilt"]),
+        foundation.solve_brake_by_foundation_model(brake),
     )
     for a, b in zip(mine.shoes, fem.shoes, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=0.01)
@@ -112,7 +117,11 @@ def test_with_matched_stiffness_the_torque_agrees_within_two_per_cent(half, rota
 
 def test_a_flexible_post_is_followed_where_the_sine_law_fails():
     brake = vary(with_arc(POST, 30), MATCHED | {"shoe.body.bending_stiffness": 3e7})
-    fem, mine, law = solve(brake, elements=40), foundation.solve(brake, lift=["all"]), sine(brake)
+    fem, mine, law = (
+        solve(brake, elements=40),
+        foundation.solve_brake_by_foundation_model(brake, lift=["all"]),
+        solve_brake_by_sine_law(brake),
+    )
     for a, b in zip(mine.shoes, fem.shoes, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=0.02)
     assert max(a.torque / b.torque for a, b in zip(law.shoes, fem.shoes, strict=True)) > 1.2
@@ -141,14 +150,21 @@ def test_a_ring_of_finite_elements_moves_by_the_closed_form(share, slack, twin):
         },
     )
     pressed = [
-        part.sum(axis=1) for part in prepare(brake, elements=40).ring.normal_half_flexibilities
+        part.sum(axis=1)
+        for part in make_prepared_model(brake, elements=40).ring.normal_half_flexibilities
     ]
     fem = float(pressed[0] @ (sum(pressed) if twin else pressed[0]))
     points, weights = np.polynomial.legendre.leggauss(60)
     half = math.radians(20)
     N, d = 0.3 * 2.0 * half * weights, half * np.subtract.outer(points, points)
     thick, thin = (
-        float(N @ flexibility(brake.drum.ring, 2.0, d, twin=twin, sign=-1, thick=thick) @ N)
+        float(
+            N
+            @ ring_displacement_per_radial_force(
+                brake.drum.ring, 2.0, d, twin=twin, sign=-1, thick=thick
+            )
+            @ N
+        )
         for thick in (True, False)
     )
     assert thick == pytest.approx(fem, rel=slack)
@@ -183,7 +199,7 @@ def test_what_cannot_be_meshed_is_refused_and_the_foundation_model_still_answers
     brake = vary(single, changes)
     with pytest.raises(BadInput, match=words):
         solve(brake, elements=10)
-    assert foundation.solve(brake).torque > 0
+    assert foundation.solve_brake_by_foundation_model(brake).torque > 0
 
 
 def test_beam_and_rim_of_the_finite_elements_move_as_those_of_the_foundation_model():
@@ -195,21 +211,24 @@ def test_beam_and_rim_of_the_finite_elements_move_as_those_of_the_foundation_mod
         "material": {"E": 2.1e11, "nu": 0.0},
     }
     brake = vary(with_arc(POST, 20), MATCHED | {"drum.ring": ring | {"support": "free"}})
-    scene = prepare(brake, elements=40)
-    fem, mine = solve_prepared_model(scene, brake), foundation.solve(brake, lift=["all"])
+    scene = make_prepared_model(brake, elements=40)
+    fem, mine = (
+        solve_prepared_model(scene, brake),
+        foundation.solve_brake_by_foundation_model(brake, lift=["all"]),
+    )
     for i, answer in enumerate(mine.shoes):
-        x, w = deflection_along_beam(scene, brake, fem, i)
+        x, w = stations_and_deflections_of_beam(scene, brake, fem, i)
         assert (x[0], x[-1]) == pytest.approx((0, 4.6), abs=1e-9)
         assert w == pytest.approx(
             np.interp(x, answer.deformation.x, answer.deformation.w), abs=0.05 * w.max()
         )
-    theta, z = inward_displacement_of_rim(scene, brake, fem)
-    whole = foundation.rim(brake, mine, theta, ["all"]).sum(axis=0)
+    theta, z = inward_displacement_of_ring_surface(scene, brake, fem)
+    whole = foundation.ring_displacement_under_each_shoe(brake, mine, theta, ["all"]).sum(axis=0)
     assert np.ptp(theta) > 6
     assert np.abs(z - whole).max() < 0.03 * np.abs(z).max()
     with pytest.raises(BadInput, match="rigid drum"):
-        inward_displacement_of_rim(
-            prepare(vary(brake, {"drum.ring": None}), elements=10), brake, fem
+        inward_displacement_of_ring_surface(
+            make_prepared_model(vary(brake, {"drum.ring": None}), elements=10), brake, fem
         )
 
 

@@ -8,14 +8,14 @@ import pytest
 
 import drumlin
 from drumlin.base.errors import BadInput
-from drumlin.brake.file import brake_from, vary
-from drumlin.fem.analysis.fields import recover_shoe_fields
+from drumlin.brake.file import make_drum_brake_from_data, vary
+from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import refine_group_solution
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import prepare_finest_division
-from drumlin.laws import law
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from held_shoes import BODY, KINDS, THIN, brake_of
 
 
@@ -23,7 +23,7 @@ from held_shoes import BODY, KINDS, THIN, brake_of
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_rigid_shoe_with_a_thin_lining_answers_as_its_law(kind: str, spin: int) -> None:
     brake = brake_of(kind, spin)
-    fem, rigid = drumlin.solve(brake), law(brake)
+    fem, rigid = drumlin.solve(brake), solve_brake_by_its_rigid_shoe_law(brake)
     assert fem.torque == pytest.approx(rigid.torque, rel=3e-3)
     a, b = fem.shoes[0], rigid.shoes[0]
     assert np.linalg.norm(a.hinge_reaction - b.hinge_reaction) < 6e-3 * np.linalg.norm(
@@ -55,7 +55,7 @@ def test_an_elastic_shoe_balances_and_its_mirror_image_answers_alike(kind: str) 
             part["direction"] = -part["direction"]
     for part in (shoe["lining"], shoe["body"]):
         part["start"], part["end"] = -part["end"], -part["start"]
-    other = drumlin.solve(brake_from(data))
+    other = drumlin.solve(make_drum_brake_from_data(data))
     assert other.torque == pytest.approx(response.torque, rel=1e-8)
     a, b = response.shoes[0], other.shoes[0]
     assert b.hinge_reaction == pytest.approx(a.hinge_reaction * [1, -1], rel=1e-6, abs=1e-6)
@@ -95,7 +95,9 @@ def test_a_foot_that_friction_holds_is_a_pin_also_where_the_lining_stands_off() 
 def test_the_whole_system_refined_is_the_same_answer() -> None:
     for kind in KINDS:
         brake = brake_of(kind, 1, body=BODY)
-        (group,) = divide_pressed_shoes_into_groups(prepare(brake, LEVELS[1]), brake, 1e6)
+        (group,) = divide_pressed_shoes_into_groups(
+            make_prepared_model(brake, LEVELS[1]), brake, 1e6
+        )
         group, found = group.solve_contact()
         for order in ("COLAMD", "MMD_AT_PLUS_A"):
             refined = refine_group_solution(group, found.active, order)
@@ -160,10 +162,10 @@ def test_the_displacements_inside_are_those_of_the_answer(name: str, root: Path)
     On pressed nodes the radial displacement vanishes.
     """
     brake = drumlin.read_brake(root / f"studies/brakes/{name}.toml")
-    scene = prepare_finest_division(brake, elements=20)
+    scene = prepared_model_of_finest_division(brake, elements=20)
     response = drumlin.solve(brake, elements=20)
     for i in range(len(brake.shoes)):
-        found = recover_shoe_fields(scene, brake, response, i)
+        found = stress_and_displacement_fields_of_shoe(scene, brake, response, i)
         on = found.pressure > 0.01 * found.pressure.max()
         radial = (found.displacement * found.points).sum(axis=1)[on] / np.hypot(*found.points[on].T)
         assert np.abs(radial).max() < 0.01 * np.linalg.norm(found.displacement, axis=1).max()

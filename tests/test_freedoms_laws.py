@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from pytest import approx
 
 from drumlin import BadInput, Brake, NoAnswer
-from drumlin.brake.file import brake_from, validated, vary
+from drumlin.brake.file import make_drum_brake_from_data, make_validated_part, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.laws import LAWS, law, rigid
-from drumlin.laws.hinged import layout
-from drumlin.laws.shapes import equivalent_friction
-from drumlin.models import MODELS, applicable
-from drumlin.response.balance import contact_resultant, loaded
+from drumlin.laws import LAWS, rigid, solve_brake_by_its_rigid_shoe_law
+from drumlin.laws.hinged import angles_and_radii_of_hinged_shoe
+from drumlin.laws.shapes import ratio_of_equivalent_friction
+from drumlin.models import MODELS, applicable_models
+from drumlin.response.balance import brake_with_forces_of_response, resultant_of_contact_on_shoe
 from drumlin.response.response import Response, ShoeResponse
 from picking import having, picked
 from shared_parts import of_shoes
@@ -56,7 +56,7 @@ def brake_of(*shoes: dict[str, Any], mu: float = 0.3, spin: int = -1, **more: An
         "drum": {"radius": R},
         "shoe": list(shoes),
     }
-    return brake_from(data | more)
+    return make_drum_brake_from_data(data | more)
 
 
 def limpert(
@@ -78,7 +78,9 @@ def test_an_abutted_shoe_is_the_closed_form(spin: int, factor: float) -> None:
     """All of the lining bearing, tension at its end included, as the closed form has it."""
     brake = brake_of(abutted(0.35, spin, 0.2), mu=0.35, spin=spin)
     assert limpert(0.35, -spin, 0.2) == approx(factor, rel=1e-12)
-    assert rigid.solve(brake, whole=True).torque / (R * F) == approx(factor, rel=1e-12)
+    assert rigid.solve_brake_by_rigid_shoe_law(brake, whole=True).torque / (R * F) == approx(
+        factor, rel=1e-12
+    )
 
 
 @many
@@ -90,8 +92,10 @@ def test_abutted_shoes_of_all_kinds_are_the_closed_form(
 ) -> None:
     brake = brake_of(abutted(mu, spin, m, arc=arc, at=at), mu=mu, spin=spin)
     factor = limpert(mu, -spin, m, arc, at)
-    assume(rigid.locking_friction(brake, brake.shoes[0]) > 1.05 * mu)
-    assert rigid.solve(brake, whole=True).torque / (R * F) == approx(factor, rel=1e-9)
+    assume(rigid.self_locking_friction_of_rigid_shoe(brake, brake.shoes[0]) > 1.05 * mu)
+    assert rigid.solve_brake_by_rigid_shoe_law(brake, whole=True).torque / (R * F) == approx(
+        factor, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize(("spin", "m"), ((-1, 0.2), (1, -0.2)))
@@ -104,7 +108,9 @@ def test_friction_of_an_abutment_opposes_the_slide_that_it_finds(spin, m) -> Non
     rough, sloped = (
         brake_of(abutted(0.35, spin, *s), mu=0.35, spin=spin) for s in ((0.0, 0.2), (m, 0.0))
     )
-    assert rigid.solve(rough).torque == approx(rigid.solve(sloped).torque, rel=1e-12)
+    assert rigid.solve_brake_by_rigid_shoe_law(rough).torque == approx(
+        rigid.solve_brake_by_rigid_shoe_law(sloped).torque, rel=1e-12
+    )
 
 
 def test_a_foot_that_sticks_is_a_hinge() -> None:
@@ -114,8 +120,10 @@ def test_a_foot_that_sticks_is_a_hinge() -> None:
     """
     brake = brake_of(abutted(0.3, -1, 0.0, friction=2.0), mu=0.3)
     hinge = vary(brake, {"shoe.abutment": None, "shoe.hinge": {"x": OFF, "y": -A}})
-    assert law(brake).torque == approx(MODELS["sine"].solve(hinge).torque, rel=1e-10)
-    x, y = law(brake).shoes[0].hinge_reaction
+    assert solve_brake_by_its_rigid_shoe_law(brake).torque == approx(
+        MODELS["sine"].solve(hinge).torque, rel=1e-10
+    )
+    x, y = solve_brake_by_its_rigid_shoe_law(brake).shoes[0].hinge_reaction
     assert abs(y) <= 2.0 * x
 
 
@@ -150,10 +158,10 @@ def test_duo_servo_is_the_closed_form(m) -> None:
     B1, B2 = limpert(0.3, 1, m), hinged_factor(0.3, 2 * A, A, radians(50), radians(160))
     strut = (C + B1 * R) / (A + m * OFF)
     expected = B1 + B2 * strut * (2 * A + m * OFF) / (2 * A)
-    response = rigid.solve(brake, whole=True)
+    response = rigid.solve_brake_by_rigid_shoe_law(brake, whole=True)
     assert response.torque / (R * F) == approx(expected, rel=1e-9)
     assert response.shoes[1].force == approx(strut * F * math.hypot(1, m), rel=1e-9)
-    as_it_is = rigid.solve(brake)
+    as_it_is = rigid.solve_brake_by_rigid_shoe_law(brake)
     assert max(as_it_is.balance.force, as_it_is.balance.moment) < 1e-9
 
 
@@ -172,11 +180,15 @@ def test_duo_servo_by_the_short_formula() -> None:
     for m, off in ((0.0, OFF), (0.2, 0.0)):
         first = abutted(0.3, -1, m, off=off)
         brake = brake_of(first, secondary(0.0, A), link=[{"from": "first", "to": "second"}])
-        assert rigid.solve(brake, whole=True).torque / (R * F) == approx(short(m, off), rel=1e-9)
+        assert rigid.solve_brake_by_rigid_shoe_law(brake, whole=True).torque / (R * F) == approx(
+            short(m, off), rel=1e-9
+        )
     inclined = brake_of(
         abutted(0.3, -1, 0.2), secondary(0.0, A), link=[{"from": "first", "to": "second"}]
     )
-    assert rigid.solve(inclined, whole=True).torque / (R * F) == approx(short(0.2, OFF), rel=0.05)
+    assert rigid.solve_brake_by_rigid_shoe_law(inclined, whole=True).torque / (R * F) == approx(
+        short(0.2, OFF), rel=0.05
+    )
 
 
 def cam_brake(mu: float, spin: int, **actuation: Any) -> Brake:
@@ -202,16 +214,23 @@ def cam_brake(mu: float, spin: int, **actuation: Any) -> Brake:
 def test_a_cam_that_moves_both_tips_equally_has_the_closed_form(mu: float, spin: int) -> None:
     """F1 B1 = F2 B2, and the brake factor 4 B1 B2/(B1 + B2) over half of the sum of both forces."""
     brake = cam_brake(mu, spin)
-    response = law(brake)
+    response = solve_brake_by_its_rigid_shoe_law(brake)
     B = [
-        law(vary(brake, {"actuation": None, "shoe.actuation.force": F})).shoes[i].torque / (R * F)
+        solve_brake_by_its_rigid_shoe_law(
+            vary(brake, {"actuation": None, "shoe.actuation.force": F})
+        )
+        .shoes[i]
+        .torque
+        / (R * F)
         for i in (0, 1)
     ]
     forces = picked(response.shoes, "force")
     assert sum(forces) == approx(2000.0, rel=1e-12)
     assert forces[0] * B[0] == approx(forces[1] * B[1], rel=1e-9)
     assert response.torque / (R * 1000.0) == approx(4 * B[0] * B[1] / (B[0] + B[1]), rel=1e-9)
-    by_torque = law(cam_brake(mu, spin, torque=50.0, radius=0.02, efficiency=0.8))
+    by_torque = solve_brake_by_its_rigid_shoe_law(
+        cam_brake(mu, spin, torque=50.0, radius=0.02, efficiency=0.8)
+    )
     assert by_torque.torque == approx(response.torque, rel=1e-12)
 
 
@@ -224,7 +243,11 @@ def test_a_cam_on_linings_of_unlike_stiffness_says_how_it_shares_its_force() -> 
     brake = vary(cam_brake(0.3, -1), {"shoe.lining.thickness": 3e-4})
     unlike = vary(brake, {"shoe[1].lining.material.E": 1e8})
     B = [
-        law(vary(brake, {"actuation": None, "shoe.actuation.force": F})).shoes[i].torque
+        solve_brake_by_its_rigid_shoe_law(
+            vary(brake, {"actuation": None, "shoe.actuation.force": F})
+        )
+        .shoes[i]
+        .torque
         for i in (0, 1)
     ]
     for one, stiff in ((brake, 1.0), (unlike, 3.0)):
@@ -257,7 +280,7 @@ def test_a_cylinder_pushes_both_shoes_with_its_pressure() -> None:
 @pytest.mark.parametrize("spin", (1, -1))
 def test_the_law_of_a_hinge_is_the_sine_law_and_that_of_a_guide_the_cosine(spin) -> None:
     brake = vary(cam_brake(0.3, spin), {"actuation": None, "shoe.actuation.force": F})
-    sine, own = MODELS["sine"].solve(brake), rigid.solve(brake)
+    sine, own = MODELS["sine"].solve(brake), rigid.solve_brake_by_rigid_shoe_law(brake)
     for a, b in zip(own.shoes, sine.shoes, strict=True):
         assert a.torque == approx(b.torque, rel=1e-12)
         assert a.peak_pressure == approx(b.peak_pressure, rel=1e-12)
@@ -266,10 +289,10 @@ def test_the_law_of_a_hinge_is_the_sine_law_and_that_of_a_guide_the_cosine(spin)
         brake,
         {"shoe.hinge": None} | of_shoes("guide", [{"direction": 0.0}, {"direction": pi}]),
     )
-    shoe = law(guided).shoes[0]
+    shoe = solve_brake_by_its_rigid_shoe_law(guided).shoes[0]
     # The friction acts across the guide and does not change the normal force.
     N = F
-    assert shoe.torque == approx(0.3 * float(equivalent_friction(0.9)) * N * R, rel=1e-12)
+    assert shoe.torque == approx(0.3 * float(ratio_of_equivalent_friction(0.9)) * N * R, rel=1e-12)
     assert shoe.pressure == approx(shoe.peak_pressure * np.cos(shoe.theta), rel=1e-12)
 
 
@@ -277,7 +300,7 @@ def test_a_lining_that_reaches_past_its_hinge_lifts_there() -> None:
     brake = brake_of(abutted(0.3, -1, 0.0))
     brake = vary(brake, {"shoe.abutment": None, "shoe.hinge": {"radius": 0.09, "angle": -0.5}})
     assert "within 0 to 180 deg" in str(MODELS["sine"].why_not(brake))
-    shoe = law(brake).shoes[0]
+    shoe = solve_brake_by_its_rigid_shoe_law(brake).shoes[0]
     assert shoe.contact_arcs[0][0] == approx(-0.5, abs=1e-12)
     cut = vary(brake, {"shoe.lining.start": -0.5})
     assert shoe.torque == approx(MODELS["sine"].solve(cut).torque, rel=1e-9)
@@ -292,19 +315,19 @@ def plane(
         "actuation": {"force": 500.0, "direction": -pi / 2, "point": {"x": 0.25, "y": 0.06}}
         | actuation,
     } | held
-    return validated(
+    return make_validated_part(
         FlatBrake, {"title": "t", "friction": mu, "plane": {"sliding": sliding}, "shoe": [shoe]}
     )
 
 
 def test_on_a_plane_a_guide_makes_p_even_and_a_pivot_balances_about_itself() -> None:
-    guided = law(plane({"guide": {"direction": -pi / 2}})).shoes[0]
+    guided = solve_brake_by_its_rigid_shoe_law(plane({"guide": {"direction": -pi / 2}})).shoes[0]
     assert guided.pressure == approx(np.full(3, 500 / (0.12 * 0.04)), rel=1e-12)
     for sliding, spin in (("+x", 1), ("-x", -1)):
         brake = plane(
             {"hinge": {"x": 0.0, "y": 0.1}, "pivot": {"x": 0.12, "y": 0.02}}, sliding=sliding
         )
-        shoe = law(brake).shoes[0]
+        shoe = solve_brake_by_its_rigid_shoe_law(brake).shoes[0]
         x = np.linspace(0.06, 0.18, 4001)
         p = shoe.pressure_at(x)
         about = np.trapezoid(p * ((x - 0.12) + 0.35 * spin * 0.02), x)
@@ -345,7 +368,7 @@ def kinds(draw: Any, mu: float, spin: int) -> Brake:
     if kind in {"pivot", "guide"}:
         del one["abutment"]
     if kind == "pivot":
-        reach = float(equivalent_friction(half)) * draw(st.floats(0.9, 1.1))
+        reach = float(ratio_of_equivalent_friction(half)) * draw(st.floats(0.9, 1.1))
         one |= {
             "hinge": {"x": 0.03, "y": -0.2},
             "pivot": {"radius": R * reach, "angle": at + 0.1 * m},
@@ -362,7 +385,7 @@ def brakes(draw: st.DrawFn) -> Brake:
 
 def answered(brake: Brake) -> Response:
     try:
-        return law(brake)
+        return solve_brake_by_its_rigid_shoe_law(brake)
     except NoAnswer:
         assume(False)
         raise
@@ -373,7 +396,7 @@ def answered(brake: Brake) -> Response:
 def test_forces_moments_and_what_holds_the_shoe_balance(brake: Brake) -> None:
     response = answered(brake)
     assert max(response.balance.force, response.balance.moment) < 1e-9
-    under = loaded(brake, response)
+    under = brake_with_forces_of_response(brake, response)
     for i, (data, shoe) in enumerate(zip(under.shoes, response.shoes, strict=True)):
         assert shoe.pressure.min() >= 0
         size = np.linalg.norm(shoe.hinge_reaction) + abs(data.actuation.force)
@@ -385,7 +408,7 @@ def test_forces_moments_and_what_holds_the_shoe_balance(brake: Brake) -> None:
             c, s = cos(data.abutment.direction), sin(data.abutment.direction)
             assert abs(-s * x + c * y) <= data.abutment.friction * (c * x + s * y) + 1e-9 * size
         if data.pivot is not None and not under.surface.straight:
-            force, g = contact_resultant(under, i, shoe), data.pivot.xy
+            force, g = resultant_of_contact_on_shoe(under, i, shoe), data.pivot.xy
             assert (
                 abs(force.moment - (g[0] * force.force[1] - g[1] * force.force[0]))
                 < 1e-7 * size * R
@@ -418,7 +441,7 @@ def mirrored(brake: Brake) -> Brake:
         shoe["lining"] |= dict(
             zip(("end", "start"), ((0 if flat else pi) - x for x in ends), strict=True)
         )
-    return validated(type(brake), data)
+    return make_validated_part(type(brake), data)
 
 
 def same(a: ShoeResponse, b: ShoeResponse, size: float = 1.0) -> None:
@@ -432,7 +455,9 @@ def same(a: ShoeResponse, b: ShoeResponse, size: float = 1.0) -> None:
 @given(brakes(), st.floats(0.1, 10.0))
 def test_mirror_images_and_scaled_forces_answer_alike(brake: Brake, size: float) -> None:
     response = answered(brake)
-    for a, b in zip(response.shoes, law(mirrored(brake)).shoes, strict=True):
+    for a, b in zip(
+        response.shoes, solve_brake_by_its_rigid_shoe_law(mirrored(brake)).shoes, strict=True
+    ):
         same(a, b)
         np.testing.assert_allclose(
             b.pressure[::-1], a.pressure, rtol=1e-7, atol=1e-9 * a.peak_pressure
@@ -441,7 +466,7 @@ def test_mirror_images_and_scaled_forces_answer_alike(brake: Brake, size: float)
     forces = [shoe.actuation.force * size for shoe in brake.shoes]
     changes = of_shoes("actuation.force", forces)
     more = vary(brake, {"actuation.force": 2000.0 * size} if drive else changes)
-    for a, b in zip(response.shoes, law(more).shoes, strict=True):
+    for a, b in zip(response.shoes, solve_brake_by_its_rigid_shoe_law(more).shoes, strict=True):
         same(a, b, size)
 
 
@@ -451,14 +476,17 @@ def test_torque_grows_without_bound_towards_locking(brake: Brake) -> None:
     """On the part of the lining that presses near the limit; beyond it there is no number."""
     shoe = brake.shoes[0]
     assume(len(brake.shoes) == 1 and not (shoe.abutment and shoe.abutment.friction))
-    mu_lock = rigid.locking_friction(brake, shoe)
+    mu_lock = rigid.self_locking_friction_of_rigid_shoe(brake, shoe)
     assume(mu_lock < 5 and not brake.surface.straight)
     free = shoe.freedoms()
-    face, ends = rigid.face_of(brake, shoe), ((shoe.lining.start, shoe.lining.end),)
-    N, G = rigid.system(face, free, 1.0, ends)
-    assert abs(np.linalg.det((N - mu_lock * brake.spin * G) / np.abs(N).max())) < 1e-9
+    face, ends = (
+        rigid.friction_surface_of_shoe(brake, shoe),
+        ((shoe.lining.start, shoe.lining.end),),
+    )
+    N, G = rigid.equilibrium_matrices_of_rigid_shoe(face, free, 1.0, ends)
+    assert abs(np.linalg.det((N - mu_lock * brake.sign_of_motion * G) / np.abs(N).max())) < 1e-9
     with pytest.raises(NoAnswer):
-        law(vary(brake, {"friction": mu_lock * 1.001}))
+        solve_brake_by_its_rigid_shoe_law(vary(brake, {"friction": mu_lock * 1.001}))
 
 
 def test_every_brake_has_the_rigid_law_under_exactly_one_name(root: Any) -> None:
@@ -468,13 +496,15 @@ def test_every_brake_has_the_rigid_law_under_exactly_one_name(root: Any) -> None
         brake_of(abutted(0.3, 1, 0.1)),
         read_any(root / "studies/laws/pad.toml"),
     ):
-        assert len(names & set(picked(applicable(brake), "name"))) == 1
+        assert len(names & set(picked(applicable_models(brake), "name"))) == 1
     one = vary(cam_brake(0.3, 1), {"actuation": None, "shoe.actuation.force": F})
-    assert law(one).model == "sine"
-    assert law(one).torque == approx(float(MODELS["sine"].solve(one).torque), rel=1e-12)
-    assert LAWS["sine"].locking_friction(layout(one, one.shoes[0])) == approx(
-        rigid.locking_friction(one, one.shoes[0]), rel=1e-9
+    assert solve_brake_by_its_rigid_shoe_law(one).model == "sine"
+    assert solve_brake_by_its_rigid_shoe_law(one).torque == approx(
+        float(MODELS["sine"].solve(one).torque), rel=1e-12
     )
+    assert LAWS["sine"].self_locking_friction(
+        angles_and_radii_of_hinged_shoe(one, one.shoes[0])
+    ) == approx(rigid.self_locking_friction_of_rigid_shoe(one, one.shoes[0]), rel=1e-9)
 
 
 @pytest.mark.parametrize(

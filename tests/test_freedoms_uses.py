@@ -6,11 +6,14 @@ import pytest
 import drumlin
 from drumlin.brake.file import vary
 from drumlin.contact import stick_slip
-from drumlin.fem.analysis.at_rest import RoughFeet, make_stick_slip_problem
-from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
+from drumlin.fem.analysis.at_rest import FeetOnRoughAbutments, make_stick_slip_problem_of_shoe_group
+from drumlin.fem.analysis.holding import (
+    find_full_slip_rotation,
+    states_of_holding_brake_at_rotations,
+)
 from drumlin.fem.equilibrium.group import divide_shoes_into_groups
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from held_shoes import BODY, brake_of
 from picking import picked
 from shared_forces import cam_brake, servo
@@ -19,8 +22,8 @@ from shared_forces import cam_brake, servo
 @pytest.mark.parametrize("kind", ["abutment", "pivot", "guide"])
 def test_held_from_rest_to_full_slip_shoes_come_to_the_sliding_torque(kind: str) -> None:
     brake = vary(brake_of(kind, 1, body=BODY), {"shoe.lining.thickness": 0.005})
-    scene = prepare(brake, elements=16)
-    states = hold_drum_through_rotations(scene, brake, np.geomspace(1e-6, 2e-3, 8))
+    scene = make_prepared_model(brake, elements=16)
+    states = states_of_holding_brake_at_rotations(scene, brake, np.geomspace(1e-6, 2e-3, 8))
     # The lever drags the shoe along the drum to full slip as it presses the shoe.
     if kind != "pivot":
         assert states[0].torque < states[-1].torque * (1 - 1e-3)
@@ -37,8 +40,8 @@ def test_forces_shared_by_a_cam_or_a_strut_hold_the_drum_by_what_it_slides_at(
     make, spin: int, ring
 ) -> None:
     brake = vary(make(spin=spin, body=0.012), {"shoe.lining.thickness": 0.005, "drum.ring": ring})
-    scene = prepare(brake, elements=10)
-    states = hold_drum_through_rotations(
+    scene = make_prepared_model(brake, elements=10)
+    states = states_of_holding_brake_at_rotations(
         scene, brake, np.linspace(0, find_full_slip_rotation(scene, brake), 4)
     )
     assert states[-1].sticking == 0
@@ -56,10 +59,12 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
     At full slip the drum is held by the friction of all faces that it slides on.
     """
     brake = vary(brake_of("rough abutment", spin, body=BODY), {"shoe.lining.thickness": 0.005})
-    scene = prepare(brake, elements=12)
+    scene = make_prepared_model(brake, elements=12)
     (group,) = divide_shoes_into_groups(scene, brake, [0], 1e6)
-    problem, lever = make_stick_slip_problem(group)
-    mu = RoughFeet.of_group(group).friction_of_all_nodes()
+    problem, lever = make_stick_slip_problem_of_shoe_group(group)
+    mu = FeetOnRoughAbutments.collect_feet_on_rough_abutments(
+        group
+    ).friction_coefficients_of_all_nodes()
     assert mu[-1] == 0.2
     assert lever[-1] == 0
     end, n = find_full_slip_rotation(scene, brake), len(lever)
@@ -67,10 +72,14 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
     before = stick_slip.SlipHistory(nothing, nothing)
     at = stick_slip.solve_load_increment(problem, mu, before, np.full(n, stick_slip.STICK))
     for rotation in end * np.array([0.0, 0.2, 1.0, 0.5, -0.5]):
-        q_s = problem.q_s + lever * (brake.spin / group.unit_force) * rotation
+        q_s = (
+            problem.q_s + lever * (brake.sign_of_motion / group.largest_actuation_force) * rotation
+        )
         before, at = (
-            at.history,
-            stick_slip.solve_load_increment(problem._replace(q_s=q_s), mu, at.history, at.state),
+            at.history_for_next_increment,
+            stick_slip.solve_load_increment(
+                problem._replace(q_s=q_s), mu, at.history_for_next_increment, at.state
+            ),
         )
         p, t = at.p[-1], at.t[-1]
         s = (
@@ -85,7 +94,7 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
         assert abs(slip) < 1e-15 or t == pytest.approx(0.2 * p * np.sign(slip), rel=1e-9)
         seen.add(int(at.state[-1]))
     assert len(seen) > 1
-    last = hold_drum_through_rotations(scene, brake, np.linspace(0, end, 5))[-1]
+    last = states_of_holding_brake_at_rotations(scene, brake, np.linspace(0, end, 5))[-1]
     # The foot of the trailing shoe slides while the force comes on and sticks there: a little
     # beyond its place under a drum that slides already.
     assert last.torque == pytest.approx(

@@ -8,10 +8,14 @@ import pytest
 import drumlin
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.laws import law
-from drumlin.lining_wear.linings import fem_wear_setup
-from drumlin.lining_wear.run_in import compute_run_checks, rigid_law_target, run_in
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
+from drumlin.lining_wear.linings import wear_setup_by_finite_elements
+from drumlin.lining_wear.run_in import (
+    compute_checks_of_wear_run,
+    end_of_wear_by_rigid_shoe_law,
+    run_brake_linings_in,
+)
 from flat_pads import pad
 from held_shoes import BODY, brake_of
 from shared_forces import cam_brake, servo
@@ -31,7 +35,11 @@ BRAKES: dict[str, Any] = {
 @pytest.mark.parametrize("name", BRAKES)
 def test_worn_in_elastic_shoes_bear_by_the_law(name: str) -> None:
     brake = BRAKES[name]()
-    new, worn, rigid = drumlin.solve(brake), drumlin.solve(brake, worn_in=True), law(brake)
+    new, worn, rigid = (
+        drumlin.solve(brake),
+        drumlin.solve(brake, worn_in=True),
+        solve_brake_by_its_rigid_shoe_law(brake),
+    )
     assert abs(new.torque / rigid.torque - 1) > 2e-3
     assert worn.torque == pytest.approx(rigid.torque, rel=1e-3)
     for a, b in zip(worn.shoes, rigid.shoes, strict=True):
@@ -53,7 +61,7 @@ def test_a_worn_in_pad_bears_by_the_law() -> None:
         },
     )
     assert isinstance(brake, FlatBrake)
-    worn, rigid = drumlin.solve(brake, worn_in=True), law(brake)
+    worn, rigid = drumlin.solve(brake, worn_in=True), solve_brake_by_its_rigid_shoe_law(brake)
     assert worn.merits[0].braking_force == pytest.approx(rigid.merits[0].braking_force, rel=1e-4)
     x = np.linspace(0.07, 0.17, 21)
     np.testing.assert_allclose(
@@ -65,11 +73,12 @@ def test_a_worn_in_pad_bears_by_the_law() -> None:
 def test_running_in_ends_at_the_law(name: str) -> None:
     """The forces of a cam are shared anew at every step: new F1 B1 is not F2 B2, worn in it is."""
     brake = BRAKES[name]()
-    setup = fem_wear_setup(prepare(brake, elements=24), brake)
-    states, goal = run_in(setup), rigid_law_target(setup)
-    assert goal.torque == pytest.approx(law(brake).torque, rel=2e-4)
+    setup = wear_setup_by_finite_elements(make_prepared_model(brake, elements=24), brake)
+    states, goal = run_brake_linings_in(setup), end_of_wear_by_rigid_shoe_law(setup)
+    assert goal.torque == pytest.approx(solve_brake_by_its_rigid_shoe_law(brake).torque, rel=2e-4)
     assert states[-1].torque == pytest.approx(goal.torque, rel=2e-3)
     assert abs(states[0].torque / goal.torque - 1) > 3e-3
     assert (
-        compute_run_checks(setup, states, drumlin.lining_wear.archard.WearLaw(1e-14)).volume < 1e-9
+        compute_checks_of_wear_run(setup, states, drumlin.lining_wear.archard.WearLaw(1e-14)).volume
+        < 1e-9
     )

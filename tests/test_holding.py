@@ -12,15 +12,18 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK
-from drumlin.fem.analysis.at_rest import make_stick_slip_problem
-from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
-from drumlin.fem.analysis.self_locking import friction_limits_of_groups
+from drumlin.fem.analysis.at_rest import make_stick_slip_problem_of_shoe_group
+from drumlin.fem.analysis.holding import (
+    find_full_slip_rotation,
+    states_of_holding_brake_at_rotations,
+)
+from drumlin.fem.analysis.self_locking import self_locking_limits_of_shoe_groups
 from drumlin.fem.equilibrium.group import divide_shoes_into_groups
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
-from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_kinds import draw_brake_of_holding_kind
-from drumlin_studies.standing_off import draw_brake_with_clearances
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin_studies.random_brake import draw_random_brake
+from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.standing_off import draw_random_brake_with_clearances
 from picking import picked
 
 ELEMENTS = 16
@@ -35,7 +38,7 @@ def any_brake(seed):
     Also its scene.
     """
     rng = np.random.default_rng(seed)
-    brake = random_brake(seed, ("locking", "opposed")[seed % 2])
+    brake = draw_random_brake(seed, ("locking", "opposed")[seed % 2])
     R = brake.size
     if seed % 3 == 1:
         ring = {"thickness": 0.1 * R, "width": 0.04, "material": {"E": 1e11, "nu": 0.3}}
@@ -44,8 +47,8 @@ def any_brake(seed):
         brake = vary(
             brake, {"shoe[0].lining.misfit": {"radius": R * (1 + rng.uniform(-2e-3, 2e-3))}}
         )
-    scene = prepare(brake, elements=ELEMENTS)
-    locks = min(picked(friction_limits_of_groups(scene, brake, 2.0).values(), "friction"))
+    scene = make_prepared_model(brake, elements=ELEMENTS)
+    locks = min(picked(self_locking_limits_of_shoe_groups(scene, brake, 2.0).values(), "friction"))
     return vary(brake, {"friction": rng.uniform(0.1, 0.95) * min(locks, 0.9)}), scene
 
 
@@ -58,7 +61,7 @@ def test_random_brakes_go_through_full_slip_and_back(count):
         # The drum turns forth until all nodes slip.
         end = find_full_slip_rotation(scene, brake, increments=6)
         forth = np.linspace(0, end, 6)
-        states = hold_drum_through_rotations(scene, brake, forth)
+        states = states_of_holding_brake_at_rotations(scene, brake, forth)
         assert states[-1].sticking == 0
         assert states[-1].torque == pytest.approx(
             solve_prepared_model(scene, brake).torque, rel=1e-6
@@ -74,7 +77,7 @@ def test_random_brakes_go_through_full_slip_and_back(count):
             continue
         # The way back first releases the brake, then leads to full slip in the other sense.
         far = end + 3 * max(end, find_full_slip_rotation(scene, back))
-        state = hold_drum_through_rotations(
+        state = states_of_holding_brake_at_rotations(
             scene, brake, np.concatenate([forth, end - np.linspace(0, far, 10)[1:]])
         )[-1]
         assert state.sticking == 0
@@ -87,11 +90,11 @@ def test_random_brakes_go_through_full_slip_and_back(count):
 
 def test_at_the_rotation_of_full_slip_no_path_sticks():
     """A pad whose last node comes to slip later the finer the path is that leads there."""
-    pad = draw_brake_of_holding_kind(410003, "pad on a pivot")
-    scene = prepare(pad, elements=12)
+    pad = draw_brake_of_support_kind(410003, "pad on a pivot")
+    scene = make_prepared_model(pad, elements=12)
     end = find_full_slip_rotation(scene, pad, increments=1)
     for count in (2, 6, 12):
-        last = hold_drum_through_rotations(scene, pad, np.linspace(0, end, count))[-1]
+        last = states_of_holding_brake_at_rotations(scene, pad, np.linspace(0, end, count))[-1]
         assert last.sticking == 0
         assert last.torque == pytest.approx(solve_prepared_model(scene, pad).torque, rel=1e-6)
 
@@ -102,10 +105,12 @@ def test_an_increment_that_does_not_settle_is_halved():
     A shoe that stands off its drum goes at once through forty times the rotation to full slip,
     forth and back.
     """
-    brake = draw_brake_with_clearances(420078)
-    scene = prepare(brake, elements=12)
+    brake = draw_random_brake_with_clearances(420078)
+    scene = make_prepared_model(brake, elements=12)
     far = 40 * find_full_slip_rotation(scene, brake)
-    there, back, again = hold_drum_through_rotations(scene, brake, np.array([far, -far, far]))
+    there, back, again = states_of_holding_brake_at_rotations(
+        scene, brake, np.array([far, -far, far])
+    )
     assert there.sticking == back.sticking == again.sticking == 0
     assert again.torque == pytest.approx(there.torque, rel=1e-6)
     assert there.torque == pytest.approx(solve_prepared_model(scene, brake).torque, rel=1e-6)
@@ -119,11 +124,11 @@ def test_every_increment_obeys_contact_and_friction():
     kinds = set()
     for seed in range(6):
         brake, scene = any_brake(seed)
-        problem, lever = make_stick_slip_problem(
+        problem, lever = make_stick_slip_problem_of_shoe_group(
             divide_shoes_into_groups(scene, brake, [0], 1e6)[0]
         )
         end, mu = find_full_slip_rotation(scene, brake), brake.friction
-        turn = lever * (brake.spin / brake.shoes[0].actuation.force)
+        turn = lever * (brake.sign_of_motion / brake.shoes[0].actuation.force)
         nothing = np.zeros(len(lever))
         at = stick_slip.solve_load_increment(
             problem, mu, stick_slip.SlipHistory(nothing, nothing), np.full(len(lever), STICK)
@@ -132,9 +137,9 @@ def test_every_increment_obeys_contact_and_friction():
         for rotation in end * np.array([0.1, 0.5, 1.0, 0.6, -0.4]):
             q_s = problem.q_s + turn * rotation
             before, at = (
-                at.history,
+                at.history_for_next_increment,
                 stick_slip.solve_load_increment(
-                    problem._replace(q_s=q_s), mu, at.history, at.state
+                    problem._replace(q_s=q_s), mu, at.history_for_next_increment, at.state
                 ),
             )
             kinds |= set(at.state.tolist())
@@ -161,17 +166,20 @@ def test_every_increment_obeys_contact_and_friction():
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize(
     "left",
-    [("_find_states_by_newton",), ("_find_states_by_newton", "_find_states_by_path_from_states")],
+    [
+        ("_find_stick_and_slip_by_newton",),
+        ("_find_stick_and_slip_by_newton", "_find_stick_and_slip_from_balanced_load"),
+    ],
 )
 def test_both_paths_lead_to_the_answer_of_newtons_method(seed, monkeypatch, left):
     """From the states at hand, and from wide gaps."""
     brake, scene = any_brake(seed)
     rotations = find_full_slip_rotation(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
-    expected = hold_drum_through_rotations(scene, brake, rotations)
+    expected = states_of_holding_brake_at_rotations(scene, brake, rotations)
     with monkeypatch.context() as patch:
         for way in left:
             patch.setattr(stick_slip, way, _refuse)
-        found = hold_drum_through_rotations(scene, brake, rotations)
+        found = states_of_holding_brake_at_rotations(scene, brake, rotations)
     for one, other in zip(found, expected, strict=True):
         largest = other.pressure[0].max()
         assert one.pressure[0] == pytest.approx(other.pressure[0], rel=1e-7, abs=1e-7 * largest)
@@ -190,10 +198,12 @@ def test_another_discretisation_and_another_method_give_the_same_history():
     """
     both = read_brake(STUDY / "flexible.toml")
     brake = both.model_copy(update={"shoes": both.shoes[1:]})
-    scene = prepare(brake, elements=24)
+    scene = make_prepared_model(brake, elements=24)
     end = find_full_slip_rotation(scene, brake)
     rotations = end * np.array([0.0, 0.3, 0.7, 1.0, 0.5, 0.2, -0.5])
-    found = np.array(picked(hold_drum_through_rotations(scene, brake, rotations), "torque"))
+    found = np.array(
+        picked(states_of_holding_brake_at_rotations(scene, brake, rotations), "torque")
+    )
     expected = independent.hold(brake, 0, rotations, 28, 1e3)
     assert found == pytest.approx(expected, abs=3e-3 * found.max())
     # States 3 and 6 are at full slip, in one direction and in the other.
@@ -207,7 +217,7 @@ def test_the_history_converges_with_the_increment():
     end = find_full_slip_rotation(scene, brake)
 
     def after(n):
-        state = hold_drum_through_rotations(
+        state = states_of_holding_brake_at_rotations(
             scene,
             brake,
             end * np.concatenate([np.linspace(0, 0.6, n), np.linspace(0.6, -0.3, n)[1:]]),
@@ -228,8 +238,8 @@ def test_the_history_converges_with_the_increment():
 def test_self_locking_is_refused_with_its_limit(rotation):
     both = read_brake(STUDY / "flexible.toml")
     brake = vary(both.model_copy(update={"shoes": both.shoes[:1]}), {"rotation": rotation})
-    scene = prepare(brake, elements=ELEMENTS)
-    locks = friction_limits_of_groups(scene, brake)[0,].friction
+    scene = make_prepared_model(brake, elements=ELEMENTS)
+    locks = self_locking_limits_of_shoe_groups(scene, brake)[0,].friction
     if math.isinf(locks):
         strong = vary(brake, {"friction": 1.5})
         assert find_full_slip_rotation(scene, strong) > 0
@@ -237,7 +247,7 @@ def test_self_locking_is_refused_with_its_limit(rotation):
     for share in (0.97, 1.03):
         strong = vary(brake, {"friction": share * locks})
         if share < 1:
-            torque = hold_drum_through_rotations(
+            torque = states_of_holding_brake_at_rotations(
                 scene, strong, np.linspace(0, find_full_slip_rotation(scene, strong), 5)
             )[-1].torque
             assert torque == pytest.approx(solve_prepared_model(scene, strong).torque, rel=1e-6)

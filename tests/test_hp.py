@@ -12,53 +12,75 @@ from skfem.models.elasticity import linear_elasticity, plane_stress
 
 from conftest import ROOT
 from drumlin.base.errors import NoAnswer
-from drumlin.brake.elasticity import elasticity_matrix
+from drumlin.brake.elasticity import plane_stress_elasticity_matrix
 from drumlin.brake.fields import Material
-from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.fem.analysis.fields import recover_ring_fields, recover_shoe_fields
-from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
+from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
+from drumlin.fem.analysis.fields import (
+    stress_and_displacement_fields_of_ring,
+    stress_and_displacement_fields_of_shoe,
+)
+from drumlin.fem.analysis.holding import (
+    find_full_slip_rotation,
+    states_of_holding_brake_at_rotations,
+)
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
-from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_to_tolerance
-from drumlin.fem.error_control.estimate import FACTORS, estimate
-from drumlin.fem.error_control.levels import LEVELS, solved_levels
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_brake_to_tolerance
+from drumlin.fem.error_control.estimate import FACTORS, estimate_errors_from_two_levels
+from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp import division
 from drumlin.fem.hp.arc import (
-    angular_integrals,
-    arc_column_stiffness,
+    angular_factors_of_column_stiffness,
+    condensed_arc_column_stiffness,
     condensed_arc_element_stiffness,
 )
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_column_pair,
-    assemble_column_row,
-    column_stiffness,
-    eliminate_side_line,
-    order_of_column_unknowns,
-    rotate_matrix_components,
+    assemble_row_of_element_columns,
+    assemble_two_element_columns,
+    condensed_element_column_stiffness,
+    eliminate_nodes_on_column_side,
+    order_of_element_column_unknowns,
+    rotate_node_axes_of_matrix,
 )
-from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe, graded_sizes
+from drumlin.fem.hp.division import (
+    Singularity,
+    SingularPoint,
+    divide_shoe_into_hp_elements,
+    piece_sizes_small_at_both_ends,
+)
 from drumlin.fem.hp.element import (
     condensed_element_stiffness,
-    element_stiffness,
-    reference_element,
-    shape_functions,
+    plane_stress_stiffness_of_elements,
+    reference_element_of_degree,
+    shape_function_values_and_slopes,
 )
-from drumlin.fem.hp.shoe import distinct_sizes, element_nodes
+from drumlin.fem.hp.shoe import (
+    distinct_sizes_up_to_round_off,
+    node_coordinates_of_layers_and_columns,
+)
 from drumlin.fem.model import PENALTY, refine_group_solution, solve_prepared_model
-from drumlin.fem.preparation.bodies import actuation_load_factors
+from drumlin.fem.preparation.bodies import load_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import prepare_finest_division, solve
-from drumlin.fem.substructure.body import FRAME, condense_body, rigid_body_modes
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.solve import prepared_model_of_finest_division, solve
+from drumlin.fem.substructure.body import (
+    FRAME,
+    condense_body_to_contact_and_frame,
+    rigid_body_displacements_of_nodes,
+)
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.laws import sine
+from drumlin.laws import solve_brake_by_sine_law
 from drumlin.lining_wear.worn_in import solve_worn_in_brake as solve_worn_in
-from drumlin.response.norms import pressure_distance
-from drumlin.response.resultants import InnerPart, largest, lobatto
-from drumlin.sweeps.cases import case_row
-from drumlin_studies.random_brake import random_brake
+from drumlin.response.norms import relative_distance_of_pressures
+from drumlin.response.resultants import (
+    LiningWithoutEndZones,
+    gauss_lobatto_points,
+    largest_value_of_piecewise_polynomial,
+)
+from drumlin.sweeps.cases import results_or_failure_of_case
+from drumlin_studies.random_brake import draw_random_brake
 from picking import picked
 from shared_parts import drum_ring, friction_cases
 
@@ -85,14 +107,14 @@ def curved(p):
     r, angle = 1 + mesh.doflocs[0], mesh.doflocs[1]
     mesh = skfem.MeshQuad2(np.array([r * np.cos(angle), r * np.sin(angle)]), mesh.t)
     quadratic = skfem.Basis(mesh, skfem.ElementQuad2())
-    x = 0.5 * (lobatto(p) + 1)
+    x = 0.5 * (gauss_lobatto_points(p) + 1)
     at = np.array([np.repeat(x, p + 1), np.tile(x, p + 1)])
     phi = np.array([quadratic.elem.lbasis(at, i)[0] for i in range(9)])
     xy = np.einsum("cae,an->ecn", mesh.doflocs[:, quadratic.element_dofs], phi)
     return (
         mesh,
-        np.ascontiguousarray(xy[:, :, reference_element(p).order]),
-        at[:, reference_element(p).order],
+        np.ascontiguousarray(xy[:, :, reference_element_of_degree(p).order]),
+        at[:, reference_element_of_degree(p).order],
     )
 
 
@@ -105,7 +127,9 @@ def test_the_stiffness_is_that_of_skfems_own_assembly_of_the_same_mesh(p):
     basis = skfem.Basis(mesh, skfem.ElementVector(hierarchical), intorder=2 * p + 1)
     # Both sides integrate exactly, so that they may differ by round-off alone.
     theirs = linear_elasticity(*plane_stress(STEEL.E, STEEL.nu)).assemble(basis)
-    ours = element_stiffness(xy, np.tile(elasticity_matrix(STEEL), (len(xy), 1, 1)), p)
+    ours = plane_stress_stiffness_of_elements(
+        xy, np.tile(plane_stress_elasticity_matrix(STEEL), (len(xy), 1, 1)), p
+    )
     at_nodes = np.array(
         [hierarchical.lbasis(at, i)[0] for i in range((p + 1) ** 2)]
     )  # (functions, nodes)
@@ -120,12 +144,12 @@ def test_the_stiffness_is_that_of_skfems_own_assembly_of_the_same_mesh(p):
 
 @pytest.mark.parametrize("p", [3, 5, 8])
 def test_the_nodal_functions_are_one_at_their_own_node_and_carry_linear_fields(p):
-    x = 0.5 * (lobatto(p) + 1)
+    x = 0.5 * (gauss_lobatto_points(p) + 1)
     at = np.array([np.repeat(x, p + 1), np.tile(x, p + 1)])
-    values, _ = shape_functions(p, at)
+    values, _ = shape_function_values_and_slopes(p, at)
     assert np.abs(values - np.eye((p + 1) ** 2)).max() < 1e-12
     anywhere = np.random.default_rng(1).uniform(size=(2, 7))
-    values, slopes = shape_functions(p, anywhere)
+    values, slopes = shape_function_values_and_slopes(p, anywhere)
     assert at @ values == pytest.approx(anywhere, abs=1e-13)
     assert np.einsum("ca,adq->cdq", at, slopes) == pytest.approx(
         np.eye(2)[:, :, None] * np.ones(7), abs=1e-11
@@ -135,9 +159,11 @@ def test_the_nodal_functions_are_one_at_their_own_node_and_carry_linear_fields(p
 def test_in_long_double_the_stiffness_is_the_same_and_rigid_motions_strain_nothing():
     p = 5
     _, xy, _ = curved(p)
-    matrices = np.tile(elasticity_matrix(STEEL), (len(xy), 1, 1))
-    K = element_stiffness(xy, matrices, p)
-    precise = element_stiffness(xy.astype(np.longdouble), matrices.astype(np.longdouble), p)
+    matrices = np.tile(plane_stress_elasticity_matrix(STEEL), (len(xy), 1, 1))
+    K = plane_stress_stiffness_of_elements(xy, matrices, p)
+    precise = plane_stress_stiffness_of_elements(
+        xy.astype(np.longdouble), matrices.astype(np.longdouble), p
+    )
     size = np.abs(K).max()
     assert np.abs(K - precise).max() < 1e-13 * size
     # A rigid turn about the origin must not strain the elements.
@@ -150,36 +176,49 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
     p, layers, m = 3, 2, 5
     x, y = np.linspace(0, 1, m + 1), np.array([0.0, 0.2, 0.5])
     half, middle = 0.5 * np.diff(x), 0.5 * (x[1:] + x[:-1])
-    depth = [0.5 * (y[k] + y[k + 1]) + 0.5 * (y[k + 1] - y[k]) * lobatto(p) for k in range(layers)]
+    depth = [
+        0.5 * (y[k] + y[k + 1]) + 0.5 * (y[k + 1] - y[k]) * gauss_lobatto_points(p)
+        for k in range(layers)
+    ]
     xy = np.array(
         [
             [
-                np.stack(np.meshgrid(c + h * lobatto(p), d)).reshape(2, -1)
+                np.stack(np.meshgrid(c + h * gauss_lobatto_points(p), d)).reshape(2, -1)
                 for c, h in zip(middle, half, strict=True)
             ]
             for d in depth
         ]
-    )[..., reference_element(p).order]
+    )[..., reference_element_of_degree(p).order]
     K = condensed_element_stiffness(
-        xy, np.tile(elasticity_matrix(Material(E=1.0, nu=0.3)), (layers, 1, 1)), p
+        xy, np.tile(plane_stress_elasticity_matrix(Material(E=1.0, nu=0.3)), (layers, 1, 1)), p
     )
-    of = order_of_column_unknowns(p, layers, contact=True, held=False)
-    parts = [ColumnSubstructure(part, of.line, of.line) for part in column_stiffness(K, of)]
-    whole = assemble_column_row(parts, 2)
+    of = order_of_element_column_unknowns(p, layers, contact=True, held=False)
+    parts = [
+        ColumnSubstructure(part, of.line, of.line)
+        for part in condensed_element_column_stiffness(K, of)
+    ]
+    whole = assemble_row_of_element_columns(parts, 2)
     # Columns are joined from left to right, in place of pairs of pairs.
     one_by_one = parts[0]
     for part in parts[1:]:
-        one_by_one = assemble_column_pair(one_by_one, part, 2)
+        one_by_one = assemble_two_element_columns(one_by_one, part, 2)
     size = np.abs(whole.K).max()
     np.testing.assert_allclose(whole.K, one_by_one.K, atol=1e-11 * size)
     assert len(whole.K) == 2 * of.line + 2 * (m * p + 1)
     assert np.abs(whole.K.reshape(len(whole.K), -1, 2).sum(axis=1)).max() < 1e-12 * size
-    ends = assemble_column_row(
-        [eliminate_side_line(parts[0]), *parts[1:-1], eliminate_side_line(parts[-1], right=True)], 2
+    ends = assemble_row_of_element_columns(
+        [
+            eliminate_nodes_on_column_side(parts[0]),
+            *parts[1:-1],
+            eliminate_nodes_on_column_side(parts[-1], right=True),
+        ],
+        2,
     )
     assert ends.left == ends.right == 0
     np.testing.assert_allclose(
-        ends.K, eliminate_side_line(eliminate_side_line(whole), right=True).K, atol=1e-11 * size
+        ends.K,
+        eliminate_nodes_on_column_side(eliminate_nodes_on_column_side(whole), right=True).K,
+        atol=1e-11 * size,
     )
     np.testing.assert_allclose(ends.K, every_unknown_at_once(K, p), atol=1e-11 * size)
 
@@ -192,19 +231,26 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
     p, contact, held
 ):
     radii, half = 0.14 - np.array([0.0, 0.0002, 0.004, 0.011]), np.array([0.003, 0.05, 0.21])
-    matrices = np.array([elasticity_matrix(Material(E=E, nu=0.28)) for E in (1e8, 1e8, 2e11)])
-    angles, depths = half[:, None] * lobatto(p), 0.14 - radii
+    matrices = np.array(
+        [plane_stress_elasticity_matrix(Material(E=E, nu=0.28)) for E in (1e8, 1e8, 2e11)]
+    )
+    angles, depths = half[:, None] * gauss_lobatto_points(p), 0.14 - radii
 
     def place(depth, phi):
         return np.array([(0.14 - depth) * np.cos(phi), (0.14 - depth) * np.sin(phi)])
 
-    of = order_of_column_unknowns(p, 3, contact=contact, held=held)
-    theirs = column_stiffness(
-        condensed_element_stiffness(element_nodes(place, depths, angles, p), matrices, p), of
+    of = order_of_element_column_unknowns(p, 3, contact=contact, held=held)
+    theirs = condensed_element_column_stiffness(
+        condensed_element_stiffness(
+            node_coordinates_of_layers_and_columns(place, depths, angles, p), matrices, p
+        ),
+        of,
     )
     nodes = p + 1 if contact else 0
-    ours = arc_column_stiffness(
-        condensed_arc_element_stiffness(radii, angular_integrals(angles, p), matrices, p),
+    ours = condensed_arc_column_stiffness(
+        condensed_arc_element_stiffness(
+            radii, angular_factors_of_column_stiffness(angles, p), matrices, p
+        ),
         p,
         contact=contact,
         held=held,
@@ -212,7 +258,7 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
     for K, own, side in zip(theirs, ours, half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
-        expected = rotate_matrix_components(K, np.concatenate([lines * -1, ends, lines]))
+        expected = rotate_node_axes_of_matrix(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
@@ -227,7 +273,7 @@ def every_unknown_at_once(K, p):
     for k in range(layers):
         for j in range(m):
             own = number[k * p : (k + 1) * p + 1, j * p : (j + 1) * p + 1].ravel()[
-                reference_element(p).order[: 4 * p]
+                reference_element_of_degree(p).order[: 4 * p]
             ]
             at = (2 * own[:, None] + [0, 1]).ravel()
             A[at[:, None], at] += K[k, j]
@@ -240,13 +286,13 @@ def every_unknown_at_once(K, p):
 
 
 def body_and_parts(brake, index=0, level=LEVELS[1]):
-    return brake.shoes[index], prepare(brake, level).bodies[index]
+    return brake.shoes[index], make_prepared_model(brake, level).bodies[index]
 
 
 def factorised_at_once(shoe, body):
     """The shoe condensed by one sparse factorisation; its contact stiffness must be the body's."""
-    _, ties, loads = body.condensed.make_whole_system()
-    other = condense_body(
+    _, ties, loads = body.condensed.assemble_equations_of_whole_body()
+    other = condense_body_to_contact_and_frame(
         body.basis.stiffness(elastic_layers_of_shoe(shoe)),
         ties,
         {"actuation": loads},
@@ -289,8 +335,10 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     ends = [body.basis.doflocs[:, body.basis.sets[name]] for name in ("hinge", "actuation")]
     # The beam's axis goes from the pin to the force.
     middles = [0.5 * (nodes[:, 0] + nodes[:, -1]) for nodes in ends]
-    assert middles[0] == pytest.approx(shoe.own_pin, abs=1e-12)
-    assert middles[1] == pytest.approx(shoe.own_points(shoe.actuation.point.xy), abs=1e-12)
+    assert middles[0] == pytest.approx(shoe.pin_in_shoe_frame, abs=1e-12)
+    assert middles[1] == pytest.approx(
+        shoe.convert_points_to_shoe_frame(shoe.actuation.point.xy), abs=1e-12
+    )
     assert body.load_centre == pytest.approx(middles[1])
 
 
@@ -305,16 +353,19 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
     loads corrected it, p lost 1e-5 to 1e-4 on a shoe far softer than its lining, on a slender one
     on a thin lining (6676) and under a small contact (7578).
     """
-    brake = flexible if which == "flexible" else random_brake(which)
+    brake = flexible if which == "flexible" else draw_random_brake(which)
     brake = vary(brake, {"shoe.body.material.E": softer * brake.shoes[0].body.material.E})
-    made, response = list(solved_levels(brake, solve_prepared_model, levels=LEVELS[: level + 1]))[
-        -1
-    ]
+    made, response = list(
+        solve_on_finer_and_finer_levels(brake, solve_prepared_model, levels=LEVELS[: level + 1])
+    )[-1]
     (group, *_) = divide_pressed_shoes_into_groups(made, brake, PENALTY)
     group, found = group.solve_contact(None)
     refined = refine_group_solution(group, found.active)
-    p, error = found.p[group.node_ranges[0]], refined.p[0] - found.p[group.node_ranges[0]]
-    lost, lever = response.shoes[0].lost, group.bodies[0].coupling.lever
+    p, error = (
+        found.p[group.contact_node_slices_of_shoes[0]],
+        refined.p[0] - found.p[group.contact_node_slices_of_shoes[0]],
+    )
+    lost, lever = response.shoes[0].lost, group.substructures_of_shoes[0].coupling.lever
     assert np.linalg.norm(error) < 1e-6 * np.linalg.norm(p)
     assert np.linalg.norm(error) < max(lost.pressure, 1e-7) * np.linalg.norm(p)
     assert abs(lever @ error) < max(lost.torque, 1e-7) * (lever @ p)
@@ -323,7 +374,7 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
 
 def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
     shoe, body = body_and_parts(brake)
-    motion = rigid_body_modes(body.line.xy, np.array([shoe.hinge.radius, 0.0]))
+    motion = rigid_body_displacements_of_nodes(body.line.xy, np.array([shoe.hinge.radius, 0.0]))
     assert body.condensed.L_cc @ body.condensed.L_fc.T == pytest.approx(
         -(body.condensed.L_cc @ body.condensed.L_cc.T) @ motion, rel=1e-6, abs=1e-6 * 3e8
     )
@@ -350,7 +401,7 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
         "shoe[0].hinge": {"x": 0.0, "y": -0.125},
         "shoe[1].hinge": {"x": 0.0, "y": -0.125},
     }
-    made = prepare(vary(brake, halves), LEVELS[2])
+    made = make_prepared_model(vary(brake, halves), LEVELS[2])
     p = [np.full(len(body.line.phi), 1e6) for body in made.bodies]
     halves_of_ring = made.ring.normal_half_flexibilities
     opened = sum(halves_of_ring[j] @ p[j] for j in range(2))
@@ -367,12 +418,13 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
 @pytest.mark.parametrize("support", ["fixed", pytest.param("free", marks=pytest.mark.slow)])
 def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
     ringed = vary(brake, drum_ring(0.012, support))
-    theirs = solve_prepared_model(prepare(ringed, elements=120), ringed)
+    theirs = solve_prepared_model(make_prepared_model(ringed, elements=120), ringed)
     mine = solve_prepared_model(
-        prepare(ringed, LEVELS[2], singular_points_of(ringed, theirs)), ringed
+        make_prepared_model(ringed, LEVELS[2], singular_points_of_all_linings(ringed, theirs)),
+        ringed,
     )
     assert mine.torque == pytest.approx(theirs.torque, rel=2e-5)
-    assert pressure_distance(mine.shoes[0], theirs.shoes[0]) < 5e-3
+    assert relative_distance_of_pressures(mine.shoes[0], theirs.shoes[0]) < 5e-3
 
 
 @pytest.mark.slow
@@ -382,15 +434,16 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     The finest level is the reference. The stated error is at most ten times the true one.
     """
     # The last level has fewer digits than the others.
-    made = list(solved_levels(flexible, solve_prepared_model))[:5]
+    made = list(solve_on_finer_and_finer_levels(flexible, solve_prepared_model))[:5]
     responses, truth = picked(made, "response"), made[-1].response
     # Round-off of the finest level limits how well it can judge the others.
     lost = max(picked(truth.shoes, "lost.pressure"))
     errors = [
-        max(starmap(pressure_distance, zip(r.shoes, truth.shoes, strict=True))) for r in responses
+        max(starmap(relative_distance_of_pressures, zip(r.shoes, truth.shoes, strict=True)))
+        for r in responses
     ]
     for k in range(1, len(responses) - 1):
-        stated = estimate(flexible, *responses[k - 1 : k + 1])
+        stated = estimate_errors_from_two_levels(flexible, *responses[k - 1 : k + 1])
         assert errors[k] < 0.6 * errors[k - 1]
         assert errors[k] <= stated.brake["pressure"] < 20 * errors[k]
         assert abs(responses[k].torque / truth.torque - 1) <= stated.brake["torque"] + lost
@@ -408,9 +461,9 @@ def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(bra
         == set(response.shoes[0].error)
         == {"pressure", "torque", "peak", "reaction"}
     )
-    fine = picked(solved_levels(half, solve_prepared_model), "response")[3]
+    fine = picked(solve_on_finer_and_finer_levels(half, solve_prepared_model), "response")[3]
     for shoe, a, b in zip(half.shoes, response.shoes, fine.shoes, strict=True):
-        assert pressure_distance(a, b) < response.error["pressure"]
+        assert relative_distance_of_pressures(a, b) < response.error["pressure"]
         start, end = shoe.lining.start, shoe.lining.end
         for x in np.ravel(b.contact_arcs):
             if start + 0.01 < x < end - 0.01:
@@ -449,11 +502,11 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
 @pytest.mark.parametrize("seed", [1, 19])
 def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     """To 2 % of its length, within which the pressure rises from nothing to much of its peak."""
-    brake = random_brake(seed, "small contact")
-    found = next(solved_levels(brake, solve_prepared_model))
+    brake = draw_random_brake(seed, "small contact")
+    found = next(solve_on_finer_and_finer_levels(brake, solve_prepared_model))
     line, shoe = found.scene.bodies[0].line, found.response.shoes[0]
     first, last = shoe.contact_arcs[0]
-    ends = brake.shoes[0].frame.theta(line.phi[:: line.order])
+    ends = brake.shoes[0].frame.theta(line.phi[:: line.interpolation_degree])
     assert max(np.abs(ends - first).min(), np.abs(ends - last).min()) <= 0.02 * (last - first)
 
 
@@ -491,12 +544,14 @@ def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, back
         "drum": {"radius": 1.0},
         "shoe": [block],
     }
-    brake = brake_from(data)
-    found = picked(islice(solved_levels(brake, solve_prepared_model), 5), "response")
+    brake = make_drum_brake_from_data(data)
+    found = picked(
+        islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), 5), "response"
+    )
     for k in (2, 3, 4):
         assert (
             abs(found[k - 1].torque / found[-1].torque - 1)
-            < estimate(brake, *found[k - 2 : k]).brake["torque"]
+            < estimate_errors_from_two_levels(brake, *found[k - 2 : k]).brake["torque"]
         )
 
 
@@ -507,18 +562,23 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
     Divided as finely as near corners they were a quarter of the unknowns in a layer on a rigid shoe
     (5) and on an elastic one (23), and moved p by less than the level's error.
     """
-    brake, found = random_brake(seed, "small contact"), []
-    (_, before), (_, true) = islice(solved_levels(brake, solve_prepared_model), 1, 3)
+    brake, found = draw_random_brake(seed, "small contact"), []
+    (_, before), (_, true) = islice(
+        solve_on_finer_and_finer_levels(brake, solve_prepared_model), 1, 3
+    )
     # The ends of the contact are kept: their rounding changes p by more.
-    places = singular_points_of(brake, true)
-    for rule in (division.size_far_from_contact, lambda size, distance, *, coarsens: size):
-        monkeypatch.setattr(division, "size_far_from_contact", rule)
-        made = prepare(brake, LEVELS[2], places)
+    places = singular_points_of_all_linings(brake, true)
+    for rule in (
+        division.relative_element_size_far_from_contact,
+        lambda size, distance, *, coarsens: size,
+    ):
+        monkeypatch.setattr(division, "relative_element_size_far_from_contact", rule)
+        made = make_prepared_model(brake, LEVELS[2], places)
         found.append((made.bodies[0].unknowns, solve_prepared_model(made, brake)))
     (unknowns, last), (more, fine) = found
     assert unknowns < 0.85 * more
-    step = pressure_distance(before.shoes[0], last.shoes[0])
-    assert pressure_distance(last.shoes[0], fine.shoes[0]) < 0.3 * step
+    step = relative_distance_of_pressures(before.shoes[0], last.shoes[0])
+    assert relative_distance_of_pressures(last.shoes[0], fine.shoes[0]) < 0.3 * step
     assert last.torque == pytest.approx(fine.torque, rel=1e-6)
 
 
@@ -532,9 +592,11 @@ def test_most_short_contacts_are_known_by_default_on_the_third_level():
     def steps_of_p():
         found = []
         for seed in range(8):
-            brake = random_brake(seed, "small contact")
-            (_, before), (_, last) = islice(solved_levels(brake, solve_prepared_model), 1, 3)
-            found.append(pressure_distance(before.shoes[0], last.shoes[0]))
+            brake = draw_random_brake(seed, "small contact")
+            (_, before), (_, last) = islice(
+                solve_on_finer_and_finer_levels(brake, solve_prepared_model), 1, 3
+            )
+            found.append(relative_distance_of_pressures(before.shoes[0], last.shoes[0]))
         return np.array(found)
 
     found = steps_of_p()
@@ -548,14 +610,14 @@ def test_a_short_contact_is_graded_faster():
     Its pressure rises from its ends as a root: columns graded as for a long contact are a fifth
     more.
     """
-    brake = random_brake(2, "small contact")
-    true = picked(solved_levels(brake, solve_prepared_model), "response")[-1]
-    places = singular_points_of(brake, true)
+    brake = draw_random_brake(2, "small contact")
+    true = picked(solve_on_finer_and_finer_levels(brake, solve_prepared_model), "response")[-1]
+    places = singular_points_of_all_linings(brake, true)
 
     def solved(level):
-        made = prepare(brake, level, places)
+        made = make_prepared_model(brake, level, places)
         found = solve_prepared_model(made, brake).shoes[0]
-        return made.bodies[0].unknowns, pressure_distance(found, true.shoes[0])
+        return made.bodies[0].unknowns, relative_distance_of_pressures(found, true.shoes[0])
 
     level = LEVELS[2]
     unknowns, error = solved(level)
@@ -570,7 +632,7 @@ def test_what_a_level_cannot_reach_is_said(brake):
         match=r"tolerance 1e-12 not reached on \d meshes of up to \d+ unknowns a shoe: estimated",
     ):
         solve(brake, tolerance=1e-12)
-    answered = solve_to_tolerance(
+    answered = solve_brake_to_tolerance(
         brake, DEFAULT_TOLERANCE._replace(torque=0.0), solve_prepared_model, must=False
     ).response
     assert (
@@ -580,16 +642,16 @@ def test_what_a_level_cannot_reach_is_said(brake):
 
 
 def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
-    sizes = graded_sizes(1.0, 1e-4, 1e-3, 0.4, 0.2)
+    sizes = piece_sizes_small_at_both_ends(1.0, 1e-4, 1e-3, 0.4, 0.2)
     assert math.fsum(sizes) == pytest.approx(1.0)
     # Neighbours differ in size by at most a factor of 2.6.
     assert np.abs(np.diff(np.log(sizes))).max() < np.log(2.6)
     assert sizes[0] == 1e-4 and sizes[-1] == pytest.approx(1e-3)
-    apart = graded_sizes(1.0, 1e-4, 1e-3, 0.4, 0.2, 0.25)
+    apart = piece_sizes_small_at_both_ends(1.0, 1e-4, 1e-3, 0.4, 0.2, 0.25)
     assert apart[1] / apart[0] == pytest.approx(2.5) and apart[-2] / apart[-1] == pytest.approx(4.0)
     shoe = brake.shoes[0]
     (start, _), t = shoe.arc, shoe.lining.thickness / brake.drum.radius
-    beside = divide_shoe(
+    beside = divide_shoe_into_hp_elements(
         shoe,
         brake.drum.radius,
         LEVELS[2],
@@ -597,7 +659,7 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     )
     # The bound holds however near to its end a lining is open; sizes are powers of two.
     assert np.diff(beside.angles).min() >= 0.5 * division.SMALLEST_COLUMN * t
-    div = divide_shoe(shoe, brake.drum.radius, LEVELS[2], [contact_end(1.0, 0.5)])
+    div = divide_shoe_into_hp_elements(shoe, brake.drum.radius, LEVELS[2], [contact_end(1.0, 0.5)])
     assert 1.0 in div.angles
     at = int(np.flatnonzero(div.angles == 1.0)[0])
     assert (
@@ -606,14 +668,14 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     assert div.depths[-1] == pytest.approx(shoe.lining.thickness + shoe.body.thickness)
     end = shoe.arc[1]
     borne = np.diff(
-        divide_shoe(
+        divide_shoe_into_hp_elements(
             shoe, brake.drum.radius, LEVELS[2], [contact_end(1.0, 0.5), contact_end(end, 0.5)]
         ).angles
     )
-    everywhere = np.diff(divide_shoe(shoe, brake.drum.radius, LEVELS[2]).angles)
+    everywhere = np.diff(divide_shoe_into_hp_elements(shoe, brake.drum.radius, LEVELS[2]).angles)
     assert borne[-1] == pytest.approx(everywhere[-1])
     assert borne[0] > 3 * everywhere[0], "no pressure there: not graded to its spike"
-    values, which = distinct_sizes(np.array([0.1, 0.2, 0.1 * (1 + 1e-15)]))
+    values, which = distinct_sizes_up_to_round_off(np.array([0.1, 0.2, 0.1 * (1 + 1e-15)]))
     assert which.tolist() == [0, 1, 0] and values == pytest.approx([0.1, 0.2])
 
 
@@ -636,7 +698,7 @@ def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_rea
     (start, end), t = shoe.arc, shoe.lining.thickness / R
 
     def first(*contact):
-        angles = divide_shoe(
+        angles = divide_shoe_into_hp_elements(
             shoe, R, level, [contact_end(x, contact[1] - contact[0]) for x in contact]
         ).angles
         return angles[1] - angles[0]
@@ -665,7 +727,9 @@ def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, a
     fine = [level for level in LEVELS if level.end * length < gap]
     assert 2 < len(fine) < len(LEVELS)
     for level in fine:
-        angles = divide_shoe(shoe, R, level, [contact_end(x, length) for x in contact]).angles
+        angles = divide_shoe_into_hp_elements(
+            shoe, R, level, [contact_end(x, length) for x in contact]
+        ).angles
         off = np.abs(angles - contact[0 if at_start else -1])
         assert off.min() < 0.15 * gap and np.count_nonzero(off < 1.5 * gap) >= 3
 
@@ -677,14 +741,16 @@ def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
     """
     *_, one, other = (
         step.response.shoes[0]
-        for step in solved_levels(random_brake(7986), solve_prepared_model, levels=LEVELS[:5])
+        for step in solve_on_finer_and_finer_levels(
+            draw_random_brake(7986), solve_prepared_model, levels=LEVELS[:5]
+        )
     )
-    assert pressure_distance(one, other) < 5e-4
+    assert relative_distance_of_pressures(one, other) < 5e-4
 
 
 def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     kinked = vary(brake, {"shoe[0].lining.clearance": [(-0.5, 5e-5), (0.1, 0.0), (0.6, 5e-5)]})
-    places = singular_points_of(kinked, solve(kinked, elements=40))
+    places = singular_points_of_all_linings(kinked, solve(kinked, elements=40))
     kinks = sorted(point.at for point in chain(*places.values()) if point.kind == Singularity.KINK)
     assert kinks == pytest.approx(
         sorted(brake.shoes[0].frame.phi(np.array([-0.5, 0.1, 0.6])).tolist())
@@ -703,10 +769,10 @@ def test_an_open_node_between_two_that_press_is_a_place(brake):
     # One node in the middle is opened by hand.
     opened = shoe.pressure.copy()
     opened[i] = 0.0
-    places = singular_points_of(
+    places = singular_points_of_all_linings(
         brake, replace(response, shoes=(replace(shoe, pressure=opened), *response.shoes[1:]))
     )
-    before = singular_points_of(brake, response)
+    before = singular_points_of_all_linings(brake, response)
     (found,) = set(chain.from_iterable(places.values())) - set(chain.from_iterable(before.values()))
     assert (found.at, found.length) == pytest.approx(
         (brake.shoes[0].frame.phi(shoe.theta[i]), shoe.theta[i + 1] - shoe.theta[i - 1]), rel=1e-5
@@ -727,15 +793,17 @@ def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
     narrow = replace(
         response, shoes=(replace(shoe, pressure=opened, theta=theta), *response.shoes[1:])
     )
-    assert singular_points_of(brake, narrow) == singular_points_of(brake, response)
+    assert singular_points_of_all_linings(brake, narrow) == singular_points_of_all_linings(
+        brake, response
+    )
     ((a, b),) = shoe.contact_arcs
     # Two further ends are those of an opening that two nodes show.
     for gap, seen in ((1e-6, 0), (0.1, 2)):
         arcs = (a, theta[i] - gap / 2), (theta[i] + gap / 2, b)
         split = replace(response, shoes=(replace(shoe, contact_arcs=arcs), *response.shoes[1:]))
         assert (
-            len(singular_points_of(brake, split)[0])
-            == len(singular_points_of(brake, response)[0]) + seen
+            len(singular_points_of_all_linings(brake, split)[0])
+            == len(singular_points_of_all_linings(brake, response)[0]) + seen
         )
 
 
@@ -751,29 +819,35 @@ def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_th
 
 def test_nodes_that_meet_through_a_ring_are_counted_together(brake, monkeypatch):
     ringed = vary(brake, drum_ring(0.02, "fixed"))
-    nodes = sum(map(len, picked(prepare(ringed, LEVELS[0]).bodies, "line.nodes")))
+    nodes = sum(map(len, picked(make_prepared_model(ringed, LEVELS[0]).bodies, "line.nodes")))
     monkeypatch.setattr("drumlin.fem.preparation.columns.MOST_CONTACT_NODES", nodes - 1)
     with pytest.raises(
         NoAnswer, match=f"its {nodes} contact nodes are more than the {nodes - 1} that"
     ):
-        prepare(ringed, LEVELS[0])
-    prepare(brake, LEVELS[0])
+        make_prepared_model(ringed, LEVELS[0])
+    make_prepared_model(brake, LEVELS[0])
 
 
 def test_shoes_of_either_hand_are_divided_alike(brake):
-    one, other = (divide_shoe(shoe, brake.drum.radius, LEVELS[1]) for shoe in brake.shoes)
+    one, other = (
+        divide_shoe_into_hp_elements(shoe, brake.drum.radius, LEVELS[1]) for shoe in brake.shoes
+    )
     assert one.part == other.part and len(one.before) > 1 and len(one.after) > 1
     for name in ("angles", "before", "after", "depths"):
         np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=0, atol=1e-12)
 
 
 def test_the_largest_value_of_a_polynomial_is_found_between_its_nodes():
-    x = lobatto(4)
+    x = gauss_lobatto_points(4)
     theta = np.concatenate([0.5 * (x + 1), 1 + 0.5 * (x[1:] + 1)])
     values = 3.0 - (theta - 0.3) ** 2
-    assert largest(theta, values, 4) == pytest.approx(3.0, abs=1e-6)
-    assert InnerPart(theta, 4, 0.5).largest(values) == pytest.approx(3.0 - 0.04, abs=1e-6)
-    assert InnerPart(theta, 4, 5.0).largest(values) == pytest.approx(3.0, abs=1e-6)
+    assert largest_value_of_piecewise_polynomial(theta, values, 4) == pytest.approx(3.0, abs=1e-6)
+    assert LiningWithoutEndZones(theta, 4, 0.5).largest_value_outside_end_zones(
+        values
+    ) == pytest.approx(3.0 - 0.04, abs=1e-6)
+    assert LiningWithoutEndZones(theta, 4, 5.0).largest_value_outside_end_zones(
+        values
+    ) == pytest.approx(3.0, abs=1e-6)
 
 
 def test_fields_recovered_on_a_grid_are_in_balance(brake):
@@ -781,14 +855,18 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
 
     The assembled stiffness times the displacements of all nodes gives these forces back.
     """
-    made = prepare(brake, LEVELS[1], singular_points_of(brake, solve(brake)))
+    made = make_prepared_model(
+        brake, LEVELS[1], singular_points_of_all_linings(brake, solve(brake))
+    )
     found = solve_prepared_model(made, brake)
     shoe, body = brake.shoes[0], made.bodies[0]
     p = found.shoes[0].pressure[:: shoe.frame.sense]
-    drag = brake.friction * brake.spin * shoe.frame.sense
+    drag = brake.friction * brake.sign_of_motion * shoe.frame.sense
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
-    u = body.condensed.displacement(
-        nodal, np.zeros(FRAME), shoe.actuation.force * actuation_load_factors(body, shoe)[0]
+    u = body.condensed.nodal_displacements_in_one_case(
+        nodal,
+        np.zeros(FRAME),
+        shoe.actuation.force * load_factors_and_pin_moment_per_newton(body, shoe)[0],
     )
     forces = body.basis.stiffness(elastic_layers_of_shoe(shoe)) @ u.T.ravel()
     n = 2 * len(body.line.nodes)
@@ -796,10 +874,14 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
 
 
 def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_cells_fill_it(brake):
-    grid = prepare(brake, LEVELS[0]).bodies[0].mesh
+    grid = make_prepared_model(brake, LEVELS[0]).bodies[0].mesh
     elements = np.arange(grid.element_dofs.shape[1])
     u = np.array([[1.0, 2.0], [-3.0, 0.5]]) @ grid.doflocs
-    found = np.einsum("ian,ajnq->ijnq", u[:, grid.element_dofs], grid.gradients(elements))
+    found = np.einsum(
+        "ian,ajnq->ijnq",
+        u[:, grid.element_dofs],
+        grid.shape_gradients_at_nodes_of_elements(elements),
+    )
     wanted = np.array([[1.0, 2.0], [-3.0, 0.5]])[:, :, None, None]
     np.testing.assert_allclose(found, np.broadcast_to(wanted, found.shape), atol=1e-9)
 
@@ -808,21 +890,24 @@ def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_ce
         return 0.5 * (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)
 
     # The shape is (4, cells of an element, elements).
-    cells = grid.element_dofs[grid.subcells]
+    cells = grid.element_dofs[grid.quadrilaterals_between_element_nodes]
     each = areas(cells.reshape(4, -1)).reshape(cells.shape[1:]).sum(axis=0)
-    np.testing.assert_allclose(each, areas(grid.outline), rtol=1e-12)
+    np.testing.assert_allclose(each, areas(grid.boundary_nodes_around_each_element), rtol=1e-12)
 
 
 @pytest.mark.parametrize("part", ["hinge", pytest.param("free ring", marks=pytest.mark.slow)])
 def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake, part):
     whole = vary(brake, drum_ring(0.02, "free")) if part == "free ring" else brake
     found = []
-    for made in (prepare_finest_division(whole), prepare(whole, elements=160)):
+    for made in (
+        prepared_model_of_finest_division(whole),
+        make_prepared_model(whole, elements=160),
+    ):
         response = solve_prepared_model(made, whole)
         found.append(
-            recover_ring_fields(made, whole, response)
+            stress_and_displacement_fields_of_ring(made, whole, response)
             if part == "free ring"
-            else recover_shoe_fields(made, whole, response, 0)
+            else stress_and_displacement_fields_of_shoe(made, whole, response, 0)
         )
     ours, theirs = found
     # Values are compared at points of both meshes that all but coincide.
@@ -835,29 +920,29 @@ def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake,
 
 
 def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brake):
-    made, answer = prepare_finest_division(brake), solve(brake)
+    made, answer = prepared_model_of_finest_division(brake), solve(brake)
     theta = picked(made.bodies, "line.phi")
     assert list(map(len, theta)) == list(map(len, picked(answer.shoes, "theta")))
     end = find_full_slip_rotation(made, brake)
-    assert hold_drum_through_rotations(made, brake, np.linspace(0.0, end, 9))[
+    assert states_of_holding_brake_at_rotations(made, brake, np.linspace(0.0, end, 9))[
         -1
     ].torque == pytest.approx(answer.torque, rel=1e-5)
     assert compute_torque_sensitivity(made, brake).torque == pytest.approx(answer.torque, rel=1e-9)
     worn = solve_worn_in(brake)
-    assert worn.torque == pytest.approx(sine(brake).torque, rel=1e-3)
+    assert worn.torque == pytest.approx(solve_brake_by_sine_law(brake).torque, rel=1e-3)
 
 
 def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
     cases = friction_cases(brake, (0.3, 0.3001, 0.3002), "fem")
-    rows = [case_row(case, cache) for cache in [Cache()] for case in cases]
+    rows = [results_or_failure_of_case(case, cache) for cache in [Cache()] for case in cases]
     for row in rows:
         assert (
             0 < row["error_pressure"] <= DEFAULT_TOLERANCE.pressure
             and row["error_torque"] <= DEFAULT_TOLERANCE.torque
         )
     # A row of a sweep must depend on its case alone.
-    assert rows == list(map(case_row, cases))
-    meshed = case_row(cases[0]._replace(options={"elements": 20}))
+    assert rows == list(map(results_or_failure_of_case, cases))
+    meshed = results_or_failure_of_case(cases[0]._replace(options={"elements": 20}))
     assert "error_pressure" not in meshed
     assert meshed["torque"] == pytest.approx(rows[0]["torque"], rel=1e-4)
 
@@ -884,7 +969,9 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
     ]
     for changes, where in cases:
         own = vary(ringed, changes)
-        kept, anew = (prepare(own, LEVELS[0], where, cache=which) for which in (cache, None))
+        kept, anew = (
+            make_prepared_model(own, LEVELS[0], where, cache=which) for which in (cache, None)
+        )
         for a, b in zip(kept.bodies, anew.bodies, strict=True):
             for name in (
                 "closure_by_pressure",
@@ -907,15 +994,18 @@ def test_a_brake_that_locks_is_divided_too(brake):
     locked = vary(brake, {"friction": 2.0})
     with pytest.raises(NoAnswer):
         solve(locked)
-    assert prepare_finest_division(locked).bodies[0].line.order == LEVELS[1].degree
+    assert (
+        prepared_model_of_finest_division(locked).bodies[0].line.interpolation_degree
+        == LEVELS[1].degree
+    )
 
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies(brake, support):
     whole = vary(brake, drum_ring(0.02, support))
-    (group,) = divide_pressed_shoes_into_groups(prepare(whole, LEVELS[0]), whole)
-    found = group.solve_with_known_senses()
+    (group,) = divide_pressed_shoes_into_groups(make_prepared_model(whole, LEVELS[0]), whole)
+    found = group.solve_contact_for_known_friction_senses()
     refined = refine_group_solution(group, found.active)
     assert refined.correction < 1e-10
-    for part, p in zip(group.node_ranges, refined.p, strict=True):
+    for part, p in zip(group.contact_node_slices_of_shoes, refined.p, strict=True):
         np.testing.assert_allclose(found.p[part], p, rtol=0, atol=1e-8 * p.max())

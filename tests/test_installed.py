@@ -20,8 +20,8 @@ from command_line import drumlin
 from conftest import ROOT, STUDY
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.schema import brake_schema
-from drumlin.studies import examples
-from drumlin.sweeps.schema import sweep_schema
+from drumlin.studies import paths_of_example_brakes
+from drumlin.sweeps.schema import json_schema_of_sweep_file
 from picking import picked
 
 SWEEPS = sorted((ROOT / "studies" / "sweeps").glob("*.toml"))
@@ -29,13 +29,13 @@ SWEEPS = sorted((ROOT / "studies" / "sweeps").glob("*.toml"))
 
 def test_every_example_is_listed_printed_and_is_a_brake(tmp_path):
     listed = [line.split("  ")[0] for line in drumlin("init").stdout.splitlines()]
-    assert listed == list(examples()) and {
+    assert listed == list(paths_of_example_brakes()) and {
         "double_shoe",
         "double_shoe_flexible",
         "post_brake",
         "pad",
     } <= set(listed)
-    for name, path in examples().items():
+    for name, path in paths_of_example_brakes().items():
         (tmp_path / "my.toml").write_text(drumlin("init", name).stdout)
         # Mesh files must be found from any current folder.
         assert read_any(tmp_path / "my.toml") == read_any(path), name
@@ -78,7 +78,9 @@ def faults(schema, data):
     return picked(Draft202012Validator(schema).iter_errors(data), "message")
 
 
-@pytest.mark.parametrize(("kind", "made"), (("brake", brake_schema()), ("sweep", sweep_schema())))
+@pytest.mark.parametrize(
+    ("kind", "made"), (("brake", brake_schema()), ("sweep", json_schema_of_sweep_file()))
+)
 def test_the_schemas_beside_the_examples_are_those_of_the_classes(kind, made):
     Draft202012Validator.check_schema(made)
     kept = json.loads((ROOT / "studies" / f"{kind}.schema.json").read_text())
@@ -86,7 +88,10 @@ def test_the_schemas_beside_the_examples_are_those_of_the_classes(kind, made):
 
 
 def test_every_example_keeps_to_its_schema_and_names_it():
-    for schema, paths in ((brake_schema(), examples().values()), (sweep_schema(), SWEEPS)):
+    for schema, paths in (
+        (brake_schema(), paths_of_example_brakes().values()),
+        (json_schema_of_sweep_file(), SWEEPS),
+    ):
         for path in paths:
             text = path.read_text()
             assert faults(schema, tomllib.loads(text)) == [], path
@@ -125,9 +130,11 @@ def test_tables_and_sweeps_are_in_the_schemas():
     }
     assert faults(brake_schema(), data) == []
     sweep = tomllib.loads(SWEEPS[0].read_text())
-    assert faults(sweep_schema(), sweep | {"pressure": "psi"})
+    assert faults(json_schema_of_sweep_file(), sweep | {"pressure": "psi"})
     # A single value has no deviation.
-    assert faults(sweep_schema(), sweep | {"vary": {"friction": {"distribution": "normal"}}})
+    assert faults(
+        json_schema_of_sweep_file(), sweep | {"vary": {"friction": {"distribution": "normal"}}}
+    )
 
 
 # a wheel

@@ -10,22 +10,26 @@ from conftest import STUDY
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.body import scalar_basis
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.substructure.body import scalar_finite_element_basis_of_mesh
 from drumlin.fem.substructure.interface import (
     ContactLine,
-    couple_with_counterface,
-    drum_directions,
-    make_contact_line,
+    function_for_drum_normals_and_tangents,
+    make_contact_line_of_lining,
+    weak_coupling_of_contact_line,
 )
-from drumlin.fem.substructure.ring import ring_coupling_matrices
-from drumlin.response.resultants import cross, integrate, resultant
+from drumlin.fem.substructure.ring import coupling_matrices_of_lining_and_ring
+from drumlin.response.resultants import (
+    integral_of_piecewise_polynomial,
+    planar_cross_product,
+    resultant_of_pressure_and_friction,
+)
 from drumlin_studies import two_bodies as pair
 
 
 @pytest.fixture(scope="module", params=[3, 10, 80])
 def body(request, brake):
-    return prepare(brake, elements=request.param).bodies[0]
+    return make_prepared_model(brake, elements=request.param).bodies[0]
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +50,7 @@ def test_area_and_lever_are_those_of_the_arc(body, brake):
     phi_1, phi_2 = shoe.arc
     area = shoe.lining.width * brake.drum.radius * (phi_2 - phi_1)
     tolerance = 0.02 * ((phi_2 - phi_1) / body.line.pieces.shape[1]) ** 4 + 1e-12
-    assert body.coupling.area.sum() == pytest.approx(area, rel=tolerance)
+    assert body.coupling.areas_of_contact_nodes.sum() == pytest.approx(area, rel=tolerance)
     assert body.coupling.lever.sum() == pytest.approx(area * brake.drum.radius, rel=tolerance)
 
 
@@ -56,8 +60,10 @@ def test_normal_pressure_has_no_moment_about_the_centre_and_drag_has_the_torque(
     normal = (body.coupling.N.T @ p).reshape(-1, 2)
     drag = (body.coupling.T.T @ p).reshape(-1, 2)
     torque = float(body.coupling.lever @ p)
-    assert float(cross(body.line.xy.T, drag).sum()) == pytest.approx(torque, rel=1e-13)
-    assert abs(float(cross(body.line.xy.T, normal).sum())) < 1e-13 * torque
+    assert float(planar_cross_product(body.line.xy.T, drag).sum()) == pytest.approx(
+        torque, rel=1e-13
+    )
+    assert abs(float(planar_cross_product(body.line.xy.T, normal).sum())) < 1e-13 * torque
 
 
 def test_nodal_forces_have_the_resultant_of_the_traction(brake):
@@ -66,12 +72,12 @@ def test_nodal_forces_have_the_resultant_of_the_traction(brake):
     Both differ by the chord error of the mesh, of which the integration knows nothing.
     """
     shoe = brake.shoes[0]
-    body = prepare(brake, elements=80).bodies[0]
+    body = make_prepared_model(brake, elements=80).bodies[0]
     phi = body.line.phi
     p = 1e6 * np.sin(phi)
     force = (-body.coupling.N.T @ p + 0.3 * body.coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
     R = brake.drum.radius
-    exact = resultant(
+    exact = resultant_of_pressure_and_friction(
         DRUM, phi, p, order=2, size=R, per_place=R * shoe.lining.width, sign=1, drag=0.3
     )
     assert force == pytest.approx(exact.force, rel=1e-7)
@@ -88,30 +94,30 @@ def test_patch_test_on_the_arc(sign):
     interference, exact, spreads, means = 1e-4, lame_interference(1e-4), [], []
     for inside, outside in ((24, 30), (48, 60), (96, 120)):
         rings = [
-            pair.condense_contact_body(
-                pair.closed_ring_mesh(angles, np.linspace(0, 0.4, depth), 1.0, way),
+            pair.condense_body_to_contact_nodes(
+                pair.plane_mesh_of_closed_ring(angles, np.linspace(0, 0.4, depth), 1.0, way),
                 pair.LADDER_STEEL,
             )
             for angles, depth, way in ((circle(inside), 5, -1), (circle(outside) + 0.01, 6, 1))
         ]
-        both = pair.BodyPair.of(*rings[::sign], sign=sign)
+        both = pair.BodyPair.from_bodies(*rings[::sign], sign=sign)
         found = active_set.solve_contact_problem(
-            both.normal(np.full(len(both.angle), -interference))
+            both.frictionless_contact_problem(np.full(len(both.contact_node_angles), -interference))
         )
         spreads.append(np.ptp(found.p) / exact)
         means.append(abs(found.p.mean() / exact - 1))
         mine, other = rings[::sign]
         for ours, theirs in zip(
             (both.coupling.N, both.coupling.T),
-            ring_coupling_matrices(mine.line, other.line, 1.0, sign),
+            coupling_matrices_of_lining_and_ring(mine.line, other.line, 1.0, sign),
             strict=True,
         ):
             a, b = (ours.T @ found.p).reshape(-1, 2), (theirs.T @ found.p).reshape(-1, 2)
             scale = np.abs(a).sum()
             assert b.sum(axis=0) == pytest.approx(a.sum(axis=0), abs=1e-13 * scale)
             moments = [
-                float(cross(mine.line.xy.T, a).sum()),
-                float(cross(other.line.xy.T, b).sum()),
+                float(planar_cross_product(mine.line.xy.T, a).sum()),
+                float(planar_cross_product(other.line.xy.T, b).sum()),
             ]
             assert moments[1] == pytest.approx(moments[0], abs=1e-13 * scale)
     assert spreads[0] > 4 * spreads[1] > 16 * spreads[2]
@@ -139,13 +145,15 @@ def lame_interference(interference):
 
 def test_integrals_of_piecewise_polynomials():
     theta = np.linspace(0.2, 1.4, 41)
-    assert integrate(theta, np.sin(theta), 2) == pytest.approx(
+    assert integral_of_piecewise_polynomial(theta, np.sin(theta), 2) == pytest.approx(
         math.cos(0.2) - math.cos(1.4), rel=1e-8
     )
-    assert integrate(theta, np.sin(theta), 1) == pytest.approx(
+    assert integral_of_piecewise_polynomial(theta, np.sin(theta), 1) == pytest.approx(
         math.cos(0.2) - math.cos(1.4), rel=1e-3
     )
-    assert integrate(theta, theta**2, 2) == pytest.approx((1.4**3 - 0.2**3) / 3, rel=1e-14)
+    assert integral_of_piecewise_polynomial(theta, theta**2, 2) == pytest.approx(
+        (1.4**3 - 0.2**3) / 3, rel=1e-14
+    )
 
 
 def test_an_external_lining_sees_its_drum_from_the_other_side(brake):
@@ -157,7 +165,7 @@ def test_an_external_lining_sees_its_drum_from_the_other_side(brake):
             "shoe.actuation.direction": math.pi,
         },
     )
-    body = prepare(external, elements=10).bodies[0]
+    body = make_prepared_model(external, elements=10).bodies[0]
     assert np.hypot(*body.basis.doflocs).min() == pytest.approx(brake.drum.radius, rel=1e-12)
 
 
@@ -181,7 +189,7 @@ def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
         y,
         np.arange(order + 1)[:, None] + [0, order],
     )
-    found = couple_with_counterface(
+    found = weak_coupling_of_contact_line(
         line,
         0.5,
         lambda x: (np.ones_like(x) * [[[0.6]], [[0.8]]], np.ones_like(x) * [[[-0.8]], [[0.6]]]),
@@ -189,9 +197,9 @@ def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
     M = np.zeros((len(y), len(y)))
     for first, length in ((0, 2.0), (order, 1.0)):
         M[first : first + order + 1, first : first + order + 1] += 0.5 * length * STRAIGHT[order]
-    assert line.order == order
+    assert line.interpolation_degree == order
     assert pytest.approx(M, abs=1e-15) == found.M
-    assert found.area == pytest.approx(M.sum(axis=1), abs=1e-15)
+    assert found.areas_of_contact_nodes == pytest.approx(M.sum(axis=1), abs=1e-15)
     for matrix, (a, b) in ((found.N, (0.6, 0.8)), (found.T, (-0.8, 0.6))):
         assert matrix[:, 0::2] == pytest.approx(a * M, abs=1e-15) and matrix[
             :, 1::2
@@ -208,14 +216,14 @@ def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
 def test_the_nodes_of_a_contact_line_follow_one_another_wherever_it_lies(kind, turned):
     """Edges in any order and sense; angles within half a turn of the middle, also past 180 deg."""
     angles = turned + np.linspace(-0.5, 0.5, 6)
-    mesh = pair.sector_mesh(angles, np.array([0.0, 0.1, 0.2]), 1.0, 1)
+    mesh = pair.plane_mesh_of_ring_sector(angles, np.array([0.0, 0.1, 0.2]), 1.0, 1)
     if kind == "quad1":
         mesh = skfem.MeshQuad(mesh.p, mesh.t, _boundaries=mesh.boundaries)
-    basis = scalar_basis(mesh)
+    basis = scalar_finite_element_basis_of_mesh(mesh)
     facets = np.random.default_rng(0).permutation(mesh.boundaries["contact"])
-    line = make_contact_line(basis, facets, turned + 0.1)
+    line = make_contact_line_of_lining(basis, facets, turned + 0.1)
     order = 2 if kind == "quad2" else 1
-    assert line.order == order
+    assert line.interpolation_degree == order
     assert line.phi == pytest.approx(np.linspace(angles[0], angles[-1], 5 * order + 1), abs=1e-12)
     assert line.xy == pytest.approx(basis.doflocs[:, line.nodes])
     assert line.pieces == pytest.approx(np.arange(order + 1)[:, None] + order * np.arange(5))
@@ -223,6 +231,6 @@ def test_the_nodes_of_a_contact_line_follow_one_another_wherever_it_lies(kind, t
 
 @pytest.mark.parametrize("sign", (1, -1))
 def test_normals_point_from_the_lining_to_the_drum_and_tangents_along_growing_angles(sign):
-    n, e = drum_directions(sign)(np.array([[3.0, 0.0], [4.0, -2.0]]))
+    n, e = function_for_drum_normals_and_tangents(sign)(np.array([[3.0, 0.0], [4.0, -2.0]]))
     assert n == pytest.approx(sign * np.array([[0.6, 0], [0.8, -1]]))
     assert e == pytest.approx(np.array([[-0.8, 1], [0.6, 0]]))

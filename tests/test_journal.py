@@ -12,7 +12,7 @@ import pytest
 
 from drumlin.base import journal as journals
 from drumlin.base.errors import BadInput
-from drumlin.base.journal import Journal, source_stamp
+from drumlin.base.journal import Journal, checksum_of_source_and_libraries
 
 CASES = 40
 
@@ -20,13 +20,13 @@ CASES = 40
 def test_cases_survive_and_are_not_computed_again(tmp_path):
     path = tmp_path / "journal.jsonl"
     with Journal(path, "a") as journal:
-        assert journal.once({"n": 1, "mu": 0.3}, lambda: {"torque": math.inf}) == {
+        assert journal.get_or_compute_result({"n": 1, "mu": 0.3}, lambda: {"torque": math.inf}) == {
             "torque": math.inf
         }
     with Journal(path, "a") as journal:
-        assert journal.once({"mu": 0.3, "n": 1}, lambda: pytest.fail("computed again")) == {
-            "torque": math.inf
-        }
+        assert journal.get_or_compute_result(
+            {"mu": 0.3, "n": 1}, lambda: pytest.fail("computed again")
+        ) == {"torque": math.inf}
         assert len(journal) == 1 and not journal.notes
 
 
@@ -92,7 +92,7 @@ def test_damage_costs_the_damaged_records_alone(tmp_path, seed):
             ):
                 assert "damaged lines are skipped" in journal.notes[0]
             for n in range(CASES):
-                journal.once({"n": n}, lambda n=n: {"torque": n / 7})
+                journal.get_or_compute_result({"n": n}, lambda n=n: {"torque": n / 7})
     with Journal(path, "a") as journal:
         assert len(journal) == CASES
 
@@ -140,7 +140,7 @@ def test_two_runs_at_a_time_are_refused(tmp_path):
 def test_a_finished_journal_is_kept_aside(tmp_path):
     with Journal(tmp_path / "journal.jsonl") as journal:
         journal.add({"n": 1}, {})
-        journal.finish()
+        journal.close_and_rename_complete_journal()
     assert (tmp_path / "cases.jsonl").exists() and not (tmp_path / "journal.jsonl").exists()
 
 
@@ -201,8 +201,8 @@ def test_a_change_of_any_source_file_of_drumlin_is_another_stamp(tmp_path, monke
     """A copy of the package has the stamp of the package until one of its files is changed."""
     package = tmp_path / "drumlin"
     shutil.copytree(Path(journals.__file__).parents[1], package)
-    whole = source_stamp()
+    whole = checksum_of_source_and_libraries()
     monkeypatch.setattr(journals, "__file__", str(package / "base" / "journal.py"))
-    assert source_stamp() == whole
+    assert checksum_of_source_and_libraries() == whole
     (package / "laws" / "rigid.py").write_text("")
-    assert source_stamp() != whole
+    assert checksum_of_source_and_libraries() != whole

@@ -16,26 +16,41 @@ from drumlin import Brake, vary
 from drumlin.base.errors import DrumlinError
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli.commands import app
-from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
+from drumlin.fem.analysis.holding import (
+    find_full_slip_rotation,
+    states_of_holding_brake_at_rotations,
+)
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.mesh.file import write_mesh
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.laws import law
+from drumlin.fem.mesh.file import write_shoe_mesh_to_file
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.lining_wear.archard import WearLaw
-from drumlin.lining_wear.linings import fem_wear_setup
+from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
-    COEFFICIENT,
-    compute_run_checks,
-    run_in,
-    unit_sliding_distance,
+    DEFAULT_WEAR_COEFFICIENT,
+    compute_checks_of_wear_run,
+    run_brake_linings_in,
+    unit_of_sliding_distance,
 )
-from drumlin.models import pick
-from drumlin.response.balance import loaded
+from drumlin.models import model_by_name
+from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.verification import triangles
-from drumlin.verification.check import are_within_tolerance, judge_curves, read_curves
-from drumlin.verification.reference import Refinement, compute_reference, solve_reference_responses
-from drumlin.verification.reference_file import read_reference, reference_data, write_reference
+from drumlin.verification.check import (
+    are_verdicts_within_tolerance,
+    compare_curves_with_reference,
+    read_pressure_curves,
+)
+from drumlin.verification.reference import (
+    Refinement,
+    compute_reference_values,
+    solve_brake_for_reference_values,
+)
+from drumlin.verification.reference_file import (
+    read_reference_file,
+    reference_values_as_json_data,
+    write_reference_file,
+)
 from picking import keyed, picked
 from shared_parts import modulus_slopes
 
@@ -68,10 +83,10 @@ def solved(at: Posed) -> None:
     response = drumlin.solve(at.brake)
     balanced(response)
     # Struts act within the brake: pins, feet, forces from outside and the drum remain.
-    whole = loaded(at.brake, response)
+    whole = brake_with_forces_of_response(at.brake, response)
     inside = set(picked(at.brake.links, "to"))
     feet = set(picked(at.brake.links, "source"))
-    outer = [s.actuation.vector for s in whole.shoes if s.name not in inside]
+    outer = [s.actuation.force_vector for s in whole.shoes if s.name not in inside]
     outer += [
         r.hinge_reaction
         for s, r in zip(whole.shoes, response.shoes, strict=True)
@@ -139,15 +154,15 @@ def on_ring(at: Posed) -> None:
 
 def worn_in(at: Posed) -> None:
     assert drumlin.solve(at.brake, worn_in=True, elements=40).effect == pytest.approx(
-        law(at.brake).effect, rel=1e-2
+        solve_brake_by_its_rigid_shoe_law(at.brake).effect, rel=1e-2
     )
 
 
 def wears(at: Posed) -> None:
-    own, rule = at.brake, WearLaw(COEFFICIENT)
-    setup = fem_wear_setup(prepare(own, elements=ELEMENTS), own)
-    states = run_in(setup, rule, distance=0.3 * unit_sliding_distance(setup, rule))
-    found = compute_run_checks(setup, states, rule)
+    own, rule = at.brake, WearLaw(DEFAULT_WEAR_COEFFICIENT)
+    setup = wear_setup_by_finite_elements(make_prepared_model(own, elements=ELEMENTS), own)
+    states = run_brake_linings_in(setup, rule, distance=0.3 * unit_of_sliding_distance(setup, rule))
+    found = compute_checks_of_wear_run(setup, states, rule)
     assert states[-1].removed > 0
     assert found.volume < 1e-9
     assert found.energy is not None
@@ -159,7 +174,7 @@ def slopes(at: Posed) -> None:
 
     The forces of wheel cylinders and cams count too.
     """
-    found = compute_torque_sensitivity(prepare(at.brake, elements=ELEMENTS), at.brake)
+    found = compute_torque_sensitivity(make_prepared_model(at.brake, elements=ELEMENTS), at.brake)
     forces = [
         (s.force or 0.0) * shoe.actuation.force
         for s, shoe in zip(found.shoes, at.brake.shoes, strict=True)
@@ -172,8 +187,8 @@ def slopes(at: Posed) -> None:
 
 def held(at: Posed) -> None:
     """`hold` ends at full slip: friction holds the drum, or a line names a foot held elsewhere."""
-    scene = prepare(at.brake, elements=ELEMENTS)
-    states = hold_drum_through_rotations(
+    scene = make_prepared_model(at.brake, elements=ELEMENTS)
+    states = states_of_holding_brake_at_rotations(
         scene, at.brake, np.linspace(0, find_full_slip_rotation(scene, at.brake), 4)
     )
     torque = drumlin.solve(at.brake, elements=ELEMENTS).effect
@@ -184,11 +199,11 @@ def held(at: Posed) -> None:
 
 
 def own_meshes(at: Posed) -> None:
-    scene = prepare(at.brake, elements=ELEMENTS)
+    scene = make_prepared_model(at.brake, elements=ELEMENTS)
     changes = {}
     for i, (shoe, body) in enumerate(zip(scene.brake.shoes, scene.bodies, strict=True)):
         path = at.folder / f"{shoe.name}.msh"
-        write_mesh(path, body.mesh, shoe)
+        write_shoe_mesh_to_file(path, body.mesh, shoe)
         changes[f"shoe[{i}].mesh"] = str(path)
     a, b = drumlin.solve(at.brake, elements=ELEMENTS), drumlin.solve(vary(at.brake, changes))
     assert balanced(b) == pytest.approx(balanced(a), rel=1e-9)
@@ -224,12 +239,12 @@ def referred(at: Posed) -> None:
 
     On a drum their second solver covers the brake.
     """
-    trio = solve_reference_responses(at.brake, ROUGHLY)
+    trio = solve_brake_for_reference_values(at.brake, ROUGHLY)
     assert (trio.other is None) == flat(at.brake)
-    found = compute_reference(at.brake, at.file.read_text(), "made here", trio)
+    found = compute_reference_values(at.brake, at.file.read_text(), "made here", trio)
     assert found.torque.value == pytest.approx(drumlin.solve(at.brake).effect, rel=1e-3)
     assert found.torque.uncertainty < 1e-3 * found.torque.value
-    write_reference(reference_data(found), at.folder / "r.json")
+    write_reference_file(reference_values_as_json_data(found), at.folder / "r.json")
 
 
 def checked(at: Posed) -> None:
@@ -238,10 +253,12 @@ def checked(at: Posed) -> None:
     at.command("solve", "--pressure", str(curves))
     done = command_line.drumlin("check", at.file, curves, "--reference", at.folder / "r.json")
     assert done.returncode == 0
-    known = read_reference(at.folder / "r.json")
+    known = read_reference_file(at.folder / "r.json")
     assert known.surface == at.brake.surface
-    verdicts = judge_curves(at.brake, known, read_curves(curves, at.brake))
-    assert are_within_tolerance(verdicts, 5e-3)
+    verdicts = compare_curves_with_reference(
+        at.brake, known, read_pressure_curves(curves, at.brake)
+    )
+    assert are_verdicts_within_tolerance(verdicts, 5e-3)
     for verdict, shoe in zip(verdicts, drumlin.solve(at.brake).shoes, strict=True):
         own = shoe.torque or drumlin.solve(at.brake).effect
         assert verdict.torque == pytest.approx(own, rel=2e-2)
@@ -265,7 +282,7 @@ def offered(model: str) -> Callable[[Posed], None]:
     """Whether a model answers the brake, without its answer, which its own tests judge."""
 
     def use(at: Posed) -> None:
-        pick(model, at.brake)
+        model_by_name(model, at.brake)
 
     return use
 
@@ -312,7 +329,7 @@ def flat(brake: Brake) -> bool:
 
 
 def unhinged(brake: Brake) -> bool:
-    return not brake.surface.straight and brake.unhinged() is not None
+    return not brake.surface.straight and brake.reason_why_not_all_shoes_hinged() is not None
 
 
 HINGED = "takes shoes on hinges under forces of their own only: "

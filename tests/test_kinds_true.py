@@ -9,15 +9,15 @@ import pytest
 import drumlin
 from drumlin.brake.brake import Brake
 from drumlin.verification import triangles
-from drumlin_studies.random_kinds import HOLDING_KINDS, draw_brake_of_holding_kind
+from drumlin_studies.random_kinds import HOLDING_KINDS, draw_brake_of_support_kind
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
     Truth,
-    distance_from_limit,
-    stated_and_true_row,
-    stated_over_true,
-    true_errors,
-    truth_by_hp_elements,
+    estimate_distance_from_limit,
+    row_of_stated_and_true_errors,
+    solve_fine_reference_by_hp_elements,
+    stated_over_true_error_of_row,
+    true_errors_of_response,
 )
 from picking import picked
 
@@ -26,7 +26,7 @@ QUICK = triangles.TRIANGLE_LEVELS[:1]
 
 
 def brake_of(seed: int, kind: str) -> Brake:
-    brake = draw_brake_of_holding_kind(seed, kind)
+    brake = draw_brake_of_support_kind(seed, kind)
     assert not brake.surface.straight
     return brake
 
@@ -34,7 +34,7 @@ def brake_of(seed: int, kind: str) -> Brake:
 @pytest.mark.parametrize("kind", ["rough abutment", pytest.param("cam", marks=pytest.mark.slow)])
 def test_another_solver_answers_alike(kind: str) -> None:
     brake = brake_of(3, kind)
-    (true,) = triangles.solve_sequence(brake, QUICK)
+    (true,) = triangles.solve_on_triangle_level_sequence(brake, QUICK)
     found = drumlin.solve(brake)
     assert found.torque == pytest.approx(math.fsum(picked(true, "torque")), rel=1e-4)
     for a, b in zip(found.shoes, true, strict=True):
@@ -50,14 +50,19 @@ def rows_of(kind: str, seeds: range, tolerance: float) -> list[dict[str, Any]]:
     rows = []
     for seed in seeds:
         brake = brake_of(seed, kind)
-        before, last = triangles.solve_sequence(brake, triangles.TRIANGLE_LEVELS[:2])
-        moved = true_errors(brake, before, last)
+        before, last = triangles.solve_on_triangle_level_sequence(
+            brake, triangles.TRIANGLE_LEVELS[:2]
+        )
+        moved = true_errors_of_response(brake, before, last)
         true = Truth(
             last,
-            {name: distance_from_limit(2 * moved[name], moved[name]) for name in JUDGED_QUANTITIES},
+            {
+                name: estimate_distance_from_limit(2 * moved[name], moved[name])
+                for name in JUDGED_QUANTITIES
+            },
             0.0,
         )
-        rows.append(stated_and_true_row(brake, tolerance, drumlin.solve, true))
+        rows.append(row_of_stated_and_true_errors(brake, tolerance, drumlin.solve, true))
     return rows
 
 
@@ -72,7 +77,7 @@ def test_what_a_solve_states_is_what_it_has(kind: str) -> None:
         assert one["outcome"] == "reached", one
         for name in ("pressure", "torque"):
             assert one[f"true_{name}"] - one[f"unsure_{name}"] < 1e-3, one
-            assert stated_over_true(one, name) > 0.5, one
+            assert stated_over_true_error_of_row(one, name) > 0.5, one
 
 
 @pytest.mark.slow
@@ -83,10 +88,12 @@ def test_an_opening_between_two_nodes_is_found_before_an_error_is_stated() -> No
     opening's ends the error of p would stay where its estimate falls.
     """
     brake = brake_of(79, "strut")
-    one = stated_and_true_row(brake, 1e-3, drumlin.solve, truth_by_hp_elements(brake, 1e-3))
+    one = row_of_stated_and_true_errors(
+        brake, 1e-3, drumlin.solve, solve_fine_reference_by_hp_elements(brake, 1e-3)
+    )
     assert len(drumlin.solve(brake, tolerance=0.02).shoes[0].contact_arcs) == 2
     for name in JUDGED_QUANTITIES:
-        assert stated_over_true(one, name) > 1, one
+        assert stated_over_true_error_of_row(one, name) > 1, one
 
 
 @pytest.mark.slow
@@ -97,7 +104,9 @@ def test_a_reaction_does_not_move_late() -> None:
     to go.
     """
     brake = brake_of(121, "guide")
-    one = stated_and_true_row(brake, 1e-2, drumlin.solve, truth_by_hp_elements(brake, 1e-3))
+    one = row_of_stated_and_true_errors(
+        brake, 1e-2, drumlin.solve, solve_fine_reference_by_hp_elements(brake, 1e-3)
+    )
     assert 5e-5 < one["true_reaction"] < 2e-4, one
     for name in JUDGED_QUANTITIES:
-        assert stated_over_true(one, name) > 1, one
+        assert stated_over_true_error_of_row(one, name) > 1, one

@@ -10,23 +10,26 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.fem.mesh.grading import points_graded_to_both_ends
-from drumlin.fem.substructure.body import scalar_basis, stiffness
-from drumlin.fem.substructure.interface import (
-    couple_with_counterface,
-    drum_directions,
-    make_contact_line,
+from drumlin.fem.substructure.body import (
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
 )
-from drumlin.response.resultants import integrate
+from drumlin.fem.substructure.interface import (
+    function_for_drum_normals_and_tangents,
+    make_contact_line_of_lining,
+    weak_coupling_of_contact_line,
+)
+from drumlin.response.resultants import integral_of_piecewise_polynomial
 from drumlin_studies import closed_forms
 from drumlin_studies.two_bodies import (
     LADDER_STEEL,
     BodyPair,
-    closed_ring_mesh,
-    coarse_contact_set,
-    condense_contact_body,
-    growing_steps_to,
-    sector_mesh,
-    symmetric_angles,
+    angles_graded_from_middle_to_both_ends,
+    condense_body_to_contact_nodes,
+    first_contact_set_from_coarse_problem,
+    plane_mesh_of_closed_ring,
+    plane_mesh_of_ring_sector,
+    points_with_steps_growing_to_end,
 )
 
 pytestmark = pytest.mark.slow
@@ -38,9 +41,12 @@ A = 0.005
 
 
 def half_plane(sign, per_half=20, material=LADDER_STEEL, end=0.5):
-    angles = symmetric_angles(2 * A, 4 * per_half, 1.35, end)
-    return condense_contact_body(
-        sector_mesh(angles, growing_steps_to(A / per_half, 1.3, 0.5), R, sign), material
+    angles = angles_graded_from_middle_to_both_ends(2 * A, 4 * per_half, 1.35, end)
+    return condense_body_to_contact_nodes(
+        plane_mesh_of_ring_sector(
+            angles, points_with_steps_growing_to_end(A / per_half, 1.3, 0.5), R, sign
+        ),
+        material,
     )
 
 
@@ -53,7 +59,7 @@ def half_planes():
 @pytest.fixture(scope="module")
 def hertz(half_planes):
     """Pressed along x, free along it."""
-    return BodyPair.of(*half_planes, motions="x")
+    return BodyPair.from_bodies(*half_planes, motions="x")
 
 
 def hertz_load(rho, E):
@@ -70,7 +76,9 @@ def test_hertz(hertz):
     P = hertz_load(rho, E)
     s = R * hertz.angle
     problem = hertz.normal(s**2 / (2 * rho), [P])
-    found = active_set.solve_contact_problem(problem, coarse_contact_set(problem))
+    found = active_set.solve_contact_problem(
+        problem, first_contact_set_from_coarse_problem(problem)
+    )
     p0 = math.sqrt(P * E / (math.pi * rho))
     exact = p0 * np.sqrt(np.maximum(1 - (s / A) ** 2, 0))
     assert found.steps <= 15
@@ -80,7 +88,7 @@ def test_hertz(hertz):
     assert np.abs(found.p - exact)[inside].max() < 4e-3 * p0
     edge = s[found.p > 0]
     assert 0.5 * (edge.max() - edge.min()) == pytest.approx(A, abs=A / 20)
-    assert integrate(s, found.p, 2) == pytest.approx(P, rel=1e-4)
+    assert integral_of_piecewise_polynomial(s, found.p, 2) == pytest.approx(P, rel=1e-4)
 
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
@@ -93,12 +101,14 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     P = hertz_load(rho, E)
     s = R * hertz.angle
     problem = hertz.normal(s**2 / (2 * rho), [P])
-    touching = active_set.solve_contact_problem(problem, coarse_contact_set(problem)).active
-    hertz = BodyPair.of(*half_planes, motions="xy")
+    touching = active_set.solve_contact_problem(
+        problem, first_contact_set_from_coarse_problem(problem)
+    ).active
+    hertz = BodyPair.from_bodies(*half_planes, motions="xy")
     rest = stick_slip.SlipHistory(np.zeros(len(s)), np.zeros(len(s)))
     start = np.where(touching, stick_slip.STICK, stick_slip.OPEN)
     first = stick_slip.solve_load_increment(
-        hertz.frictional(s**2 / (2 * rho), [P, 0.0]), mu, rest, start
+        hertz.frictional_contact_problem(s**2 / (2 * rho), [P, 0.0]), mu, rest, start
     )
     inner = np.abs(s) < 0.8 * A
     # Equal bodies have no traction from pressing alone.
@@ -106,9 +116,9 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     increment = first
     for step in np.linspace(0, share, 5)[1:]:
         increment = stick_slip.solve_load_increment(
-            hertz.frictional(s**2 / (2 * rho), [P, step * mu * P]),
+            hertz.frictional_contact_problem(s**2 / (2 * rho), [P, step * mu * P]),
             mu,
-            increment.history,
+            increment.history_for_next_increment,
             increment.state,
         )
     assert {stick_slip.OPEN, stick_slip.STICK} <= set(increment.state)
@@ -128,7 +138,9 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     )
     away = (np.abs(np.abs(s) - c) > 0.12 * A) & (np.abs(s) < 0.9 * A)
     assert np.abs(np.abs(increment.t) - exact)[away].max() < 0.02 * mu * p0
-    assert abs(integrate(s, increment.t, 2)) == pytest.approx(share * mu * P, rel=1e-3)
+    assert abs(integral_of_piecewise_polynomial(s, increment.t, 2)) == pytest.approx(
+        share * mu * P, rel=1e-3
+    )
 
 
 def disc_in_hole(eps, count=50):
@@ -144,13 +156,19 @@ def disc_in_hole(eps, count=50):
         rest = points_graded_to_both_ends(eps, 2 * math.pi - eps, count, 0.4, eps / 200)
         return np.concatenate([inner, rest[1:-1]])
 
-    disc = condense_contact_body(
-        closed_ring_mesh(angles(count), growing_steps_to(0.01, 1.18, 0.985), R, -1), LADDER_STEEL
+    disc = condense_body_to_contact_nodes(
+        plane_mesh_of_closed_ring(
+            angles(count), points_with_steps_growing_to_end(0.01, 1.18, 0.985), R, -1
+        ),
+        LADDER_STEEL,
     )
-    plate = condense_contact_body(
-        closed_ring_mesh(angles(count + 7), growing_steps_to(0.01, 1.2, 39.0), R, 1), LADDER_STEEL
+    plate = condense_body_to_contact_nodes(
+        plane_mesh_of_closed_ring(
+            angles(count + 7), points_with_steps_growing_to_end(0.01, 1.2, 39.0), R, 1
+        ),
+        LADDER_STEEL,
     )
-    return BodyPair.of(disc, plate, motions="x")
+    return BodyPair.from_bodies(disc, plate, motions="x")
 
 
 @pytest.mark.parametrize("half_angle", [20, 40, 60, 75, 85])
@@ -159,13 +177,20 @@ def test_disc_in_a_hole_of_the_same_material(half_angle):
     b, Q = math.tan(math.radians(half_angle) / 2), 1e6
     pair = disc_in_hole(math.radians(half_angle))
     theta = pair.angle
-    gap = closed_forms.persson_clearance(b) * Q / LADDER_STEEL.E * (1 - np.cos(theta))
+    gap = (
+        closed_forms.persson_clearance_of_disc_in_hole(b) * Q / LADDER_STEEL.E * (1 - np.cos(theta))
+    )
     problem = pair.normal(gap, [Q])
-    found = active_set.solve_contact_problem(problem, coarse_contact_set(problem))
-    exact = closed_forms.persson_pressure(b, theta) * Q / R
+    found = active_set.solve_contact_problem(
+        problem, first_contact_set_from_coarse_problem(problem)
+    )
+    exact = closed_forms.persson_pressure_of_disc_in_hole(b, theta) * Q / R
     middle = np.argmin(np.abs(theta))
     assert found.p[middle] == pytest.approx(exact[middle], rel=5e-3)
-    error = math.sqrt(integrate(theta, (found.p - exact) ** 2, 2) / integrate(theta, exact**2, 2))
+    error = math.sqrt(
+        integral_of_piecewise_polynomial(theta, (found.p - exact) ** 2, 2)
+        / integral_of_piecewise_polynomial(theta, exact**2, 2)
+    )
     assert error < 5e-3
     touching = theta[found.p > 0]
     assert math.degrees(0.5 * (touching.max() - touching.min())) == pytest.approx(
@@ -176,14 +201,14 @@ def test_disc_in_a_hole_of_the_same_material(half_angle):
 
 def ring_pair(count=48, other=60):
     """A ring held inside, pressed by a ring held outside, on meshes that do not match."""
-    inner = condense_contact_body(
-        closed_ring_mesh(
+    inner = condense_body_to_contact_nodes(
+        plane_mesh_of_closed_ring(
             np.linspace(-math.pi, math.pi, count + 1)[:-1], np.linspace(0, 0.4, 5), R, -1
         ),
         LADDER_STEEL,
     )
-    outer = condense_contact_body(
-        closed_ring_mesh(
+    outer = condense_body_to_contact_nodes(
+        plane_mesh_of_closed_ring(
             np.linspace(-math.pi, math.pi, other + 1)[:-1] + 0.01, np.linspace(0, 0.5, 6), R, 1
         ),
         LADDER_STEEL,
@@ -194,18 +219,25 @@ def ring_pair(count=48, other=60):
 def test_swapping_sides_changes_nothing_beyond_discretisation():
     """The pressure carried by the inner or by the outer ring's nodes: the same field."""
     inner, outer = ring_pair(120, 97)
-    one, two = BodyPair.of(inner, outer), BodyPair.of(outer, inner, sign=-1)
+    one, two = BodyPair.from_bodies(inner, outer), BodyPair.from_bodies(outer, inner, sign=-1)
 
     def gap(angle):
         return 1e-4 * (np.cos(angle) - 0.3)
 
-    a = active_set.solve_contact_problem(one.normal(gap(one.angle)))
-    b = active_set.solve_contact_problem(two.normal(gap(two.angle)))
+    a = active_set.solve_contact_problem(
+        one.frictionless_contact_problem(gap(one.contact_node_angles))
+    )
+    b = active_set.solve_contact_problem(
+        two.frictionless_contact_problem(gap(two.contact_node_angles))
+    )
     assert 0.2 < (a.p > 0).mean() < 0.8
     # The touching side of the disc is where the cosine is -1, at pi.
     theta = np.linspace(2.2, 4.0, 50) - math.pi
     theta = np.where(theta > 0, theta - math.pi, theta + math.pi)
-    pa, pb = (np.interp(theta, x.angle, f.p, period=2 * math.pi) for x, f in ((one, a), (two, b)))
+    pa, pb = (
+        np.interp(theta, x.contact_node_angles, f.p, period=2 * math.pi)
+        for x, f in ((one, a), (two, b))
+    )
     assert pa == pytest.approx(pb, abs=3e-3 * a.p.max())
 
 
@@ -217,20 +249,30 @@ def wavy(mean_share, m=40):
     """
     count = 12 * m
     angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
-    depths = growing_steps_to(2 * math.pi / count, 1.25, 0.5)
+    depths = points_with_steps_growing_to_end(2 * math.pi / count, 1.25, 0.5)
     inner, outer = (
-        condense_contact_body(closed_ring_mesh(angles, depths, R, sign), LADDER_STEEL)
+        condense_body_to_contact_nodes(
+            plane_mesh_of_closed_ring(angles, depths, R, sign), LADDER_STEEL
+        )
         for sign in (-1, 1)
     )
-    pair = BodyPair.of(inner, outer)
+    pair = BodyPair.from_bodies(inner, outer)
     soft = sum(
-        abs(closed_forms.ring_compliance(0, 1.0, held, LADDER_STEEL.E, LADDER_STEEL.nu))
+        abs(
+            closed_forms.ring_displacement_per_harmonic_pressure(
+                0, 1.0, held, LADDER_STEEL.E, LADDER_STEEL.nu
+            )
+        )
         for held in (0.5, 1.5)
     )
     amplitude = 1e-6
     p_star = math.pi * (LADDER_STEEL.E / 2) * amplitude * m / (2 * math.pi * R) * 1.0
-    gap = amplitude * (1 - np.cos(m * pair.angle)) - mean_share * p_star * soft - amplitude
-    return pair, active_set.solve_contact_problem(pair.normal(gap)), p_star
+    gap = (
+        amplitude * (1 - np.cos(m * pair.contact_node_angles))
+        - mean_share * p_star * soft
+        - amplitude
+    )
+    return pair, active_set.solve_contact_problem(pair.frictionless_contact_problem(gap)), p_star
 
 
 def test_westergaard_full_contact():
@@ -250,7 +292,9 @@ def test_westergaard_partial_contact():
     """
     pair, found, p_star = wavy(0.2)
     m = 40
-    mean = integrate(pair.angle, found.p, 2) / (pair.angle[-1] - pair.angle[0])
+    mean = integral_of_piecewise_polynomial(pair.angle, found.p, 2) / (
+        pair.angle[-1] - pair.angle[0]
+    )
     psi = 0.5 * (np.mod(m * pair.angle + math.pi, 2 * math.pi) - math.pi)
     share = mean / p_star
     assert 0.05 < share < 0.95
@@ -262,11 +306,15 @@ def test_westergaard_partial_contact():
 
 def test_lame_ring_under_inner_pressure():
     """a = .1, b = .2 m, p = 60 MPa, E = 200 GPa, nu = .3: u(a) = 5.90e-5, u(b) = 4.00e-5 m."""
-    mesh = closed_ring_mesh(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
-    basis = scalar_basis(mesh)
-    K = stiffness(basis, {"body": ElasticLayer.of(Material(E=200e9, nu=0.3), 0.02)}).tolil()
-    line = make_contact_line(basis, mesh.boundaries["contact"], 0.0)
-    coupling = couple_with_counterface(line, 0.02, drum_directions(1))
+    mesh = plane_mesh_of_closed_ring(
+        np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1
+    )
+    basis = scalar_finite_element_basis_of_mesh(mesh)
+    K = sparse_stiffness_of_body(
+        basis, {"body": ElasticLayer.of(Material(E=200e9, nu=0.3), 0.02)}
+    ).tolil()
+    line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], 0.0)
+    coupling = weak_coupling_of_contact_line(line, 0.02, function_for_drum_normals_and_tangents(1))
     f = np.zeros(2 * basis.N)
     force = (coupling.N.T @ np.full(len(line.nodes), 60e6)).reshape(-1, 2)
     f[2 * line.nodes], f[2 * line.nodes + 1] = force.T

@@ -11,12 +11,15 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
-from drumlin.fem.substructure.body import scalar_basis, stiffness
+from drumlin.fem.substructure.body import (
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
+)
 from drumlin_studies.two_bodies import (
     BodyPair,
-    condense_contact_body,
-    growing_steps_to,
-    sector_mesh,
+    condense_body_to_contact_nodes,
+    plane_mesh_of_ring_sector,
+    points_with_steps_growing_to_end,
 )
 
 pytestmark = pytest.mark.slow
@@ -57,8 +60,8 @@ def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
         if raise_ is not None:
             mesh = raise_.from_mesh(mesh)
         mesh = mesh.with_subdomains({"shoe": np.arange(mesh.nelements)})
-        basis = scalar_basis(mesh)
-        K = stiffness(basis, {"shoe": ElasticLayer.of(Material(E=E, nu=nu), 1.0)})
+        basis = scalar_finite_element_basis_of_mesh(mesh)
+        K = sparse_stiffness_of_body(basis, {"shoe": ElasticLayer.of(Material(E=E, nu=nu), 1.0)})
         points = np.asarray(basis.global_coordinates())
         f = np.zeros((basis.N, 2))
         for psi, dofs in zip(basis.basis, basis.element_dofs, strict=True):
@@ -88,11 +91,13 @@ def strip():
     Elements shrink to 1e-7 of its thickness towards its ends and its face.
     """
     thickness, half = 0.05, 0.1
-    fine = growing_steps_to(1e-8, 1.35, half)
+    fine = points_with_steps_growing_to_end(1e-8, 1.35, half)
     angles = np.concatenate([-half + fine, (half - fine)[::-1][1:]])
-    return thickness, BodyPair.of(
-        condense_contact_body(
-            sector_mesh(angles, growing_steps_to(1e-8, 1.35, thickness), 1.0, -1),
+    return thickness, BodyPair.from_bodies(
+        condense_body_to_contact_nodes(
+            plane_mesh_of_ring_sector(
+                angles, points_with_steps_growing_to_end(1e-8, 1.35, thickness), 1.0, -1
+            ),
             Material(E=3e8, nu=0.3),
         ),
         None,

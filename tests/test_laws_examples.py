@@ -12,17 +12,25 @@ import pytest
 from pytest import approx
 
 from drumlin import Brake, NoAnswer, Response
-from drumlin.brake.file import brake_from, vary
-from drumlin.laws import LAWS, Layout, locking_friction
-from drumlin.laws.shapes import equivalent_friction, m_and_n, pivot_radius
+from drumlin.brake.file import make_drum_brake_from_data, vary
+from drumlin.laws import LAWS, Layout, self_locking_friction_of_hinged_shoe
+from drumlin.laws.shapes import (
+    pivot_radius_for_cosine_pressure,
+    ratio_of_equivalent_friction,
+    short_shoe_moments_over_torque,
+)
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
-from drumlin.response.merit import double_delta, rated, sensitivity
+from drumlin.response.merit import (
+    brake_scaled_to_peak_pressure,
+    sign_of_friction_moment_double_delta,
+    torque_sensitivity_by_differences,
+)
 from drumlin_studies.textbook_brakes import (
     TEXTBOOK_LINING,
-    hinged_pad_brake,
-    hinged_shoe_brake,
-    lever_block_brake,
+    brake_with_block_on_lever,
+    brake_with_one_hinged_pad,
+    brake_with_one_hinged_shoe,
 )
 from picking import picked
 
@@ -67,7 +75,7 @@ def shigley_16_2() -> Brake:
                 },
             }
         )
-    return brake_from(
+    return make_drum_brake_from_data(
         {
             "title": "16-2",
             "rotation": "clockwise",
@@ -80,7 +88,7 @@ def shigley_16_2() -> Brake:
 
 def test_shigley_example_16_2_internal_shoes_from_the_permissible_pressure() -> None:
     """Shigley, example 16-2 [C]: forces, torques and pins at p_a = 1000 kPa on the helped shoe."""
-    brake = rated(shigley_16_2(), MODELS["sine"].solve, 1e6)
+    brake = brake_scaled_to_peak_pressure(shigley_16_2(), MODELS["sine"].solve, 1e6)
     helped, opposed = solve("sine", brake).shoes
     assert brake.shoes[0].actuation.force == approx(2279.06, abs=0.005)
     assert (helped.torque, opposed.torque) == (approx(365.826, abs=5e-4), approx(161.935, abs=5e-4))
@@ -91,7 +99,7 @@ def test_shigley_example_16_2_internal_shoes_from_the_permissible_pressure() -> 
     assert np.linalg.norm(opposed.hinge_reaction) == approx(864.6, abs=0.05)
     assert helped.self_energising
     assert not opposed.self_energising
-    assert locking_friction(brake, brake.shoes[0]) == approx(0.82830, abs=5e-6)
+    assert self_locking_friction_of_hinged_shoe(brake, brake.shoes[0]) == approx(0.82830, abs=5e-6)
 
 
 def test_shigley_problem_16_1_from_the_force() -> None:
@@ -120,7 +128,7 @@ def test_shigley_problem_16_1_from_the_force() -> None:
     assert second.peak_pressure == approx(381.959e3, abs=0.5)
     assert np.linalg.norm(first.hinge_reaction) == approx(4247.3, abs=0.05)
     assert np.linalg.norm(second.hinge_reaction) == approx(942.4, abs=0.05)
-    assert locking_friction(brake, brake.shoes[0]) == approx(0.88681, abs=5e-6)
+    assert self_locking_friction_of_hinged_shoe(brake, brake.shoes[0]) == approx(0.88681, abs=5e-6)
 
 
 def test_bhandari_12_7_pivoted_block() -> None:
@@ -129,9 +137,9 @@ def test_bhandari_12_7_pivoted_block() -> None:
     The pivot lies where the pressure is p_0 cos.
     """
     R, half = 0.25, radians(50)
-    h = float(pivot_radius(R, half))
+    h = float(pivot_radius_for_cosine_pressure(R, half))
     assert h * 1e3 == approx(280.588279, abs=5e-7)
-    lever = hinged_shoe_brake(
+    lever = brake_with_one_hinged_shoe(
         R=R,
         a=0.45,
         arc=(radians(30), radians(130)),
@@ -141,7 +149,9 @@ def test_bhandari_12_7_pivoted_block() -> None:
         width=0.1,
         pivot=(h, radians(80)),
     )
-    (shoe,) = solve("pivoted", rated(lever, MODELS["pivoted"].solve, 0.5e6)).shoes
+    (shoe,) = solve(
+        "pivoted", brake_scaled_to_peak_pressure(lever, MODELS["pivoted"].solve, 0.5e6)
+    ).shoes
     assert shoe.torque * 1e3 == approx(957555.554, abs=5e-4)
     assert shoe.pivot_reaction is not None
     along = np.array([cos(radians(80)), sin(radians(80))])
@@ -157,9 +167,9 @@ def test_bhandari_12_8_internal_shoes() -> None:
     moment = 100.0
     a = math.hypot(0.0866, 0.05)
     shoe = {"R": 0.125, "a": a, "arc": (0.0, radians(120)), "mu": 0.32, "width": 0.04}
-    helped = hinged_shoe_brake(**shoe, moment=moment, spin=-1)
-    helped = rated(helped, MODELS["sine"].solve, 1e6)
-    opposed = hinged_shoe_brake(**shoe, moment=helped.shoes[0].actuation.force, spin=1)
+    helped = brake_with_one_hinged_shoe(**shoe, moment=moment, spin=-1)
+    helped = brake_scaled_to_peak_pressure(helped, MODELS["sine"].solve, 1e6)
+    opposed = brake_with_one_hinged_shoe(**shoe, moment=helped.shoes[0].actuation.force, spin=1)
     torque = solve("sine", helped).torque + solve("sine", opposed).torque
     # The force has an arm of one unit.
     assert helped.shoes[0].actuation.force / 0.1875 == approx(2089.795894, rel=1e-9)
@@ -174,11 +184,11 @@ def test_block_on_a_lever_with_the_equivalent_friction(
 
     The printed torques [P] come from a rounded mu' = 0.385.
     """
-    brake = lever_block_brake(
+    brake = brake_with_block_on_lever(
         R=0.125, arm=0.45, x=0.2, a=0.05, P=700.0, mu=0.35, half=radians(45), spin=spin
     )
     response = solve("block", brake)
-    assert 0.35 * equivalent_friction(radians(45)) == approx(0.3850750, abs=5e-8)
+    assert 0.35 * ratio_of_equivalent_friction(radians(45)) == approx(0.3850750, abs=5e-8)
     assert response.torque == approx(torque, rel=C)
     rounded = 0.385 * 700 * 0.45 / (0.2 - spin * 0.385 * 0.05) * 0.125
     assert rounded == approx(printed, abs=0.005)
@@ -191,8 +201,8 @@ def test_cosine_law_of_the_same_block_by_exact_statics() -> None:
     The equivalent friction is mu' N at R instead.
     """
     R, x, a, mu, half = 0.125, 0.2, 0.05, 0.35, radians(45)
-    brake = lever_block_brake(R=R, arm=0.45, x=x, a=a, P=700.0, mu=mu, half=half, spin=1)
-    psi = float(equivalent_friction(half))
+    brake = brake_with_block_on_lever(R=R, arm=0.45, x=x, a=a, P=700.0, mu=mu, half=half, spin=1)
+    psi = float(ratio_of_equivalent_friction(half))
     N = 700.0 * 0.45 / (x - mu * (R + a - psi * R))
     response = solve("cosine", brake)
     assert response.torque == approx(mu * psi * R * N, rel=1e-12)
@@ -205,7 +215,7 @@ def test_cosine_law_of_the_same_block_by_exact_statics() -> None:
 )
 def test_equivalent_friction(half: float, ratio: float) -> None:
     """NPTEL lesson 12.1, mu' [C]; 1.0453 at 30 deg [P]."""
-    assert equivalent_friction(radians(half)) == approx(ratio, abs=5e-7)
+    assert ratio_of_equivalent_friction(radians(half)) == approx(ratio, abs=5e-7)
 
 
 @pytest.mark.parametrize(("spin", "a"), ((1, 0.2), (-1, -0.2)))
@@ -214,7 +224,7 @@ def test_gate_short_shoe(spin, a) -> None:
 
     Drum 500 mm, lever 1000 mm, block at 500 mm, pin 200 mm off the line of friction.
     """
-    brake = lever_block_brake(
+    brake = brake_with_block_on_lever(
         R=0.25, arm=1.0, x=0.5, a=a, P=100.0, mu=0.35, half=radians(10), spin=spin
     )
     response = solve("short", brake)
@@ -280,7 +290,7 @@ def test_uwa_translational_short_shoe_both_directions() -> None:
     """UWA notes, eq. iii: N = M/(a +- mu h), + where the drum drags the lining off the hinge."""
     M, h, mu, x = 90.0, 0.06, 0.4, 0.13
     for sliding, sign in (("+x", 1), ("-x", -1)):
-        brake = hinged_pad_brake(h=h, span=(0.1, 0.16), moment=M, mu=mu, sliding=sliding)
+        brake = brake_with_one_hinged_pad(h=h, span=(0.1, 0.16), moment=M, mu=mu, sliding=sliding)
         response = solve("short", brake)
         assert response.shoes[0].normal_force == approx(M / (x + sign * mu * h), rel=1e-12)
         assert response.shoes[0].self_energising == (sign < 0)
@@ -294,7 +304,9 @@ def test_uwa_translational_long_shoe() -> None:
     M, h, mu, x1, x2, w = 90.0, 0.06, 0.4, 0.05, 0.2, 0.03
     (shoe,), (merit,) = (
         (
-            r := solve("linear", hinged_pad_brake(h=h, span=(x1, x2), moment=M, mu=mu, width=w))
+            r := solve(
+                "linear", brake_with_one_hinged_pad(h=h, span=(x1, x2), moment=M, mu=mu, width=w)
+            )
         ).shoes,
         r.merits,
     )
@@ -316,12 +328,12 @@ def test_uwa_short_rotational_shoe_in_the_general_form(side: str, spin: int) -> 
     """
     r, a, theta_m, mu, M = 0.2, 0.25, radians(75), 0.3, 50.0
     arc = (theta_m - 0.05, theta_m + 0.05)
-    brake = hinged_shoe_brake(R=r, a=a, arc=arc, moment=M, mu=mu, side=side, spin=spin)
-    m, n = m_and_n(mu, theta_m, r, a)
+    brake = brake_with_one_hinged_shoe(R=r, a=a, arc=arc, moment=M, mu=mu, side=side, spin=spin)
+    m, n = short_shoe_moments_over_torque(mu, theta_m, r, a)
     # The lining lies counter-clockwise of the hinge.
     dragged_away = spin > 0
     dD = 1 if dragged_away == (side == "external") else -1
-    assert double_delta(brake, brake.shoes[0]) == dD
+    assert sign_of_friction_moment_double_delta(brake, brake.shoes[0]) == dD
     response = solve("short", brake)
     (shoe,), (merit,) = response.shoes, response.merits
     assert shoe.normal_force == approx(M / (mu * r * (m - dD * n)), rel=1e-12)
@@ -344,7 +356,7 @@ def test_two_separately_actuated_short_shoes() -> None:
     for name, turned, moment in (("helped", -math.pi / 2, 60.0), ("opposed", -math.pi / 2, 40.0)):
         hand = 1 if name == "helped" else -1
         shoes.append(
-            hinged_shoe_brake(
+            brake_with_one_hinged_shoe(
                 R=0.2,
                 a=0.2,
                 arc=(radians(88), radians(92)),
@@ -357,7 +369,9 @@ def test_two_separately_actuated_short_shoes() -> None:
             .shoes[0]
             .model_copy(update={"name": name})
         )
-    one = hinged_shoe_brake(R=0.2, a=0.2, arc=(1.0, 2.0), moment=1.0, mu=0.25, side="external")
+    one = brake_with_one_hinged_shoe(
+        R=0.2, a=0.2, arc=(1.0, 2.0), moment=1.0, mu=0.25, side="external"
+    )
     brake = one.model_copy(update={"shoes": tuple(shoes)})
     response = solve("short", brake)
     helped, opposed = response.shoes
@@ -371,7 +385,7 @@ def test_two_separately_actuated_short_shoes() -> None:
     S = [1 / (1 - 0.25), 1 / (1 + 0.25)]
     assert picked(response.merits, "sensitivity_at_fixed_shape") == approx(S, rel=1e-9)
     pair = (20 * S[0] + 8 * S[1]) / 28
-    assert sensitivity(brake, MODELS["short"].solve) == approx(pair, rel=1e-6)
+    assert torque_sensitivity_by_differences(brake, MODELS["short"].solve) == approx(pair, rel=1e-6)
 
 
 def test_nptel_external_long_shoes() -> None:
@@ -384,7 +398,7 @@ def test_nptel_external_long_shoes() -> None:
     M_f = mu * p0 * b * R * (R * (cos(th1) - cos(th2)) - delta / 4 * (cos(2 * th1) - cos(2 * th2)))
     T = mu * p0 * b * R**2 * (cos(th1) - cos(th2))
     for spin, moment in ((1, M_p - M_f), (-1, M_p + M_f)):
-        brake = hinged_shoe_brake(
+        brake = brake_with_one_hinged_shoe(
             R=R, a=delta, arc=(th1, th2), moment=moment, mu=mu, side="external", spin=spin, width=b
         )
         (shoe,) = solve("sine", brake).shoes
@@ -392,10 +406,10 @@ def test_nptel_external_long_shoes() -> None:
         assert shoe.torque == approx(T, rel=1e-12)
         assert shoe.self_energising == (spin > 0)
     # internal shoes: the same two moments with the rotations exchanged
-    inside = hinged_shoe_brake(
+    inside = brake_with_one_hinged_shoe(
         R=R, a=0.18, arc=(th1, th2), moment=100.0, mu=mu, side="internal", spin=1
     )
-    outside = hinged_shoe_brake(
+    outside = brake_with_one_hinged_shoe(
         R=R, a=0.18, arc=(th1, th2), moment=100.0, mu=mu, side="external", spin=-1
     )
     assert solve("sine", inside).torque == approx(solve("sine", outside).torque, rel=1e-12)
@@ -413,10 +427,10 @@ def test_nptel_back_stop_locks_one_way_only() -> None:
         "half": radians(20),
     }
     with pytest.raises(NoAnswer, match=r"self-locking, friction 0.35 is not below mu_lock = 0.19"):
-        solve("block", lever_block_brake(**block, spin=1))
-    assert solve("block", lever_block_brake(**block, spin=-1)).torque > 0
+        solve("block", brake_with_block_on_lever(**block, spin=1))
+    assert solve("block", brake_with_block_on_lever(**block, spin=-1)).torque > 0
     # a force that lifts the locking lever off is an answer: no contact
-    lifted = vary(lever_block_brake(**block, spin=1), {"shoe.actuation.force": -700.0})
+    lifted = vary(brake_with_block_on_lever(**block, spin=1), {"shoe.actuation.force": -700.0})
     assert solve("block", lifted).torque == 0.0
 
 
@@ -425,7 +439,7 @@ def test_double_block_brake_takes_the_load_off_the_shaft() -> None:
 
     With the pins on the lines of friction no load is left.
     """
-    one = lever_block_brake(
+    one = brake_with_block_on_lever(
         R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1
     )
     shoe = one.shoes[0]
@@ -448,7 +462,7 @@ def test_pivot_off_the_middle_leaves_no_moment_about_it() -> None:
     The shoe's equilibrium about G by quadrature of the response's own p, tractions written out
     here.
     """
-    brake = hinged_shoe_brake(
+    brake = brake_with_one_hinged_shoe(
         R=0.25,
         a=0.45,
         arc=(radians(30), radians(130)),
@@ -479,7 +493,7 @@ def test_layouts_broadcast() -> None:
     for law in LAWS.values():
         grid = law.torque(100.0, mu, Layout(0.1, phi_2, 0.15, 0.125, 1))
         assert grid.shape == (7, 3)
-        brake = hinged_shoe_brake(
+        brake = brake_with_one_hinged_shoe(
             R=0.15, a=0.125, arc=(0.1, phi_2[1]), moment=100.0, mu=mu[3, 0], spin=-1
         )
         assert grid[3, 1] == approx(solve(law.name, brake).torque, rel=1e-12)

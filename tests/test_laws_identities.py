@@ -13,14 +13,18 @@ from pytest import approx
 from drumlin import Brake, NoAnswer, vary
 from drumlin.laws import LAWS, Layout, pivoted
 from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout
-from drumlin.laws.hinged import layout
-from drumlin.laws.shapes import pivot_radius
+from drumlin.laws.hinged import angles_and_radii_of_hinged_shoe
+from drumlin.laws.shapes import pivot_radius_for_cosine_pressure
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
-from drumlin.response.balance import shoe_balance
-from drumlin.response.merit import barecki_shoe_factor, double_delta, sensitivity
+from drumlin.response.balance import relative_imbalance_of_shoe
+from drumlin.response.merit import (
+    barecki_shoe_factor,
+    sign_of_friction_moment_double_delta,
+    torque_sensitivity_by_differences,
+)
 from drumlin.response.response import ShoeResponse
-from drumlin_studies.textbook_brakes import hinged_pad_brake, hinged_shoe_brake
+from drumlin_studies.textbook_brakes import brake_with_one_hinged_pad, brake_with_one_hinged_shoe
 
 many = settings(
     max_examples=2 * settings.default.max_examples, suppress_health_check=[HealthCheck.too_slow]
@@ -52,7 +56,7 @@ def layouts(draw: st.DrawFn) -> Layout:
 @st.composite
 def brakes(draw: st.DrawFn) -> Brake:
     """A hinged shoe at any angle, either hand and side, with friction below and above mu_lock."""
-    return hinged_shoe_brake(
+    return brake_with_one_hinged_shoe(
         R=draw(st.floats(0.05, 2.0)),
         a=draw(st.floats(0.05, 3.0)),
         arc=draw(arcs()),
@@ -93,12 +97,14 @@ def test_response_balances_by_integrating_its_own_pressure(brake: Brake, name: s
     data = brake.shoes[0]
     largest = max(
         np.linalg.norm(force),
-        np.linalg.norm(data.actuation.vector),
+        np.linalg.norm(data.actuation.force_vector),
         np.linalg.norm(shoe.hinge_reaction),
     )
-    assert np.linalg.norm(force + data.actuation.vector + shoe.hinge_reaction) < 1e-7 * largest
+    assert (
+        np.linalg.norm(force + data.actuation.force_vector + shoe.hinge_reaction) < 1e-7 * largest
+    )
     about_hinge = moment - (data.hinge.x * force[1] - data.hinge.y * force[0])
-    actuation = data.actuation.moment_about(data.hinge)
+    actuation = data.actuation.moment_of_force_about_point(data.hinge)
     assert abs(about_hinge + actuation) < 1e-6 * max(
         abs(moment), abs(actuation), largest * data.hinge.radius
     )
@@ -127,15 +133,17 @@ def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None
         np.array([math.cos(middle), math.sin(middle)]),
         np.array([-math.sin(middle), math.cos(middle)]),
     )
-    contact = -data.sign * N * e_r + brake.spin * F * e_t
+    contact = -data.sign * N * e_r + brake.sign_of_motion * F * e_t
     largest = max(N, F, np.linalg.norm(shoe.hinge_reaction))
-    assert np.linalg.norm(contact + data.actuation.vector + shoe.hinge_reaction) < 1e-7 * largest
+    assert (
+        np.linalg.norm(contact + data.actuation.force_vector + shoe.hinge_reaction) < 1e-7 * largest
+    )
     arm = brake.size * e_r - data.hinge.xy
     moment = arm[0] * contact[1] - arm[1] * contact[0]
-    actuation = data.actuation.moment_about(data.hinge)
+    actuation = data.actuation.moment_of_force_about_point(data.hinge)
     assert abs(moment + actuation) < 1e-7 * max(largest * np.linalg.norm(arm), abs(actuation))
     assert shoe.torque == approx(F * brake.size, rel=1e-7)
-    balance = shoe_balance(brake, 0, shoe)
+    balance = relative_imbalance_of_shoe(brake, 0, shoe)
     assert balance.force < 1e-12
     assert balance.moment < 1e-11
 
@@ -146,10 +154,10 @@ def test_sensitivity_is_the_derivative_of_the_mechanical_advantage(
     arc: Layout, name: str, mu: float
 ) -> None:
     law, h = LAWS[name], 1e-5
-    assume(mu < 0.9 * law.locking_friction(arc))
-    eta = [float(law.mechanical_advantage(mu * (1 + k * h), arc)) for k in (-1, 0, 1)]
+    assume(mu < 0.9 * law.self_locking_friction(arc))
+    eta = [float(law.torque_over_actuation_moment(mu * (1 + k * h), arc)) for k in (-1, 0, 1)]
     slope = (eta[2] - eta[0]) / (2 * h * eta[1])
-    assert law.sensitivity(mu, arc) == approx(slope, rel=1e-6)
+    assert law.sensitivity_to_friction(mu, arc) == approx(slope, rel=1e-6)
 
 
 @many
@@ -158,18 +166,18 @@ def test_merits_of_a_response_are_those_of_the_formula(brake: Brake, name: str) 
     assume(brake.friction > 1e-3)
     unlocked(name, brake)
     (merit,) = MODELS[name].solve(brake).merits
-    law, arc = LAWS[name], layout(brake, brake.shoes[0])
+    law, arc = LAWS[name], angles_and_radii_of_hinged_shoe(brake, brake.shoes[0])
     assert merit.mechanical_advantage == approx(
-        float(law.mechanical_advantage(brake.friction, arc)), rel=1e-8
+        float(law.torque_over_actuation_moment(brake.friction, arc)), rel=1e-8
     )
     assert merit.sensitivity_at_fixed_shape == approx(
-        float(law.sensitivity(brake.friction, arc)), rel=1e-8
+        float(law.sensitivity_to_friction(brake.friction, arc)), rel=1e-8
     )
     assert merit.mechanical_advantage == approx(
         1 / (merit.m - merit.double_delta * merit.n), rel=1e-6
     )
-    assert sensitivity(brake, MODELS[name].solve) == approx(
-        float(law.sensitivity(brake.friction, arc)), rel=1e-2
+    assert torque_sensitivity_by_differences(brake, MODELS[name].solve) == approx(
+        float(law.sensitivity_to_friction(brake.friction, arc)), rel=1e-2
     )
 
 
@@ -183,7 +191,7 @@ def test_shoe_factor_by_barecki_from_the_position_of_the_resultant(brake: Brake,
     shoe, R = brake.shoes[0], brake.size
     angle = float(shoe.frame.phi(np.array(merit.resultant_angle)))
     # Friction on the shoe points from the hinge to the loaded end.
-    up = brake.spin * shoe.frame.sense
+    up = brake.sign_of_motion * shoe.frame.sense
     leading = up if shoe.side == "external" else -up
     S = barecki_shoe_factor(
         brake.friction, angle, merit.friction_radius, shoe.hinge.radius / R, 1.0 / R, leading
@@ -201,11 +209,11 @@ def test_every_law_becomes_the_short_shoe_as_the_arc_shrinks(
     for half in (0.02, 0.01):
         arc = Layout(middle - half, middle + half, R, a, dD)
         short = LAWS["short"]
-        assume(mu < 0.7 * short.locking_friction(arc))
-        eta = float(short.mechanical_advantage(mu, arc))
+        assume(mu < 0.7 * short.self_locking_friction(arc))
+        eta = float(short.torque_over_actuation_moment(mu, arc))
         for name, law in LAWS.items():
             errors.setdefault(name, []).append(
-                abs(float(law.mechanical_advantage(mu, arc)) / eta - 1)
+                abs(float(law.torque_over_actuation_moment(mu, arc)) / eta - 1)
             )
     del errors["short"]
     assert len(errors) == 4
@@ -223,7 +231,7 @@ def test_external_is_internal_with_all_forces_reversed(brake: Brake, name: str) 
     other = vary(
         brake,
         {
-            "rotation": "clockwise" if brake.spin > 0 else "counter-clockwise",
+            "rotation": "clockwise" if brake.sign_of_motion > 0 else "counter-clockwise",
             "shoe.side": "external" if shoe.side == "internal" else "internal",
             "shoe.actuation.force": -shoe.actuation.force,
         },
@@ -234,7 +242,9 @@ def test_external_is_internal_with_all_forces_reversed(brake: Brake, name: str) 
     scale = np.linalg.norm(inside.hinge_reaction) + shoe.actuation.force
     assert np.linalg.norm(outside.hinge_reaction + inside.hinge_reaction) < 1e-9 * scale
     assert outside.self_energising == inside.self_energising
-    assert double_delta(other, other.shoes[0]) == double_delta(brake, shoe)
+    assert sign_of_friction_moment_double_delta(
+        other, other.shoes[0]
+    ) == sign_of_friction_moment_double_delta(brake, shoe)
 
 
 @many
@@ -248,7 +258,7 @@ def test_mirrored_brake_gives_the_mirrored_answer(brake: Brake, name: str) -> No
         vary(
             brake,
             {
-                "rotation": "clockwise" if brake.spin > 0 else "counter-clockwise",
+                "rotation": "clockwise" if brake.sign_of_motion > 0 else "counter-clockwise",
                 "shoe.hinge.y": -shoe.hinge.y,
                 "shoe.lining.start": -shoe.lining.end,
                 "shoe.lining.end": -shoe.lining.start,
@@ -275,7 +285,7 @@ def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictio
     mu = 1e-6
     slight = MODELS[name].solve(vary(brake, {"friction": mu})).shoes[0]
     integral = np.trapezoid(free.pressure, free.theta) * brake.shoes[0].lining.width * brake.size**2
-    M_N = LAWS[name].moments(
+    M_N = LAWS[name].normal_and_friction_moments_about_hinge(
         Layout(*brake.shoes[0].arc, brake.size, brake.shoes[0].hinge.radius, 1)
     )
     assume(abs(M_N[1] / M_N[0]) < 100)
@@ -290,20 +300,22 @@ def test_torque_grows_without_bound_towards_locking(arc: Layout, name: str) -> N
     T (mu_lock - mu)/mu stays constant.
     """
     law = LAWS[name]
-    mu_lock = float(law.locking_friction(arc))
+    mu_lock = float(law.self_locking_friction(arc))
     assume(mu_lock < 1e3)
     near = [mu_lock * (1 - 1e-2), mu_lock * (1 - 1e-4), mu_lock * (1 - 1e-6)]
     constant = [float(law.torque(1.0, mu, arc)) * (mu_lock - mu) / mu for mu in near]
     assert constant == approx([constant[0]] * 3, rel=1e-8)
     assert constant[0] > 0
     assert np.isnan(law.torque(1.0, mu_lock * (1 + 1e-9), arc))
-    assert float(law.locking_friction(arc._replace(dD=-arc.dD))) == math.inf
+    assert float(law.self_locking_friction(arc._replace(dD=-arc.dD))) == math.inf
 
 
 @many
 @given(brakes(), LAW_NAMES)
 def test_self_locking_is_refused_exactly_beyond_mu_lock(brake: Brake, name: str) -> None:
-    mu_lock = float(LAWS[name].locking_friction(layout(brake, brake.shoes[0])))
+    mu_lock = float(
+        LAWS[name].self_locking_friction(angles_and_radii_of_hinged_shoe(brake, brake.shoes[0]))
+    )
     assume(mu_lock < 1e3)
     below = MODELS[name].solve(vary(brake, {"friction": mu_lock * (1 - 1e-9)}))
     assert below.shoes[0].self_energising
@@ -320,7 +332,7 @@ def test_a_force_that_does_not_press_is_an_answer(brake: Brake, name: str, force
     (shoe,) = response.shoes
     assert (shoe.torque, shoe.normal_force, shoe.contact_arcs) == (0.0, 0.0, ())
     assert shoe.hinge_reaction == approx(
-        -vary(brake, {"shoe.actuation.force": force}).shoes[0].actuation.vector
+        -vary(brake, {"shoe.actuation.force": force}).shoes[0].actuation.force_vector
     )
     assert response.notes == (
         "shoe 'shoe': no contact, the force does not turn it towards the drum",
@@ -339,10 +351,10 @@ def levers(draw: st.DrawFn) -> Brake:
     """
     middle, half, R = draw(st.floats(0.8, 2.2)), draw(st.floats(0.3, 0.75)), 0.25
     pivot = (
-        float(pivot_radius(R, half)) * draw(st.floats(0.85, 1.15)),
+        float(pivot_radius_for_cosine_pressure(R, half)) * draw(st.floats(0.85, 1.15)),
         middle + draw(st.floats(-0.03, 0.03)),
     )
-    return hinged_shoe_brake(
+    return brake_with_one_hinged_shoe(
         R=R,
         a=draw(st.floats(0.3, 0.6)),
         arc=(middle - half, middle + half),
@@ -366,8 +378,8 @@ def test_pivoted_shoe_keeps_both_equilibria(brake: Brake) -> None:
     pivot = data.pivot.xy
     assert abs(moment - (pivot[0] * force[1] - pivot[1] * force[0])) < 1e-7 * size * brake.size
     assert np.linalg.norm(shoe.pivot_reaction + force) < 1e-7 * size
-    assert np.linalg.norm(shoe.hinge_reaction + force + data.actuation.vector) < 1e-7 * size
-    assert shoe_balance(brake, 0, shoe).moment < 1e-9
+    assert np.linalg.norm(shoe.hinge_reaction + force + data.actuation.force_vector) < 1e-7 * size
+    assert relative_imbalance_of_shoe(brake, 0, shoe).moment < 1e-9
     p = shoe.pressure_at(np.linspace(shoe.theta[0], shoe.theta[-1], 101))
     assert p.min() > -1e-9 * shoe.peak_pressure
 
@@ -377,15 +389,18 @@ def test_pivoted_shoe_keeps_both_equilibria(brake: Brake) -> None:
 def test_pivoted_formulas_are_the_response_and_its_derivative(brake: Brake) -> None:
     shoe = unlocked("pivoted", brake)
     arc, pivot, mu, h = (
-        layout(brake, brake.shoes[0]),
-        pivoted.pivot_place(brake.shoes[0]),
+        angles_and_radii_of_hinged_shoe(brake, brake.shoes[0]),
+        pivoted.pivot_position_in_shoe_frame(brake.shoes[0]),
         brake.friction,
         1e-5,
     )
-    T = [float(pivoted.torque(100.0, mu * (1 + k * h), arc, *pivot)) for k in (-1, 0, 1)]
+    T = [
+        float(pivoted.torque_of_pivoted_shoe(100.0, mu * (1 + k * h), arc, *pivot))
+        for k in (-1, 0, 1)
+    ]
     assume(not np.isnan(T).any())
     assert shoe.torque == approx(T[1], rel=1e-9)
-    assert pivoted.sensitivity(mu, arc, *pivot) == approx(
+    assert pivoted.torque_sensitivity_of_pivoted_shoe(mu, arc, *pivot) == approx(
         (T[2] - T[0]) / (2 * h * T[1]), rel=1e-5, abs=1e-5
     )
 
@@ -402,7 +417,7 @@ def test_pivoted_formulas_are_the_response_and_its_derivative(brake: Brake) -> N
 def test_pivot_at_its_place_makes_the_pressure_a_cosine_at_any_friction(
     middle: float, half: float, a: float, mu: float, spin: int, side: str
 ) -> None:
-    brake = hinged_shoe_brake(
+    brake = brake_with_one_hinged_shoe(
         R=0.25,
         a=a,
         arc=(middle - half, middle + half),
@@ -410,7 +425,7 @@ def test_pivot_at_its_place_makes_the_pressure_a_cosine_at_any_friction(
         mu=mu,
         side=side,
         spin=spin,
-        pivot=(float(pivot_radius(0.25, half)), middle),
+        pivot=(float(pivot_radius_for_cosine_pressure(0.25, half)), middle),
     )
     shoe = unlocked("pivoted", brake)
     assert shoe.pressure == approx(shoe.peak_pressure * np.cos(shoe.theta - middle), rel=1e-9)
@@ -422,23 +437,27 @@ def test_pivot_at_its_place_makes_the_pressure_a_cosine_at_any_friction(
 def test_pivoted_lever_locks_and_tips() -> None:
     """A pivoted lever beyond mu_lock, or with its pivot off the lining, is refused by its cause."""
     half, middle = 0.6, 1.2
-    place = (float(pivot_radius(0.25, half)), middle)
+    place = (float(pivot_radius_for_cosine_pressure(0.25, half)), middle)
     arc = (middle - half, middle + half)
-    brake = hinged_shoe_brake(
+    brake = brake_with_one_hinged_shoe(
         R=0.25, a=0.1, arc=arc, moment=50.0, mu=0.2, side="external", spin=1, pivot=place
     )
-    shape, pivot = layout(brake, brake.shoes[0]), pivoted.pivot_place(brake.shoes[0])
-    mu_lock = pivoted.locking_friction(shape, *pivot)
-    assert mu_lock == approx(float(LAWS["cosine"].locking_friction(shape)), rel=1e-9)
+    shape, pivot = (
+        angles_and_radii_of_hinged_shoe(brake, brake.shoes[0]),
+        pivoted.pivot_position_in_shoe_frame(brake.shoes[0]),
+    )
+    mu_lock = pivoted.self_locking_friction_of_pivoted_shoe(shape, *pivot)
+    assert mu_lock == approx(float(LAWS["cosine"].self_locking_friction(shape)), rel=1e-9)
     T = [
-        float(pivoted.torque(1.0, mu_lock * (1 - gap), shape, *pivot)) * gap for gap in (1e-4, 1e-6)
+        float(pivoted.torque_of_pivoted_shoe(1.0, mu_lock * (1 - gap), shape, *pivot)) * gap
+        for gap in (1e-4, 1e-6)
     ]
     assert T[0] == approx(T[1], rel=1e-3)
     with pytest.raises(
         NoAnswer, match=rf"self-locking, friction .* is not below mu_lock = {mu_lock:.6g}"
     ):
         MODELS["pivoted"].solve(vary(brake, {"friction": mu_lock * 1.01}))
-    tipping = hinged_shoe_brake(
+    tipping = brake_with_one_hinged_shoe(
         R=0.25, a=0.4, arc=arc, moment=50.0, mu=0.3, side="external", pivot=(0.28, middle + 0.9)
     )
     with pytest.raises(
@@ -465,11 +484,11 @@ def test_pivoted_lever_locks_and_tips() -> None:
 def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(
     x_min: float, length: float, h: float, mu: float, sliding: str, hand: int, name: str
 ) -> None:
-    brake = hinged_pad_brake(
+    brake = brake_with_one_hinged_pad(
         h=h, span=(x_min, x_min + length), moment=70.0, mu=mu, sliding=sliding, hand=hand
     )
     shoe = unlocked(name, brake)
-    balance = shoe_balance(brake, 0, shoe)
+    balance = relative_imbalance_of_shoe(brake, 0, shoe)
     assert balance.force < 1e-12
     assert balance.moment < 1e-11
     law = {"linear": LINEAR, "short": FLAT_SHORT}[name]
@@ -477,12 +496,12 @@ def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(
     strip = FlatLayout(x_min, x_min + length, h, s)
     (merit,) = MODELS[name].solve(brake).merits
     assert merit.braking_force == approx(float(law.braking_force(70.0, mu, strip)), rel=1e-9)
-    assume(0.05 < mu < 0.9 * law.locking_friction(strip))
+    assume(0.05 < mu < 0.9 * law.self_locking_friction(strip))
     assert shoe.self_energising == (h > 0 and s < 0)
     step = 1e-5
     F = [float(law.braking_force(1.0, mu * (1 + k * step), strip)) for k in (-1, 0, 1)]
     slope = (F[2] - F[0]) / (2 * step * F[1])
-    assert law.sensitivity(mu, strip) == approx(slope, rel=1e-6)
+    assert law.sensitivity_to_friction(mu, strip) == approx(slope, rel=1e-6)
     assert merit.sensitivity_at_fixed_shape == approx(slope, rel=1e-6)
 
 
@@ -498,7 +517,7 @@ def test_long_flat_shoe_becomes_the_short_one() -> None:
 
 def test_flat_shoe_locks_towards_its_hinge_only() -> None:
     """N = M/(a - mu h): beyond mu = a/h the body pulls the shoe in; the other way it never does."""
-    brake = hinged_pad_brake(h=0.3, span=(0.05, 0.07), moment=10.0, mu=0.21, sliding="-x")
+    brake = brake_with_one_hinged_pad(h=0.3, span=(0.05, 0.07), moment=10.0, mu=0.21, sliding="-x")
     with pytest.raises(
         NoAnswer, match=r"shoe 'pad': self-locking, friction 0.21 is not below mu_lock = 0.2 of"
     ):
@@ -523,7 +542,7 @@ def test_a_hundred_thousand_torques_of_every_law_in_a_tenth_of_a_second_each() -
     block = DoubleShoe()
     calls = {
         **{name: lambda law=law: law.torque(100.0, mu, arc) for name, law in LAWS.items()},
-        "pivoted": lambda: pivoted.torque(100.0, mu, arc, x, y),
+        "pivoted": lambda: pivoted.torque_of_pivoted_shoe(100.0, mu, arc, x, y),
         "linear": lambda: LINEAR.braking_force(100.0, mu, plane),
         "flat short": lambda: FLAT_SHORT.braking_force(100.0, mu, plane),
         "simscape": lambda: block.torque(1e3 * mu, phi_1 - 0.5),

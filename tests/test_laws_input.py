@@ -12,8 +12,8 @@ from drumlin import BadInput, NoAnswer, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli import main
 from drumlin.laws.simscape import DoubleShoe
-from drumlin.models import MODELS, pick
-from drumlin_studies.textbook_brakes import hinged_shoe_brake
+from drumlin.models import MODELS, model_by_name
+from drumlin_studies.textbook_brakes import brake_with_one_hinged_shoe
 from picking import picked
 
 STUDIES = Path(__file__).parent.parent / "studies"
@@ -50,7 +50,7 @@ def test_every_brake_file_is_answered_by_the_laws_that_apply_and_the_others_say_
             assert max(response.balance.force, response.balance.moment) < 1e-9
         else:
             with pytest.raises(BadInput) as refusal:
-                pick(name, brake)
+                model_by_name(name, brake)
             line = str(refusal.value)
             assert line.startswith(f"--model = {name!r}: does not apply to this brake: ")
             assert "\n" not in line
@@ -191,16 +191,16 @@ def test_simscape_says_when_its_arc_is_too_short_for_a_long_shoe() -> None:
 
 def test_laws_say_why_they_do_not_apply() -> None:
     shoe = {"R": 0.15, "a": 0.125, "moment": 1.0, "mu": 0.3}
-    before = hinged_shoe_brake(**shoe, arc=(-0.2, 1.0))
+    before = brake_with_one_hinged_shoe(**shoe, arc=(-0.2, 1.0))
     assert MODELS["sine"].why_not(before) == (
         "shoe 'shoe': the lining must lie within 0 to 180 deg of the hinge, not -11.4592 deg "
         "to 57.2958 deg"
     )
-    wide = hinged_shoe_brake(**shoe, arc=(0.1, 3.5))
+    wide = brake_with_one_hinged_shoe(**shoe, arc=(0.1, 3.5))
     for name in ("cosine", "block", "uniform", "short"):
         assert "arc 194.806 deg must not be more than 180 deg" in str(MODELS[name].why_not(wide))
     centred = vary(
-        hinged_shoe_brake(**shoe, arc=(0.1, 0.5)),
+        brake_with_one_hinged_shoe(**shoe, arc=(0.1, 0.5)),
         {"shoe.lining.start": -0.5, "shoe.lining.end": 0.5},
     )
     assert "passes through the hinge" in str(MODELS["cosine"].why_not(centred))

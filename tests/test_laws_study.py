@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 
 from drumlin.brake.plane_brake import read_any
 from drumlin.report.drawing import draw_brake
-from drumlin.studies import load
+from drumlin.studies import import_study
 from drumlin_studies.law_table import shoe_factor_rows
-from drumlin_studies.worked_examples import printed_and_computed_row
+from drumlin_studies.worked_examples import row_of_printed_and_computed_number
 from picking import having, picked
 
 STUDIES = Path(__file__).parent.parent / "studies"
@@ -20,7 +20,7 @@ STUDIES = Path(__file__).parent.parent / "studies"
 
 @pytest.fixture(scope="module")
 def laws() -> ModuleType:
-    return load("laws")[0]
+    return import_study("laws")[0]
 
 
 def test_study_meets_every_worked_example_and_names_the_two_that_were_printed_rounded(
@@ -40,8 +40,14 @@ def test_study_meets_every_worked_example_and_names_the_two_that_were_printed_ro
 
 
 def test_a_wrong_number_would_be_seen() -> None:
-    assert printed_and_computed_row("sine", "", "", "527.761", 527.7606)["status"] == "agrees"
-    assert printed_and_computed_row("sine", "", "", "527.761", 527.7616)["status"] == "differs"
+    assert (
+        row_of_printed_and_computed_number("sine", "", "", "527.761", 527.7606)["status"]
+        == "agrees"
+    )
+    assert (
+        row_of_printed_and_computed_number("sine", "", "", "527.761", 527.7616)["status"]
+        == "differs"
+    )
 
 
 def test_barecki_leading_post_has_the_smaller_shoe_factor_where_n_is_negative() -> None:

@@ -9,9 +9,9 @@ from drumlin.fem.error_control.levels import LEVEL_RULE
 from drumlin_studies.calibration import LevelRecord
 from drumlin_studies.level_rules import (
     LevelsOfRule,
-    changed_rule,
     find_stopping_level,
-    report_lines,
+    level_rule_with_changes,
+    report_text_of_level_rule,
 )
 
 FACTORS = Factors(pressure=0.5, force=0.5, cancelled=0.1, peak=1.0)
@@ -51,15 +51,15 @@ def test_errors_are_stated_by_the_factors_of_the_estimate():
 
 def test_a_rule_is_reported_by_what_a_user_would_see():
     brakes = [LevelsOfRule([level(1e-2, true=2e-3), level(1e-3, true=2e-4)], [1.0, 1.0, 2.0])] * 4
-    text = report_lines(brakes)
+    text = report_text_of_level_rule(brakes)
     assert "default: 16.0 s, 0.0 % reached" in text
     assert "1e-3: 16.0 s, 100.0 % reached" in text
     assert "pressure: median 1.0, 0 of 4 too small" in text
 
 
 def test_words_change_numbers_of_the_rule():
-    rule = changed_rule(["fall=6", "first_degree=4"])
+    rule = level_rule_with_changes(["fall=6", "first_degree=4"])
     assert (rule.fall, rule.first_degree, rule.sizes) == (6.0, 4, LEVEL_RULE.sizes)
-    assert math.isclose(rule.level(2).degree, 5)
+    assert math.isclose(rule.level_with_number(2).degree, 5)
     with pytest.raises(ValueError, match="fal"):
-        changed_rule(["fal=6"])
+        level_rule_with_changes(["fal=6"])

@@ -6,20 +6,27 @@ import pytest
 from drumlin.brake import read_any, read_brake, vary
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.refinement import full_system, refined_solution
+from drumlin.fem.error_control.refinement import (
+    assemble_full_system_of_group,
+    solve_full_system_by_refinement,
+)
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.bodies import (
     DividedBody,
     ShoeSubstructure,
-    acting_loads,
+    load_factors_under_actuation_force,
     make_shoe_substructure,
 )
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.body import body_constraints, condense_body, stiffness
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.substructure.body import (
+    condense_body_to_contact_and_frame,
+    multi_point_constraints_of_body,
+    sparse_stiffness_of_body,
+)
 from drumlin.fem.substructure.elasticity import elastic_layers_of_ring, elastic_layers_of_shoe
-from drumlin.fem.substructure.expansion import expansion_forces, held_stress
+from drumlin.fem.substructure.expansion import expansion_forces, stress_belonging_to_free_strain
 from drumlin.fem.substructure.loads import ACTUATION
-from drumlin.fem.substructure.ring import statically_determinate_unknowns
+from drumlin.fem.substructure.ring import unknowns_of_statically_determinate_support
 
 HEAT = "heat"
 STRAIN = 1e-3
@@ -37,24 +44,28 @@ def brake(root):
 def heated(condensed, basis, layers, strain=EVEN):
     """The body with the column of a free strain in all of its layers."""
     forces = expansion_forces(basis, layers, dict.fromkeys(layers, strain))
-    return condensed.with_loads({HEAT: forces[:, None]})
+    return condensed.body_with_further_loads({HEAT: forces[:, None]})
 
 
 def displacement(body, **factors):
     """Displacements (2, nodes) of a body under loads alone, with the factors of these loads."""
-    loads = body.columns.factors({name: np.array([value]) for name, value in factors.items()})
-    return body.displacement(np.zeros(len(body.L_cc)), np.zeros(3), loads)
+    loads = body.columns.factors_of_all_load_columns(
+        {name: np.array([value]) for name, value in factors.items()}
+    )
+    return body.nodal_displacements_in_one_case(np.zeros(len(body.L_cc)), np.zeros(3), loads)
 
 
 def free_body(brake, level):
     """The first shoe of a brake on three statically determinate unknowns, with its basis."""
-    body, shoe = prepare(brake, level, elements=16).bodies[0], brake.shoes[0]
+    body, shoe = make_prepared_model(brake, level, elements=16).bodies[0], brake.shoes[0]
     basis, contact = body.basis, body.line.nodes
     inner = np.setdiff1d(np.arange(basis.N), contact)
-    held = statically_determinate_unknowns(basis, inner)
-    constraints = body_constraints(basis, contact, inner[:0], np.zeros(2), held)
+    held = unknowns_of_statically_determinate_support(basis, inner)
+    constraints = multi_point_constraints_of_body(basis, contact, inner[:0], np.zeros(2), held)
     layers = elastic_layers_of_shoe(shoe)
-    condensed = condense_body(stiffness(basis, layers), constraints, {}, 2 * len(contact))
+    condensed = condense_body_to_contact_and_frame(
+        sparse_stiffness_of_body(basis, layers), constraints, {}, 2 * len(contact)
+    )
     return condensed, basis, layers, held
 
 
@@ -76,7 +87,7 @@ def test_a_free_body_with_an_even_strain_grows_without_stress(brake, level):
 def test_a_heated_ring_has_the_displacements_of_the_closed_form(brake, level, support):
     """A free ring grows by the strain times its radius; a fixed one by Lame's formulas."""
     brake = vary(brake, {"drum.ring": RING | {"support": support}})
-    ring, R = prepare(brake, level, elements=40).ring, brake.size
+    ring, R = make_prepared_model(brake, level, elements=40).ring, brake.size
     section = brake.ring.section
     u = displacement(heated(ring.condensed, ring.basis, elastic_layers_of_ring(section)), heat=1.0)
     xy = ring.basis.doflocs
@@ -104,12 +115,12 @@ def test_a_clamped_body_is_pressed_as_plane_stress_tells(root, level):
     """The stress is -E alpha T/(1 - nu) in all directions, and the clamps bear it."""
     brake = read_any(root / "studies" / "brakes" / "rail_clamp.toml")
     shoe = brake.shoes[0]
-    body = prepare(brake, level, elements=16).bodies[0]
+    body = make_prepared_model(brake, level, elements=16).bodies[0]
     layer = elastic_layers_of_shoe(shoe)["lining"]
     material = shoe.lining.material
     pressed = material.E * STRAIN / (1 - material.nu)
     points = body.line.xy
-    sigma = held_stress(layer, EVEN, points) / layer.width
+    sigma = stress_belonging_to_free_strain(layer, EVEN, points) / layer.width
     assert sigma == pytest.approx(
         np.broadcast_to((pressed * np.eye(2))[:, :, None], sigma.shape), rel=1e-12
     )
@@ -139,27 +150,31 @@ def test_a_free_straight_body_swells_through_its_layers_alone(root, level):
 
 def test_further_columns_are_those_of_one_elimination_of_all_loads(brake):
     """The elimination of elements one by one, and that of the whole grid at once."""
-    shoe, body = brake.shoes[0], prepare(brake, LEVELS[0]).bodies[0]
+    shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[0]).bodies[0]
     warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     assert warm.columns.sizes == ((ACTUATION, 3), (HEAT, 1))
-    _, constraints, loads = warm.make_whole_system()
+    _, constraints, loads = warm.assemble_equations_of_whole_body()
     named = {ACTUATION: loads[:, :3], HEAT: loads[:, 3:]}
     K = body.basis.stiffness(elastic_layers_of_shoe(shoe))
-    other = condense_body(K, constraints, named, 2 * len(body.line.nodes))
+    other = condense_body_to_contact_and_frame(K, constraints, named, 2 * len(body.line.nodes))
     for name in ("load_on_contact", "load_on_frame", "load_work"):
         mine, theirs = getattr(warm, name), getattr(other, name)
         assert np.array_equal(mine[:, :3][:3], getattr(body.condensed, name)[:3])
         largest = np.abs(theirs).max(axis=0)
         assert (np.abs(mine - theirs) <= 1e-8 * largest).all()
     nodal = np.ones(len(warm.L_cc))
-    factors = warm.columns.factors({ACTUATION: np.array([1.0, 2.0, 3.0]), HEAT: np.array([0.1])})
-    mine, theirs = (each.displacement(nodal, np.ones(3), factors) for each in (warm, other))
+    factors = warm.columns.factors_of_all_load_columns(
+        {ACTUATION: np.array([1.0, 2.0, 3.0]), HEAT: np.array([0.1])}
+    )
+    mine, theirs = (
+        each.nodal_displacements_in_one_case(nodal, np.ones(3), factors) for each in (warm, other)
+    )
     assert mine == pytest.approx(theirs, abs=1e-8 * np.abs(theirs).max())
 
 
 @DIVISIONS
 def test_a_name_is_given_to_one_load(brake, level):
-    shoe, body = brake.shoes[0], prepare(brake, level, elements=8).bodies[0]
+    shoe, body = brake.shoes[0], make_prepared_model(brake, level, elements=8).bodies[0]
     warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     with pytest.raises(ValueError, match="heat"):
         heated(warm, body.basis, elastic_layers_of_shoe(shoe))
@@ -168,7 +183,7 @@ def test_a_name_is_given_to_one_load(brake, level):
 @DIVISIONS
 def test_a_shoe_is_coupled_with_all_its_columns(brake, level):
     """The gap closes as the heated lining grows; the actuation keeps its own factors."""
-    shoe, body = brake.shoes[0], prepare(brake, level, elements=40).bodies[0]
+    shoe, body = brake.shoes[0], make_prepared_model(brake, level, elements=40).bodies[0]
     warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     division = DividedBody(body.mesh, body.basis, body.line)
     coupled = make_shoe_substructure(
@@ -178,8 +193,10 @@ def test_a_shoe_is_coupled_with_all_its_columns(brake, level):
     u = displacement(warm, heat=1.0)[:, body.line.nodes].T.ravel()
     closed = coupled.closure_by_load[:, 3]
     assert closed == pytest.approx(coupled.coupling.N @ u, abs=1e-8 * np.abs(closed).max())
-    assert acting_loads(coupled, shoe, 10.0)[3] == 0.0
-    assert acting_loads(coupled, shoe, 10.0)[:3] == pytest.approx(acting_loads(body, shoe, 10.0))
+    assert load_factors_under_actuation_force(coupled, shoe, 10.0)[3] == 0.0
+    assert load_factors_under_actuation_force(coupled, shoe, 10.0)[:3] == pytest.approx(
+        load_factors_under_actuation_force(body, shoe, 10.0)
+    )
 
 
 @DIVISIONS
@@ -191,25 +208,29 @@ def test_a_free_strain_in_the_linings_is_solved_and_refined_alike(brake, level, 
 
     def with_free_strain(kind, shoe, division, condensed, centre, *, friction):
         forces = expansion_forces(division.basis, elastic_layers_of_shoe(shoe), {"lining": EVEN})
-        loaded = condensed.with_loads({HEAT: forces[:, None]})
+        loaded = condensed.body_with_further_loads({HEAT: forces[:, None]})
         return make_shoe_substructure(kind, shoe, division, loaded, centre, friction=friction)
 
     def with_heat(body, shoe, force):
-        return acting_loads(body, shoe, force) + body.columns.factors({HEAT: np.ones(1)})
+        heat = body.load_columns.factors_of_all_load_columns({HEAT: np.ones(1)})
+        return load_factors_under_actuation_force(body, shoe, force) + heat
 
-    cold = solve_prepared_model(prepare(brake, level, elements=24), brake)
+    cold = solve_prepared_model(make_prepared_model(brake, level, elements=24), brake)
     for module in ("columns", "meshes"):
         monkeypatch.setattr(
             f"drumlin.fem.preparation.{module}.make_shoe_substructure", with_free_strain
         )
     for module in ("equilibrium.state", "model", "error_control.refinement"):
-        monkeypatch.setattr(f"drumlin.fem.{module}.acting_loads", with_heat)
-    scene = prepare(brake, level, elements=24)
+        monkeypatch.setattr(f"drumlin.fem.{module}.load_factors_under_actuation_force", with_heat)
+    scene = make_prepared_model(brake, level, elements=24)
     warm = solve_prepared_model(scene, brake)
     assert abs(warm.torque - cold.torque) > 1e-3 * cold.torque
     assert max(warm.balance.force, warm.balance.moment) < 1e-8
     torque = 0.0
     for group in divide_pressed_shoes_into_groups(scene, brake):
-        refined = refined_solution(full_system(group), group.solve_with_known_senses().active)
-        torque += group.unit_force * refined.torque
+        refined = solve_full_system_by_refinement(
+            assemble_full_system_of_group(group),
+            group.solve_contact_for_known_friction_senses().active,
+        )
+        torque += group.largest_actuation_force * refined.torque
     assert warm.torque == pytest.approx(torque, rel=1e-7)

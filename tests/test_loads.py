@@ -7,12 +7,12 @@ import pytest
 
 from drumlin.brake.file import read_brake
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp.shoe import LoadedEnd, unit_actuation_loads
+from drumlin.fem.hp.shoe import LoadedEnd, unit_actuation_loads_on_end_face
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation import columns as hp_path
-from drumlin.fem.preparation.bodies import actuation_load_factors
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.body import condense_body
+from drumlin.fem.preparation.bodies import load_factors_and_pin_moment_per_newton
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.substructure.body import condense_body_to_contact_and_frame
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 
@@ -27,7 +27,7 @@ def brake(root):
 
 def with_further_force(xy, depths, p):
     """The unit actuations, and a unit force along y on the first node of the loaded end."""
-    end = unit_actuation_loads(xy, depths, p)
+    end = unit_actuation_loads_on_end_face(xy, depths, p)
     force = np.zeros((len(end.forces), 1))
     force[1] = 1.0
     moment = np.array([[0.0], [1.0], [xy[0, 0] - end.centre[0]]])
@@ -39,30 +39,35 @@ def with_further_force(xy, depths, p):
 @pytest.fixture
 def further(monkeypatch):
     """Every body in hp elements has the further column."""
-    for name in ("condense_shoe", "condensed_shoe_body"):
+    for name in ("condense_shoe_to_contact_nodes", "condensed_shoe_body"):
         made = partial(getattr(hp_path, name), end_loads=with_further_force)
         monkeypatch.setattr(hp_path, name, made)
 
 
 def test_factors_name_the_loads_that_act():
-    assert TWO.count == 4
-    assert TWO.factors({FURTHER: np.array([2.0])}).tolist() == [0.0, 0.0, 0.0, 2.0]
-    factors = TWO.factors({ACTUATION: np.array([1.0, 2.0, 3.0])})
-    assert TWO.factors_of(ACTUATION, factors).tolist() == [1.0, 2.0, 3.0]
-    assert TWO.factors_of(FURTHER, factors).tolist() == [0.0]
-    assert LoadColumns().factors({}).shape == (0,)
+    assert TWO.number_of_load_columns == 4
+    assert TWO.factors_of_all_load_columns({FURTHER: np.array([2.0])}).tolist() == [
+        0.0,
+        0.0,
+        0.0,
+        2.0,
+    ]
+    factors = TWO.factors_of_all_load_columns({ACTUATION: np.array([1.0, 2.0, 3.0])})
+    assert TWO.factors_of_load_with_name(ACTUATION, factors).tolist() == [1.0, 2.0, 3.0]
+    assert TWO.factors_of_load_with_name(FURTHER, factors).tolist() == [0.0]
+    assert LoadColumns().factors_of_all_load_columns({}).shape == (0,)
     with pytest.raises(KeyError):
-        TWO.factors({"heat": np.array([1.0])})
+        TWO.factors_of_all_load_columns({"heat": np.array([1.0])})
 
 
 def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, further):
-    shoe, body = brake.shoes[0], prepare(brake, LEVELS[1]).bodies[0]
-    assert body.columns == TWO
+    shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[1]).bodies[0]
+    assert body.load_columns == TWO
     assert body.closure_by_load.shape == (len(body.line.nodes), 4)
     assert body.load_motion_by_load.shape == (4, 4)
-    _, ties, loads = body.condensed.make_whole_system()
+    _, ties, loads = body.condensed.assemble_equations_of_whole_body()
     named = {ACTUATION: loads[:, :3], FURTHER: loads[:, 3:]}
-    other = condense_body(
+    other = condense_body_to_contact_and_frame(
         body.basis.stiffness(elastic_layers_of_shoe(shoe)), ties, named, 2 * len(body.line.nodes)
     )
     assert other.columns == TWO
@@ -73,18 +78,18 @@ def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, 
 
 def test_the_frame_bears_a_further_force(brake, further):
     """All of the force, and its moment about the pin, held where the contact is free."""
-    shoe, body = brake.shoes[0], prepare(brake, LEVELS[1]).bodies[0]
-    held = body.reaction_to_load @ TWO.factors({FURTHER: np.array([1.0])})
+    shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[1]).bodies[0]
+    held = body.reaction_to_load @ TWO.factors_of_all_load_columns({FURTHER: np.array([1.0])})
     x = body.basis.doflocs[0, body.basis.sets["actuation"][0]]
-    assert held == pytest.approx([0.0, -1.0, -(x - shoe.own_pin[0])], abs=1e-8)
+    assert held == pytest.approx([0.0, -1.0, -(x - shoe.pin_in_shoe_frame[0])], abs=1e-8)
 
 
 def test_a_load_that_does_not_act_changes_no_answer(brake, further, monkeypatch):
-    scene = prepare(brake, LEVELS[1])
-    factors, _ = actuation_load_factors(scene.bodies[0], brake.shoes[0])
+    scene = make_prepared_model(brake, LEVELS[1])
+    factors, _ = load_factors_and_pin_moment_per_newton(scene.bodies[0], brake.shoes[0])
     assert factors.shape == (4,) and factors[3] == 0.0
     found = solve_prepared_model(scene, brake)
     monkeypatch.undo()
     assert found.torque == pytest.approx(
-        solve_prepared_model(prepare(brake, LEVELS[1]), brake).torque, rel=1e-9
+        solve_prepared_model(make_prepared_model(brake, LEVELS[1]), brake).torque, rel=1e-9
     )

@@ -11,15 +11,18 @@ from conftest import partly, settled_sizes
 from drumlin import NoAnswer, vary
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import ContactProblem
-from drumlin.contact.self_locking import FrictionDependentProblem, find_friction_limit
-from drumlin.fem.analysis.self_locking import friction_limits_of_groups, torques_at_frictions
+from drumlin.contact.self_locking import FrictionDependentProblem, find_friction_limit_of_contact
+from drumlin.fem.analysis.self_locking import (
+    self_locking_limits_of_shoe_groups,
+    shoe_torques_at_friction_coefficients,
+)
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.laws import locking_friction, rigid
-from drumlin_studies.random_brake import random_brake
+from drumlin.laws import rigid, self_locking_friction_of_hinged_shoe
+from drumlin_studies.random_brake import draw_random_brake
 from picking import picked
 from shared_parts import drum_ring
 
@@ -36,15 +39,15 @@ def one_node(a=1.0, lever=0.5):
 
 @given(st.floats(0.1, 10))
 def test_the_limit_of_one_node_on_a_hinge_is_that_of_its_lever(lever):
-    end = self_locking.find_friction_limit(one_node(lever=lever))
+    end = self_locking.find_friction_limit_of_contact(one_node(lever=lever))
     assert not end.pressure_stays_finite
     assert end.friction == pytest.approx(1 / lever, rel=1e-12)
 
 
 def test_a_path_that_stands_on_the_singular_friction_ends_there():
     """A step of the path may meet 1/lever exactly, where the equations have no solution."""
-    below = active_set.solve_contact_problem(one_node().problem_at(1.0))
-    end = self_locking.find_friction_limit(one_node(), known_answer=(2.0, below))
+    below = active_set.solve_contact_problem(one_node().contact_problem_with_friction(1.0))
+    end = self_locking.find_friction_limit_of_contact(one_node(), known_answer=(2.0, below))
     assert end.friction == 2.0 and not end.pressure_stays_finite
 
 
@@ -60,36 +63,40 @@ def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes
     problems = FrictionDependentProblem(
         still, np.array([[0.0, -8.0], [-1.0, 0.0]]), np.zeros((0, 2))
     )
-    end = self_locking.find_friction_limit(problems)
+    end = self_locking.find_friction_limit_of_contact(problems)
     assert end.pressure_stays_finite
     assert end.friction == pytest.approx(0.5, rel=1e-10)
-    both = active_set.solve_contact_problem(problems.problem_at(0.45), np.array([True, True]))
+    both = active_set.solve_contact_problem(
+        problems.contact_problem_with_friction(0.45), np.array([True, True])
+    )
     # The other answer, which meets the first one at 0.5.
     assert not both.stable and both.p[1] > 0
     assert (
-        self_locking.compare_answers_from_start_sets(
-            problems.problem_at(0.45),
-            self_locking.find_friction_limit(problems, 0.45).last_contact,
+        self_locking.compare_solutions_from_first_contact_sets(
+            problems.contact_problem_with_friction(0.45),
+            self_locking.find_friction_limit_of_contact(problems, 0.45).last_contact,
             [both.active],
         ).unstable
         == 1
     )
     with pytest.raises(NoAnswer):
-        active_set.solve_contact_problem(problems.problem_at(0.51))
+        active_set.solve_contact_problem(problems.contact_problem_with_friction(0.51))
 
 
 @pytest.mark.parametrize("changes", ({}, {"rotation": "clockwise"}, RING))
 def test_the_eigenvalue_is_exact_where_halving_was_not(changes, brake):
     """Just below the limit the answer is of order 1/distance; just beyond is none: to 1e-9."""
     changed = vary(brake, changes)
-    scene = prepare(changed, elements=20)
+    scene = make_prepared_model(changed, elements=20)
     group, end = min(
-        friction_limits_of_groups(scene, changed, 3.0).items(), key=lambda item: item[1].friction
+        self_locking_limits_of_shoe_groups(scene, changed, 3.0).items(),
+        key=lambda item: item[1].friction,
     )
-    problems = ShoeGroup(scene, changed, group).friction_dependent_problem
+    problems = ShoeGroup(scene, changed, group).contact_problem_as_function_of_friction
     near = [
         active_set.solve_contact_problem(
-            problems.problem_at(end.friction * (1 - gap)), end.last_contact.active
+            problems.contact_problem_with_friction(end.friction * (1 - gap)),
+            end.last_contact.active,
         ).p.max()
         * gap
         for gap in (1e-7, 1e-9)
@@ -97,7 +104,9 @@ def test_the_eigenvalue_is_exact_where_halving_was_not(changes, brake):
     assert near[1] == pytest.approx(near[0], rel=1e-4)
     for start in (None, end.last_contact.active, ~end.last_contact.active):
         with pytest.raises(NoAnswer):
-            active_set.solve_contact_problem(problems.problem_at(end.friction * (1 + 1e-9)), start)
+            active_set.solve_contact_problem(
+                problems.contact_problem_with_friction(end.friction * (1 + 1e-9)), start
+            )
     with pytest.raises(NoAnswer, match=rf"mu_lock = {end.friction:.4g} .rigid-shoe law: 0.8231"):
         solve_prepared_model(scene, vary(changed, {"friction": end.friction * 1.01}))
 
@@ -108,7 +117,9 @@ def test_both_hands_lock_alike_and_the_other_shoe_never(brake):
         turning = vary(brake, {"rotation": rotation})
         found.append(
             picked(
-                friction_limits_of_groups(prepare(turning, elements=20), turning).values(),
+                self_locking_limits_of_shoe_groups(
+                    make_prepared_model(turning, elements=20), turning
+                ).values(),
                 "friction",
             )
         )
@@ -118,7 +129,9 @@ def test_both_hands_lock_alike_and_the_other_shoe_never(brake):
 
 def test_the_limit_knows_neither_force_nor_clearance(brake):
     plain, other = (
-        friction_limits_of_groups(prepare(changed, elements=20), changed, 3.0)[(1,)].friction
+        self_locking_limits_of_shoe_groups(make_prepared_model(changed, elements=20), changed, 3.0)[
+            (1,)
+        ].friction
         for changed in (
             brake,
             vary(brake, {"shoe.actuation.force": 50.0, "shoe.lining.clearance": 2e-4}),
@@ -128,12 +141,15 @@ def test_the_limit_knows_neither_force_nor_clearance(brake):
 
 
 def test_rigid_shoes_tend_to_the_law_as_their_linings_become_thin(brake):
-    law = locking_friction(brake, brake.shoes[1])
+    law = self_locking_friction_of_hinged_shoe(brake, brake.shoes[1])
     off = []
     for t in (8e-3, 4e-3, 2e-3):
         rigid = vary(brake, {"shoe.body": None, "shoe.lining.thickness": t})
         off.append(
-            friction_limits_of_groups(prepare(rigid, elements=60), rigid, 3.0)[(1,)].friction / law
+            self_locking_limits_of_shoe_groups(make_prepared_model(rigid, elements=60), rigid, 3.0)[
+                (1,)
+            ].friction
+            / law
             - 1
         )
     assert abs(off[2]) < 5e-3
@@ -143,25 +159,30 @@ def test_rigid_shoes_tend_to_the_law_as_their_linings_become_thin(brake):
 
 
 def test_torque_has_a_simple_pole_at_the_limit(brake):
-    scene = prepare(brake, elements=20)
-    end = friction_limits_of_groups(scene, brake, 3.0)[(1,)].friction
+    scene = make_prepared_model(brake, elements=20)
+    end = self_locking_limits_of_shoe_groups(scene, brake, 3.0)[(1,)].friction
     gaps = np.array([1e-4, 1e-6])
-    T = torques_at_frictions(scene, brake, list(end * (1 - gaps)))[:, 1]
+    T = shoe_torques_at_friction_coefficients(scene, brake, list(end * (1 - gaps)))[:, 1]
     assert T[1] * gaps[1] == pytest.approx(T[0] * gaps[0], rel=1e-3)
 
 
 @pytest.mark.parametrize("way", ["locking", "opposed"])
 @pytest.mark.parametrize("seed", partly(range(1, 7), range(1, 3)))
 def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(seed, way):
-    brake = random_brake(seed, way)
-    scene = prepare(brake, elements=10)
-    problems = ShoeGroup(scene, brake, (0,)).friction_dependent_problem
-    end, rng = self_locking.find_friction_limit(problems, 20.0), np.random.default_rng(seed)
+    brake = draw_random_brake(seed, way)
+    scene = make_prepared_model(brake, elements=10)
+    problems = ShoeGroup(scene, brake, (0,)).contact_problem_as_function_of_friction
+    end, rng = (
+        self_locking.find_friction_limit_of_contact(problems, 20.0),
+        np.random.default_rng(seed),
+    )
     n = len(problems.frictionless.q)
     starts = [np.ones(n, bool), np.zeros(n, bool), *(rng.random(n) < 0.5 for _ in range(5))]
     mu = 0.5 * min(end.friction, 0.6)
-    found = self_locking.compare_answers_from_start_sets(
-        problems.problem_at(mu), self_locking.find_friction_limit(problems, mu).last_contact, starts
+    found = self_locking.compare_solutions_from_first_contact_sets(
+        problems.contact_problem_with_friction(mu),
+        self_locking.find_friction_limit_of_contact(problems, mu).last_contact,
+        starts,
     )
     assert (found.same, found.others, found.unstable, found.lost) == (7, 0, 0, 0)
     assert found.difference < 1e-9
@@ -180,20 +201,26 @@ def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
     A dent in this lining lets the contact leap: other answers are in equilibrium up to mu = 1.269
     and again on the lining's end alone. No path of friction leads to them, however long its steps.
     """
-    brake = random_brake(37, "locking")
-    scenes = prepare(brake, elements=16), prepare(brake, LEVELS[2]), prepare(brake, elements=64)
+    brake = draw_random_brake(37, "locking")
+    scenes = (
+        make_prepared_model(brake, elements=16),
+        make_prepared_model(brake, LEVELS[2]),
+        make_prepared_model(brake, elements=64),
+    )
     ends = []
     for scene in scenes:
-        problems = ShoeGroup(scene, brake, (0,)).friction_dependent_problem
-        end = self_locking.find_friction_limit(problems)
+        problems = ShoeGroup(scene, brake, (0,)).contact_problem_as_function_of_friction
+        end = self_locking.find_friction_limit_of_contact(problems)
         assert end.pressure_stays_finite
         ends.append(end.friction)
     assert max(ends) < 1.01 * min(ends)
     for beyond in (0.84, 1.0, 2.54):
-        assert active_set.solve_by_block_pivoting(problems.problem_at(beyond)).stable
+        assert active_set.solve_contact_by_block_pivoting(
+            problems.contact_problem_with_friction(beyond)
+        ).stable
         with pytest.raises(NoAnswer, match=f"up to mu_lock = {end.friction:.4g}"):
-            self_locking.solve_on_path_from_zero_friction(
-                problems.problem_at, beyond, rigid_law_limit=1.18, brake_words=""
+            self_locking.solve_contact_reached_from_zero_friction(
+                problems.contact_problem_with_friction, beyond, rigid_law_limit=1.18, brake_words=""
             )
 
 
@@ -202,18 +229,20 @@ def test_beyond_the_limit_of_the_rigid_shoe_a_quiet_answer_is_not_taken_unfollow
 
     At twice that limit one stands apart that hardly grows with friction.
     """
-    brake = random_brake(100, "locking")
-    (group,) = divide_pressed_shoes_into_groups(prepare(brake, elements=14), brake, 1e6)
-    law = rigid.locking_friction(brake, group.shoes[0])
-    problems, mu = group.friction_dependent_problem, 2 * law
-    end = self_locking.find_friction_limit(problems).friction
+    brake = draw_random_brake(100, "locking")
+    (group,) = divide_pressed_shoes_into_groups(make_prepared_model(brake, elements=14), brake, 1e6)
+    law = rigid.self_locking_friction_of_rigid_shoe(brake, group.shoes[0])
+    problems, mu = group.contact_problem_as_function_of_friction, 2 * law
+    end = self_locking.find_friction_limit_of_contact(problems).friction
     assert end < mu
-    found = active_set.solve_by_block_pivoting(problems.problem_at(mu))
-    half = active_set.solve_by_block_pivoting(problems.problem_at(0.5 * mu), found.active)
+    found = active_set.solve_contact_by_block_pivoting(problems.contact_problem_with_friction(mu))
+    half = active_set.solve_contact_by_block_pivoting(
+        problems.contact_problem_with_friction(0.5 * mu), found.active
+    )
     assert found.stable and half.stable and found.p.sum() < 1.5 * half.p.sum()
     with pytest.raises(NoAnswer, match=f"up to mu_lock = {end:.4g}"):
-        self_locking.solve_on_path_from_zero_friction(
-            problems.problem_at, mu, rigid_law_limit=law, brake_words="now"
+        self_locking.solve_contact_reached_from_zero_friction(
+            problems.contact_problem_with_friction, mu, rigid_law_limit=law, brake_words="now"
         )
 
 
@@ -223,18 +252,24 @@ def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexibl
     It is followed on every other, fourth and eighth node, assisted and opposed, up to the limit and
     beyond.
     """
-    scene = prepare(flexible, elements=24)
+    scene = make_prepared_model(flexible, elements=24)
     for group in divide_pressed_shoes_into_groups(scene, flexible, 1e4):
-        problems, n = group.friction_dependent_problem, len(group.problem.q)
-        end = min(self_locking.find_friction_limit(problems, 3.0).friction, 3.0)
+        problems, n = (
+            group.contact_problem_as_function_of_friction,
+            len(group.contact_problem_of_group.q),
+        )
+        end = min(self_locking.find_friction_limit_of_contact(problems, 3.0).friction, 3.0)
         for mu in (0.2 * end, 0.6 * end, 0.9 * end, 1.001 * end, 2 * end):
             answers = []
             for large in (n, 10):
                 monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", large)
                 try:
                     answers.append(
-                        self_locking.solve_on_path_from_zero_friction(
-                            problems.problem_at, mu, rigid_law_limit=1e3, brake_words=""
+                        self_locking.solve_contact_reached_from_zero_friction(
+                            problems.contact_problem_with_friction,
+                            mu,
+                            rigid_law_limit=1e3,
+                            brake_words="",
                         ).p
                     )
                 except NoAnswer as error:
@@ -248,34 +283,38 @@ def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexibl
 
 
 def test_of_a_large_problem_the_fine_answer_is_solved_once(flexible, monkeypatch):
-    (_, group) = divide_pressed_shoes_into_groups(prepare(flexible, elements=24), flexible, 1e4)
+    (_, group) = divide_pressed_shoes_into_groups(
+        make_prepared_model(flexible, elements=24), flexible, 1e4
+    )
     monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", 30)
     sizes = settled_sizes(monkeypatch)
-    self_locking.solve_on_path_from_zero_friction(
-        group.problem_at_friction, 0.4, rigid_law_limit=1.0, brake_words=""
+    self_locking.solve_contact_reached_from_zero_friction(
+        group.contact_problem_of_group_at_friction, 0.4, rigid_law_limit=1.0, brake_words=""
     )
-    assert sizes.count(len(group.problem.q)) == 1 and len(sizes) > 2
+    assert sizes.count(len(group.contact_problem_of_group.q)) == 1 and len(sizes) > 2
 
 
 @pytest.mark.parametrize("changes", [{}, {"friction": 0.1}, {"rotation": "clockwise"}])
 def test_the_law_that_is_kept_with_a_scene_is_that_of_the_brake_at_hand(
     brake, changes, monkeypatch
 ):
-    scene, other = prepare(brake, elements=8), vary(brake, changes)
+    scene, other = make_prepared_model(brake, elements=8), vary(brake, changes)
     # Each shoe becomes a mirror image in the other one's place.
     turned = other.model_copy(update={"shoes": other.shoes[::-1]})
     for at_hand in (other, turned):
-        expected = [rigid.locking_friction(at_hand, shoe) for shoe in at_hand.shoes]
+        expected = [
+            rigid.self_locking_friction_of_rigid_shoe(at_hand, shoe) for shoe in at_hand.shoes
+        ]
         assert math.inf in expected and min(expected) < 10
         laws = [
-            group.rigid_law_locking_friction(group.members[0])
+            group.locking_friction_of_rigid_shoe(group.members[0])
             for group in divide_pressed_shoes_into_groups(scene, at_hand, 1e6)
         ]
         assert laws == pytest.approx(expected, rel=1e-9)
     # A hinged shoe needs no second computation.
-    monkeypatch.setattr(rigid, "locking_friction", None)
+    monkeypatch.setattr(rigid, "self_locking_friction_of_rigid_shoe", None)
     laws = [
-        group.rigid_law_locking_friction(group.members[0])
+        group.locking_friction_of_rigid_shoe(group.members[0])
         for group in divide_pressed_shoes_into_groups(scene, brake, 1e6)
     ]
     assert min(laws) < 10
@@ -283,14 +322,16 @@ def test_the_law_that_is_kept_with_a_scene_is_that_of_the_brake_at_hand(
 
 def test_below_the_first_singular_set_every_load_has_one_answer(brake):
     one = vary(brake, {"shoe": [brake.model_dump(by_alias=True)["shoe"][1]]})
-    problems = ShoeGroup(prepare(one, elements=2), one, (0,)).friction_dependent_problem
+    problems = ShoeGroup(
+        make_prepared_model(one, elements=2), one, (0,)
+    ).contact_problem_as_function_of_friction
     first, n = (
-        self_locking.smallest_singular_friction_of_all_sets(problems),
+        self_locking.smallest_singular_friction_of_contact_sets(problems),
         len(problems.frictionless.q),
     )
-    assert 0 < first <= self_locking.find_friction_limit(problems).friction
+    assert 0 < first <= self_locking.find_friction_limit_of_contact(problems).friction
     rng = np.random.default_rng(0)
-    below = problems.problem_at(0.99 * first)
+    below = problems.contact_problem_with_friction(0.99 * first)
     scale = np.abs(below.A).max()
     for _ in range(20):
         changed = below._replace(q=scale * rng.normal(size=n) * 10 ** rng.uniform(-3, 3))
@@ -308,22 +349,28 @@ def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, m
     times the torque.
     """
     monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", large)
-    brake = vary(random_brake(37, "locking"), {"friction": 0.82245})
+    brake = vary(draw_random_brake(37, "locking"), {"friction": 0.82245})
     group = next(
-        iter(divide_pressed_shoes_into_groups(prepare(brake, elements=elements), brake, 1e6))
+        iter(
+            divide_pressed_shoes_into_groups(
+                make_prepared_model(brake, elements=elements), brake, 1e6
+            )
+        )
     )
-    end = find_friction_limit(group.friction_dependent_problem, brake.friction)
+    end = find_friction_limit_of_contact(
+        group.contact_problem_as_function_of_friction, brake.friction
+    )
     followed = (
         brake.friction
-        * group.unit_force
+        * group.largest_actuation_force
         * float((group.torque_per_pressure.T @ end.last_contact.p)[0])
     )
     assert math.isinf(end.friction) and 480 < followed < 590
     assert solve(brake, elements=elements, penalty=1e6).torque == pytest.approx(followed, rel=1e-6)
-    other = active_set.solve_by_block_pivoting(group.problem)
+    other = active_set.solve_contact_by_block_pivoting(group.contact_problem_of_group)
     assert other.stable and other.p.sum() > 4 * end.last_contact.p.sum()
-    found = self_locking.solve_on_path_from_zero_friction(
-        group.problem_at_friction,
+    found = self_locking.solve_contact_reached_from_zero_friction(
+        group.contact_problem_of_group_at_friction,
         brake.friction,
         other.active,
         rigid_law_limit=math.inf,
@@ -337,23 +384,23 @@ def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(
     brake, share, quiet, monkeypatch
 ):
     """To the very answer, and the very end, that are followed from no friction at all."""
-    group = divide_pressed_shoes_into_groups(prepare(brake, elements=16), brake, 1e6)[1]
-    problems, known = group.friction_dependent_problem, []
-    end = find_friction_limit(problems)
-    mu, follow = share * end.friction, self_locking.find_friction_limit
+    group = divide_pressed_shoes_into_groups(make_prepared_model(brake, elements=16), brake, 1e6)[1]
+    problems, known = group.contact_problem_as_function_of_friction, []
+    end = find_friction_limit_of_contact(problems)
+    mu, follow = share * end.friction, self_locking.find_friction_limit_of_contact
 
     def noted(*given):
         known.append(given[2])
         return follow(*given)
 
-    monkeypatch.setattr(self_locking, "find_friction_limit", noted)
+    monkeypatch.setattr(self_locking, "find_friction_limit_of_contact", noted)
     try:
-        found = self_locking.solve_on_path_from_zero_friction(
-            problems.problem_at, mu, rigid_law_limit=math.inf, brake_words="now"
+        found = self_locking.solve_contact_reached_from_zero_friction(
+            problems.contact_problem_with_friction, mu, rigid_law_limit=math.inf, brake_words="now"
         )
         np.testing.assert_allclose(
             found.p,
-            find_friction_limit(problems, mu).last_contact.p,
+            find_friction_limit_of_contact(problems, mu).last_contact.p,
             rtol=1e-9,
             atol=1e-12 * found.p.max(),
         )

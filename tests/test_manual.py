@@ -16,10 +16,10 @@ from conftest import ROOT
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.fields import Part
 from drumlin.models import MODELS
-from drumlin.studies import load
+from drumlin.studies import import_study
 from picking import picked
 
-manual = load("manual")[0]
+manual = import_study("manual")[0]
 listing, keys = manual.listing, manual.listing.keys
 solve_path = importlib.import_module("studies.manual.solve_path")
 QUOTED = importlib.import_module("studies.manual.values").QUOTED

@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.file import read_mesh, write_mesh
+from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.file import read_shoe_mesh_from_file, write_shoe_mesh_to_file
 from drumlin.fem.mesh.grading import points_graded_to_both_ends
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin_studies.stated_true import true_errors
+from drumlin_studies.stated_true import true_errors_of_response
 from shared_parts import of_shoes
 
 
@@ -34,7 +34,7 @@ def test_groups_cover_the_mesh_and_its_ends(brake):
     backed = vary(brake, {"shoe.backing": {"thickness": 0.004, "material": {"E": 1e10, "nu": 0.3}}})
     for spec in (brake, backed):
         shoe = spec.shoes[0]
-        mesh = shoe_mesh(shoe, spec.drum.radius, 20)
+        mesh = parametric_mesh_of_shoe(shoe, spec.drum.radius, 20)
         members = np.concatenate(list(mesh.subdomains.values()))
         assert np.array_equal(np.sort(members), np.arange(mesh.nelements))
         assert set(mesh.subdomains) == {"lining", "shoe"} | ({"backing"} if shoe.backing else set())
@@ -51,8 +51,11 @@ def test_groups_cover_the_mesh_and_its_ends(brake):
 def test_a_mesh_is_as_exact_as_is_said(name):
     """By default p is within 0.2 % (L2) of a far finer answer, the torque within 1e-5."""
     brake = read_brake(STUDY / f"{name}.toml")
-    found, true = solve_prepared_model(prepare(brake), brake), solve(brake, tolerance=1e-5)
-    off = true_errors(brake, found.shoes, true.shoes)
+    found, true = (
+        solve_prepared_model(make_prepared_model(brake), brake),
+        solve(brake, tolerance=1e-5),
+    )
+    off = true_errors_of_response(brake, found.shoes, true.shoes)
     assert off["pressure"] < 2e-3 and off["torque"] < 1e-5
 
 
@@ -62,7 +65,9 @@ def written(tmp_path, brake):
     paths = []
     for shoe in brake.shoes:
         paths.append(tmp_path / f"{shoe.name}.msh")
-        write_mesh(paths[-1], shoe_mesh(shoe, brake.drum.radius, 30), shoe)
+        write_shoe_mesh_to_file(
+            paths[-1], parametric_mesh_of_shoe(shoe, brake.drum.radius, 30), shoe
+        )
     return vary(brake, of_shoes("mesh", paths))
 
 
@@ -135,7 +140,7 @@ def test_a_mesh_that_does_not_fit_is_refused_in_one_line(written, brake, case):
     path = written.shoes[0].mesh
     rewritten(path, change)
     with pytest.raises(BadInput) as refusal:
-        read_mesh(path, written.shoes[0], brake.drum.radius)
+        read_shoe_mesh_from_file(path, written.shoes[0], brake.drum.radius)
     assert words in str(refusal.value)
     assert path.name in str(refusal.value)
     assert "\n" not in str(refusal.value)
@@ -151,7 +156,7 @@ def test_a_node_number_that_would_fill_the_memory_is_refused(tmp_path, brake, na
     end = text.index(" " if name.startswith("double") else "\n", start)
     (tmp_path / name).write_text(f"{text[:start]}999999999999{text[end:]}")
     with pytest.raises(BadInput, match="numbers a node 999999999999; must be up to 10000000"):
-        read_mesh(tmp_path / name, brake.shoes[0], brake.drum.radius)
+        read_shoe_mesh_from_file(tmp_path / name, brake.shoes[0], brake.drum.radius)
 
 
 def test_files_that_are_no_mesh_are_refused(tmp_path, brake):
@@ -164,10 +169,10 @@ def test_files_that_are_no_mesh_are_refused(tmp_path, brake):
     }.items():
         (tmp_path / name).write_text(content)
         with pytest.raises(BadInput, match="not a mesh") as refusal:
-            read_mesh(tmp_path / name, shoe, brake.drum.radius)
+            read_shoe_mesh_from_file(tmp_path / name, shoe, brake.drum.radius)
         assert "(Error" not in str(refusal.value)
     with pytest.raises(BadInput, match="no such file"):
-        read_mesh(tmp_path / "none.msh", shoe, brake.drum.radius)
+        read_shoe_mesh_from_file(tmp_path / "none.msh", shoe, brake.drum.radius)
 
 
 def test_the_committed_meshes_solve_as_the_brake_they_were_made_from(brake):

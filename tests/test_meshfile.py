@@ -13,13 +13,13 @@ import pytest
 from conftest import ROOT
 from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.mesh.arc import MESH_KINDS, shoe_mesh
-from drumlin.fem.mesh.file import read_mesh, write_mesh
-from drumlin.fem.mesh.inp import read_inp
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import check_division_options, solve
-from drumlin.models import pick
-from drumlin.response.norms import pressure_distance
+from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
+from drumlin.fem.mesh.file import read_shoe_mesh_from_file, write_shoe_mesh_to_file
+from drumlin.fem.mesh.inp import read_mesh_from_inp_text
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.solve import require_division_options_have_effect, solve
+from drumlin.models import model_by_name
+from drumlin.response.norms import relative_distance_of_pressures
 
 ELEMENTS = 16
 WEB = ROOT / "meshes" / "web_shoe.toml"
@@ -30,7 +30,9 @@ def filed(brake, folder, kind, suffix):
     changes = {}
     for i, shoe in enumerate(brake.shoes):
         path = folder / f"{shoe.name}.{suffix}"
-        write_mesh(path, shoe_mesh(shoe, brake.drum.radius, ELEMENTS, kind), shoe)
+        write_shoe_mesh_to_file(
+            path, parametric_mesh_of_shoe(shoe, brake.drum.radius, ELEMENTS, kind), shoe
+        )
         changes[f"shoe[{i}].mesh"] = str(path)
     return vary(brake, changes)
 
@@ -59,13 +61,13 @@ def test_what_no_part_is_divided_by_is_refused(tmp_path, brake):
     partly = vary(brake, {"shoe[0].mesh": str(written.shoes[0].mesh)})
     for option in ({"elements": 8}, {"kind": "tri2"}):
         with pytest.raises(BadInput, match=r"--\w+ = \w+: all shoes have mesh files"):
-            check_division_options(written, **option)
-        check_division_options(partly, **option)
-    check_division_options(ringed, elements=8)
-    coarse, fine = (prepare(ringed, elements=n).ring.mesh.nelements for n in (8, 16))
+            require_division_options_have_effect(written, **option)
+        require_division_options_have_effect(partly, **option)
+    require_division_options_have_effect(ringed, elements=8)
+    coarse, fine = (make_prepared_model(ringed, elements=n).ring.mesh.nelements for n in (8, 16))
     assert coarse < fine
     with pytest.raises(BadInput, match="--kind = tri2"):
-        check_division_options(ringed, elements=8, kind="tri2")
+        require_division_options_have_effect(ringed, elements=8, kind="tri2")
 
 
 @pytest.mark.parametrize("options", [("gmsh22", False), ("gmsh22", True)])
@@ -150,7 +152,7 @@ def test_an_input_file_as_people_write_it(tmp_path, brake):
  1.
 """
     )
-    mesh = read_inp((tmp_path / "m.inp").read_text())
+    mesh = read_mesh_from_inp_text((tmp_path / "m.inp").read_text())
     assert mesh.cells["quad"].tolist() == [[0, 1, 4, 3], [1, 2, 5, 4]]
     assert mesh.cell_groups["left"]["quad"].tolist() == [0]
     assert mesh.cell_groups["right"]["quad"].tolist() == [1]
@@ -184,7 +186,7 @@ def test_an_input_file_as_people_write_it(tmp_path, brake):
 def test_an_input_file_that_cannot_be_read_is_refused_in_one_line(tmp_path, brake, text, words):
     (tmp_path / "m.inp").write_text(text)
     with pytest.raises(BadInput) as refusal:
-        read_mesh(tmp_path / "m.inp", brake.shoes[0], brake.drum.radius)
+        read_shoe_mesh_from_file(tmp_path / "m.inp", brake.shoes[0], brake.drum.radius)
     assert words in str(refusal.value)
     assert "\n" not in str(refusal.value)
 
@@ -204,7 +206,7 @@ def test_counts_that_numpy_only_warns_of_are_refused(tmp_path, brake, monkeypatc
 
     monkeypatch.setattr(meshio, "read", warned)
     with pytest.raises(BadInput, match="is not a mesh that can be read"):
-        read_mesh(written.shoes[0].mesh, written.shoes[0], brake.drum.radius)
+        read_shoe_mesh_from_file(written.shoes[0].mesh, written.shoes[0], brake.drum.radius)
 
 
 def test_one_number_for_a_line_and_a_surface_is_no_confusion(tmp_path, brake):
@@ -396,11 +398,13 @@ def test_a_fault_in_a_mesh_is_one_line_that_names_it(tmp_path, brake, case):
     kind, change, words = FAULTS[case]
     shoe = brake.shoes[0]
     path = tmp_path / "m.vtu"
-    write_mesh(path, shoe_mesh(shoe, brake.drum.radius, ELEMENTS, kind), shoe)
-    read_mesh(path, shoe, brake.drum.radius)
+    write_shoe_mesh_to_file(
+        path, parametric_mesh_of_shoe(shoe, brake.drum.radius, ELEMENTS, kind), shoe
+    )
+    read_shoe_mesh_from_file(path, shoe, brake.drum.radius)
     rewrite(path, change)
     with pytest.raises(BadInput) as refusal:
-        read_mesh(path, shoe, brake.drum.radius, "shoe 'right': mesh")
+        read_shoe_mesh_from_file(path, shoe, brake.drum.radius, "shoe 'right': mesh")
     assert words in str(refusal.value)
     assert str(path) in str(refusal.value)
     assert "\n" not in str(refusal.value)
@@ -411,7 +415,9 @@ def test_a_damaged_file_is_solved_or_refused_in_one_line(tmp_path, brake, suffix
     """Lines lost, doubled, exchanged, cut off, numbers overwritten: nothing else may come of it."""
     alone = vary(brake, {"shoe": [brake.shoes[0].model_dump()]})
     path = tmp_path / f"m.{suffix}"
-    write_mesh(path, shoe_mesh(brake.shoes[0], brake.drum.radius, 6, "tri2"), brake.shoes[0])
+    write_shoe_mesh_to_file(
+        path, parametric_mesh_of_shoe(brake.shoes[0], brake.drum.radius, 6, "tri2"), brake.shoes[0]
+    )
     whole = path.read_text().split("\n")
     rng = random.Random(7)
     solved = refused = 0
@@ -462,33 +468,35 @@ def test_nodes_of_no_element_either_orientation_and_other_groups_do_not_matter(t
 def test_a_file_in_the_shoes_frame_serves_both_hands(tmp_path, brake):
     shoe = brake.shoes[0]
     path = tmp_path / "one.msh"
-    write_mesh(path, shoe_mesh(shoe, brake.drum.radius, ELEMENTS), shoe)
+    write_shoe_mesh_to_file(path, parametric_mesh_of_shoe(shoe, brake.drum.radius, ELEMENTS), shoe)
     mesh = meshio.read(path)
-    mesh.points[:, :2] = shoe.frame.to_shoe(mesh.points[:, :2]) * 1e3
+    mesh.points[:, :2] = shoe.frame.convert_to_shoe_frame(mesh.points[:, :2]) * 1e3
     mesh.write(path, file_format="gmsh22", binary=False)
     one = vary(brake, {"shoe.mesh": str(path), "shoe.mesh_frame": "shoe", "shoe.mesh_unit": "mm"})
     assert solve(one).torque == pytest.approx(solve(brake, elements=ELEMENTS).torque, rel=1e-9)
-    scene = prepare(one)
+    scene = make_prepared_model(one)
     assert scene.bodies[0] is scene.bodies[1]
 
 
 def test_kinds_and_formats_that_do_not_exist_are_refused_with_those_that_do(tmp_path, brake):
     with pytest.raises(BadInput, match=r"--kind = 'hex': .* quad2, quad1, tri2, tri1"):
-        prepare(brake, kind="hex")
+        make_prepared_model(brake, kind="hex")
     shoe = brake.shoes[0]
     with pytest.raises(BadInput, match=r"--format = 'stl': .* msh, inp, vtu"):
-        write_mesh(tmp_path / "m.stl", shoe_mesh(shoe, brake.drum.radius, 4), shoe)
+        write_shoe_mesh_to_file(
+            tmp_path / "m.stl", parametric_mesh_of_shoe(shoe, brake.drum.radius, 4), shoe
+        )
 
 
 def test_the_web_shoe_solves_balances_and_keeps_near_the_sine_law():
     web = read_brake(WEB)
     response = solve(web)
     assert max(response.balance.force, response.balance.moment) < 1e-9
-    law = pick("sine", web).solve(web)
+    law = model_by_name("sine", web).solve(web)
     for a, b in zip(response.shoes, law.shoes, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=0.15)
         assert a.self_energising == b.self_energising
-    scene = prepare(web)
+    scene = make_prepared_model(web)
     assert scene.bodies[0] is scene.bodies[1]
     mesh = scene.bodies[0].mesh
     assert set(mesh.subdomains) == {"lining", "backing", "shoe"}
@@ -512,4 +520,4 @@ def test_the_web_shoe_agrees_with_a_mesh_twice_as_fine(tmp_path):
     )
     assert a.torque == pytest.approx(b.torque, rel=1e-4)
     for x, y in zip(a.shoes, b.shoes, strict=True):
-        assert pressure_distance(x, y) < 0.02
+        assert relative_distance_of_pressures(x, y) < 0.02

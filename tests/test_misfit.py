@@ -12,22 +12,22 @@ from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
 from drumlin.brake import clearance, off_circle
 from drumlin.brake.fields import Point
-from drumlin.brake.file import brake_from, read_brake, vary
+from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.foundation import model as foundation
-from drumlin.laws import sine
+from drumlin.laws import solve_brake_by_sine_law
 from drumlin.lining_wear import run_in
-from drumlin.lining_wear.linings import fem_wear_setup
-from drumlin.lining_wear.worn_in import worn_in_brake
-from drumlin.response.norms import pressure_distance
+from drumlin.lining_wear.linings import wear_setup_by_finite_elements
+from drumlin.lining_wear.worn_in import brake_with_worn_in_clearances
+from drumlin.response.norms import relative_distance_of_pressures
 from picking import picked
 
 R = 0.15
 TEXT = (STUDY / "brake.toml").read_text()
 BRAKE = read_brake(STUDY / "brake.toml")
-SCENE = prepare(BRAKE, elements=40)
+SCENE = make_prepared_model(BRAKE, elements=40)
 MISFIT = "shoe.lining.misfit"
 
 
@@ -42,7 +42,9 @@ def test_the_gap_ends_on_the_linings_own_circle(dr, x, y, middle, sign):
     """At R - sign gap every point is the radius r away from the circle's centre."""
     theta = middle + np.linspace(-1.2, 1.2, 41)
     r = R * (1 + dr)
-    gap = off_circle.circle_gap(R, r, Point(x=x * R, y=y * R), middle, sign, theta)
+    gap = off_circle.gap_of_lining_ground_to_circle(
+        R, r, Point(x=x * R, y=y * R), middle, sign, theta
+    )
     rho = R - sign * gap
     centre = (R - r) * np.exp(1j * middle) + R * (x + 1j * y)
     assert np.abs(rho * np.exp(1j * theta) - centre) == pytest.approx(np.full(41, r), rel=1e-13)
@@ -58,7 +60,9 @@ def test_to_first_order_the_gap_is_that_of_small_mismatches(dr, offset):
     for scale in (1.0, 0.5):
         a, b = scale * dr, scale * offset
         first = -a * (1 - np.cos(theta)) - b * np.cos(theta)
-        exact = off_circle.circle_gap(R, R + a, Point(x=b, y=0.0), 0.0, 1, theta)
+        exact = off_circle.gap_of_lining_ground_to_circle(
+            R, R + a, Point(x=b, y=0.0), 0.0, 1, theta
+        )
         left.append(np.abs(exact - first).max())
         assert left[-1] < 2e-3 * np.abs(first).max()
     assert left[0] == pytest.approx(4 * left[1], rel=1e-2)
@@ -88,7 +92,7 @@ def test_where_a_lining_of_another_radius_touches(side, dr):
 def rigid(side="internal", thickness=4e-3, nu=0.0, half=50, force=500.0):
     """A rigid shoe, frictionless, its lining's middle 90 deg from the hinge and under the force."""
     sign = 1 if side == "internal" else -1
-    return brake_from(
+    return make_drum_brake_from_data(
         {
             "title": "rigid",
             "rotation": "clockwise",
@@ -191,11 +195,11 @@ def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
         vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.4, 2e-5], [0.3, -1e-5]]}).shoes[0].lining
     )
     theta = np.array([-1.0, -0.45, -0.4, -0.35, 0.2, 0.3, 0.4, 0.9])
-    assert clearance.block_gap(blocks, theta) == pytest.approx(
+    assert clearance.gap_due_to_block_heights(blocks, theta) == pytest.approx(
         [0, 0, 1e-5, 2e-5, 2e-5, 5e-6, -1e-5, -1e-5], abs=1e-15
     )
     # A drum that grows evenly has a lobe of order 0.
-    growth = clearance.thermal_growth(R, 1.2e-5, 100.0)
+    growth = clearance.thermal_growth_of_drum_radius(R, 1.2e-5, 100.0)
     assert growth == pytest.approx(1.8e-4)
     hot = vary(BRAKE, {"drum.out_of_round": [{"order": 0, "amplitude": growth}]})
     same(
@@ -209,10 +213,10 @@ def test_steps_between_blocks_begin_and_end_at_the_kinks():
     lining = (
         vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.4, 2e-5], [0.3, -1e-5]]}).shoes[0].lining
     )
-    edges = [lining.start, *sorted(clearance.kinks(lining)), lining.end]
+    edges = [lining.start, *sorted(clearance.coordinates_of_gap_kinks(lining)), lining.end]
     assert len(edges) == 6
     for k, (a, b) in enumerate(pairwise(edges)):
-        steps = np.diff(clearance.block_gap(lining, np.linspace(a, b, 20)))
+        steps = np.diff(clearance.gap_due_to_block_heights(lining, np.linspace(a, b, 20)))
         assert (steps == 0).all() if k % 2 == 0 else (np.abs(steps) > 0).all()
 
 
@@ -223,9 +227,13 @@ def test_a_drum_turns_with_its_surface():
         vary(BRAKE, {"drum.out_of_round": lobes, "drum.angle": angle}) for angle in (0.0, 0.7)
     )
     theta = np.linspace(-3, 3, 13)
-    assert still.surface_off(np.array([0.4]))[0] == pytest.approx(2e-5 + 1e-5 * math.cos(1.2))
+    assert still.radial_deviation_of_surface(np.array([0.4]))[0] == pytest.approx(
+        2e-5 + 1e-5 * math.cos(1.2)
+    )
     np.testing.assert_allclose(
-        turned.surface_off(theta + 0.7), still.surface_off(theta), atol=1e-18
+        turned.radial_deviation_of_surface(theta + 0.7),
+        still.radial_deviation_of_surface(theta),
+        atol=1e-18,
     )
 
 
@@ -243,7 +251,9 @@ def test_the_torque_over_a_turn_has_the_period_of_the_lobes(order):
     # One turn of the lobes' period later the drum presents the same shape.
     once, again = (
         picked(
-            clearance.one_turn(brake, lambda b: solve_prepared_model(SCENE, b), start + angles),
+            clearance.solve_at_drum_positions(
+                brake, lambda b: solve_prepared_model(SCENE, b), start + angles
+            ),
             "torque",
         )
         for start in (0.0, 2 * math.pi / order)
@@ -255,7 +265,7 @@ def test_the_torque_over_a_turn_has_the_period_of_the_lobes(order):
 def mirrored(brake):
     """The mirror image about the y axis, rotation included."""
     data = brake.model_dump(by_alias=True)
-    data["rotation"] = "clockwise" if brake.spin > 0 else "counter-clockwise"
+    data["rotation"] = "clockwise" if brake.sign_of_motion > 0 else "counter-clockwise"
     data["drum"]["angle"] = -data["drum"]["angle"]
     for lobes in data["drum"]["out_of_round"]:
         lobes["phase"] = math.pi - lobes["phase"]
@@ -270,7 +280,7 @@ def mirrored(brake):
             ((at, depth),) = m["blocks"]
             # A step that rises one way falls the other way from a level that is deeper by it.
             m["blocks"], lining["clearance"] = [[math.pi - at, -depth]], lining["clearance"] + depth
-    return brake_from(data)
+    return make_drum_brake_from_data(data)
 
 
 def scaled(brake, s):
@@ -292,7 +302,7 @@ def scaled(brake, s):
         )
         m["blocks"] = [[at, depth * s] for at, depth in m["blocks"]]
         shoe["actuation"]["force"] *= s**2
-    return brake_from(data)
+    return make_drum_brake_from_data(data)
 
 
 small = st.floats(-5e-5, 5e-5)
@@ -334,12 +344,16 @@ def test_the_foundation_has_the_same_misfit():
     tables = {}
     for i, shoe in enumerate(changed.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 4001)
-        gap = clearance.gap(changed, shoe, theta)
+        gap = clearance.unloaded_gap_of_shoe(changed, shoe, theta)
         # The same gap is given as a table of many rows.
         tables[f"shoe[{i}].lining.clearance"] = np.column_stack([theta, gap]).tolist()
-    same(foundation.solve(changed), foundation.solve(vary(brake, tables)), rel=1e-5)
-    assert foundation.solve(changed).torque != pytest.approx(
-        foundation.solve(brake).torque, rel=1e-2
+    same(
+        foundation.solve_brake_by_foundation_model(changed),
+        foundation.solve_brake_by_foundation_model(vary(brake, tables)),
+        rel=1e-5,
+    )
+    assert foundation.solve_brake_by_foundation_model(changed).torque != pytest.approx(
+        foundation.solve_brake_by_foundation_model(brake).torque, rel=1e-2
     )
 
 
@@ -348,40 +362,53 @@ def test_worn_in_every_lining_bears_by_the_sine_law():
 
     On a drum that is not round it does not stay so.
     """
-    law = sine(BRAKE)
+    law = solve_brake_by_sine_law(BRAKE)
     off = vary(BRAKE, {f"{MISFIT}.radius": R - 1e-4, f"{MISFIT}.taper": 5e-5})
-    worn = solve_prepared_model(SCENE, worn_in_brake(SCENE, off))
+    worn = solve_prepared_model(SCENE, brake_with_worn_in_clearances(SCENE, off))
     assert worn.torque == pytest.approx(law.torque, rel=1e-6)
-    assert max(starmap(pressure_distance, zip(worn.shoes, law.shoes, strict=True))) < 1e-4
     assert (
-        min(np.array(shoe.lining.clearance)[:, 1].min() for shoe in worn_in_brake(SCENE, off).shoes)
+        max(starmap(relative_distance_of_pressures, zip(worn.shoes, law.shoes, strict=True))) < 1e-4
+    )
+    assert (
+        min(
+            np.array(shoe.lining.clearance)[:, 1].min()
+            for shoe in brake_with_worn_in_clearances(SCENE, off).shoes
+        )
         >= 0
     )
     block = rigid("external", half=40, force=500.0)
     # Without friction the block does not brake.
     assert solve(block, elements=20).torque == 0
     block = vary(block, {"friction": 0.3})
-    scene = prepare(block, elements=20)
-    assert solve_prepared_model(scene, worn_in_brake(scene, block)).torque == pytest.approx(
-        sine(block).torque, rel=1e-5
+    scene = make_prepared_model(block, elements=20)
+    assert solve_prepared_model(
+        scene, brake_with_worn_in_clearances(scene, block)
+    ).torque == pytest.approx(solve_brake_by_sine_law(block).torque, rel=1e-5)
+    oval = vary(
+        brake_with_worn_in_clearances(SCENE, off),
+        {"drum.out_of_round": [{"order": 2, "amplitude": 2e-5}]},
     )
-    oval = vary(worn_in_brake(SCENE, off), {"drum.out_of_round": [{"order": 2, "amplitude": 2e-5}]})
     assert abs(solve_prepared_model(SCENE, oval).torque / law.torque - 1) > 0.01
 
 
 def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
-    """`worn_in_brake` returns the shape that Archard's wear ends with.
+    """`brake_with_worn_in_clearances` returns the shape that Archard's wear ends with.
 
     Both differ by a turn of the shoe alone, sin(phi).
     """
     off = vary(BRAKE, {f"{MISFIT}.radius": R + 5e-5, f"{MISFIT}.taper": -3e-5})
-    setup = fem_wear_setup(SCENE, off)
-    goal = run_in.rigid_law_target(setup)
-    states = run_in.run_in(setup, until=run_in.make_settled_test(setup, goal, 1e-4))
-    ended, limit = run_in.brake_with_worn_linings(setup, states[-1]), worn_in_brake(SCENE, off)
+    setup = wear_setup_by_finite_elements(SCENE, off)
+    goal = run_in.end_of_wear_by_rigid_shoe_law(setup)
+    states = run_in.run_brake_linings_in(
+        setup, until=run_in.make_test_for_end_of_wear(setup, goal, 1e-4)
+    )
+    ended, limit = (
+        run_in.brake_with_worn_linings(setup, states[-1]),
+        brake_with_worn_in_clearances(SCENE, off),
+    )
     for by_wear, at_once in zip(ended.shoes, limit.shoes, strict=True):
         theta, gap = np.array(at_once.lining.clearance).T
-        difference = clearance.gap(ended, by_wear, theta) - gap
+        difference = clearance.unloaded_gap_of_shoe(ended, by_wear, theta) - gap
         turn = np.sin(by_wear.frame.phi(theta))
         # The part of the difference that a turn of the shoe makes is taken off.
         left = difference - turn * (turn @ difference) / (turn @ turn)

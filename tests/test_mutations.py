@@ -99,7 +99,8 @@ def test_an_unsafe_side_that_stays_green_is_not_guarded():
 def test_a_change_is_noticed_by_the_test_that_fails_with_it(tmp_path):
     test = tmp_path / "test_copy.py"
     test.write_text(
-        "from drumlin.base.texts import one_line\n\ndef test_one():\n    pass\n", encoding="utf-8"
+        "from drumlin.base.texts import printable_single_line\n\ndef test_one():\n    pass\n",
+        encoding="utf-8",
     )
     guard = Guard(tests=(str(test),))
     assert red(guard) == ""

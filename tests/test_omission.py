@@ -12,24 +12,28 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.components import Ring
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.error_control.adapt import Tolerance, solve_to_tolerance
+from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.response.norms import pressure_distance
+from drumlin.response.norms import relative_distance_of_pressures
 from drumlin_studies.omission import (
-    omission_change,
-    predict_omission_change,
-    scene_without,
-    simplified_brake,
+    brake_without_neglected_parts,
+    change_of_answer_by_omission,
+    predict_change_of_answer_by_omission,
+    prepared_model_without_parts,
 )
 from drumlin_studies.omission_table import (
-    omission_rows,
-    prediction_ratios,
-    row_of_worst_straight_edges,
-    saved_time_range,
+    predicted_over_true_changes,
+    row_of_largest_straight_edge_effect,
+    rows_of_omissions_for_brake,
+    saved_time_ranges_by_omission,
 )
-from drumlin_studies.reduced import HALF_PLANE_WAVE, ring_mode_compliances, surrogate_maker
+from drumlin_studies.reduced import (
+    HALF_PLANE_WAVE,
+    make_function_that_prepares_surrogates,
+    radial_ring_compliances_by_mode,
+)
 from picking import having, picked, saying
 
 BRAKE = read_brake(STUDY / "brake.toml")
@@ -59,7 +63,7 @@ def alone(brake):
 
 def test_what_is_left_out_exactly_changes_nothing_but_round_off():
     for brake, count in ((BRAKE, 2), (vary(BRAKE, {"friction": 0.0}), 3)):
-        exact = having(omission_rows(brake, "b", elements=16, repeats=0), exact="yes")
+        exact = having(rows_of_omissions_for_brake(brake, "b", elements=16, repeats=0), exact="yes")
         assert len(exact) == count
         for row in exact:
             assert max(row["torque"], row["pressure"], row["reaction"]) < 1e-9
@@ -78,7 +82,7 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     """
     R, t, E, nu = 0.15, 0.02, 1.2e11, 0.25
     ring = Ring(thickness=t, width=0.04, material=IRON, support=support)
-    radial, shear = ring_mode_compliances(ring, R, 1, np.arange(300))
+    radial, shear = radial_ring_compliances_by_mode(ring, R, 1, np.arange(300))
     b = R + t
     # u = A r + B/r, sigma_r = E/(1 - nu^2) ((1 + nu) A - (1 - nu) B/r^2) = -1 for r = R
     stress = lambda r: [(1 + nu) * E / (1 - nu**2), -(1 - nu) / r**2 * E / (1 - nu**2)]  # noqa: E731
@@ -95,7 +99,7 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
         thin = Ring(thickness=2e-3 * R, width=0.04, material=IRON, support="free")
         k = np.arange(2, 6)
         EI_per_width = E * (2e-3 * R) ** 3 / 12
-        assert ring_mode_compliances(thin, R, 1, k)[0] == pytest.approx(
+        assert radial_ring_compliances_by_mode(thin, R, 1, k)[0] == pytest.approx(
             R**4 / (EI_per_width * (k**2 - 1) ** 2), rel=5e-3
         )
 
@@ -112,11 +116,14 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
 )
 def test_a_sketch_of_closed_forms_answers_as_the_finite_elements_of_its_mesh(brake):
     sketch, full = (
-        solve_prepared_model(surrogate_maker(24)(brake), brake),
+        solve_prepared_model(make_function_that_prepares_surrogates(24)(brake), brake),
         solve(brake, elements=24),
     )
     assert sketch.torque == pytest.approx(full.torque, rel=4e-3)
-    assert max(starmap(pressure_distance, zip(sketch.shoes, full.shoes, strict=True))) < 0.05
+    assert (
+        max(starmap(relative_distance_of_pressures, zip(sketch.shoes, full.shoes, strict=True)))
+        < 0.05
+    )
 
 
 LADDER = {
@@ -149,11 +156,11 @@ def test_predictions_are_within_a_factor_two_of_the_truth(case):
     brake, part = LADDER[case]
 
     def make(spec):
-        return prepare(spec, elements=48)
+        return make_prepared_model(spec, elements=48)
 
-    predicted = predict_omission_change(brake, [part], solve_prepared_model)
-    true = omission_change(
-        solve_prepared_model(*scene_without(brake, [part], make)),
+    predicted = predict_change_of_answer_by_omission(brake, [part], solve_prepared_model)
+    true = change_of_answer_by_omission(
+        solve_prepared_model(*prepared_model_without_parts(brake, [part], make)),
         solve_prepared_model(make(brake), brake),
     )
     judged = [
@@ -190,10 +197,10 @@ WITHIN = {
 @pytest.mark.parametrize("case", partly(WITHIN, {"ring fixed", "shoe", "shoe stiffest, ring"}))
 def test_a_tolerance_leaves_neither_ring_nor_shoe_out_and_holds(case):
     brake = WITHIN[case]
-    truth = solve_to_tolerance(brake, Tolerance(2e-4, 5e-6), solve_prepared_model).response
+    truth = solve_brake_to_tolerance(brake, Tolerance(2e-4, 5e-6), solve_prepared_model).response
     for tolerance in (1e-1, 1e-2, 1e-3):
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
-        true = omission_change(response, truth)
+        true = change_of_answer_by_omission(response, truth)
         assert max(true.pressure, true.torque) <= tolerance
         assert max(response.error["pressure"], response.error["torque"]) <= tolerance
         assert true.torque <= response.error["torque"] + 1e-6
@@ -214,24 +221,26 @@ def test_a_change_is_that_of_the_shoe_that_changes_most():
             )
             for f, shoe in zip(factors, whole.shoes, strict=True)
         ]
-        found = omission_change(replace(whole, shoes=tuple(shoes)), whole)
+        found = change_of_answer_by_omission(replace(whole, shoes=tuple(shoes)), whole)
         assert [found.pressure, found.peak, found.each, found.reaction] == pytest.approx([0.1] * 4)
 
 
 def test_omissions_compose_and_their_words_are_checked():
     brake = vary(BRAKE, ringed("free") | backed(0.005, 1e10))
-    bare = simplified_brake(brake, ["ring", "shoe", "backing"])
+    bare = brake_without_neglected_parts(brake, ["ring", "shoe", "backing"])
     assert bare.ring is None
     for shoe in bare.shoes:
         assert shoe.body is None and shoe.backing is None
-    assert simplified_brake(POST, ["shoe", "backing"]).shoes == POST.shoes
+    assert brake_without_neglected_parts(POST, ["shoe", "backing"]).shoes == POST.shoes
     with pytest.raises(BadInput, match="'rim': cannot be left out; allowed: ring, coupling"):
-        simplified_brake(brake, ["rim"])
+        brake_without_neglected_parts(brake, ["rim"])
 
 
 def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
     brake = vary(BRAKE, ringed("free"))
-    scene, simple = scene_without(brake, ["drag"], lambda spec: prepare(spec, elements=16))
+    scene, simple = prepared_model_without_parts(
+        brake, ["drag"], lambda spec: make_prepared_model(spec, elements=16)
+    )
     A = ShoeGroup(
         scene,
         simple,
@@ -239,7 +248,7 @@ def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
             0,
             1,
         ),
-    ).problem.A
+    ).contact_problem_of_group.A
     assert np.abs(A - A.T).max() < 1e-12 * np.abs(A).max()
     response = solve_prepared_model(scene, simple)
     assert max(response.balance.force, response.balance.moment) < 1e-9
@@ -249,7 +258,7 @@ def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
 def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining():
     """Under a load that keeps all of it in contact; half as much on twice as many elements."""
     brake = alone(vary(BRAKE, RIGID | {"shoe.actuation.force": 1e5}))
-    rows = [omission_rows(brake, "b", elements=n, repeats=0)[1:] for n in (36, 72)]
+    rows = [rows_of_omissions_for_brake(brake, "b", elements=n, repeats=0)[1:] for n in (36, 72)]
     coarse, fine = (having(found, part="curvature")[0] for found in rows)
     for row in (coarse, fine):
         assert row["pressure"] < 0.3
@@ -258,8 +267,8 @@ def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining(
 
 
 def test_rows_are_summed_up_and_a_case_without_answer_stays():
-    rows = omission_rows(vary(BRAKE, RIGID), "b", elements=8, repeats=1)
-    locked = omission_rows(
+    rows = rows_of_omissions_for_brake(vary(BRAKE, RIGID), "b", elements=8, repeats=1)
+    locked = rows_of_omissions_for_brake(
         vary(BRAKE, {"friction": 1.1}), "locked when rigid", elements=8, repeats=0
     )
     failed = [
@@ -272,12 +281,12 @@ def test_rows_are_summed_up_and_a_case_without_answer_stays():
         for row in rows
         if row["exact"] == "no"
     }
-    assert set(prediction_ratios(every, "pressure")) <= set(ratios.values())
-    assert ratios["drag"] in prediction_ratios(every, "pressure")
-    assert ratios["curvature"] not in prediction_ratios(every, "pressure")
-    assert row_of_worst_straight_edges(every)["pressure"] == next(
+    assert set(predicted_over_true_changes(every, "pressure")) <= set(ratios.values())
+    assert ratios["drag"] in predicted_over_true_changes(every, "pressure")
+    assert ratios["curvature"] not in predicted_over_true_changes(every, "pressure")
+    assert row_of_largest_straight_edge_effect(every)["pressure"] == next(
         row["pressure"] for row in rows if row["part"] == "curvature"
     )
-    shares = saved_time_range(every, -1e9)
+    shares = saved_time_ranges_by_omission(every, -1e9)
     assert shares["drag"] == tuple(having(rows, part="drag")[0]["seconds"] for _ in range(2))
     assert not {"all", "interior fields"} & set(shares)

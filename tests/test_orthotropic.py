@@ -13,34 +13,41 @@ from scipy.sparse.linalg import spsolve
 import drumlin
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
-from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix
+from drumlin.brake.elasticity import ElasticLayer, plane_stress_elasticity_matrix
 from drumlin.brake.fields import Material, Orthotropic
-from drumlin.brake.file import brake_from, validated, vary
+from drumlin.brake.file import make_drum_brake_from_data, make_validated_part, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.schema import brake_schema
-from drumlin.brake.writing import brake_text
+from drumlin.brake.writing import brake_file_text
 from drumlin.comparison import compare
-from drumlin.explore.knobs import knobs_of
-from drumlin.fem.analysis.fields import recover_shoe_fields
+from drumlin.explore.knobs import knobs_for_brake
+from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity, sensitivity_as_text_lines
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp.corner import corner_exponent, corner_exponents_of, orthotropic_corner_exponent
+from drumlin.fem.hp.corner import (
+    pressure_exponent_at_lining_corner,
+    pressure_exponent_at_orthotropic_corner,
+    pressure_exponents_at_both_lining_corners,
+)
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import prepare_finest_division, solve
-from drumlin.fem.substructure.body import scalar_basis, stiffness
-from drumlin.models import MODELS, applicable, pick, refusals
-from drumlin.peers import calculix, getfem, missing
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.solve import prepared_model_of_finest_division, solve
+from drumlin.fem.substructure.body import (
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
+)
+from drumlin.models import MODELS, applicable_models, model_by_name, reasons_why_models_do_not_apply
+from drumlin.peers import calculix, getfem, install_hint_if_missing
 from drumlin_studies.consistency_slopes import (
     ALLOWED_SLOPE_DIFFERENCE,
     DivisionForSlopes,
-    largest_slope_difference,
-    printed_slopes,
+    largest_difference_from_central_slopes,
+    printed_torque_slopes,
 )
-from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_kinds import draw_brake_of_holding_kind, place_brake
-from drumlin_studies.stated_true import truth_by_triangles
+from drumlin_studies.random_brake import draw_random_brake
+from drumlin_studies.random_kinds import draw_brake_of_support_kind, mirror_turn_and_shift_brake
+from drumlin_studies.stated_true import solve_fine_reference_by_triangles
 from picking import having, picked
 from shared_parts import of_shoes
 
@@ -153,7 +160,7 @@ def test_a_file_with_units_is_read_written_and_described(tmp_path):
     brake = drumlin.read_brake(tmp_path / "brake.toml")
     assert brake.shoes[1].lining.material == Orthotropic(**LINING)
     (tmp_path / "again.toml").write_text(
-        brake_text(vary(brake, {"shoe[0].lining.material": LINING | ACROSS}))
+        brake_file_text(vary(brake, {"shoe[0].lining.material": LINING | ACROSS}))
     )
     again = drumlin.read_brake(tmp_path / "again.toml")
     assert again.shoes[0].lining.material == Orthotropic(**LINING, **ACROSS)
@@ -186,7 +193,9 @@ def test_a_material_is_taken_just_where_every_strain_has_a_positive_energy(
         return
     ratios = {"nu_along_through": nu_at, "nu_along_across": nu_ac, "nu_through_across": nu_tc}
     try:
-        validated(Orthotropic, {"E_along": a, "E_through": t, "E_across": c} | ratios | shears)
+        make_validated_part(
+            Orthotropic, {"E_along": a, "E_through": t, "E_across": c} | ratios | shears
+        )
     except BadInput:
         assert least < 0
     else:
@@ -198,7 +207,7 @@ def test_the_matrix_is_symmetric_positive_definite_and_the_inverse_of_the_compli
     a, t, shear, part
 ):
     nu = part * math.sqrt(a / t)
-    D = elasticity_matrix(
+    D = plane_stress_elasticity_matrix(
         Orthotropic(E_along=a, E_through=t, G_along_through=shear, nu_along_through=nu)
     )
     compliance = np.array([[1 / a, -nu / a, 0], [-nu / a, 1 / t, 0], [0, 0, 1 / shear]])
@@ -211,7 +220,9 @@ def test_an_isotropic_material_has_the_same_in_all_directions():
     for key in ("E_along", "E_through", "G_along_through", "nu_along_through"):
         assert getattr(material, key) == getattr(other, key)
     assert other.E_half_plane == pytest.approx(material.E_half_plane, rel=1e-14)
-    assert elasticity_matrix(other) == pytest.approx(elasticity_matrix(material), rel=1e-14)
+    assert plane_stress_elasticity_matrix(other) == pytest.approx(
+        plane_stress_elasticity_matrix(material), rel=1e-14
+    )
 
 
 SAME = {
@@ -270,7 +281,7 @@ def pad(thickness, material):
         "lining": lining,
         "actuation": {"force": 500.0, "direction": -math.pi / 2, "point": {"x": 0.06, "y": 0.1}},
     }
-    return validated(
+    return make_validated_part(
         FlatBrake, {"title": "pad", "friction": 0.0, "plane": {"sliding": "+x"}, "shoe": [shoe]}
     )
 
@@ -283,7 +294,7 @@ def test_a_thin_bonded_lining_gives_way_by_its_uniaxial_strain():
     off = []
     for t in (1e-3, 5e-4):
         (found,) = solve(pad(t, LINING), penalty=math.inf).shoes
-        strain = 500.0 / (0.12 * 0.04) / elasticity_matrix(Orthotropic(**LINING))[1, 1]
+        strain = 500.0 / (0.12 * 0.04) / plane_stress_elasticity_matrix(Orthotropic(**LINING))[1, 1]
         off.append(-found.motion[1] / (strain * t))
     assert 2 * off[1] - off[0] == pytest.approx(1.0, rel=1e-4)
 
@@ -303,15 +314,15 @@ def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, 
     material = Orthotropic(
         E_along=stiffer * 1e9, E_through=1e9, G_along_through=4e8, nu_along_through=0.3
     )
-    D, k = elasticity_matrix(material), math.sqrt(stiffer)
+    D, k = plane_stress_elasticity_matrix(material), math.sqrt(stiffer)
     make = skfem.MeshQuad if kind == "MeshQuad2" else skfem.MeshTri
     grid = make.init_tensor(np.linspace(a, b, 13), np.linspace(0, math.pi / 2, 25))
     mesh = getattr(skfem, kind).from_mesh(grid)
     r, phi = mesh.doflocs
     mesh = type(mesh)(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t)
     mesh = mesh.with_subdomains({"ring": np.arange(mesh.nelements)})
-    basis = scalar_basis(mesh)
-    K = stiffness(basis, {"ring": ElasticLayer.of(material, width)})
+    basis = scalar_finite_element_basis_of_mesh(mesh)
+    K = sparse_stiffness_of_body(basis, {"ring": ElasticLayer.of(material, width)})
     inside = mesh.facets_satisfying(lambda x: np.abs(np.hypot(*x) - a) < 2e-4, boundaries_only=True)
     boundary = skfem.FacetBasis(mesh, basis.elem, facets=inside)
     f = np.zeros((basis.N, 2))
@@ -344,7 +355,7 @@ def test_the_half_plane_modulus_is_that_of_its_waves():
     A wave of pressure without shear loads the surface; s follows from equilibrium.
     """
     material = Orthotropic(**LINING)
-    D = elasticity_matrix(material)
+    D = plane_stress_elasticity_matrix(material)
     (along, coupled), (_, through), shear = D[0, :2], D[1, :2], D[2, 2]
     # -D11 U + G U'' + (D12 + G) i V' = 0 and -G V + D22 V'' + (D12 + G) i U' = 0 have a
     # characteristic polynomial in s^2.
@@ -374,15 +385,15 @@ def test_columns_and_meshes_of_either_shape_agree():
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_the_second_solver_finds_the_same_torques(seed):
-    brake = orthotropic(random_brake(seed), seed)
-    true, found = truth_by_triangles(brake), solve(brake)
+    brake = orthotropic(draw_random_brake(seed), seed)
+    true, found = solve_fine_reference_by_triangles(brake), solve(brake)
     for a, b in zip(true.shoes, found.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=max(1e-5, 2 * found.error["torque"]))
 
 
 @pytest.mark.slow
 def test_the_second_solver_finds_the_same_torque_of_one_shoe():
-    one = brake_from(
+    one = make_drum_brake_from_data(
         {
             "title": "one",
             "rotation": "clockwise",
@@ -409,7 +420,7 @@ def test_the_second_solver_finds_the_same_torque_of_one_shoe():
             ],
         }
     )
-    (true,), found = truth_by_triangles(one).shoes, solve(one)
+    (true,), found = solve_fine_reference_by_triangles(one).shoes, solve(one)
     assert found.shoes[0].torque == pytest.approx(
         true.torque, rel=max(1e-6, 2 * found.error["torque"])
     )
@@ -420,9 +431,10 @@ def test_the_second_solver_finds_the_same_torque_of_one_shoe():
 @settings(deadline=None, max_examples=8)
 @given(st.integers(0, 10**6), st.floats(-3, 3), st.booleans())
 def test_a_brake_that_is_turned_or_mirrored_has_the_same_torque(seed, turn, mirrored):
-    brake = orthotropic(draw_brake_of_holding_kind(seed % 50), seed)
+    brake = orthotropic(draw_brake_of_support_kind(seed % 50), seed)
     one, other = (
-        solve(b, elements=6) for b in (brake, place_brake(brake, turn=turn, mirrored=mirrored))
+        solve(b, elements=6)
+        for b in (brake, mirror_turn_and_shift_brake(brake, turn=turn, mirrored=mirrored))
     )
     forces = [sum(picked(one.shoes, "normal_force")), sum(picked(other.shoes, "normal_force"))]
     assert forces[1] == pytest.approx(forces[0], rel=1e-7)
@@ -432,7 +444,7 @@ def test_a_brake_that_is_turned_or_mirrored_has_the_same_torque(seed, turn, mirr
 @settings(deadline=None, max_examples=8)
 @given(st.integers(0, 10**6), st.floats(0.01, 100))
 def test_all_moduli_and_forces_by_one_factor_leave_the_shape_of_the_pressure(seed, factor):
-    brake = orthotropic(random_brake(seed % 40, "arc"), seed)
+    brake = orthotropic(draw_random_brake(seed % 40, "arc"), seed)
     changes = {
         f"{key}.{name}": factor * E
         for key, material in parts_of(brake)
@@ -477,7 +489,7 @@ def test_foundation_solid_and_width_refuse_directions_in_a_line():
     with pytest.raises(
         BadInput, match=rf"backing\.material is orthotropic; the foundation model takes {only}"
     ):
-        pick("foundation", backing)
+        model_by_name("foundation", backing)
     rim = {"thickness": 0.02, "width": 0.05, "material": LINING}
     ring = vary(read_any(ROOT / "studies/laws/block.toml"), {"drum.ring": rim})
     assert (
@@ -487,14 +499,14 @@ def test_foundation_solid_and_width_refuse_directions_in_a_line():
     with pytest.raises(
         BadInput, match=rf"lining\.material is orthotropic; the solid model takes {only}"
     ):
-        pick("solid", with_lining(MAIN))
+        model_by_name("solid", with_lining(MAIN))
     with pytest.raises(
         BadInput,
         match=r"--finite-width: .*lining\.material is orthotropic; the model of the width takes",
     ):
         solve(with_lining(MAIN), finite_width=True)
-    assert picked(applicable(with_lining(MAIN)), "name") == ["fem"]
-    assert "orthotropic" not in " ".join(refusals(MAIN).values())
+    assert picked(applicable_models(with_lining(MAIN)), "name") == ["fem"]
+    assert "orthotropic" not in " ".join(reasons_why_models_do_not_apply(MAIN).values())
 
 
 def test_comparing_says_which_models_do_not_apply_and_answers_by_the_elements():
@@ -510,15 +522,15 @@ def test_slopes_are_those_of_differences(name, elements):
     """
     brake = orthotropic(FLEXIBLE if name == "arcs" else vary(POST, {"drum.ring": None}), 3)
     divided = DivisionForSlopes(elements, Cache())
-    base, found = divided.solved(brake), divided.slopes(brake)
-    for slope in printed_slopes(brake, found):
-        off = largest_slope_difference(brake, slope, divided, base)
+    base, found = divided.solve_for_torque(brake), divided.compute_torque_slopes(brake)
+    for slope in printed_torque_slopes(brake, found):
+        off = largest_difference_from_central_slopes(brake, slope, divided, base)
         assert off is None or off < 0.1 * ALLOWED_SLOPE_DIFFERENCE, slope.what
 
 
 def test_slopes_by_moduli_are_said_to_be_by_one_factor_on_all():
     brake = with_lining(MAIN)
-    found = compute_torque_sensitivity(prepare_finest_division(brake, elements=20), brake)
+    found = compute_torque_sensitivity(prepared_model_of_finest_division(brake, elements=20), brake)
     lines = sensitivity_as_text_lines(found, brake)
     assert lines[-1] == (
         "  d ln T/d ln E of shoe 'right': lining.material, shoe 'left': lining.material: by "
@@ -540,8 +552,13 @@ def test_stresses_are_those_of_the_layers_directions():
     brake = with_lining(
         vary(MAIN, {"shoe.body": None, "friction": 0.0, "shoe.lining.thickness": 0.004})
     )
-    for scene in (prepare(brake, LEVELS[2]), prepare_finest_division(brake, elements=60)):
-        found = recover_shoe_fields(scene, brake, solve_prepared_model(scene, brake), index=1)
+    for scene in (
+        make_prepared_model(brake, LEVELS[2]),
+        prepared_model_of_finest_division(brake, elements=60),
+    ):
+        found = stress_and_displacement_fields_of_shoe(
+            scene, brake, solve_prepared_model(scene, brake), index=1
+        )
         angle = np.degrees(np.arctan2(found.points[:, 1], found.points[:, 0])) % 360
         at = np.flatnonzero((found.pressure > 0) & (angle > 150) & (angle < 220))
         n = found.points[at] / np.hypot(*found.points[at].T)[:, None]
@@ -549,14 +566,14 @@ def test_stresses_are_those_of_the_layers_directions():
         radial = xx * n[:, 0] ** 2 + yy * n[:, 1] ** 2 + 2 * xy * n[:, 0] * n[:, 1]
         assert np.median(np.abs(radial / found.pressure[at] + 1)) < 0.01
         around = xx + yy - radial
-        D, curved = elasticity_matrix(Orthotropic(**LINING)), 0.004 / brake.drum.radius
+        D, curved = plane_stress_elasticity_matrix(Orthotropic(**LINING)), 0.004 / brake.drum.radius
         expected = (D[0, 1] + D[0, 0] * curved) / (D[1, 1] + D[0, 1] * curved)
         assert np.median(around / radial) == pytest.approx(expected, rel=0.01)
 
 
 def test_the_explorers_sliders_take_all_moduli_in_proportion():
     brake = with_lining(MAIN)
-    slider = having(knobs_of(brake), name="lining")[0]
+    slider = having(knobs_for_brake(brake), name="lining")[0]
     assert slider.start == pytest.approx(300.0)
     (softer,) = set(picked(vary(brake, slider.changes(150.0)).shoes, "lining.material"))
     assert softer.moduli == pytest.approx(
@@ -573,7 +590,7 @@ def test_a_deck_for_calculix_has_the_nine_constants_and_the_layers_directions(tm
             "shoe.lining.material": LINING,
         },
     )
-    paths, _ = calculix.export(post, tmp_path, "post", elements=6)
+    paths, _ = calculix.export_calculix_decks(post, tmp_path, "post", elements=6)
     text = paths[0].read_text()
     lines = (
         r"NAME=BACKING\n\*ELASTIC, TYPE=ENGINEERING CONSTANTS\n(.*),\n(.*)\n\*ORIENTATION, "
@@ -598,29 +615,37 @@ def test_a_deck_for_calculix_has_the_nine_constants_and_the_layers_directions(tm
 SWAPPED = {"E_along": 7e10, "E_through": 2e11, "G_along_through": 5e10, "nu_along_through": 0.1}
 
 
-@pytest.mark.skipif(missing("calculix") is not None, reason=missing("calculix") or "")
+@pytest.mark.skipif(
+    install_hint_if_missing("calculix") is not None,
+    reason=install_hint_if_missing("calculix") or "",
+)
 def test_calculix_agrees():
     brake = vary(FLEXIBLE, {"shoe.lining.material": LINING, "shoe.body.material": SWAPPED})
-    own, peer = solve(brake, elements=20), calculix.solve(brake, elements=20).response
+    own, peer = solve(brake, elements=20), calculix.solve_by_calculix(brake, elements=20).response
     for a, b in zip(own.shoes, peer.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=2e-3)
 
 
-@pytest.mark.skipif(missing("getfem") is not None, reason=missing("getfem") or "")
+@pytest.mark.skipif(
+    install_hint_if_missing("getfem") is not None, reason=install_hint_if_missing("getfem") or ""
+)
 @pytest.mark.parametrize("name", ["arcs", "posts"])
 def test_getfem_agrees(name):
     arcs = vary(FLEXIBLE, {"shoe.lining.material": LINING, "shoe.body.material": SWAPPED})
     brake = (
         arcs if name == "arcs" else vary(POST, {"drum.ring": None, "shoe.backing.material": LINING})
     )
-    own, peer = solve(brake, elements=20), getfem.solve(brake, elements=20).response
+    own, peer = solve(brake, elements=20), getfem.solve_by_getfem(brake, elements=20).response
     for a, b in zip(own.shoes, peer.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=1e-4 if name == "arcs" else 1e-3)
 
 
 def test_a_pad_on_a_plane_has_straight_layers():
     clamp = orthotropic(read_any(ROOT / "studies/brakes/rail_clamp.toml"), 2)
-    scenes = prepare(clamp, LEVELS[2]), prepare_finest_division(clamp, elements=60)
+    scenes = (
+        make_prepared_model(clamp, LEVELS[2]),
+        prepared_model_of_finest_division(clamp, elements=60),
+    )
     by_columns, by_mesh = (solve_prepared_model(scene, clamp) for scene in scenes)
     for a, b in zip(by_columns.shoes, by_mesh.shoes, strict=True):
         assert b.normal_force == pytest.approx(a.normal_force, rel=1e-4)
@@ -636,15 +661,17 @@ def nearly(material):
 @pytest.mark.parametrize("nu", [0.0, 0.45])
 def test_the_power_of_p_at_a_corner_tends_to_that_of_isotropic_materials(inward, nu):
     lining = nearly(Material(E=1.0, nu=nu))
-    assert orthotropic_corner_exponent(inward, lining) == pytest.approx(
-        corner_exponent(inward, nu), abs=1e-4
+    assert pressure_exponent_at_orthotropic_corner(inward, lining) == pytest.approx(
+        pressure_exponent_at_lining_corner(inward, nu), abs=1e-4
     )
     drum = Material(E=4.0, nu=0.3)
-    found = orthotropic_corner_exponent(inward, lining, drum, 2.0)
-    assert found == pytest.approx(corner_exponent(inward, nu, 2.0 / 4.0, 0.3), abs=1e-4)
-    assert orthotropic_corner_exponent(inward, lining, nearly(drum), 2.0) == pytest.approx(
-        found, abs=1e-4
+    found = pressure_exponent_at_orthotropic_corner(inward, lining, drum, 2.0)
+    assert found == pytest.approx(
+        pressure_exponent_at_lining_corner(inward, nu, 2.0 / 4.0, 0.3), abs=1e-4
     )
+    assert pressure_exponent_at_orthotropic_corner(
+        inward, lining, nearly(drum), 2.0
+    ) == pytest.approx(found, abs=1e-4)
 
 
 @pytest.mark.parametrize("stiffer", [1.0, pytest.param(3.0, marks=pytest.mark.slow)])
@@ -656,9 +683,9 @@ def test_a_pressed_corner_has_the_power_of_p_of_its_material(stiffer):
     """
     changes = {"shoe.lining.material.E_along": 3e8 * stiffer, "friction": 0.3}
     brake = vary(pad(0.02, LINING), changes)
-    (found,) = solve_prepared_model(prepare(brake, LEVELS[5]), brake).shoes
-    (lower, _) = sorted(corner_exponents_of(brake, 0))
+    (found,) = solve_prepared_model(make_prepared_model(brake, LEVELS[5]), brake).shoes
+    (lower, _) = sorted(pressure_exponents_at_both_lining_corners(brake, 0))
     r = np.geomspace(2e-6, 4e-5, 12)
     power = np.polyfit(np.log(r), np.log(found.pressure_at(r)), 1)[0]
     assert power == pytest.approx(lower, abs=5e-3)
-    assert abs(lower - corner_exponent(0.3, 0.35)) > 0.01
+    assert abs(lower - pressure_exponent_at_lining_corner(0.3, 0.35)) > 0.01

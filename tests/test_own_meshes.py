@@ -8,12 +8,16 @@ import pytest
 
 from drumlin import BadInput, vary
 from drumlin.cli.answer import print_response
-from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.content import digest_of_mesh_file
-from drumlin.fem.mesh.content_of_file import rounding_errors_of_coordinates
-from drumlin.fem.mesh.file import read_mesh, read_shoe_mesh, write_mesh
-from drumlin.fem.mesh.from_file import count_turns_of_offsets
-from drumlin.fem.mesh.msh4 import read_msh4
+from drumlin.fem.mesh.content_of_file import largest_rounding_errors_of_coordinates
+from drumlin.fem.mesh.file import (
+    read_shoe_mesh_from_file,
+    read_shoe_mesh_with_notes,
+    write_shoe_mesh_to_file,
+)
+from drumlin.fem.mesh.from_file import count_turns_between_rise_and_fall
+from drumlin.fem.mesh.msh4 import read_mesh_in_gmsh_format_4
 from drumlin.fem.solve import solve
 from picking import saying
 
@@ -36,7 +40,7 @@ def shoe(brake):
 def deck_of(folder, shoe, radius, kind="quad1"):
     """The text of the parametric mesh as an input file."""
     path = folder / "plain.inp"
-    write_mesh(path, shoe_mesh(shoe, radius, ELEMENTS, kind), shoe)
+    write_shoe_mesh_to_file(path, parametric_mesh_of_shoe(shoe, radius, ELEMENTS, kind), shoe)
     return path.read_text()
 
 
@@ -120,9 +124,9 @@ SAME = {
 def test_a_deck_written_otherwise_is_the_same_mesh(tmp_path, brake, shoe, case):
     radius = brake.drum.radius
     text = deck_of(tmp_path, shoe, radius)
-    plain = read_mesh(tmp_path / "plain.inp", shoe, radius)
+    plain = read_shoe_mesh_from_file(tmp_path / "plain.inp", shoe, radius)
     (tmp_path / "other.inp").write_text(SAME[case](text))
-    other = read_mesh(tmp_path / "other.inp", shoe, radius)
+    other = read_shoe_mesh_from_file(tmp_path / "other.inp", shoe, radius)
     assert other.t.shape == plain.t.shape
     assert edge_counts(other) == edge_counts(plain)
     for name, facets in plain.boundaries.items():
@@ -159,7 +163,7 @@ def test_what_would_change_the_mesh_and_is_not_read_is_refused_by_name(
     path = tmp_path / "other.inp"
     path.write_text(deck_of(tmp_path, shoe, brake.drum.radius) + added)
     with pytest.raises(BadInput, match=REFUSED[added]) as refusal:
-        read_mesh(path, shoe, brake.drum.radius)
+        read_shoe_mesh_from_file(path, shoe, brake.drum.radius)
     assert "\n" not in str(refusal.value)
 
 
@@ -168,8 +172,8 @@ def test_included_files_are_read_and_belong_to_the_content(tmp_path, brake, shoe
     mesh = DEFINITIONS.match(text).group()
     (tmp_path / "nodes.txt").write_text(mesh)
     (tmp_path / "other.inp").write_text("*INCLUDE, INPUT=nodes.txt\n" + text[len(mesh) :])
-    plain = read_mesh(tmp_path / "plain.inp", shoe, brake.drum.radius)
-    other = read_mesh(tmp_path / "other.inp", shoe, brake.drum.radius)
+    plain = read_shoe_mesh_from_file(tmp_path / "plain.inp", shoe, brake.drum.radius)
+    other = read_shoe_mesh_from_file(tmp_path / "other.inp", shoe, brake.drum.radius)
     assert np.array_equal(other.p, plain.p)
     # A change of the included file alone must change the digest, by which sweeps know a mesh.
     before = digest_of_mesh_file(tmp_path / "other.inp")
@@ -180,7 +184,7 @@ def test_included_files_are_read_and_belong_to_the_content(tmp_path, brake, shoe
 def test_unknown_keywords_and_plane_strain_are_said(tmp_path, brake, shoe):
     text = deck_of(tmp_path, shoe, brake.drum.radius).replace("CPS4", "CPE4")
     (tmp_path / "other.inp").write_text(text + "*TIE, NAME=T\nA, B\n")
-    found = read_shoe_mesh(tmp_path / "other.inp", shoe, brake.drum.radius)
+    found = read_shoe_mesh_with_notes(tmp_path / "other.inp", shoe, brake.drum.radius)
     assert saying(found.notes, "passed over: *TIE")
     assert saying(found.notes, "CPE4 is plane strain")
 
@@ -222,7 +226,7 @@ def test_middle_nodes_of_straight_sides_are_put_on_the_drum(tmp_path, brake, sho
     radius = brake.drum.radius
     path = tmp_path / "other.inp"
     path.write_text(straightened(deck_of(tmp_path, shoe, radius, "quad2")))
-    found = read_shoe_mesh(path, shoe, radius)
+    found = read_shoe_mesh_with_notes(path, shoe, radius)
     assert found.contact.straight == ELEMENTS
     on = found.mesh.dofs.facet_dofs[0, found.mesh.boundaries["contact"]]
     assert shoe.off(found.mesh.doflocs[:, on], radius) == pytest.approx(0, abs=1e-12)
@@ -244,7 +248,7 @@ def test_a_flat_in_rounded_coordinates_stays(tmp_path, brake, shoe, depth):
     path = tmp_path / "worn.inp"
     path.write_text(moved_nodes(deck_of(tmp_path, shoe, radius, "quad2"), worn))
     in_mm = vary(brake, {"shoe[0].mesh": str(path), "shoe[0].mesh_unit": "mm"}).shoes[0]
-    mesh = read_mesh(path, in_mm, radius)
+    mesh = read_shoe_mesh_from_file(path, in_mm, radius)
     nodes = np.unique(mesh.facets[:, mesh.boundaries["contact"]])
     off = shoe.off(mesh.p[:, nodes], radius)
     assert off.max() == pytest.approx(depth, abs=1e-6)
@@ -269,11 +273,14 @@ def test_a_zigzag_is_no_lining(tmp_path, brake, shoe):
 
 
 def test_digits_and_turns():
-    assert rounding_errors_of_coordinates(np.array([[1.25, 3.0], [0.07, 12.57]])) == pytest.approx(
-        0.005
+    assert largest_rounding_errors_of_coordinates(
+        np.array([[1.25, 3.0], [0.07, 12.57]])
+    ) == pytest.approx(0.005)
+    assert (
+        largest_rounding_errors_of_coordinates(np.random.default_rng(0).random((20, 2))).max()
+        < 1e-11
     )
-    assert rounding_errors_of_coordinates(np.random.default_rng(0).random((20, 2))).max() < 1e-11
-    assert count_turns_of_offsets(np.array([0.0, 1, 0, 1, 0.9, 1, 0]), 0.5) == 3
+    assert count_turns_between_rise_and_fall(np.array([0.0, 1, 0, 1, 0.9, 1, 0]), 0.5) == 3
 
 
 @pytest.mark.parametrize("kind", ["tri1", "quad2"])
@@ -282,8 +289,8 @@ def test_groups_by_number_text_4_1_and_unnamed_entities(tmp_path, brake, shoe, k
     gmsh = pytest.importorskip("gmsh")
     radius = brake.drum.radius
     path = tmp_path / "named.msh"
-    write_mesh(path, shoe_mesh(shoe, radius, ELEMENTS, kind), shoe)
-    plain = read_mesh(path, shoe, radius)
+    write_shoe_mesh_to_file(path, parametric_mesh_of_shoe(shoe, radius, ELEMENTS, kind), shoe)
+    plain = read_shoe_mesh_from_file(path, shoe, radius)
     gmsh.initialize(readConfigFiles=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
@@ -300,11 +307,11 @@ def test_groups_by_number_text_4_1_and_unnamed_entities(tmp_path, brake, shoe, k
         gmsh.finalize()
     # The refusal proposes the table of groups that the brake file needs.
     with pytest.raises(BadInput, match=r"found: .*groups = \{ "):
-        read_mesh(tmp_path / "numbers.msh", shoe, radius)
+        read_shoe_mesh_from_file(tmp_path / "numbers.msh", shoe, radius)
     numbered = vary(
         brake, {"shoe[0].mesh": str(tmp_path / "numbers.msh"), "shoe[0].groups": numbers}
     )
-    other = read_mesh(tmp_path / "numbers.msh", numbered.shoes[0], radius)
+    other = read_shoe_mesh_from_file(tmp_path / "numbers.msh", numbered.shoes[0], radius)
     assert other.nelements == plain.nelements
     assert edge_counts(other) == edge_counts(plain)
 
@@ -342,8 +349,8 @@ def test_corners_of_edges_name_quadratic_edges(tmp_path, brake, shoe):
         for line in sets.split("\n")
     )
     (tmp_path / "corners.inp").write_text(head + kept)
-    plain = read_mesh(tmp_path / "plain.inp", shoe, brake.drum.radius)
-    other = read_mesh(tmp_path / "corners.inp", shoe, brake.drum.radius)
+    plain = read_shoe_mesh_from_file(tmp_path / "plain.inp", shoe, brake.drum.radius)
+    other = read_shoe_mesh_from_file(tmp_path / "corners.inp", shoe, brake.drum.radius)
     for name, facets in plain.boundaries.items():
         assert np.array_equal(other.boundaries[name], facets)
 
@@ -354,8 +361,8 @@ def test_decks_named_msh_and_inches(tmp_path, brake, shoe):
     path = tmp_path / "all.msh"
     path.write_text(moved_nodes(text, lambda x, y: (x / 0.0254, y / 0.0254)))
     inches = vary(brake, {"shoe[0].mesh": str(path), "shoe[0].mesh_unit": "in"}).shoes[0]
-    plain = read_mesh(tmp_path / "plain.inp", shoe, radius)
-    assert read_mesh(path, inches, radius).p == pytest.approx(plain.p, abs=1e-12)
+    plain = read_shoe_mesh_from_file(tmp_path / "plain.inp", shoe, radius)
+    assert read_shoe_mesh_from_file(path, inches, radius).p == pytest.approx(plain.p, abs=1e-12)
 
 
 MSH = {
@@ -379,14 +386,14 @@ def test_text_of_gmsh_4_with_an_entity_of_no_group_and_one_of_two(version):
     text = f"$MeshFormat\n{version} 0 8\n$EndMeshFormat\n"
     blocks = {"PhysicalNames": names, "Entities": entities, "Nodes": nodes, "Elements": elements}
     text += "".join(f"${name}\n{block}$End{name}\n" for name, block in blocks.items())
-    found = read_msh4(text)
+    found = read_mesh_in_gmsh_format_4(text)
     assert found.cells["triangle"].tolist() == [[0, 1, 2], [0, 2, 3]]
     assert found.cells["line"].tolist() == [[0, 1]]
     for name in ("lining", "5", "6"):
         assert found.cell_groups[name]["triangle"].tolist() == [0, 1]
-    assert set(found.group_names) == {"lining", "5", "6"}
+    assert set(found.names_of_all_groups) == {"lining", "5", "6"}
     with pytest.raises(ValueError, match="has fewer lines than it says"):
-        read_msh4(text.replace("3 1 3 4\n", ""))
+        read_mesh_in_gmsh_format_4(text.replace("3 1 3 4\n", ""))
 
 
 def test_damaged_decks_with_parts_are_read_or_refused_in_one_line(tmp_path, brake, shoe):
@@ -403,7 +410,7 @@ def test_damaged_decks_with_parts_are_read_or_refused_in_one_line(tmp_path, brak
         lines[at : at + 1] = rng.choice([[], [",".join(row)], [lines[at]] * 2])
         path.write_text("\n".join(lines))
         try:
-            read_mesh(path, shoe, radius)
+            read_shoe_mesh_from_file(path, shoe, radius)
         except BadInput as refusal:
             refused += 1
             assert "\n" not in str(refusal)

@@ -8,8 +8,8 @@ import jinja2
 import pytest
 
 from conftest import ROOT
-from drumlin.base.texts import formatted
-from drumlin.report.page import write_page
+from drumlin.base.texts import number_as_text
+from drumlin.report.page import write_html_page
 
 TEMPLATE = """{% extends "base.html" %}
 {% from "blocks.html" import figure, table, fields %}
@@ -36,7 +36,7 @@ def page(tmp_path):
             "error": 0.0123,
             "rows": [{"a": 2e-3, "b": "<w>"}, {"shoe": "all"}],
         }
-        return write_page(
+        return write_html_page(
             tmp_path / "page.html", tmp_path / "index.html", **(given | values)
         ).read_text()
 
@@ -82,7 +82,7 @@ def test_a_large_number_has_no_exponent_and_keeps_its_digits():
         (2e9, ".3g"),
         (3e-7, ".2g"),
     )
-    assert list(starmap(formatted, given)) == [
+    assert list(starmap(number_as_text, given)) == [
         "238920",
         "85245",
         "2320",
@@ -90,13 +90,13 @@ def test_a_large_number_has_no_exponent_and_keeps_its_digits():
         "2e+09",
         "3e-07",
     ]
-    assert formatted(238918.3, ".1e") == "2.4e+05"
+    assert number_as_text(238918.3, ".1e") == "2.4e+05"
 
 
 def test_every_percentage_is_written_alike():
     """A space before the sign; formats of Python's own would leave it out."""
     assert [
-        formatted(x, form)
+        number_as_text(x, form)
         for x, form in ((0.18, ".0%"), (-0.0123, "+.1%"), (-1e-9, "+.1%"), (0.5, ".1f"))
     ] == [
         "18 %",

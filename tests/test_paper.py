@@ -6,12 +6,12 @@ import pytest
 
 from conftest import ROOT
 from drumlin.base.errors import BadInput
-from drumlin.base.texts import formatted
-from drumlin.studies import load
+from drumlin.base.texts import number_as_text
+from drumlin.studies import import_study
 from kept_reports import rows
 from picking import keyed, picked
 
-study = load("paper")[0]
+study = import_study("paper")[0]
 PARTS = [
     "Summary",
     "Statement of need",
@@ -54,7 +54,7 @@ def test_every_source_that_is_named_is_listed_and_no_other(page, text):
 
 
 def percent(value, form):
-    return formatted(float(value), form)
+    return number_as_text(float(value), form)
 
 
 def test_its_numbers_are_those_of_the_kept_reports(text):

@@ -13,14 +13,19 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
 from drumlin.cli.commands import app
-from drumlin.comparison import edge_of
+from drumlin.comparison import uncompared_edge_length
 from drumlin.fem.solve import solve
 from drumlin.peers import calculix, getfem
-from drumlin.peers.deck import BEARING_STIFFNESS, DeckSetting, deck, drum_angles
-from drumlin.peers.peer import loaded_shoes
-from drumlin.response.norms import pressure_distance
+from drumlin.peers.deck import (
+    BEARING_STIFFNESS,
+    DeckSetting,
+    angles_of_drum_nodes,
+    plane_stress_deck_text,
+)
+from drumlin.peers.peer import hinged_shoes_under_actuation
+from drumlin.response.norms import relative_distance_of_pressures
 from drumlin_studies.brake_kinds import brake_and_reversed_brake
-from drumlin_studies.random_kinds import HOLDING_KINDS, draw_brake_of_holding_kind
+from drumlin_studies.random_kinds import HOLDING_KINDS, draw_brake_of_support_kind
 from picking import picked
 
 STUDIES = Path(__file__).parents[1] / "studies"
@@ -37,10 +42,12 @@ BACKED = vary(
 CLEARANCE = vary(MAIN, {"shoe[0].lining.clearance": 1e-4, "rotation": "clockwise"})
 
 needs_calculix = pytest.mark.skipif(
-    peers.missing("calculix") is not None, reason=peers.missing("calculix") or ""
+    peers.install_hint_if_missing("calculix") is not None,
+    reason=peers.install_hint_if_missing("calculix") or "",
 )
 needs_getfem = pytest.mark.skipif(
-    peers.missing("getfem") is not None, reason=peers.missing("getfem") or ""
+    peers.install_hint_if_missing("getfem") is not None,
+    reason=peers.install_hint_if_missing("getfem") or "",
 )
 
 
@@ -106,9 +113,9 @@ def test_deck_states_the_brake(brake, kind, index):
     Faces look towards each other on the friction surface.
     """
     setting = DeckSetting(rotation=2e-3, thickness=0.02)
-    loaded = loaded_shoes(brake, 12, kind)[index]
-    shoe, text = loaded.shoe, deck(brake, loaded, setting)
-    assert text == deck(brake, loaded, setting)
+    loaded = hinged_shoes_under_actuation(brake, 12, kind)[index]
+    shoe, text = loaded.shoe, plane_stress_deck_text(brake, loaded, setting)
+    assert text == plane_stress_deck_text(brake, loaded, setting)
     parsed, R = Parsed(text), brake.drum.radius * 1e3
 
     # Corners of all elements go counter-clockwise.
@@ -125,7 +132,7 @@ def test_deck_states_the_brake(brake, kind, index):
             ends = parsed.edge(number, face)
             assert np.hypot(*np.array(ends).T) == pytest.approx(R, rel=1e-9)
             assert outward(ends) @ ends[2] / R == pytest.approx(sign, abs=1e-6)
-    angles = drum_angles(loaded)
+    angles = angles_of_drum_nodes(loaded)
     assert angles[0] < shoe.lining.start - 0.02 and angles[-1] > shoe.lining.end + 0.02
 
     force, moment, pin = np.zeros(2), 0.0, shoe.hinge.xy * 1e3
@@ -141,9 +148,11 @@ def test_deck_states_the_brake(brake, kind, index):
         moment += arm[0] * f[1] - arm[1] * f[0]
     size = setting.thickness
     assert force == pytest.approx(
-        size * shoe.actuation.vector, rel=1e-9, abs=1e-9 * abs(size * shoe.actuation.force)
+        size * shoe.actuation.force_vector, rel=1e-9, abs=1e-9 * abs(size * shoe.actuation.force)
     )
-    assert moment == pytest.approx(size * 1e3 * shoe.actuation.moment_about(shoe.hinge), rel=1e-9)
+    assert moment == pytest.approx(
+        size * 1e3 * shoe.actuation.moment_of_force_about_point(shoe.hinge), rel=1e-9
+    )
 
     # Each constraint ties a node of the hinge to the rigid motion about the pin.
     for terms in [row for row in parsed.rows("EQUATION") if len(row) > 1]:
@@ -165,7 +174,9 @@ def test_deck_states_the_brake(brake, kind, index):
         x = parsed.nodes[node]
         # The drum moves along its tangent.
         assert x @ u == pytest.approx(0, abs=1e-11 * (x @ x))
-        assert (x[0] * u[1] - x[1] * u[0]) / (x @ x) == pytest.approx(brake.spin * 2e-3, rel=1e-12)
+        assert (x[0] * u[1] - x[1] * u[0]) / (x @ x) == pytest.approx(
+            brake.sign_of_motion * 2e-3, rel=1e-12
+        )
 
     (modulus, nu) = map(float, parsed.rows("ELASTIC")[0])
     assert (modulus, nu) == pytest.approx((shoe.lining.material.E * 1e-6, shoe.lining.material.nu))
@@ -181,16 +192,18 @@ def test_deck_states_the_brake(brake, kind, index):
 
 def test_decks_that_calculix_does_not_get():
     with pytest.raises(BadInput, match="quad2, tri2"):
-        deck(MAIN, loaded_shoes(MAIN, 8, "quad1")[0], DeckSetting())
+        plane_stress_deck_text(
+            MAIN, hinged_shoes_under_actuation(MAIN, 8, "quad1")[0], DeckSetting()
+        )
     open_ = vary(MAIN, {"shoe[0].lining.clearance": 1e-4})
     with pytest.raises(BadInput, match="clearance"):
-        deck(open_, loaded_shoes(open_, 8)[0], DeckSetting())
+        plane_stress_deck_text(open_, hinged_shoes_under_actuation(open_, 8)[0], DeckSetting())
     for change, said in (
         ({"friction": 0.0}, "friction"),
         ({"drum.ring": {"bending_stiffness": 1e3}}, "ring"),
     ):
         with pytest.raises(BadInput, match=said):
-            loaded_shoes(vary(MAIN, change))
+            hinged_shoes_under_actuation(vary(MAIN, change))
 
 
 def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
@@ -199,7 +212,7 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
     The pressure is in Pa.
     """
     shoe, R = loaded.shoe, brake.drum.radius
-    theta = drum_angles(loaded)
+    theta = angles_of_drum_nodes(loaded)
     lining = (theta[:-2:2] >= shoe.lining.start - 1e-9) & (theta[2::2] <= shoe.lining.end + 1e-9)
     xi, w = np.polynomial.legendre.leggauss(8)
     psi = np.array([xi * (xi - 1) / 2, 1 - xi**2, xi * (xi + 1) / 2])
@@ -210,16 +223,16 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
         on = slice(2 * k, 2 * k + 3)
         nodes = R * np.array([np.cos(theta[on]), np.sin(theta[on])])
         x, ds = nodes @ psi, np.hypot(*(nodes @ slope)) * w * shoe.lining.width
-        drag = brake.friction * brake.spin
+        drag = brake.friction * brake.sign_of_motion
         t = (-shoe.sign * x + drag * np.array([-x[1], x[0]])) / np.hypot(*x)
         nodal[on] += np.einsum("aq,cq,q->ac", psi, t, ds)
         torque += drag * np.hypot(*x) @ ds
     total = nodal.sum(axis=0)
     arm = shoe.hinge.xy
-    pressure = shoe.actuation.moment_about(shoe.hinge) / (
+    pressure = shoe.actuation.moment_of_force_about_point(shoe.hinge) / (
         arm[0] * total[1] - arm[1] * total[0] - torque
     )
-    pin = -(pressure * total + shoe.actuation.vector)
+    pin = -(pressure * total + shoe.actuation.force_vector)
     size = setting.thickness
     nodal, pin = size * pressure * nodal, size * pin * changes.get("pin", 1.0)
     rows = np.zeros((2 * len(theta) + len(theta) // 2 + 1, 2))
@@ -254,13 +267,13 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
 
 @pytest.mark.parametrize("index", [0, 1])
 def test_results_are_read_as_written(index):
-    setting, loaded = DeckSetting(thickness=0.02), loaded_shoes(MAIN, 20)[index]
+    setting, loaded = DeckSetting(thickness=0.02), hinged_shoes_under_actuation(MAIN, 20)[index]
     dat, sta, output, pressure = written(MAIN, loaded, setting)
-    state = calculix.read_state(dat, sta, output, MAIN, loaded, setting)
-    calculix.check(loaded, state)
+    state = calculix.read_calculix_state(dat, sta, output, MAIN, loaded, setting)
+    calculix.require_equilibrium_and_contact(loaded, state)
     assert (state.iterations, state.unknowns) == (7, 1459)
     assert (state.touching, state.points, state.sticking) == (20, 120, 0.0)
-    shoe, balance = calculix.response(loaded, state)
+    shoe, balance = calculix.shoe_response_of_calculix_state(loaded, state)
     # The jump at the ends leaves ripples in the elements next to them.
     edge = 0.5
     inside = (shoe.theta > shoe.theta[0] + edge) & (shoe.theta < shoe.theta[-1] - edge)
@@ -284,55 +297,57 @@ def test_results_are_read_as_written(index):
     ids=["unbalanced", "handful", "stopped"],
 )
 def test_states_that_are_none_are_refused(changes, said):
-    setting, loaded = DeckSetting(), loaded_shoes(MAIN, 20)[0]
+    setting, loaded = DeckSetting(), hinged_shoes_under_actuation(MAIN, 20)[0]
     dat, sta, output, _ = written(MAIN, loaded, setting, **changes)
     with pytest.raises(NoAnswer, match=said):
-        calculix.check(loaded, calculix.read_state(dat, sta, output, MAIN, loaded, setting))
+        calculix.require_equilibrium_and_contact(
+            loaded, calculix.read_calculix_state(dat, sta, output, MAIN, loaded, setting)
+        )
     assert (
-        calculix.read_state(
+        calculix.read_calculix_state(
             *written(MAIN, loaded, setting, shear=0.9)[:3], MAIN, loaded, setting
         ).sticking
         == 1
     )
     with pytest.raises(NoAnswer, match="wrote no contact state"):
-        calculix.read_state("", "", "", MAIN, loaded, setting)
+        calculix.read_calculix_state("", "", "", MAIN, loaded, setting)
 
 
 def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
-    loaded, turned = loaded_shoes(MAIN, 20)[0], []
+    loaded, turned = hinged_shoes_under_actuation(MAIN, 20)[0], []
 
     def run(brake, loaded, setting, posed=None):
         turned.append(setting.rotation)
         shear = 1.0 if setting.rotation > limit else 0.5
-        return calculix.read_state(
+        return calculix.read_calculix_state(
             *written(brake, loaded, setting, shear=shear)[:3], brake, loaded, setting
         )
 
-    monkeypatch.setattr(calculix, "run", run)
+    monkeypatch.setattr(calculix, "run_calculix", run)
     limit = 3e-3
-    state, rotation = calculix.slipping(MAIN, loaded, DeckSetting(rotation=1e-3))
+    state, rotation = calculix.run_until_lining_slips(MAIN, loaded, DeckSetting(rotation=1e-3))
     assert (state.sticking, rotation, turned) == (0.0, 4e-3, [1e-3, 2e-3, 4e-3])
     # No rotation is far enough now.
     limit = 1.0
     with pytest.raises(NoAnswer, match="do not slip"):
-        calculix.slipping(MAIN, loaded, DeckSetting(rotation=1e-3))
+        calculix.run_until_lining_slips(MAIN, loaded, DeckSetting(rotation=1e-3))
 
 
 def test_absent_peers_say_how_to_install_them(monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _: None)
-    for find in (calculix.version, getfem.python):
+    for find in (calculix.calculix_version, getfem.path_of_python_with_getfem):
         find.cache_clear()
     try:
         for name, package in (("calculix", "calculix-ccx"), ("getfem", "python3-getfem++")):
-            assert f"apt install {package}" in peers.missing(name)
+            assert f"apt install {package}" in peers.install_hint_if_missing(name)
             with pytest.raises(peers.PeerMissing, match="is not installed") as fault:
-                peers.solve(name, MAIN, elements=8)
+                peers.solve_by_peer(name, MAIN, elements=8)
             assert fault.value.exit_status == 2
     finally:
-        for find in (calculix.version, getfem.python):
+        for find in (calculix.calculix_version, getfem.path_of_python_with_getfem):
             find.cache_clear()
     with pytest.raises(BadInput, match="allowed: calculix, getfem"):
-        peers.solve("abaqus", MAIN)
+        peers.solve_by_peer("abaqus", MAIN)
 
 
 def test_export_command(tmp_path):
@@ -365,12 +380,12 @@ def test_getfem_agrees(formulation, close):
     GetFEM decides contact in the weak sense, drumlin node by node.
     """
     peer, own = (
-        peers.solve("getfem", MAIN, elements=40, formulation=formulation),
+        peers.solve_by_peer("getfem", MAIN, elements=40, formulation=formulation),
         solve(MAIN, elements=40),
     )
     assert peer.response.torque == pytest.approx(own.torque, rel=close)
     for a, b in zip(peer.response.shoes, own.shoes, strict=True):
-        assert pressure_distance(a, b) < 1e-3
+        assert relative_distance_of_pressures(a, b) < 1e-3
         assert a.hinge_reaction == pytest.approx(b.hinge_reaction, rel=1e-3)
         assert (a.self_energising, np.sign(a.turn)) == (b.self_energising, np.sign(b.turn))
     assert peer.further_seconds < peer.process_seconds > peer.seconds > 0
@@ -378,7 +393,7 @@ def test_getfem_agrees(formulation, close):
 
 def agree(brake, elements=16, close=2e-4, balanced=1e-9, **options):
     peer, own = (
-        peers.solve("getfem", brake, elements=elements, **options).response,
+        peers.solve_by_peer("getfem", brake, elements=elements, **options).response,
         solve(brake, elements=elements),
     )
     assert max(peer.balance.force, peer.balance.moment) < balanced
@@ -388,7 +403,7 @@ def agree(brake, elements=16, close=2e-4, balanced=1e-9, **options):
             own.effects[own.shoes.index(b)], rel=close
         )
         assert a.hinge_reaction == pytest.approx(b.hinge_reaction, abs=close * size)
-        assert pressure_distance(a, b, edge_of(brake)) < 0.02
+        assert relative_distance_of_pressures(a, b, uncompared_edge_length(brake)) < 0.02
         assert a.self_energising == b.self_energising
         if shoe.guide is not None:
             assert a.reaction_moment == pytest.approx(b.reaction_moment, rel=close)
@@ -453,7 +468,7 @@ def test_getfem_on_random_brakes_of_every_kind(kind):
         for elements in (48, 40, 56, 64, 72):
             with suppress(NoAnswer):
                 agree(
-                    draw_brake_of_holding_kind(seed, kind),
+                    draw_brake_of_support_kind(seed, kind),
                     elements=elements,
                     close=1e-3,
                     balanced=1e-8,
@@ -467,12 +482,12 @@ def test_getfem_on_random_brakes_of_every_kind(kind):
 @pytest.mark.slow
 def test_getfem_on_other_brakes():
     for brake in (POST, RIGID, BACKED, CLEARANCE):
-        peer, own = peers.solve("getfem", brake, elements=24), solve(brake, elements=24)
+        peer, own = peers.solve_by_peer("getfem", brake, elements=24), solve(brake, elements=24)
         assert peer.response.torque == pytest.approx(own.torque, rel=2e-4)
     locked = vary(MAIN, {"friction": 1.3})
     for formulation in getfem.FORMULATIONS:
         with pytest.raises(NoAnswer, match="GetFEM"):
-            peers.solve("getfem", locked, elements=12, formulation=formulation)
+            peers.solve_by_peer("getfem", locked, elements=12, formulation=formulation)
 
 
 @needs_calculix
@@ -483,19 +498,19 @@ def test_calculix_agrees():
     One lining thickness is left out there. The torque is compared on another mesh, whose elements
     bear no load across their thickness.
     """
-    peer, own = peers.solve("calculix", MAIN, elements=20), solve(MAIN, elements=80)
+    peer, own = peers.solve_by_peer("calculix", MAIN, elements=20), solve(MAIN, elements=80)
     assert peer.response.torque == pytest.approx(own.torque, rel=5e-4)
     for a, b in zip(peer.response.shoes, own.shoes, strict=True):
-        assert pressure_distance(a, b, 8 / 150) < 0.02
+        assert relative_distance_of_pressures(a, b, 8 / 150) < 0.02
         assert a.hinge_reaction == pytest.approx(b.hinge_reaction, rel=2e-3)
-    rigid = peers.solve("calculix", RIGID, elements=12)
+    rigid = peers.solve_by_peer("calculix", RIGID, elements=12)
     assert rigid.response.torque == pytest.approx(solve(RIGID, elements=40).torque, rel=1e-3)
 
 
 def torques(brake, elements, setting=None):
     """Relative distance of each shoe's torque by CalculiX from drumlin's, same mesh and penalty."""
     own = solve(brake, elements=elements, kind="quad2", penalty=(setting or DeckSetting()).penalty)
-    other = peers.solve("calculix", brake, elements=elements, setting=setting).response
+    other = peers.solve_by_peer("calculix", brake, elements=elements, setting=setting).response
     return np.array([a.torque / b.torque - 1 for a, b in zip(other.shoes, own.shoes, strict=True)])
 
 

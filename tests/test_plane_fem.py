@@ -12,24 +12,24 @@ import drumlin
 from conftest import ROOT, partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
-from drumlin.brake.file import validated, vary
+from drumlin.brake.file import make_validated_part, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.fem.analysis.fields import recover_shoe_fields
+from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import prepare_finest_division
-from drumlin.laws import law
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.lining_wear.archard import WearLaw
-from drumlin.lining_wear.linings import fem_wear_setup
+from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
-    COEFFICIENT,
+    DEFAULT_WEAR_COEFFICIENT,
     brake_with_worn_linings,
-    run_in,
-    unit_sliding_distance,
+    run_brake_linings_in,
+    unit_of_sliding_distance,
 )
-from drumlin_studies.ladder_pads import pad_on_guide
-from drumlin_studies.random_kinds import place_brake
+from drumlin_studies.ladder_pads import brake_with_pad_on_guide
+from drumlin_studies.random_kinds import mirror_turn_and_shift_brake
 from flat_pads import BODY, KINDS, LINING, pad
 from picking import saying
 
@@ -38,7 +38,7 @@ from picking import saying
 @pytest.mark.parametrize("kind", ["hinge", "guide", "pivot"])
 def test_a_rigid_pad_with_a_thin_lining_answers_as_its_law(kind: str, sliding: str) -> None:
     brake = pad(kind, sliding)
-    fem, rigid = drumlin.solve(brake), law(brake)
+    fem, rigid = drumlin.solve(brake), solve_brake_by_its_rigid_shoe_law(brake)
     assert fem.merits[0].braking_force == pytest.approx(rigid.merits[0].braking_force, rel=3e-3)
     a, b = fem.shoes[0], rigid.shoes[0]
     assert np.linalg.norm(a.hinge_reaction - b.hinge_reaction) < 3e-3 * np.linalg.norm(
@@ -60,7 +60,7 @@ def test_friction_on_a_guide_along_the_normal_neither_helps_nor_opposes(
     """cos(90 deg) is 6e-17 and not 0: round-off is no self-energising."""
     # A guide turned by 180 deg is the same guide.
     brake = pad("guide", sliding, guide={"direction": tilt - pi / 2 + turned})
-    for found in (drumlin.solve(brake, elements=20), law(brake)):
+    for found in (drumlin.solve(brake, elements=20), solve_brake_by_its_rigid_shoe_law(brake)):
         assert found.shoes[0].self_energising == bool(helps)
 
 
@@ -84,7 +84,10 @@ def test_a_guide_along_the_plane_is_refused() -> None:
 def test_a_pad_that_its_force_lifts_is_said_of_the_plane() -> None:
     brake = vary(pad("hinge"), {"shoe.actuation.force": -1.0})
     said = ["shoe 'pad': no contact, the force does not turn it towards the plane"]
-    assert [saying(drumlin.solve(brake).notes, "contact"), saying(law(brake).notes, "contact")] == [
+    assert [
+        saying(drumlin.solve(brake).notes, "contact"),
+        saying(solve_brake_by_its_rigid_shoe_law(brake).notes, "contact"),
+    ] == [
         said,
         said,
     ]
@@ -131,7 +134,7 @@ def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(
     material = {"E": 3e8, "nu": 0.3}
     lining = LINING | {"start": 0.06, "end": 0.18, "thickness": 0.02, "material": material}
     brake = pad("guide", mu=mu, lining=lining)
-    found = solve_prepared_model(prepare(brake, LEVELS[5]), brake).shoes[0]
+    found = solve_prepared_model(make_prepared_model(brake, LEVELS[5]), brake).shoes[0]
     r = np.geomspace(2e-6, 4e-5, 12)
     p = found.pressure_at(0.06 + r)
     slope = np.polyfit(np.log(r), np.log(p), 1)[0]
@@ -162,7 +165,7 @@ def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) ->
             part["direction"] = pi - part["direction"]
     for part in (shoe["lining"], shoe["body"]):
         part["start"], part["end"] = -part["end"], -part["start"]
-    a, b = response.shoes[0], drumlin.solve(validated(FlatBrake, data)).shoes[0]
+    a, b = response.shoes[0], drumlin.solve(make_validated_part(FlatBrake, data)).shoes[0]
     assert b.normal_force == pytest.approx(a.normal_force, rel=1e-8)
     assert b.hinge_reaction == pytest.approx(a.hinge_reaction * [-1, 1], rel=1e-6, abs=1e-6)
     np.testing.assert_allclose(b.pressure_at(-a.theta), a.pressure, atol=1e-6 * a.peak_pressure)
@@ -178,7 +181,10 @@ def test_a_pad_answers_alike_wherever_it_stands(kind) -> None:
         point["x"] += 1.3
     for part in (shoe["lining"], shoe["body"]):
         part["start"], part["end"] = part["start"] + 1.3, part["end"] + 1.3
-    a, b = drumlin.solve(brake).shoes[0], drumlin.solve(validated(FlatBrake, data)).shoes[0]
+    a, b = (
+        drumlin.solve(brake).shoes[0],
+        drumlin.solve(make_validated_part(FlatBrake, data)).shoes[0],
+    )
     assert b.normal_force == pytest.approx(a.normal_force, rel=1e-6)
     np.testing.assert_allclose(
         b.pressure_at(a.theta + 1.3), a.pressure, atol=1e-5 * a.peak_pressure
@@ -206,7 +212,7 @@ def test_a_pad_without_thickness_is_refused_in_one_line() -> None:
 
 def test_a_centred_pad_without_friction_bears_no_moment_and_is_answered() -> None:
     """All moments vanish: what is small is said by the force in the middle of half a lining."""
-    response = drumlin.solve(pad_on_guide(0.01, 0.0, Material(E=3e8, nu=0.25)))
+    response = drumlin.solve(brake_with_pad_on_guide(0.01, 0.0, Material(E=3e8, nu=0.25)))
     assert max(response.balance.force, response.balance.moment) < 1e-9
     (shoe,) = response.shoes
     np.testing.assert_allclose(
@@ -218,7 +224,8 @@ def test_the_end_face_by_which_a_hinge_holds_a_pad_lies_on_the_plane_as_it_is() 
     brake = pad("hinge", body=BODY)
     (shoe,) = brake.shoes
     near, far = (
-        shoe.end_face(brake.size, loaded=loaded) - shoe.own_pin for loaded in (False, True)
+        shoe.middle_of_body_end_face(brake.size, loaded=loaded) - shoe.pin_in_shoe_frame
+        for loaded in (False, True)
     )
     # Half of the body lies behind the lining.
     assert near == pytest.approx([0.05, 0.011 - 0.06], rel=1e-12)
@@ -234,7 +241,7 @@ def test_pads_are_worn_on_guides_along_the_normal_of_the_plane() -> None:
     brake = read_any(file)
     done = command_line.drumlin("wear", file, "--guided", "--elements", 20, "--distance", 0.1)
     assert done.returncode == 0
-    down = sum(-shoe.actuation.vector[1] for shoe in brake.shoes)
+    down = sum(-shoe.actuation.force_vector[1] for shoe in brake.shoes)
     assert f"worn in (law): braking force {brake.friction * down:.6g} N" in " ".join(
         done.stdout.split()
     )
@@ -245,15 +252,19 @@ def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
     own = pad(
         "hinge", body=BODY, lining=LINING | {"start": 0.06, "end": 0.18, "misfit": {"taper": 1e-6}}
     )
-    made, rule = prepare(own, elements=20), WearLaw(COEFFICIENT)
-    setup = fem_wear_setup(made, own)
-    last = run_in(setup, rule, distance=0.3 * unit_sliding_distance(setup, rule))[-1]
+    made, rule = make_prepared_model(own, elements=20), WearLaw(DEFAULT_WEAR_COEFFICIENT)
+    setup = wear_setup_by_finite_elements(made, own)
+    last = run_brake_linings_in(setup, rule, distance=0.3 * unit_of_sliding_distance(setup, rule))[
+        -1
+    ]
     (shoe,) = solve_prepared_model(
         made, brake_with_worn_linings(setup, last), penalty=math.inf
     ).shoes
     (surface,) = setup.surfaces
     np.testing.assert_allclose(
-        shoe.pressure, surface.along(last.pressure), atol=1e-8 * shoe.peak_pressure
+        shoe.pressure,
+        surface.own_values_by_growing_angle(last.pressure),
+        atol=1e-8 * shoe.peak_pressure,
     )
 
 
@@ -264,9 +275,13 @@ def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: 
     Pressed nodes stay on the plane, under the stress of p and friction there; the plane pushes
     upwards.
     """
-    brake = place_brake(pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4)
-    made = prepare_finest_division(brake)
-    found = recover_shoe_fields(made, brake, solve_prepared_model(made, brake, penalty=math.inf), 0)
+    brake = mirror_turn_and_shift_brake(
+        pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4
+    )
+    made = prepared_model_of_finest_division(brake)
+    found = stress_and_displacement_fields_of_shoe(
+        made, brake, solve_prepared_model(made, brake, penalty=math.inf), 0
+    )
     shoe = brake.shoes[0]
     assert shoe.body is not None
     (left, low), (right, high) = found.points.min(axis=0), found.points.max(axis=0)
@@ -280,5 +295,5 @@ def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: 
     np.testing.assert_allclose(found.push[on], np.column_stack([0 * p, p]), rtol=1e-12)
     np.testing.assert_allclose(found.stress[on, 1], -p, atol=0.05 * p.max())
     np.testing.assert_allclose(
-        found.stress[on, 2], -brake.friction * brake.spin * p, atol=0.05 * p.max()
+        found.stress[on, 2], -brake.friction * brake.sign_of_motion * p, atol=0.05 * p.max()
     )

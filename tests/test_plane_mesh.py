@@ -16,13 +16,13 @@ from conftest import partly
 from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.brake.writing import brake_text
+from drumlin.brake.writing import brake_file_text
 from drumlin.comparison import compare
-from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.file import read_mesh, write_mesh
-from drumlin.fem.mesh.grading import divide_lining
-from drumlin.fem.preparation.prepare import prepare
-from drumlin_studies.random_kinds import place_brake
+from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.file import read_shoe_mesh_from_file, write_shoe_mesh_to_file
+from drumlin.fem.mesh.grading import divide_lining_into_elements
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin_studies.random_kinds import mirror_turn_and_shift_brake
 from flat_pads import BODY, KINDS, pad
 
 ELEMENTS = 16
@@ -33,8 +33,10 @@ def filed(
     brake: FlatBrake, path: Path, kind: str = "quad2", elements: int = ELEMENTS, **more: Any
 ) -> FlatBrake:
     """The pad with its parametric mesh as a file."""
-    division = divide_lining(brake.shoes[0], brake.size, elements)
-    write_mesh(path, shoe_mesh(brake.shoes[0], brake.size, division, kind), brake.shoes[0])
+    division = divide_lining_into_elements(brake.shoes[0], brake.size, elements)
+    write_shoe_mesh_to_file(
+        path, parametric_mesh_of_shoe(brake.shoes[0], brake.size, division, kind), brake.shoes[0]
+    )
     return vary(
         brake, {"shoe.mesh": str(path)} | {f"shoe.{key}": value for key, value in more.items()}
     )
@@ -84,7 +86,7 @@ def test_units_frames_and_mirror_images_change_nothing(tmp_path: Path) -> None:
     mesh.points[:, 0] -= brake.shoes[0].pin.x
     mesh.write(small)
     shared = vary(own, {"shoe.mesh": str(small), "shoe.mesh_frame": "shoe"})
-    image = place_brake(shared, mirrored=True, shift=0.4)
+    image = mirror_turn_and_shift_brake(shared, mirrored=True, shift=0.4)
     (c,), (d,) = drumlin.solve(shared).shoes, drumlin.solve(image).shoes
     np.testing.assert_allclose(c.pressure, a.pressure, atol=1e-7 * a.peak_pressure)
     np.testing.assert_allclose(
@@ -92,7 +94,7 @@ def test_units_frames_and_mirror_images_change_nothing(tmp_path: Path) -> None:
     )
     second = image.shoes[0].model_copy(update={"name": "second"})
     both = shared.model_copy(update={"shoes": (shared.shoes[0], second)})
-    bodies = prepare(both).bodies
+    bodies = make_prepared_model(both).bodies
     assert bodies[0] is bodies[1]
 
 
@@ -113,7 +115,7 @@ def test_a_crowned_mesh_is_a_crowned_pad(tmp_path: Path) -> None:
 def test_a_brake_file_names_its_mesh_from_its_folder(tmp_path: Path) -> None:
     own = vary(filed(pad("hinge", body=BODY), tmp_path / "pad.msh"), {"shoe.mesh": "pad.msh"})
     path = tmp_path / "pad.toml"
-    path.write_text(brake_text(own))
+    path.write_text(brake_file_text(own))
     assert read_any(path).shoes[0].mesh == tmp_path / "pad.msh"
     assert command_line.drumlin("view", path, "--output", tmp_path / "view.svg").returncode == 0
     done = command_line.drumlin("solve", path)
@@ -216,7 +218,7 @@ def test_a_damaged_mesh_is_solved_or_refused_in_one_line(tmp_path: Path) -> None
         ]
         path.write_text("\n".join(lines if i % 7 else lines[:at]))
         try:
-            read_mesh(path, shoe, unit)
+            read_shoe_mesh_from_file(path, shoe, unit)
             endings[0] += 1
         except DrumlinError as refusal:
             assert "\n" not in str(refusal)

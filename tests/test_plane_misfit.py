@@ -12,16 +12,19 @@ import drumlin
 from drumlin.base.errors import BadInput
 from drumlin.brake import off_circle
 from drumlin.brake.fields import Point
-from drumlin.brake.file import validated, vary
+from drumlin.brake.file import make_validated_part, vary
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import Singularity
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.laws import law
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.response.response import ShoeResponse
-from drumlin_studies.random_kinds import place_brake, scale_brake
+from drumlin_studies.random_kinds import (
+    brake_with_scaled_lengths_and_moduli,
+    mirror_turn_and_shift_brake,
+)
 from flat_pads import BODY, LINING, pad
 
 LENGTH, WIDTH, E = 0.12, 0.04, 3e8
@@ -46,7 +49,7 @@ def centred(
         | lining,
         "actuation": {"force": force, "direction": -math.pi / 2, "point": {"x": 0.0, "y": 0.1}},
     }
-    return validated(
+    return make_validated_part(
         FlatBrake, {"title": "t", "friction": mu, "plane": {"sliding": "+x"}, "shoe": [shoe]}
     )
 
@@ -66,11 +69,11 @@ def test_the_gap_ends_on_the_faces_own_circle(
     a hollow face.
     """
     r, along = radius if crowned else -radius, np.linspace(-0.06, 0.06, 41)
-    gap = off_circle.crown_gap(r, Point(x=x, y=y), along)
+    gap = off_circle.gap_of_pad_ground_to_circle(r, Point(x=x, y=y), along)
     away = np.hypot(along - x, gap - (r + y))
     np.testing.assert_allclose(away, radius, rtol=1e-13)
     # The pad meets the plane in the lining's middle.
-    assert off_circle.crown_gap(r, Point(x=0.0, y=0.0), along)[20] == 0.0
+    assert off_circle.gap_of_pad_ground_to_circle(r, Point(x=0.0, y=0.0), along)[20] == 0.0
 
 
 def test_a_crowned_pad_with_a_thin_lining_is_pressed_by_a_parabola() -> None:
@@ -165,8 +168,8 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
     # Under this body the far end of the lining alone bears.
     brake = pad("hinge", body=BODY)
     stepped = vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}})
-    (places,) = singular_points_of(
-        stepped, solve_prepared_model(prepare(brake, LEVELS[1]), brake)
+    (places,) = singular_points_of_all_linings(
+        stepped, solve_prepared_model(make_prepared_model(brake, LEVELS[1]), brake)
     ).values()
     assert sum(point.kind in {Singularity.STEP, Singularity.OPEN_STEP} for point in places) == 4
     a, b = pressed(brake), pressed(stepped)
@@ -186,13 +189,13 @@ def test_a_wrong_pads_mirror_image_answers_alike(taper: float, crown: float, kin
     rows = [[0.06, 1e-6], [0.1, 0.0], [0.18, 2e-6]]
     brake = vary(brake, {MISFIT: misfit, "shoe.lining.clearance": rows})
     (a,) = drumlin.solve(brake, elements=20).shoes
-    (b,) = drumlin.solve(place_brake(brake, mirrored=True), elements=20).shoes
+    (b,) = drumlin.solve(mirror_turn_and_shift_brake(brake, mirrored=True), elements=20).shoes
     np.testing.assert_allclose(b.pressure_at(-a.theta), a.pressure, atol=1e-7 * a.peak_pressure)
-    (c,) = drumlin.solve(place_brake(brake, shift=0.7), elements=20).shoes
+    (c,) = drumlin.solve(mirror_turn_and_shift_brake(brake, shift=0.7), elements=20).shoes
     np.testing.assert_allclose(
         c.pressure_at(a.theta + 0.7), a.pressure, atol=1e-7 * a.peak_pressure
     )
-    (d,) = drumlin.solve(scale_brake(brake, 3.0, 2.0), elements=20).shoes
+    (d,) = drumlin.solve(brake_with_scaled_lengths_and_moduli(brake, 3.0, 2.0), elements=20).shoes
     np.testing.assert_allclose(
         d.pressure_at(3 * a.theta), 2 * a.pressure, atol=1e-7 * d.peak_pressure
     )
@@ -248,7 +251,10 @@ def test_laws_of_planes_say_that_they_are_those_of_a_lining_that_fits() -> None:
 def test_a_wrong_pad_wears_to_the_law() -> None:
     """Worn in, nothing is left of a misfit."""
     brake = vary(pad("pivot", body=BODY), {MISFIT: {"radius": 100.0, "taper": 2e-5}})
-    found, goal = drumlin.solve(brake, worn_in=True).shoes[0], law(brake).shoes[0]
+    found, goal = (
+        drumlin.solve(brake, worn_in=True).shoes[0],
+        solve_brake_by_its_rigid_shoe_law(brake).shoes[0],
+    )
     x = np.linspace(0.06, 0.18, 41)
     np.testing.assert_allclose(
         found.pressure_at(x), goal.pressure_at(x), atol=2e-3 * goal.peak_pressure

@@ -11,8 +11,8 @@ import drumlin
 from conftest import ROOT, partly
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import read_any
-from drumlin.response.norms import pressure_distance
-from drumlin_studies.random_kinds import place_brake
+from drumlin.response.norms import relative_distance_of_pressures
+from drumlin_studies.random_kinds import mirror_turn_and_shift_brake
 from flat_pads import BODY, KINDS, LINING, pad
 
 NO_NU = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
@@ -43,7 +43,7 @@ def test_a_narrow_pad_is_plane_stress_and_a_wide_one_is_not() -> None:
             drumlin.solve(brake, *of, elements=24, **more).shoes
             for of, more in ((["solid"], more), ([], {}))
         )
-        p.append(pressure_distance(a, b, 5e-3))
+        p.append(relative_distance_of_pressures(a, b, 5e-3))
         force.append(abs(a.normal_force / b.normal_force - 1))
     assert p[0] > 0.04
     assert p[1] < 4e-3
@@ -55,7 +55,9 @@ def test_solid_pads_balance_and_their_mirror_images_answer_alike() -> None:
     brake = read_any(ROOT / "studies" / "brakes" / "rail_clamp.toml")
     found = drumlin.solve(brake, "solid", elements=8)
     assert max(found.balance.force, found.balance.moment) < 1e-9
-    other = drumlin.solve(place_brake(brake, mirrored=True, shift=0.3), "solid", elements=8)
+    other = drumlin.solve(
+        mirror_turn_and_shift_brake(brake, mirrored=True, shift=0.3), "solid", elements=8
+    )
     for a, b in zip(found.shoes, other.shoes, strict=True):
         np.testing.assert_allclose(
             b.pressure_at(0.3 - a.theta), a.pressure, atol=1e-6 * a.peak_pressure

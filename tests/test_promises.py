@@ -3,9 +3,9 @@
 import pytest
 
 from conftest import ROOT
-from drumlin.studies import load
+from drumlin.studies import import_study
 from drumlin_studies.fuzzing import trials
-from drumlin_studies.fuzzing.endings import find_fault
+from drumlin_studies.fuzzing.endings import describe_fault_of_run
 from drumlin_studies.fuzzing.promises import PROMISES
 from judged_endings import BAD, GIVEN
 from picking import picked
@@ -23,30 +23,31 @@ def test_each_promise_names_a_test_that_exists():
 
 @pytest.mark.slow
 def test_the_short_fault_study_finds_no_fault_and_shows_one(tmp_path):
-    module, _ = load("faults")
+    module, _ = import_study("faults")
     result = module.study(short=True)
     page = module.report(result, tmp_path).read_text(encoding="utf-8")
     assert "no fault" in page and "test_faults.py::" in page and "143" in page
     assert "commit 17da584" in page and "several lines" in page
     result.within["words"][0] = trials.InputVerdict(0, 1, 0.1, "x: a traceback")
     assert "1 faults" in module.report(result, tmp_path).read_text(encoding="utf-8")
-    assert trials.verdict_table(result.within)[-1]["faults"] == 1
+    assert trials.verdict_summary_rows(result.within)[-1]["faults"] == 1
 
 
 def test_a_wrong_table_is_a_fault(monkeypatch):
     """Of a damaged journal: the judge knows the right table."""
-    wrong = trials.make_input("journals", 0)._replace(right={"t.csv": b"case,\n"})
+    wrong = trials.make_numbered_input("journals", 0)._replace(right={"t.csv": b"case,\n"})
     monkeypatch.setitem(trials.GENERATORS, "journals", (lambda _: wrong, ""))
-    assert "not the right t.csv" in trials.try_input("journals", 0).fault
+    assert "not the right t.csv" in trials.run_and_judge_input("journals", 0).fault
 
 
 def test_every_kind_of_fault_has_a_name():
     """In the table of what an earlier drumlin did of the same inputs."""
-    load("faults")
+    import_study("faults")
     from studies.faults import before
 
     kinds = {
-        case: before.fault_kind(find_fault(GIVEN, end), end.status) for case, end in BAD.items()
+        case: before.fault_kind(describe_fault_of_run(GIVEN, end), end.status)
+        for case, end in BAD.items()
     }
     assert "other" not in kinds.values()
     assert kinds["traceback"] == "traceback" and kinds["nan"] == kinds["CSV"] == "not finite"

@@ -14,10 +14,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.file import brake_from
+from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 
 # Friction up to which any start must lead to the same answer.
 UNIQUE = 0.6
@@ -94,8 +94,8 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
     @given(brakes(), st.integers(0, 1000), st.sampled_from([1e6, math.inf]))
     def every(data, seed, penalty):
         try:
-            brake = brake_from(data)
-            scene = prepare(brake, elements=24)
+            brake = make_drum_brake_from_data(data)
+            scene = make_prepared_model(brake, elements=24)
             response = solve_prepared_model(scene, brake, penalty=penalty)
         except (BadInput, NoAnswer) as refusal:
             assert "\n" not in str(refusal)
@@ -120,12 +120,14 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
             steps.append(response.iterations)
         ends[f"{len(response.shoes[0].contact_arcs)} arcs"] += 1
         body = scene.bodies[0]
-        problem = ShoeGroup(scene, brake, (0,), penalty).problem
-        found = ShoeGroup(scene, brake, (0,), penalty).solve_with_known_senses()
-        w = (problem.q + problem.A @ found.p + problem.B @ found.y) / body.coupling.area
+        problem = ShoeGroup(scene, brake, (0,), penalty).contact_problem_of_group
+        found = ShoeGroup(scene, brake, (0,), penalty).solve_contact_for_known_friction_senses()
+        w = (
+            problem.q + problem.A @ found.p + problem.B @ found.y
+        ) / body.coupling.areas_of_contact_nodes
         gap_scale = (
-            np.abs(problem.q / body.coupling.area).max()
-            + np.abs(problem.A @ found.p / body.coupling.area).max()
+            np.abs(problem.q / body.coupling.areas_of_contact_nodes).max()
+            + np.abs(problem.A @ found.p / body.coupling.areas_of_contact_nodes).max()
         )
         assert found.p.min() >= 0
         assert w.min() >= -1e-8 * gap_scale
@@ -134,7 +136,9 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
         if brake.friction > UNIQUE:
             return
         start = np.random.default_rng(seed).random(len(problem.q)) < 0.5
-        other = ShoeGroup(scene, brake, (0,), penalty).solve_with_known_senses(start)
+        other = ShoeGroup(scene, brake, (0,), penalty).solve_contact_for_known_friction_senses(
+            start
+        )
         assert other.p == pytest.approx(found.p, rel=1e-6, abs=1e-8 * found.p.max())
 
     every()

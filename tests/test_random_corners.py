@@ -9,9 +9,9 @@ from conftest import partly
 from drumlin_studies.random_corners import (
     CORNER_KINDS,
     SHORT_CONTACT,
-    random_corner,
-    touches_corner,
-    touches_tip,
+    draw_brake_pressing_with_corner_or_tip,
+    is_gap_tip_in_contact,
+    is_lining_corner_in_contact,
 )
 
 FIRST = 400_000
@@ -21,14 +21,14 @@ FIRST = 400_000
 def test_a_seed_gives_a_brake_that_presses_as_its_kind_says(number):
     """With a corner or under a tip, and on no more of the lining than some degrees."""
     kind = list(CORNER_KINDS)[number]
-    brake = random_corner(FIRST + number)
-    assert brake == random_corner(FIRST + number, kind)
+    brake = draw_brake_pressing_with_corner_or_tip(FIRST + number)
+    assert brake == draw_brake_pressing_with_corner_or_tip(FIRST + number, kind)
     found = drumlin.solve(brake)
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
     presses = {
-        "corner": touches_corner,
-        "tip": touches_tip,
-        "table": lambda *pair: touches_corner(*pair) or touches_tip(*pair),
+        "corner": is_lining_corner_in_contact,
+        "tip": is_gap_tip_in_contact,
+        "table": lambda *pair: is_lining_corner_in_contact(*pair) or is_gap_tip_in_contact(*pair),
     }
     assert any(presses[CORNER_KINDS[kind].presses](*pair) for pair in pairs)
     for shoe in found.shoes:

@@ -14,17 +14,17 @@ import drumlin
 from conftest import partly
 from drumlin import Brake, NoAnswer, Response, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.brake.writing import brake_text
-from drumlin.fem.analysis.self_locking import friction_limits_of_groups
-from drumlin.fem.solve import prepare_finest_division
-from drumlin.laws import law
-from drumlin.response.balance import contact_resultant, loaded
-from drumlin.response.resultants import cross
+from drumlin.brake.writing import brake_file_text
+from drumlin.fem.analysis.self_locking import self_locking_limits_of_shoe_groups
+from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
+from drumlin.response.balance import brake_with_forces_of_response, resultant_of_contact_on_shoe
+from drumlin.response.resultants import planar_cross_product
 from drumlin_studies.random_kinds import (
     HOLDING_KINDS,
-    draw_brake_of_holding_kind,
-    place_brake,
-    scale_brake,
+    brake_with_scaled_lengths_and_moduli,
+    draw_brake_of_support_kind,
+    mirror_turn_and_shift_brake,
 )
 from picking import picked
 
@@ -36,17 +36,17 @@ def fem(brake: Brake) -> Response:
     return drumlin.solve(brake, elements=ELEMENTS)
 
 
-MODELS = (law, fem)
+MODELS = (solve_brake_by_its_rigid_shoe_law, fem)
 
 
 def whole_balance(brake: Brake, found: Response) -> None:
     """Forces and moments from outside, and each force that one shoe passes to another."""
-    under = loaded(brake, found)
+    under = brake_with_forces_of_response(brake, found)
     shoes = {shoe.name: (shoe, own) for shoe, own in zip(under.shoes, found.shoes, strict=True)}
     for link in brake.links:
         source, to = shoes[link.source][1], shoes[link.to][0]
         assert source.hinge_reaction == pytest.approx(
-            -to.actuation.vector, rel=1e-8, abs=1e-8 * to.actuation.force
+            -to.actuation.force_vector, rel=1e-8, abs=1e-8 * to.actuation.force
         )
         assert to.actuation.force == pytest.approx(np.linalg.norm(source.hinge_reaction), rel=1e-9)
     if brake.actuation is not None and brake.actuation.is_cam:
@@ -56,7 +56,10 @@ def whole_balance(brake: Brake, found: Response) -> None:
     for shoe, own in shoes.values():
         reaction = own.hinge_reaction
         if shoe.abutment is not None and own.contact_arcs:
-            bearing, along = reaction @ shoe.bearing, abs(cross(shoe.bearing, reaction))
+            bearing, along = (
+                reaction @ shoe.bearing,
+                abs(planar_cross_product(shoe.bearing, reaction)),
+            )
             assert bearing > 0
             assert along <= shoe.abutment.friction * bearing + 1e-8 * bearing
         if shoe.guide is not None:
@@ -66,13 +69,13 @@ def whole_balance(brake: Brake, found: Response) -> None:
         return
     forces, moments = [], []
     for i, (shoe, own) in enumerate(shoes.values()):
-        drum = contact_resultant(under, i, own)
+        drum = resultant_of_contact_on_shoe(under, i, own)
         foot = shoe.pin.xy
-        forces += [drum.force, shoe.actuation.vector, own.hinge_reaction]
+        forces += [drum.force, shoe.actuation.force_vector, own.hinge_reaction]
         moments += [
             drum.moment,
-            float(cross(shoe.actuation.point.xy, shoe.actuation.vector)),
-            float(cross(foot, own.hinge_reaction)) + own.reaction_moment,
+            float(planar_cross_product(shoe.actuation.point.xy, shoe.actuation.force_vector)),
+            float(planar_cross_product(foot, own.hinge_reaction)) + own.reaction_moment,
         ]
     size = max(map(np.linalg.norm, forces))
     # The balance is that of p(theta) on the round drum, which the elements' edges follow. `judge`
@@ -82,8 +85,8 @@ def whole_balance(brake: Brake, found: Response) -> None:
 
 
 def judge(seed: int, kind: str) -> None:
-    brake = draw_brake_of_holding_kind(seed, kind)
-    for solve in (law, drumlin.solve):
+    brake = draw_brake_of_support_kind(seed, kind)
+    for solve in (solve_brake_by_its_rigid_shoe_law, drumlin.solve):
         found = solve(brake)
         assert max(found.balance.force, found.balance.moment) < 1e-9
         assert found.effect > 0
@@ -113,27 +116,30 @@ def fitting(brake: Brake) -> bool:
 
 def moved(seed: int, kind: str, turn: float, length: float, modulus: float) -> None:
     """The brake turned, mirrored, shifted, scaled, stiffened, under twice the forces, as a file."""
-    brake = draw_brake_of_holding_kind(seed, kind)
+    brake = draw_brake_of_support_kind(seed, kind)
     flat = isinstance(brake, FlatBrake)
     for solve in MODELS:
         a = solve(brake)
         for mirrored in (False, True):
             place: dict[str, Any] = {"shift": turn} if flat else {"turn": turn}
-            same(a, solve(place_brake(brake, mirrored=mirrored, **place)))
+            same(a, solve(mirror_turn_and_shift_brake(brake, mirrored=mirrored, **place)))
         force = modulus * length**2
         same(
             a,
-            solve(scale_brake(brake, length, modulus)),
+            solve(brake_with_scaled_lengths_and_moduli(brake, length, modulus)),
             size=force * (1 if flat else length),
             force=force,
         )
-        (first, *others), fits = brake.shoes, solve is law or fitting(brake)
+        (first, *others), fits = (
+            brake.shoes,
+            solve is solve_brake_by_its_rigid_shoe_law or fitting(brake),
+        )
         twice = {"shoe.actuation.force": 2 * first.actuation.force} if fits and not others else {}
         if twice:
             same(a, solve(vary(brake, twice)), size=2, force=2)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "brake.toml"
-            path.write_text(brake_text(brake))
+            path.write_text(brake_file_text(brake))
             same(a, solve(read_any(path)))
 
 
@@ -179,9 +185,9 @@ def both_ways(brake: Brake) -> list[Brake]:
 def rigid_limit(seed: int, kind: str) -> int:
     """How many of both rotations have an answer; finite elements have none where the law none."""
     answers = 0
-    for brake in both_ways(draw_brake_of_holding_kind(seed, kind, rigid=True)):
+    for brake in both_ways(draw_brake_of_support_kind(seed, kind, rigid=True)):
         try:
-            by_law = law(brake)
+            by_law = solve_brake_by_its_rigid_shoe_law(brake)
         except NoAnswer:
             with pytest.raises(NoAnswer):
                 drumlin.solve(brake)
@@ -208,7 +214,7 @@ def end_by_law(brake: Brake, most: float) -> float | None:
     for friction in (most, *(math.nan for _ in range(30))):
         middle = 0.5 * (low + high) if math.isnan(friction) else friction
         try:
-            law(vary(brake, {"friction": middle}))
+            solve_brake_by_its_rigid_shoe_law(vary(brake, {"friction": middle}))
         except NoAnswer:
             high = middle
             continue
@@ -221,16 +227,18 @@ def end_by_law(brake: Brake, most: float) -> float | None:
 def locked(seed: int, kind: str, most: float = 1.2) -> int:
     """Judge a brake in both senses; in how many of them its law ends below `most`."""
     ends = 0
-    for brake in both_ways(draw_brake_of_holding_kind(seed, kind, rigid=True)):
+    for brake in both_ways(draw_brake_of_support_kind(seed, kind, rigid=True)):
         try:
-            law(brake)
+            solve_brake_by_its_rigid_shoe_law(brake)
         except NoAnswer:
             continue
         end = end_by_law(brake, most)
         if end is None:
             continue
         own = vary(brake, {"friction": 0.97 * end})
-        found = friction_limits_of_groups(prepare_finest_division(own, elements=24), own, 2.0, 1e6)
+        found = self_locking_limits_of_shoe_groups(
+            prepared_model_of_finest_division(own, elements=24), own, 2.0, 1e6
+        )
         assert min(picked(found.values(), "friction")) == pytest.approx(end, rel=1e-2), (
             brake,
             end,

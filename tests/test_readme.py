@@ -8,7 +8,7 @@ import pytest
 
 import drumlin
 from conftest import ROOT, STUDY
-from drumlin_studies.stated_true import JUDGED_QUANTITIES, stated_over_true
+from drumlin_studies.stated_true import JUDGED_QUANTITIES, stated_over_true_error_of_row
 from kept_reports import rows
 from picking import having, picked
 
@@ -177,7 +177,7 @@ def test_stated_against_true_errors():
     made = [{k: v for k, v in row.items() if v} for row in rows("verification/stated_true.csv")]
     assert len(set(picked(made, "seed"))) == brakes
     pairs = list(product(made, JUDGED_QUANTITIES))
-    ratios = np.array(list(starmap(stated_over_true, pairs)))
+    ratios = np.array(list(starmap(stated_over_true_error_of_row, pairs)))
     # A true error that is unknown has no ratio.
     known = ~np.isnan(ratios)
     judged = ratios[known]
@@ -185,7 +185,7 @@ def test_stated_against_true_errors():
     digits(above, 100 * np.count_nonzero(judged < 1) / len(judged))
     digits(most, 1 / judged.min())
     sure = [(row | {f"unsure_{name}": 0.0}, name) for row, name in pairs]
-    whole_errors = np.array(list(starmap(stated_over_true, sure)))[known]
+    whole_errors = np.array(list(starmap(stated_over_true_error_of_row, sure)))[known]
     digits(whole, 100 * np.count_nonzero(whole_errors < 1) / len(judged))
 
 

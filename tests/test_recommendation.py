@@ -3,11 +3,11 @@
 from drumlin_studies.recommendation import (
     AIMS,
     TARGETS,
-    compare_with_peers,
-    fastest_rows,
-    recommendation_matrices,
+    compare_times_with_peer_programs,
+    recommended_methods_by_brake_and_target,
+    rows_of_fastest_methods_by_target,
 )
-from drumlin_studies.work_precision import rows_by_series, rows_within_error
+from drumlin_studies.work_precision import converged_rows_by_mesh_series, fastest_rows_within_error
 from picking import picked
 
 
@@ -36,11 +36,11 @@ def test_luck_is_no_recommendation_and_ties_go_to_the_more_exact():
         }
     ]
     floors = {"torque_error": 1e-6}
-    fit = rows_within_error(lucky + other + failed, "torque_error", 5e-3, floors)
+    fit = fastest_rows_within_error(lucky + other + failed, "torque_error", 5e-3, floors)
     # The mesh of 20 elements was lucky; of two equally fast rows the more exact one is first.
     assert picked(fit, "seconds") == [4.5, 4.0]
-    assert rows_within_error(lucky, "torque_error", 1e-7, floors) == []
-    assert len(rows_by_series(lucky + other)) == 2
+    assert fastest_rows_within_error(lucky, "torque_error", 1e-7, floors) == []
+    assert len(converged_rows_by_mesh_series(lucky + other)) == 2
 
 
 def test_what_to_use_is_a_matrix_of_brakes_and_targets():
@@ -75,7 +75,9 @@ def test_what_to_use_is_a_matrix_of_brakes_and_targets():
     ]
     fine = {"torque_error": 1e-6, "pressure_error": 1e-5}
     floors = {"right": fine, "wrong": fine, "vague": {"torque_error": 5e-4, "pressure_error": 1e-5}}
-    torque, pressure = recommendation_matrices(fastest_rows(rows, floors))
+    torque, pressure = recommended_methods_by_brake_and_target(
+        rows_of_fastest_methods_by_target(rows, floors)
+    )
     assert (torque.quantity, pressure.quantity) == ("torque", "p (L2)")
     assert torque.targets == TARGETS["torque_error"]
     assert torque.by_law == [1, 1, 1, 0, 0] and pressure.by_law == [0] * len(
@@ -123,7 +125,9 @@ def test_peers_are_held_against_the_fastest_way_to_each_error():
         made("GetFEM", 1e-3, 1.0, elements=160, even=True),
         made("CalculiX", 3e-3, 900.0, elements=56),
     ]
-    ((brake, times, alike, even),) = compare_with_peers(rows, {"one": {"pressure_error": 1e-6}})
+    ((brake, times, alike, even),) = compare_times_with_peer_programs(
+        rows, {"one": {"pressure_error": 1e-6}}
+    )
     assert brake == "one" and picked(times, ("peer", "target")) == [
         (p, x) for p in AIMS for x in AIMS[p]
     ]

@@ -16,25 +16,25 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.cli.commands import app
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.solve import solve
-from drumlin.laws import sine
+from drumlin.laws import solve_brake_by_sine_law
 from drumlin.verification import triangles
 from drumlin.verification.check import (
-    are_within_tolerance,
-    curves_text,
-    judge_curves,
-    read_curves,
-    verdict_lines,
+    are_verdicts_within_tolerance,
+    compare_curves_with_reference,
+    pressure_curves_as_csv,
+    read_pressure_curves,
+    verdict_text_lines,
 )
 from drumlin.verification.reference import (
     Refinement,
-    compute_reference,
-    solve_reference_responses,
+    compute_reference_values,
+    solve_brake_for_reference_values,
 )
 from drumlin.verification.reference_file import (
-    read_reference,
-    reference_data,
+    read_reference_file,
+    reference_values_as_json_data,
     stored_reference_path,
-    write_reference,
+    write_reference_file,
 )
 from picking import having, keyed, picked
 
@@ -44,13 +44,15 @@ VALUES = ROOT / "reports" / "reference" / "values"
 
 @pytest.fixture(scope="module")
 def known():
-    return read_reference(VALUES / "double_shoe_brake.json")
+    return read_reference_file(VALUES / "double_shoe_brake.json")
 
 
 @pytest.fixture(scope="module")
 def quick(brake):
     """Reference values by coarser divisions than those that are stored."""
-    return compute_reference(brake, "text", "command", solve_reference_responses(brake, QUICK))
+    return compute_reference_values(
+        brake, "text", "command", solve_brake_for_reference_values(brake, QUICK)
+    )
 
 
 @pytest.mark.slow
@@ -78,7 +80,7 @@ def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_say
     files = keyed(VALUES.glob("*.json"), "stem")
     assert len(files) >= 10
     for stem, path in files.items():
-        found = read_reference(path)
+        found = read_reference_file(path)
         folder = next(f for f in STORED if stem.startswith(f + "_"))
         brake_file = ROOT / "studies" / folder / f"{stem.removeprefix(folder + '_')}.toml"
         assert tomllib.loads(found.text) == tomllib.loads(brake_file.read_text())
@@ -94,24 +96,26 @@ def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_say
                 abs=5e-3 * np.linalg.norm(shoe.hinge_reaction.value),
             )
             own = having(brake.shoes, name=shoe.name)[0]
-            if own.held_by != "hinge" or brake.links or brake.actuation is not None:
+            if own.kind_of_support != "hinge" or brake.links or brake.actuation is not None:
                 # A lever, a strut or a cam pushes this shoe too.
                 continue
             drum, pin = np.array(shoe.contact_force.value), np.array(shoe.hinge_reaction.value)
-            force = own.actuation.vector
+            force = own.actuation.force_vector
             assert np.linalg.norm(drum + pin + force) < 1e-6 * np.linalg.norm(force)
 
 
 def test_a_file_of_reference_values_returns_what_was_written(known, tmp_path):
     path = tmp_path / "values.json"
-    write_reference(reference_data(known), path)
-    assert reference_data(read_reference(path)) == reference_data(known)
+    write_reference_file(reference_values_as_json_data(known), path)
+    assert reference_values_as_json_data(
+        read_reference_file(path)
+    ) == reference_values_as_json_data(known)
     # Arrays stand on a line each.
     assert max(map(len, path.read_text().splitlines())) > 1000
     for text in ("", "[]", '{"format": "other"}', path.read_text().replace('"edge"', '"edgy"')):
         path.write_text(text)
         with pytest.raises(BadInput, match=r"values\.json"):
-            read_reference(path)
+            read_reference_file(path)
     path.write_text(json.dumps({"no": "reference"}))
     assert stored_reference_path("text", tmp_path) is None
 
@@ -131,23 +135,23 @@ def test_check_tells_good_curves_from_bad_ones(brake, known, tmp_path):
     path = tmp_path / "p.csv"
     response = solve(brake, elements=120)
     path.write_text(table(response))
-    good = judge_curves(brake, known, read_curves(path, brake))
-    assert are_within_tolerance(good, 0.005) and all(v.distance < 1e-3 for v in good)
+    good = compare_curves_with_reference(brake, known, read_pressure_curves(path, brake))
+    assert are_verdicts_within_tolerance(good, 0.005) and all(v.distance < 1e-3 for v in good)
     path.write_text(table(response, factor=1.05))
-    for verdict in judge_curves(brake, known, read_curves(path, brake)):
+    for verdict in compare_curves_with_reference(brake, known, read_pressure_curves(path, brake)):
         assert verdict.distance == pytest.approx(0.05, abs=2e-3)
         assert verdict.torque_error == pytest.approx(0.05, abs=4e-3)
-    path.write_text(table(sine(brake)))
-    law = judge_curves(brake, known, read_curves(path, brake))
-    assert not are_within_tolerance(law, 0.05)
-    assert verdict_lines(law, 0.05)[-1] == "NOT within 0.05 of the reference"
+    path.write_text(table(solve_brake_by_sine_law(brake)))
+    law = compare_curves_with_reference(brake, known, read_pressure_curves(path, brake))
+    assert not are_verdicts_within_tolerance(law, 0.05)
+    assert verdict_text_lines(law, 0.05)[-1] == "NOT within 0.05 of the reference"
     # whole turns, radians, Pa and the order of lines change nothing
     heading, *rows = table(response).splitlines()
     turned = [heading.replace("[deg]", "[rad]").replace("[MPa]", "[Pa]")]
     for name, angle, p in (row.split(",") for row in reversed(rows)):
         turned.append(f"{name},{np.radians(float(angle)) - 2 * np.pi},{float(p) * 1e6}")
     path.write_text("\n".join(turned))
-    again = judge_curves(brake, known, read_curves(path, brake))
+    again = compare_curves_with_reference(brake, known, read_pressure_curves(path, brake))
     assert picked(again, "distance") == pytest.approx(picked(good, "distance"), rel=1e-5)
 
 
@@ -171,7 +175,7 @@ def test_a_table_that_cannot_be_read_is_refused_in_one_line(text, brake, tmp_pat
     path = tmp_path / "p.csv"
     path.write_text(text)
     with pytest.raises(BadInput, match=BAD[text]) as caught:
-        read_curves(path, brake)
+        read_pressure_curves(path, brake)
     assert "\n" not in str(caught.value) and "p.csv" in str(caught.value)
 
 
@@ -182,11 +186,11 @@ def test_curves_that_stop_short_and_references_of_other_brakes_are_refused(brake
         + "".join(f"{n},{a},1\n" for n in ("right", "left") for a in (0, 30))
     )
     with pytest.raises(BadInput, match="must reach from"):
-        judge_curves(brake, known, read_curves(path, brake))
+        compare_curves_with_reference(brake, known, read_pressure_curves(path, brake))
     block = read_brake(ROOT / "studies" / "laws" / "block.toml")
     with pytest.raises(BadInput, match="another brake"):
-        judge_curves(block, known, {})
-    path.write_text(curves_text(solve(brake, elements=20)))
+        compare_curves_with_reference(block, known, {})
+    path.write_text(pressure_curves_as_csv(solve(brake, elements=20)))
     others = {
         "friction": 0.31,
         "shoe[1].lining.material.E": 301e6,
@@ -196,19 +200,21 @@ def test_curves_that_stop_short_and_references_of_other_brakes_are_refused(brake
     # The shoes of other brakes bear the same names.
     for key, value in others.items():
         with pytest.raises(BadInput, match=re.escape(f"of another brake: {key} is not the same")):
-            judge_curves(vary(brake, {key: value}), known, read_curves(path, brake))
+            compare_curves_with_reference(
+                vary(brake, {key: value}), known, read_pressure_curves(path, brake)
+            )
     titled = vary(
         brake, {"title": "mine", "drum.radius": "15 cm", "shoe[0].lining.thickness": "0.8 cm"}
     )
-    assert judge_curves(titled, known, read_curves(path, brake))
+    assert compare_curves_with_reference(titled, known, read_pressure_curves(path, brake))
     with pytest.raises(BadInput, match="mesh file"):
-        solve_reference_responses(vary(brake, {"shoe[0].mesh": str(Path("s.msh"))}))
+        solve_brake_for_reference_values(vary(brake, {"shoe[0].mesh": str(Path("s.msh"))}))
 
 
 def test_pressures_that_solve_writes_are_read_by_check(brake, tmp_path):
     path, response = tmp_path / "p.csv", solve(brake, elements=20)
-    path.write_text(curves_text(response))
-    for shoe, curve in zip(response.shoes, read_curves(path, brake).values(), strict=True):
+    path.write_text(pressure_curves_as_csv(response))
+    for shoe, curve in zip(response.shoes, read_pressure_curves(path, brake).values(), strict=True):
         assert curve.theta == pytest.approx(shoe.theta, abs=1e-10)
         assert curve.p == pytest.approx(shoe.pressure, rel=1e-10)
 
@@ -234,7 +240,7 @@ def test_commands(tmp_path):
     )
     assert made.exit_code == 0 and "uncertainty" in made.output
     # The stored value must be the one that the command gives.
-    kept = read_reference(VALUES / "laws_short_block.json").torque
-    assert read_reference(tmp_path / "r.json").torque.value == pytest.approx(
+    kept = read_reference_file(VALUES / "laws_short_block.json").torque
+    assert read_reference_file(tmp_path / "r.json").torque.value == pytest.approx(
         kept.value, abs=2 * kept.uncertainty
     )

@@ -9,36 +9,41 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drumlin.base.arrays import angle_near
+from drumlin.base.arrays import polar_angles_near_given_angle
 from drumlin.brake.file import vary
 from drumlin.brake.surface import DRUM
-from drumlin.response.balance import contact_resultant, relative_balance, shoe_balance, worst
+from drumlin.response.balance import (
+    largest_imbalance_among_shoes,
+    relative_imbalance_of_shoe,
+    relative_sums_of_forces_and_moments,
+    resultant_of_contact_on_shoe,
+)
 from drumlin.response.response import (
     Balance,
     Deformation,
     PressureOverWidth,
     Response,
     ShoeResponse,
-    nodal_peak,
-    pressed_shoe,
-    untouched,
+    largest_nodal_pressure_outside_zones,
+    response_of_pressed_elastic_shoe,
+    response_of_shoe_without_contact,
 )
 from drumlin.response.resultants import (
     Resultant,
-    contact_arcs,
-    cross,
-    integrate,
-    lobatto,
-    resultant,
-    shape,
-    slopes,
+    contact_arcs_from_nodal_pressures,
+    gauss_lobatto_points,
+    integral_of_piecewise_polynomial,
+    lagrange_shape_function_derivatives,
+    lagrange_shape_function_values,
+    planar_cross_product,
+    resultant_of_pressure_and_friction,
 )
 from picking import picked
 
 
 def polynomial(order, knots):
     """Nodes of a piecewise polynomial on uneven knots, `order` steps in each."""
-    part = 0.5 * (lobatto(order)[:-1] + 1)
+    part = 0.5 * (gauss_lobatto_points(order)[:-1] + 1)
     return np.concatenate([a + (b - a) * part for a, b in pairwise(knots)] + [knots[-1:]])
 
 
@@ -48,13 +53,19 @@ KNOTS = np.array([0.2, 0.5, 0.6, 1.1, 1.9])
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_shape_functions_are_lagranges(order):
     xi = np.array([-1.0, -0.3, 0.0, 0.7, 1.0])
-    assert shape(order, lobatto(order)) == pytest.approx(np.eye(order + 1), abs=1e-14)
-    nodes = lobatto(order)
+    assert lagrange_shape_function_values(order, gauss_lobatto_points(order)) == pytest.approx(
+        np.eye(order + 1), abs=1e-14
+    )
+    nodes = gauss_lobatto_points(order)
     for degree in range(order + 1):
-        assert nodes**degree @ shape(order, xi) == pytest.approx(xi**degree, abs=1e-14)
+        assert nodes**degree @ lagrange_shape_function_values(order, xi) == pytest.approx(
+            xi**degree, abs=1e-14
+        )
         slope = degree * xi ** max(degree - 1, 0)
-        assert nodes**degree @ slopes(order, xi) == pytest.approx(slope, abs=1e-13)
-    assert slopes(order, np.zeros((2, 3))).shape == (order + 1, 2, 3)
+        assert nodes**degree @ lagrange_shape_function_derivatives(order, xi) == pytest.approx(
+            slope, abs=1e-13
+        )
+    assert lagrange_shape_function_derivatives(order, np.zeros((2, 3))).shape == (order + 1, 2, 3)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -62,14 +73,18 @@ def test_polynomials_are_integrated_and_evaluated_exactly(order):
     theta = polynomial(order, KNOTS)
     for degree in range(order + 1):
         exact = (1.9 ** (degree + 1) - 0.2 ** (degree + 1)) / (degree + 1)
-        assert integrate(theta, theta**degree, order) == pytest.approx(exact, rel=1e-14)
+        assert integral_of_piecewise_polynomial(theta, theta**degree, order) == pytest.approx(
+            exact, rel=1e-14
+        )
         at = np.array([[0.2, 0.55], [1.0, 1.9]])
         shoe = shoe_of(theta, theta**degree, order)
         assert shoe.pressure_at(at) == pytest.approx(at**degree, rel=1e-13)
         assert shoe.pressure_at(np.array([0.2 - 1e-9, 1.9 + 1e-9])).tolist() == [0, 0]
     # Each piece of p has a polynomial of its own.
     kinked = np.abs(theta - 0.6)
-    assert integrate(theta, kinked, order) == pytest.approx((0.4**2 + 1.3**2) / 2, rel=1e-14)
+    assert integral_of_piecewise_polynomial(theta, kinked, order) == pytest.approx(
+        (0.4**2 + 1.3**2) / 2, rel=1e-14
+    )
     assert shoe_of(theta, kinked, order).pressure_at(np.array([0.59, 0.61])) == pytest.approx(
         [0.01, 0.01]
     )
@@ -97,7 +112,7 @@ def test_an_even_pressure_on_an_arc(sign, drag):
     -sign p R b (sin b - sin a, cos a - cos b), and drag times this vector turned by 90 deg.
     """
     theta, p, R, width = polynomial(2, KNOTS), 3e5, 0.2, 0.05
-    found = resultant(
+    found = resultant_of_pressure_and_friction(
         DRUM,
         theta,
         np.full(len(theta), p),
@@ -117,9 +132,9 @@ def test_an_even_pressure_on_an_arc(sign, drag):
 @given(st.floats(-9, 9), st.floats(-3.1, 3.1), st.floats(0.1, 10))
 def test_angles_are_counted_from_the_middle_and_cross_products_by_the_sine(middle, turn, size):
     xy = size * np.array([math.cos(middle + turn), math.sin(middle + turn)])
-    assert angle_near(middle, xy) == pytest.approx(middle + turn, abs=1e-12)
+    assert polar_angles_near_given_angle(middle, xy) == pytest.approx(middle + turn, abs=1e-12)
     start = np.array([math.cos(middle), math.sin(middle)])
-    assert cross(start, xy) == pytest.approx(size * math.sin(turn), abs=1e-12 * size)
+    assert planar_cross_product(start, xy) == pytest.approx(size * math.sin(turn), abs=1e-12 * size)
 
 
 @pytest.mark.parametrize(
@@ -142,7 +157,7 @@ def test_angles_are_counted_from_the_middle_and_cross_products_by_the_sine(middl
 def test_arcs_reach_to_the_node_next_to_a_pressed_one(pressed, arcs):
     theta = np.arange(len(pressed)) * 0.5 + 1
     p = np.array(list(map(float, pressed)))
-    assert contact_arcs(theta, p, 1, located=False) == tuple(
+    assert contact_arcs_from_nodal_pressures(theta, p, 1, located=False) == tuple(
         (1 + 0.5 * a, 1 + 0.5 * b) for a, b in arcs
     )
 
@@ -177,28 +192,39 @@ def test_the_end_of_a_contact_is_where_the_integral_of_its_square_root_begins(or
         p = [0, (6 * F - 1) / 4, 1, (6 * (G - F) - 3) / 4, 2]
     assert min(p) >= 0
     pressure = np.array(p + [1.0] * (len(theta) - len(p)))
-    assert contact_arcs(theta, pressure, order) == ((pytest.approx(found, abs=1e-12), 5.0),)
-    assert contact_arcs(-theta[::-1], pressure[::-1], order) == (
+    assert contact_arcs_from_nodal_pressures(theta, pressure, order) == (
+        (pytest.approx(found, abs=1e-12), 5.0),
+    )
+    assert contact_arcs_from_nodal_pressures(-theta[::-1], pressure[::-1], order) == (
         (-5.0, pytest.approx(-found, abs=1e-12)),
     )
     two = slice(None, 2 * order + 1)
-    assert contact_arcs(theta[two], pressure[two], order)[0][0] == pytest.approx(found, abs=1e-12)
+    assert contact_arcs_from_nodal_pressures(theta[two], pressure[two], order)[0][
+        0
+    ] == pytest.approx(found, abs=1e-12)
     # One element is too short to tell where the contact ends.
     one = slice(None, order + 1)
     assert (
-        contact_arcs(theta[one], pressure[one], order)[0][0]
+        contact_arcs_from_nodal_pressures(theta[one], pressure[one], order)[0][0]
         == theta[np.flatnonzero(pressure > 0)[0] - 1]
     )
 
 
 def test_an_end_next_to_which_nothing_more_is_pressed_stays_at_its_node():
-    assert contact_arcs(np.arange(6.0), np.array([0, 0, 9.0, 0, 0, 0]), 1)[0][0] == 1.0
-    assert contact_arcs(np.arange(7.0), np.array([0, 9.0, 0, 0, 0, 0, 0]), 2)[0] == (0.0, 2.0)
+    assert (
+        contact_arcs_from_nodal_pressures(np.arange(6.0), np.array([0, 0, 9.0, 0, 0, 0]), 1)[0][0]
+        == 1.0
+    )
+    assert contact_arcs_from_nodal_pressures(np.arange(7.0), np.array([0, 9.0, 0, 0, 0, 0, 0]), 2)[
+        0
+    ] == (0.0, 2.0)
 
 
 def test_the_peak_leaves_out_the_ends_unless_nothing_is_left():
     theta, p = np.array([0.0, 0.1, 0.5, 0.9, 1.0]), np.array([9.0, 5, 3, 4, 8])
-    assert [nodal_peak(theta, p, zone) for zone in (0.0, 0.05, 0.1, 0.2, 0.6)] == [5, 5, 3, 3, 9]
+    assert [
+        largest_nodal_pressure_outside_zones(theta, p, zone) for zone in (0.0, 0.05, 0.1, 0.2, 0.6)
+    ] == [5, 5, 3, 3, 9]
 
 
 def test_a_curve_is_nowhere_below_zero_though_its_polynomial_is():
@@ -212,7 +238,7 @@ def test_a_curve_is_nowhere_below_zero_though_its_polynomial_is():
 def test_an_elastic_lining_by_growing_angles(brake):
     shoe = brake.shoes[1]
     theta, p = np.linspace(1, 0, 9), np.arange(9.0)
-    found = pressed_shoe(
+    found = response_of_pressed_elastic_shoe(
         shoe,
         0.15,
         theta,
@@ -240,7 +266,7 @@ def test_an_elastic_lining_by_growing_angles(brake):
         0.5,
     )
     assert found.contact_arcs == ((0.0, 1.0),) and found.lumped is not None
-    other = pressed_shoe(
+    other = response_of_pressed_elastic_shoe(
         shoe,
         0.15,
         theta[::-1],
@@ -252,7 +278,7 @@ def test_an_elastic_lining_by_growing_angles(brake):
         hinge_reaction=np.zeros(2),
     )
     rows = p[:, None] * np.ones(3)
-    over_width = pressed_shoe(
+    over_width = response_of_pressed_elastic_shoe(
         shoe,
         0.15,
         theta,
@@ -272,45 +298,51 @@ def test_an_elastic_lining_by_growing_angles(brake):
 
 def test_forces_and_moments_are_balanced_relative_to_the_largest(brake):
     forces = [np.array([3.0, 0]), np.array([0, 4.0]), np.array([-3.0, -3.0])]
-    assert relative_balance(forces, [2.0, -1.5]) == Balance(
+    assert relative_sums_of_forces_and_moments(forces, [2.0, -1.5]) == Balance(
         pytest.approx(1 / math.sqrt(18)), pytest.approx(0.25)
     )
-    assert relative_balance([np.zeros(2)], [0.0]) == relative_balance([], []) == Balance(0.0, 0.0)
-    assert worst([Balance(1.0, 4.0), Balance(3.0, 2.0)]) == Balance(3.0, 4.0)
+    assert (
+        relative_sums_of_forces_and_moments([np.zeros(2)], [0.0])
+        == relative_sums_of_forces_and_moments([], [])
+        == Balance(0.0, 0.0)
+    )
+    assert largest_imbalance_among_shoes([Balance(1.0, 4.0), Balance(3.0, 2.0)]) == Balance(
+        3.0, 4.0
+    )
 
 
 def test_a_shoe_is_balanced_by_the_integrals_of_its_pressure_or_by_what_is_lumped(brake):
     spec, R = brake.shoes[0], brake.drum.radius
     theta = np.linspace(spec.lining.start, spec.lining.end, 41)
     p = 1e5 * (1 + theta**2)
-    contact = resultant(
+    contact = resultant_of_pressure_and_friction(
         DRUM, theta, p, order=2, size=R, per_place=R * spec.lining.width, sign=1, drag=0.3
     )
-    pin = -contact.force - spec.actuation.vector
+    pin = -contact.force - spec.actuation.force_vector
     shoe = replace(shoe_of(theta, p), hinge_reaction=pin)
-    found = contact_resultant(brake, 0, shoe)
+    found = resultant_of_contact_on_shoe(brake, 0, shoe)
     assert found.force == pytest.approx(contact.force) and found.moment == pytest.approx(
         contact.moment
     )
-    clockwise = contact_resultant(vary(brake, {"rotation": "clockwise"}), 0, shoe)
+    clockwise = resultant_of_contact_on_shoe(vary(brake, {"rotation": "clockwise"}), 0, shoe)
     assert clockwise.normal == pytest.approx(contact.normal) and clockwise.moment == pytest.approx(
         -contact.moment
     )
-    balance = shoe_balance(brake, 0, shoe)
+    balance = relative_imbalance_of_shoe(brake, 0, shoe)
     assert balance.force < 1e-15
     hinge, push = spec.hinge.xy, spec.actuation
     about = [
         contact.moment - hinge[0] * contact.force[1] + hinge[1] * contact.force[0],
-        push.moment_about(spec.hinge),
+        push.moment_of_force_about_point(spec.hinge),
     ]
     assert balance.moment == pytest.approx(abs(sum(about)) / max(map(abs, about)))
     lumped = Resultant(np.array([5.0, 0]), np.array([0, 7.0]), 9.0)
-    assert contact_resultant(brake, 0, replace(shoe, lumped=lumped)) is lumped
-    assert shoe_balance(brake, 0, replace(shoe, contact_arcs=())) == Balance(0.0, 0.0)
+    assert resultant_of_contact_on_shoe(brake, 0, replace(shoe, lumped=lumped)) is lumped
+    assert relative_imbalance_of_shoe(brake, 0, replace(shoe, contact_arcs=())) == Balance(0.0, 0.0)
 
 
 def test_a_shoe_apart_and_responses_as_plain_data(brake):
-    away = untouched(brake.shoes[0], np.array([1.0, 2.0]))
+    away = response_of_shoe_without_contact(brake.shoes[0], np.array([1.0, 2.0]))
     lining = brake.shoes[0].lining
     assert (
         away.theta == pytest.approx([lining.start, lining.middle, lining.end])
@@ -319,7 +351,9 @@ def test_a_shoe_apart_and_responses_as_plain_data(brake):
     assert (away.torque, away.normal_force, away.peak_pressure) == (0, 0, 0)
     assert away.contact_arcs == () and not away.self_energising and away.pivot_reaction is None
     on_pivot = vary(brake, {"shoe[0].pivot": {"x": 0.1, "y": 0.0}}).shoes[0]
-    assert untouched(on_pivot, np.zeros(2)).pivot_reaction == pytest.approx([0, 0])
+    assert response_of_shoe_without_contact(on_pivot, np.zeros(2)).pivot_reaction == pytest.approx(
+        [0, 0]
+    )
 
     bent = Deformation(*(np.array([float(i)]) for i in range(4)))
     shoe = replace(

@@ -8,11 +8,14 @@ import pytest
 from conftest import STUDY
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.analysis.fields import recover_ring_fields, recover_shoe_fields
+from drumlin.fem.analysis.fields import (
+    stress_and_displacement_fields_of_ring,
+    stress_and_displacement_fields_of_shoe,
+)
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.fem.substructure.ring import ring_mesh
+from drumlin.fem.substructure.ring import mesh_of_drum_ring
 from picking import picked, saying
 
 BRAKE = read_brake(STUDY / "brake.toml")
@@ -30,12 +33,12 @@ def ringed(E=1.2e11, support="fixed", thickness=0.015, **changes):
 
 def test_the_mesh_is_the_whole_ring():
     spec = ringed()
-    mesh = ring_mesh(spec.drum.ring, spec.drum.radius, spec.shoes, 20)
+    mesh = mesh_of_drum_ring(spec.drum.ring, spec.drum.radius, spec.shoes, 20)
     r = np.hypot(*mesh.doflocs)
     assert (r.min(), r.max()) == pytest.approx((0.150, 0.165), rel=1e-12)
     assert len(mesh.boundaries["contact"]) == len(mesh.boundaries["support"]) > 40
     external = vary(spec, {"shoe.side": "external", "shoe.hinge": {"x": 0.05, "y": -0.2}})
-    r = np.hypot(*ring_mesh(external.drum.ring, 0.15, external.shoes, 20).doflocs)
+    r = np.hypot(*mesh_of_drum_ring(external.drum.ring, 0.15, external.shoes, 20).doflocs)
     assert (r.min(), r.max()) == pytest.approx((0.135, 0.150), rel=1e-12)
 
 
@@ -50,7 +53,7 @@ def test_a_stiff_ring_is_a_rigid_drum_and_the_difference_goes_as_one_over_E(supp
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_balance_symmetry_and_mirror_with_a_ring(support):
-    scene = prepare(ringed(support=support), elements=30)
+    scene = make_prepared_model(ringed(support=support), elements=30)
     one = solve_prepared_model(scene, ringed(support=support))
     other = solve_prepared_model(scene, ringed(support=support, rotation="clockwise"))
     assert max(one.balance.force, one.balance.moment) < 1e-9
@@ -60,7 +63,10 @@ def test_balance_symmetry_and_mirror_with_a_ring(support):
 
 def test_shoes_meet_through_a_free_ring_and_not_through_a_rigid_drum():
     strong = {"shoe[0].actuation.force": 3000.0}
-    scene, plain = prepare(ringed(support="free"), elements=20), prepare(BRAKE, elements=20)
+    scene, plain = (
+        make_prepared_model(ringed(support="free"), elements=20),
+        make_prepared_model(BRAKE, elements=20),
+    )
     for spec, prepared, felt in ((ringed(support="free"), scene, True), (BRAKE, plain, False)):
         before = solve_prepared_model(prepared, spec).shoes[1].torque
         after = solve_prepared_model(prepared, vary(spec, strong)).shoes[1].torque
@@ -96,9 +102,9 @@ def test_a_thin_free_ring_bends_as_theory_says():
             "lining": {**shoe["lining"], "start": math.pi - 0.02, "end": math.pi + 0.02},
         }
         left["actuation"] = {"force": 1.0, "direction": math.pi, "point": {"x": 0.0, "y": 0.5}}
-        from drumlin.brake.file import brake_from
+        from drumlin.brake.file import make_drum_brake_from_data
 
-        spec = brake_from(
+        spec = make_drum_brake_from_data(
             {
                 "title": "ring",
                 "rotation": "clockwise",
@@ -115,9 +121,9 @@ def test_a_thin_free_ring_bends_as_theory_says():
                 "shoe": [{**shoe, "name": "right"}, {**left, "name": "left"}],
             }
         )
-        scene = prepare(spec, elements=4)
+        scene = make_prepared_model(spec, elements=4)
         ring, bodies = scene.ring, scene.bodies
-        areas = picked(bodies, "coupling.area")
+        areas = picked(bodies, "coupling.areas_of_contact_nodes")
         # Even pressures of one newton act on each side.
         p = [np.full(len(a), 1.0 / a.sum()) for a in areas]
         opening = [
@@ -148,7 +154,7 @@ def test_shoes_on_both_sides_of_one_ring_are_refused():
 
 
 def test_a_scene_with_another_ring_is_refused():
-    scene = prepare(ringed(), elements=10)
+    scene = make_prepared_model(ringed(), elements=10)
     with pytest.raises(BadInput, match="ring"):
         solve_prepared_model(scene, ringed(E=1e12))
 
@@ -160,11 +166,11 @@ def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
     Both are recovered inside their own meshes.
     """
     spec = ringed(support=support)
-    scene = prepare(spec, elements=60)
+    scene = make_prepared_model(spec, elements=60)
     response = solve_prepared_model(scene, spec)
     lining, ring = (
-        recover_shoe_fields(scene, spec, response, 1),
-        recover_ring_fields(scene, spec, response),
+        stress_and_displacement_fields_of_shoe(scene, spec, response, 1),
+        stress_and_displacement_fields_of_ring(scene, spec, response),
     )
     touching = lining.pressure > 0.05 * lining.pressure.max()
     surface = np.hypot(*ring.points.T) < 0.150 + 1e-9

@@ -7,13 +7,13 @@ from drumlin.base.errors import BadInput
 from drumlin.brake import read_brake, vary
 from drumlin.brake.components import Ring
 from drumlin.brake.drum_brake import DrumBrake
-from drumlin.brake.ring_support import plain_ring_only
+from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
-from drumlin.verification.triangles.levels import solve as solve_by_triangles
-from drumlin_studies.reduced import surrogate_maker
+from drumlin.verification.triangles.levels import solve_on_triangle_level as solve_by_triangles
+from drumlin_studies.reduced import make_function_that_prepares_surrogates
 
 SECTION = {"thickness": 0.015, "width": 0.06, "material": {"E": 1.1e11, "nu": 0.26}}
 REFUSED = "takes rings with a fixed or a free far edge only"
@@ -33,13 +33,13 @@ def strange(root, request):
 def test_rings_of_brake_files_are_plain(root, support):
     brake = read_brake(root / "studies" / "double_shoe" / "brake.toml")
     brake = vary(brake, {"drum.ring": SECTION | {"support": support}})
-    assert brake.ring.is_plain
-    assert plain_ring_only(brake, "a model") is None
-    assert plain_ring_only(brake.without_ring(), "a model") is None
+    assert brake.ring.has_fixed_or_free_far_edge
+    assert reason_if_ring_support_is_not_plain(brake, "a model") is None
+    assert reason_if_ring_support_is_not_plain(brake.brake_without_ring(), "a model") is None
 
 
 def test_the_foundation_model_refuses_it(strange):
-    said = foundation.why_not(strange)
+    said = foundation.reason_against_foundation_model(strange)
     assert said is not None
     if strange.title.startswith("post"):
         assert said == f"drum.ring.support = 'magnets': the foundation model {REFUSED}"
@@ -52,7 +52,7 @@ def test_the_triangles_refuse_it(strange):
 
 def test_the_reduced_model_refuses_it(strange):
     with pytest.raises(BadInput, match=f"a sketch {REFUSED}"):
-        surrogate_maker()(strange)
+        make_function_that_prepares_surrogates()(strange)
 
 
 @pytest.mark.parametrize("stiffness", [{}, {"bending_stiffness": 2000.0}])
@@ -60,13 +60,13 @@ def test_a_slope_by_its_modulus_is_not_stated(root, monkeypatch, stiffness):
     """The modulus of a plain ring alone makes the flexibility of the ring."""
     brake = read_brake(root / "studies" / "double_shoe" / "brake.toml")
     brake = vary(brake, {"drum.ring": SECTION | stiffness})
-    scene = prepare(brake, LEVELS[0])
+    scene = make_prepared_model(brake, LEVELS[0])
     plain = compute_torque_sensitivity(scene, brake)
     assert [plain.ring is None, plain.ring_bending_stiffness is None] == [
         bool(stiffness),
         not stiffness,
     ]
-    monkeypatch.setattr(Ring, "is_plain", False)
+    monkeypatch.setattr(Ring, "has_fixed_or_free_far_edge", False)
     other = compute_torque_sensitivity(scene, brake)
     assert other.ring is None and other.ring_bending_stiffness is None
     assert other.friction == plain.friction

@@ -14,15 +14,21 @@ from drumlin import Brake, NoAnswer, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, SlipHistory
-from drumlin.fem.analysis.at_rest import RoughFeet, make_stick_slip_problem
-from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
-from drumlin.fem.analysis.self_locking import friction_limits_of_groups, torques_at_frictions
+from drumlin.fem.analysis.at_rest import FeetOnRoughAbutments, make_stick_slip_problem_of_shoe_group
+from drumlin.fem.analysis.holding import (
+    find_full_slip_rotation,
+    states_of_holding_brake_at_rotations,
+)
+from drumlin.fem.analysis.self_locking import (
+    self_locking_limits_of_shoe_groups,
+    shoe_torques_at_friction_coefficients,
+)
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.model import PENALTY, solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.laws import rigid
-from drumlin_studies.consistency_hold import hold_against_solve_rows
-from drumlin_studies.random_kinds import draw_brake_of_holding_kind
+from drumlin_studies.consistency_hold import torque_rows_of_hold_and_solve
+from drumlin_studies.random_kinds import draw_brake_of_support_kind
 from picking import picked
 
 ELEMENTS = 12
@@ -107,7 +113,7 @@ def moved(brake: FlatBrake, before: Layer, share: float, slid: float) -> Layer:
     mu = np.append(np.full(SPRINGS, brake.friction), face.friction)
     dragged = np.append(np.full(SPRINGS, slid - before.slid), 0.0)
     old = np.append(before.t, before.foot)
-    (fx, fy), (px, py) = share * shoe.actuation.vector, shoe.actuation.point.xy
+    (fx, fy), (px, py) = share * shoe.actuation.force_vector, shoe.actuation.point.xy
     load = np.array([fx, fy, px * fy - py * fx])
     motion = before.motion
     for _ in range(200):
@@ -134,24 +140,24 @@ def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
     force comes on.
     """
     brake = pad(tmp_path)
-    scene = prepare(brake, elements=40)
+    scene = make_prepared_model(brake, elements=40)
     end = find_full_slip_rotation(scene, brake)
-    states = hold_drum_through_rotations(scene, brake, np.linspace(0.0, end, 21))
+    states = states_of_holding_brake_at_rotations(scene, brake, np.linspace(0.0, end, 21))
     # The pad begins just in contact, without friction.
     free = Layer(np.array([0.0, -1e-9, 0.0]), np.zeros(SPRINGS), 0.0, 0.0)
     at = free
     for share in np.linspace(0, 1, 21)[1:]:
         at = moved(brake, at, share, 0.0)
-    assert brake.spin * at.t.sum() == pytest.approx(states[0].torque, rel=1e-6)
-    for slid in brake.spin * np.linspace(0, end, 101)[1:]:
+    assert brake.sign_of_motion * at.t.sum() == pytest.approx(states[0].torque, rel=1e-6)
+    for slid in brake.sign_of_motion * np.linspace(0, end, 101)[1:]:
         at = moved(brake, at, 1.0, float(slid))
-    held = brake.spin * at.t.sum()
+    held = brake.sign_of_motion * at.t.sum()
     assert states[-1].torque == pytest.approx(held, rel=1e-6)
     at = free
     for share in np.linspace(0, 1, 21)[1:]:
         # A displacement of a metre lets all springs slip.
-        at = moved(brake, at, share, brake.spin * share)
-    slid = brake.spin * at.t.sum()
+        at = moved(brake, at, share, brake.sign_of_motion * share)
+    slid = brake.sign_of_motion * at.t.sum()
     # The springs leave out the effect of the lining's ends.
     assert solve_prepared_model(scene, brake).torque == pytest.approx(slid, rel=0.01)
     assert held > 1.1 * slid
@@ -159,8 +165,8 @@ def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
 
 def test_hold_says_where_it_ends_elsewhere(tmp_path: Path) -> None:
     brake = pad(tmp_path)
-    scene = prepare(brake, elements=20)
-    states = hold_drum_through_rotations(
+    scene = make_prepared_model(brake, elements=20)
+    states = states_of_holding_brake_at_rotations(
         scene, brake, np.linspace(0.0, find_full_slip_rotation(scene, brake), 5)
     )
     (line,) = states[-1].notes
@@ -178,8 +184,8 @@ def test_hold_says_where_it_ends_elsewhere(tmp_path: Path) -> None:
 
 def test_hold_says_nothing_where_the_foot_is_smooth(tmp_path: Path) -> None:
     own = vary(pad(tmp_path), {"shoe.abutment.friction": 0.0})
-    scene = prepare(own, elements=20)
-    last = hold_drum_through_rotations(
+    scene = make_prepared_model(own, elements=20)
+    last = states_of_holding_brake_at_rotations(
         scene, own, np.linspace(0.0, find_full_slip_rotation(scene, own), 5)
     )[-1]
     assert last.torque == pytest.approx(solve_prepared_model(scene, own).torque, rel=1e-6)
@@ -189,7 +195,7 @@ def test_hold_says_nothing_where_the_foot_is_smooth(tmp_path: Path) -> None:
 def rough_brakes(count: int) -> list[Brake]:
     """Random brakes with a rough abutment."""
     kinds = ("rough abutment", "cylinder", "pad on an abutment")
-    return [draw_brake_of_holding_kind(seed, kinds[seed % len(kinds)]) for seed in range(count)]
+    return [draw_brake_of_support_kind(seed, kinds[seed % len(kinds)]) for seed in range(count)]
 
 
 @pytest.mark.parametrize("count", [6, pytest.param(60, marks=pytest.mark.slow)])
@@ -200,16 +206,22 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
     those of linings do.
     """
     for brake in rough_brakes(count):
-        scene = prepare(brake, elements=ELEMENTS)
+        scene = make_prepared_model(brake, elements=ELEMENTS)
         for group in divide_pressed_shoes_into_groups(scene, brake, PENALTY):
-            problem, lever = make_stick_slip_problem(group)
-            feet = RoughFeet.of_group(group)
-            slid = problem._replace(q_s=problem.q_s + lever * 0.01 * brake.spin / group.unit_force)
-            nothing, n = np.zeros(len(lever)), group.node_ranges[-1].stop
-            slips = np.full(n, FORWARD if brake.spin > 0 else BACKWARD)
+            problem, lever = make_stick_slip_problem_of_shoe_group(group)
+            feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
+            slid = problem._replace(
+                q_s=problem.q_s
+                + lever * 0.01 * brake.sign_of_motion / group.largest_actuation_force
+            )
+            nothing, n = np.zeros(len(lever)), group.contact_node_slices_of_shoes[-1].stop
+            slips = np.full(n, FORWARD if brake.sign_of_motion > 0 else BACKWARD)
             start = np.append(slips, np.full(len(feet.shoe_numbers), STICK))
             at = stick_slip.solve_load_increment(
-                slid, feet.friction_of_all_nodes(), SlipHistory(nothing, nothing), start
+                slid,
+                feet.friction_coefficients_of_all_nodes(),
+                SlipHistory(nothing, nothing),
+                start,
             )
             assert STICK not in at.state[:n]
             _, found = group.solve_contact()
@@ -224,13 +236,13 @@ def test_a_little_force_on_a_crowned_pad_is_no_refusal(seed: int) -> None:
 
     Seeds 61 and 219 were refused at rest.
     """
-    (row,) = hold_against_solve_rows(seed)
+    (row,) = torque_rows_of_hold_and_solve(seed)
     assert row.outcome in {"agrees", "said"}, row
 
 
 @pytest.mark.slow
 def test_of_random_brakes_of_all_kinds_none_ends_elsewhere_without_a_line() -> None:
-    rows = list(chain.from_iterable(map(hold_against_solve_rows, range(1000, 1104))))
+    rows = list(chain.from_iterable(map(torque_rows_of_hold_and_solve, range(1000, 1104))))
     assert len(rows) > 90
     assert set(picked(rows, "outcome")) <= {"agrees", "said"}
     assert all("abutment" in row.said for row in rows if row.outcome == "said")
@@ -238,11 +250,13 @@ def test_of_random_brakes_of_all_kinds_none_ends_elsewhere_without_a_line() -> N
 
 def test_the_problem_of_a_rough_foot_is_not_there_before_its_friction_is_known() -> None:
     brake = rough_brakes(1)[0]
-    (group,) = divide_pressed_shoes_into_groups(prepare(brake, elements=ELEMENTS), brake, PENALTY)
+    (group,) = divide_pressed_shoes_into_groups(
+        make_prepared_model(brake, elements=ELEMENTS), brake, PENALTY
+    )
     with pytest.raises(RuntimeError, match="no sense yet, ask for `settled`"):
-        _ = group.problem
+        _ = group.contact_problem_of_group
     at, found = group.solve_contact()
-    assert at.problem.C @ found.p == pytest.approx(at.problem.h)
+    assert at.contact_problem_of_group.C @ found.p == pytest.approx(at.contact_problem_of_group.h)
 
 
 @pytest.mark.parametrize("count", [1, pytest.param(30, marks=pytest.mark.slow)])
@@ -253,16 +267,18 @@ def test_the_limit_of_rough_feet_is_where_solves_at_growing_friction_end(count: 
     times.
     """
     for brake in rough_brakes(count):
-        scene = prepare(brake, elements=ELEMENTS)
+        scene = make_prepared_model(brake, elements=ELEMENTS)
         lock = min(
-            picked(friction_limits_of_groups(scene, brake, 2.5, PENALTY).values(), "friction")
+            picked(
+                self_locking_limits_of_shoe_groups(scene, brake, 2.5, PENALTY).values(), "friction"
+            )
         )
         last = 0.97 * min(lock, 2.5)
         for mu in np.linspace(brake.friction, last, 8):
             assert solve_prepared_model(scene, vary_friction(brake, mu)).torque > 0
-        torque = torques_at_frictions(scene, brake, [0.9 * brake.friction, last], PENALTY).sum(
-            axis=1
-        )[-1]
+        torque = shoe_torques_at_friction_coefficients(
+            scene, brake, [0.9 * brake.friction, last], PENALTY
+        ).sum(axis=1)[-1]
         assert torque == pytest.approx(
             solve_prepared_model(scene, vary_friction(brake, last)).torque, rel=1e-5
         )
@@ -287,17 +303,19 @@ def test_the_limit_of_thin_linings_is_that_of_the_law() -> None:
     """
     seen = 0
     for seed in range(8):
-        brake = draw_brake_of_holding_kind(seed, "rough abutment", rigid=True)
-        lock = friction_limits_of_groups(prepare(brake, elements=40), brake, 3.0)[0,].friction
+        brake = draw_brake_of_support_kind(seed, "rough abutment", rigid=True)
+        lock = self_locking_limits_of_shoe_groups(
+            make_prepared_model(brake, elements=40), brake, 3.0
+        )[0,].friction
         if math.isinf(lock):
             continue
         seen += 1
         for mu in (0.97 * lock, 1.03 * lock):
             there = vary_friction(brake, mu)
             if mu < lock:
-                assert rigid.press(there, there.shoes[0]) is not None
+                assert rigid.find_contact_of_rigid_shoe(there, there.shoes[0]) is not None
             else:
                 with pytest.raises(NoAnswer):
-                    rigid.press(there, there.shoes[0])
+                    rigid.find_contact_of_rigid_shoe(there, there.shoes[0])
     # Enough of the eight must have a limit at all.
     assert seen >= 4

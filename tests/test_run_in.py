@@ -10,24 +10,28 @@ from conftest import ROOT
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.laws import hinged, rigid
 from drumlin.lining_wear.archard import WearLaw, checkerboard_amplitude, wear_linings_in_given_steps
-from drumlin.lining_wear.linings import fem_wear_setup, foundation_wear_setup, put_shoes_on_guides
-from drumlin.lining_wear.run_in import (
-    COEFFICIENT,
-    brake_with_worn_linings,
-    compute_run_checks,
-    distance_from_target,
-    lining_life,
-    rigid_law_target,
-    run_in,
-    unit_sliding_distance,
+from drumlin.lining_wear.linings import (
+    brake_with_shoes_on_guides,
+    wear_setup_by_finite_elements,
+    wear_setup_by_foundation_model,
 )
-from drumlin.response.norms import pressure_distance
+from drumlin.lining_wear.run_in import (
+    DEFAULT_WEAR_COEFFICIENT,
+    brake_with_worn_linings,
+    compute_checks_of_wear_run,
+    compute_life_of_linings,
+    end_of_wear_by_rigid_shoe_law,
+    relative_distance_from_end_of_wear,
+    run_brake_linings_in,
+    unit_of_sliding_distance,
+)
+from drumlin.response.norms import relative_distance_of_pressures
 from picking import picked
 
-LAW = WearLaw(COEFFICIENT)
+LAW = WearLaw(DEFAULT_WEAR_COEFFICIENT)
 
 
 def of(name, **changes):
@@ -36,41 +40,63 @@ def of(name, **changes):
 
 @pytest.fixture(scope="module")
 def scene(brake):
-    return prepare(brake, elements=60)
+    return make_prepared_model(brake, elements=60)
 
 
 @pytest.fixture(scope="module")
 def setup(scene, brake):
-    return fem_wear_setup(scene, brake)
+    return wear_setup_by_finite_elements(scene, brake)
 
 
 @pytest.fixture(scope="module")
 def states(setup):
-    return run_in(setup)
+    return run_brake_linings_in(setup)
 
 
 def holds(setup, states, law_torque):
     """What must hold after run-in, in one place."""
-    assert distance_from_target(setup, states[-1], rigid_law_target(setup)).pressure <= 0.01
+    assert (
+        relative_distance_from_end_of_wear(
+            setup, states[-1], end_of_wear_by_rigid_shoe_law(setup)
+        ).pressure
+        <= 0.01
+    )
     assert states[-1].torque == pytest.approx(law_torque, rel=1e-3)
-    found = compute_run_checks(setup, states, LAW)
+    found = compute_checks_of_wear_run(setup, states, LAW)
     assert found.volume < 1e-8
     assert found.energy < 1e-6
     for s in setup.surfaces:
-        assert checkerboard_amplitude(s.along(states[-1].pressure)) < 1e-3
+        assert checkerboard_amplitude(s.own_values_by_growing_angle(states[-1].pressure)) < 1e-3
 
 
 def test_the_main_brake_comes_to_the_sine_law_and_stays(brake, setup, states):
-    law = hinged.sine(brake)
+    law = hinged.solve_brake_by_sine_law(brake)
     holds(setup, states, law.torque)
-    assert distance_from_target(setup, states[0], rigid_law_target(setup)).pressure > 0.5
-    long = run_in(setup, distance=10 * states[-1].s)
-    assert max(map(abs, distance_from_target(setup, long[-1], rigid_law_target(setup)))) < 1e-6
+    assert (
+        relative_distance_from_end_of_wear(
+            setup, states[0], end_of_wear_by_rigid_shoe_law(setup)
+        ).pressure
+        > 0.5
+    )
+    long = run_brake_linings_in(setup, distance=10 * states[-1].s)
+    assert (
+        max(
+            map(
+                abs,
+                relative_distance_from_end_of_wear(
+                    setup, long[-1], end_of_wear_by_rigid_shoe_law(setup)
+                ),
+            )
+        )
+        < 1e-6
+    )
     # The target is the law itself, not only near it.
     for surface in setup.surfaces:
-        expected = law.shoes[surface.shoe].pressure_at(surface.angles)
+        expected = law.shoes[surface.shoe].pressure_at(surface.angles_in_growing_order)
         np.testing.assert_allclose(
-            surface.along(rigid_law_target(setup).pressure), expected, rtol=1e-6
+            surface.own_values_by_growing_angle(end_of_wear_by_rigid_shoe_law(setup).pressure),
+            expected,
+            rtol=1e-6,
         )
 
 
@@ -82,7 +108,9 @@ def test_every_state_is_what_the_finite_elements_answer_for_the_worn_brake(scene
         assert response.torque == pytest.approx(state.torque, rel=1e-9)
         for surface, shoe in zip(setup.surfaces, response.shoes, strict=True):
             np.testing.assert_allclose(
-                surface.along(state.pressure), shoe.pressure, atol=1e-7 * shoe.pressure.max()
+                surface.own_values_by_growing_angle(state.pressure),
+                shoe.pressure,
+                atol=1e-7 * shoe.pressure.max(),
             )
 
 
@@ -102,65 +130,68 @@ def test_half_the_step_gives_the_same_answer(setup, states):
 @pytest.mark.parametrize("ratio", [1e-4, 1e-1])
 def test_linings_soft_and_stiff_come_to_the_law(brake, ratio):
     changed = vary(brake, {"shoe.lining.material.E": 210e9 * ratio})
-    setup = fem_wear_setup(prepare(changed, elements=40), changed)
-    holds(setup, run_in(setup), hinged.sine(brake).torque)
+    setup = wear_setup_by_finite_elements(make_prepared_model(changed, elements=40), changed)
+    holds(setup, run_brake_linings_in(setup), hinged.solve_brake_by_sine_law(brake).torque)
 
 
 def test_a_pivoted_shoe_comes_to_its_two_term_law():
     brake = of("laws/pivoted_block", **{"shoe.pivot": {"x": 0.27, "y": 0.02}})
-    setup = fem_wear_setup(prepare(brake, elements=40), brake)
-    law = rigid.solve(brake)
-    holds(setup, run_in(setup), law.torque)
+    setup = wear_setup_by_finite_elements(make_prepared_model(brake, elements=40), brake)
+    law = rigid.solve_brake_by_rigid_shoe_law(brake)
+    holds(setup, run_brake_linings_in(setup), law.torque)
     (surface,) = setup.surfaces
     np.testing.assert_allclose(
-        surface.along(rigid_law_target(setup).pressure),
-        law.shoes[0].pressure_at(surface.angles),
+        surface.own_values_by_growing_angle(end_of_wear_by_rigid_shoe_law(setup).pressure),
+        law.shoes[0].pressure_at(surface.angles_in_growing_order),
         atol=1e-5 * law.shoes[0].peak_pressure,
     )
 
 
 def test_a_guided_shoe_comes_to_the_cosine_law():
     brake = of("laws/block")
-    setup = fem_wear_setup(
-        prepare(put_shoes_on_guides(brake), elements=40), put_shoes_on_guides(brake)
+    setup = wear_setup_by_finite_elements(
+        make_prepared_model(brake_with_shoes_on_guides(brake), elements=40),
+        brake_with_shoes_on_guides(brake),
     )
-    holds(setup, run_in(setup), hinged.guided_torque(brake))
+    holds(setup, run_brake_linings_in(setup), hinged.torque_of_brake_with_guided_shoes(brake))
     (surface,) = setup.surfaces
-    p = surface.along(rigid_law_target(setup).pressure)
-    cosine = np.cos(surface.angles - math.pi / 2)
+    p = surface.own_values_by_growing_angle(end_of_wear_by_rigid_shoe_law(setup).pressure)
+    cosine = np.cos(surface.angles_in_growing_order - math.pi / 2)
     np.testing.assert_allclose(p, p.max() * cosine, rtol=1e-6)
 
 
 def test_a_post_comes_to_the_sine_law_on_the_foundation_once_it_may_tilt():
     brake = of("post_brake/brake")
-    setup = foundation_wear_setup(brake, sections=180, lift=("tilt",))
-    holds(setup, run_in(setup), hinged.sine(brake).torque)
-    published = rigid_law_target(foundation_wear_setup(brake, sections=180)).torque
+    setup = wear_setup_by_foundation_model(brake, sections=180, lift=("tilt",))
+    holds(setup, run_brake_linings_in(setup), hinged.solve_brake_by_sine_law(brake).torque)
+    published = end_of_wear_by_rigid_shoe_law(
+        wear_setup_by_foundation_model(brake, sections=180)
+    ).torque
     # The shoes turn without tilt, which gives x cos(theta), not sin(phi).
-    assert published > 1.04 * hinged.sine(brake).torque
+    assert published > 1.04 * hinged.solve_brake_by_sine_law(brake).torque
 
 
 def test_shoes_that_meet_through_a_ring_wear_together():
     brake = of("post_brake/brake")
-    setup = fem_wear_setup(prepare(brake, elements=24), brake)
+    setup = wear_setup_by_finite_elements(make_prepared_model(brake, elements=24), brake)
     assert len(setup.interfaces) == 1 and len(setup.surfaces) == 2
-    holds(setup, run_in(setup), hinged.sine(brake).torque)
+    holds(setup, run_brake_linings_in(setup), hinged.solve_brake_by_sine_law(brake).torque)
 
 
 def test_a_square_law_of_wear_tends_to_the_root_of_the_sine(setup):
-    law = WearLaw(COEFFICIENT, 2.0)
-    states, goal = run_in(setup, law), rigid_law_target(setup, law)
+    law = WearLaw(DEFAULT_WEAR_COEFFICIENT, 2.0)
+    states, goal = run_brake_linings_in(setup, law), end_of_wear_by_rigid_shoe_law(setup, law)
     for surface in setup.surfaces:
-        phi = setup.brake.shoes[surface.shoe].frame.phi(surface.angles)
-        p = surface.along(goal.pressure)
+        phi = setup.brake.shoes[surface.shoe].frame.phi(surface.angles_in_growing_order)
+        p = surface.own_values_by_growing_angle(goal.pressure)
         np.testing.assert_allclose(
             p / p.max(), np.sqrt(np.sin(phi) / np.sin(phi)[p.argmax()]), rtol=1e-5
         )
-    assert max(map(abs, distance_from_target(setup, states[-1], goal))) < 1e-3
+    assert max(map(abs, relative_distance_from_end_of_wear(setup, states[-1], goal))) < 1e-3
 
 
 def test_constant_torque_needs_the_force_that_the_worn_brake_needs(scene, brake, setup):
-    states = run_in(setup, torque=450.0)
+    states = run_brake_linings_in(setup, torque=450.0)
     # Both shoes share one force of the cam.
     assert len(setup.interfaces) == 2
     for state in states[:: len(states) // 3]:
@@ -174,50 +205,69 @@ def test_constant_torque_needs_the_force_that_the_worn_brake_needs(scene, brake,
 
 
 def test_a_reversal_undoes_the_law_until_the_lining_has_run_in_anew(scene, brake, setup, states):
-    other = fem_wear_setup(scene, vary(brake, {"rotation": "clockwise"}))
+    other = wear_setup_by_finite_elements(scene, vary(brake, {"rotation": "clockwise"}))
     every = states[-1].s
-    run = run_in(setup, backward=other, reverse=every, distance=2 * every)
+    run = run_brake_linings_in(setup, backward=other, reverse=every, distance=2 * every)
     (turn,) = [i for i, (a, b) in enumerate(pairwise(run)) if a.forward != b.forward]
     before, after = run[turn], run[turn + 1]
     assert before.s == after.s == every
     assert (before.depth == after.depth).all()
-    assert distance_from_target(setup, before, rigid_law_target(setup)).pressure < 2e-3
-    assert distance_from_target(other, after, rigid_law_target(other)).pressure > 0.3
-    assert distance_from_target(other, run[-1], rigid_law_target(other)).pressure < 0.01
-    third = run_in(
+    assert (
+        relative_distance_from_end_of_wear(
+            setup, before, end_of_wear_by_rigid_shoe_law(setup)
+        ).pressure
+        < 2e-3
+    )
+    assert (
+        relative_distance_from_end_of_wear(
+            other, after, end_of_wear_by_rigid_shoe_law(other)
+        ).pressure
+        > 0.3
+    )
+    assert (
+        relative_distance_from_end_of_wear(
+            other, run[-1], end_of_wear_by_rigid_shoe_law(other)
+        ).pressure
+        < 0.01
+    )
+    third = run_brake_linings_in(
         setup, backward=other, reverse=every / 3, distance=3.0 * (every / 3), tolerance=5e-3
     )
     # The run does not turn back at its very end.
     assert sum(a.forward != b.forward for a, b in pairwise(third)) == 2
     with pytest.raises(BadInput, match="distance must be given"):
-        run_in(setup, backward=other, reverse=every)
+        run_brake_linings_in(setup, backward=other, reverse=every)
 
 
 def test_the_part_of_life_does_not_depend_on_the_wear_coefficient_and_grows_with_the_force(
     brake, scene, setup, states
 ):
-    mine = lining_life(setup, states, rigid_law_target(setup), LAW)
-    faster = WearLaw(7 * COEFFICIENT)
-    again = lining_life(setup, run_in(setup, faster), rigid_law_target(setup), faster)
-    assert again.pressure == pytest.approx(mine.pressure, rel=1e-6)
-    assert unit_sliding_distance(setup, faster) == pytest.approx(
-        unit_sliding_distance(setup, LAW) / 7
+    mine = compute_life_of_linings(setup, states, end_of_wear_by_rigid_shoe_law(setup), LAW)
+    faster = WearLaw(7 * DEFAULT_WEAR_COEFFICIENT)
+    again = compute_life_of_linings(
+        setup, run_brake_linings_in(setup, faster), end_of_wear_by_rigid_shoe_law(setup), faster
     )
-    heavy = fem_wear_setup(scene, vary(brake, {"shoe.actuation.force": 4e3}))
-    assert lining_life(
-        heavy, run_in(heavy), rigid_law_target(heavy), LAW
+    assert again.pressure == pytest.approx(mine.pressure, rel=1e-6)
+    assert unit_of_sliding_distance(setup, faster) == pytest.approx(
+        unit_of_sliding_distance(setup, LAW) / 7
+    )
+    heavy = wear_setup_by_finite_elements(scene, vary(brake, {"shoe.actuation.force": 4e3}))
+    assert compute_life_of_linings(
+        heavy, run_brake_linings_in(heavy), end_of_wear_by_rigid_shoe_law(heavy), LAW
     ).pressure == pytest.approx(2 * mine.pressure, rel=2e-3)
     assert 0.1 < mine.pressure < 0.2 and 0.03 < mine.torque < 0.06
 
 
 def test_what_cannot_be_worn_in_is_refused(brake, scene, flexible):
     with pytest.raises(NoAnswer, match="no contact"):
-        fem_wear_setup(scene, vary(brake, {"shoe.actuation.force": -1.0}))
+        wear_setup_by_finite_elements(scene, vary(brake, {"shoe.actuation.force": -1.0}))
     with pytest.raises(BadInput, match="foundation does not apply"):
-        foundation_wear_setup(flexible)
+        wear_setup_by_foundation_model(flexible)
     locking = vary(brake, {"friction": 1.0})
     with pytest.raises(NoAnswer):
-        rigid_law_target(fem_wear_setup(prepare(locking, elements=10), locking))
+        end_of_wear_by_rigid_shoe_law(
+            wear_setup_by_finite_elements(make_prepared_model(locking, elements=10), locking)
+        )
 
 
 def test_the_worn_brake_is_a_brake_file_apart(setup, states, brake):
@@ -228,7 +278,7 @@ def test_the_worn_brake_is_a_brake_file_apart(setup, states, brake):
     assert np.array(end.shoes[0].lining.clearance)[:, 1].max() == pytest.approx(
         states[-1].depth[setup.surfaces[0].part].max()
     )
-    law, coarse = hinged.sine(brake), prepare(brake, elements=30)
+    law, coarse = hinged.solve_brake_by_sine_law(brake), make_prepared_model(brake, elements=30)
     # On another mesh the worn lining still bears by the law.
     response = solve_prepared_model(coarse, end, penalty=math.inf)
-    assert pressure_distance(response.shoes[0], law.shoes[0]) < 0.02
+    assert relative_distance_of_pressures(response.shoes[0], law.shoes[0]) < 0.02

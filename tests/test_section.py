@@ -11,18 +11,18 @@ from hypothesis import strategies as st
 import drumlin
 from drumlin import BadInput, Brake
 from drumlin.brake import read_any, vary
-from drumlin.brake.components import ASSUMED_STEEL, Section, bonded
+from drumlin.brake.components import ASSUMED_STEEL, Section, stiffnesses_of_bonded_plates
 from drumlin.brake.fields import Material
-from drumlin.brake.file import brake_from, validated
+from drumlin.brake.file import make_drum_brake_from_data, make_validated_part
 from drumlin.brake.plane_brake import FlatBrake
-from drumlin.brake.writing import brake_text
+from drumlin.brake.writing import brake_file_text
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solid.mesh import solid_mesh
-from drumlin.verification.triangles.outline import make_outline
-from drumlin_studies.reduced import surrogate_maker
+from drumlin.verification.triangles.outline import make_shoe_outline
+from drumlin_studies.reduced import make_function_that_prepares_surrogates
 from held_shoes import BODY, brake_of
 
 S = {"E": 2.1e11, "nu": 0.3}
@@ -39,7 +39,7 @@ def test_area_neutral_axis_and_second_moment_of_a_t_section(
     A table t x b stands on a web h x w, counted from the web's outer face.
     """
     material = Material(E=2e11, nu=0.25)
-    found = bonded([Section(h, w, material), Section(t, b, material)])
+    found = stiffnesses_of_bonded_plates([Section(h, w, material), Section(t, b, material)])
     area = w * h + b * t
     axis = (w * h**2 / 2 + b * t * (h + t / 2)) / area
     about_face = w * h**3 / 3 + b * ((h + t) ** 3 - h**3) / 3
@@ -65,11 +65,11 @@ def bar(**body: Any) -> Brake:
         "actuation": {"force": 1.0, "direction": -1.5, "point": {"x": 1.0, "y": 0.02}},
     }
     data = {"title": "t", "friction": 0.0, "plane": {"sliding": "+x"}, "shoe": [shoe]}
-    return validated(FlatBrake, data)
+    return make_validated_part(FlatBrake, data)
 
 
 def scenes(brake: Brake) -> list[PreparedModel]:
-    return [prepare(brake, elements=10), prepare(brake, LEVELS[0])]
+    return [make_prepared_model(brake, elements=10), make_prepared_model(brake, LEVELS[0])]
 
 
 # The stiffness is E I with I = 5 20^3/12 + 100 5.227^2 + 40 3^3/12 + 120 6.273^2 mm^4.
@@ -92,7 +92,10 @@ def scenes(brake: Brake) -> list[PreparedModel]:
 def test_a_straight_body_bends_as_a_beam(body: dict[str, Any], EI: float) -> None:
     """delta = L^3/(3 EI) (1 + 3 EI kappa/(G A L^2)) under a force at its end, shear by the web."""
     shoe = bar(**body)
-    assert pytest.approx(EI, rel=1e-12) == bonded(list(shoe.shoes[0].body.plates.values())).EI
+    assert (
+        pytest.approx(EI, rel=1e-12)
+        == stiffnesses_of_bonded_plates(list(shoe.shoes[0].body.plates.values())).EI
+    )
     for scene in scenes(shoe):
         assert 3 * EI * scene.bodies[0].load_motion_by_load[1, 1] == pytest.approx(1.0, rel=1e-3)
         assert EI * scene.bodies[0].load_motion_by_load[2, 2] == pytest.approx(1.0, rel=5e-3)
@@ -120,7 +123,7 @@ def arc(**body: Any) -> Brake:
         "drum": {"radius": 1.0},
         "shoe": [shoe],
     }
-    return brake_from(data)
+    return make_drum_brake_from_data(data)
 
 
 @pytest.mark.parametrize(
@@ -133,7 +136,7 @@ def test_a_curved_body_bends_as_an_arc(body: dict[str, Any]) -> None:
     """
     brake = arc(**body)
     plates = list(brake.shoes[0].body.plates.values())[::-1]  # type: ignore[union-attr]
-    section = bonded(plates)
+    section = stiffnesses_of_bonded_plates(plates)
     inner = 1.0 - brake.shoes[0].depth
     r, area, over = inner + section.depth, section.EA / plates[0].material.E, 0.0
     for plate in plates:
@@ -166,7 +169,11 @@ def test_a_t_section_is_what_its_layers_are(kind: str) -> None:
     np.testing.assert_allclose(a.pressure, b.pressure, atol=1e-9 * b.peak_pressure)
     assert new.torque == pytest.approx(old.torque, rel=1e-10)
     rows = [
-        np.diag(surrogate_maker()(layered(kind, old=old)).bodies[0].closure_by_pressure)
+        np.diag(
+            make_function_that_prepares_surrogates()(layered(kind, old=old))
+            .bodies[0]
+            .closure_by_pressure
+        )
         for old in (False, True)
     ]
     # The surrogate has a mesh of the backing, and the table in the bar.
@@ -177,7 +184,7 @@ def test_the_second_solver_has_the_same_plates() -> None:
     hinged = [
         vary(layered("pivot", old=old), {"shoe.pivot": None}).shoes[0] for old in (False, True)
     ]
-    new, old = (make_outline(shoe, 0.11) for shoe in hinged)
+    new, old = (make_shoe_outline(shoe, 0.11) for shoe in hinged)
     assert len(new.layers) == len(old.layers) == 3
     for one, other in zip(new.layers, old.layers, strict=True):
         assert (one.start, one.end, one.elastic.width) == (
@@ -211,7 +218,7 @@ def test_moduli_of_table_and_web_are_one(flexible: Brake) -> None:
         flexible, {"shoe.body.table": {"thickness": 3e-3, "width": 0.04}, "shoe.body.width": 5e-3}
     )
     E = 2.1e11
-    found = compute_torque_sensitivity(prepare(brake, elements=20), brake)
+    found = compute_torque_sensitivity(make_prepared_model(brake, elements=20), brake)
     torque = [
         drumlin.solve(vary(brake, {"shoe.body.material.E": E * k}), elements=20).torque
         for k in (1.001, 0.999)
@@ -226,9 +233,9 @@ def test_files_of_both_read_as_they_were_written(tmp_path: Any) -> None:
         layered("pivot", old=False),
         vary(arc(**WEB), {"shoe.body.bending_stiffness": 3e3}),
     ):
-        assert read_any(tmp_path / "b.toml", brake_text(brake)) == brake
+        assert read_any(tmp_path / "b.toml", brake_file_text(brake)) == brake
     only = arc(thickness=0.03, bending_stiffness=3e3)
-    assert 'bending_stiffness = "3000.0 N m^2"' in brake_text(only)
+    assert 'bending_stiffness = "3000.0 N m^2"' in brake_file_text(only)
     assert only.shoes[0].body.plates["shoe"].material == ASSUMED_STEEL  # type: ignore[union-attr]
 
 

@@ -13,13 +13,13 @@ from conftest import STUDY
 from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake.file import vary
 from drumlin.fem.analysis.sensitivity import (
-    compare_with_differences_of_solves,
+    compare_slopes_with_differences_of_solves,
     compute_torque_sensitivity,
 )
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_brake import draw_random_brake
 from shared_parts import drum_ring, modulus_slopes
 
 RING = drum_ring(0.015, "free")
@@ -29,14 +29,14 @@ RING = drum_ring(0.015, "free")
     "changes", [RING, {"rotation": "clockwise", "shoe.lining.clearance": 1e-5}], ids=["ring", "gap"]
 )
 def test_every_slope_agrees_with_differences_of_solves_from_the_mesh_up(brake, changes):
-    for row in compare_with_differences_of_solves(vary(brake, changes), 1, elements=8)[1]:
+    for row in compare_slopes_with_differences_of_solves(vary(brake, changes), 1, elements=8)[1]:
         assert row["difference"] < 2e-6, row
 
 
 @given(st.integers(0, 10**6), st.sampled_from(["locking", "opposed"]), st.floats(0.05, 0.5))
 def test_the_slope_over_friction_is_that_of_differences_where_no_set_changes(seed, way, friction):
-    brake = vary(random_brake(seed, way), {"friction": friction})
-    scene = prepare(brake, elements=12)
+    brake = vary(draw_random_brake(seed, way), {"friction": friction})
+    scene = make_prepared_model(brake, elements=12)
     try:
         found = compute_torque_sensitivity(scene, brake)
         around = [
@@ -55,7 +55,7 @@ def test_the_slope_over_friction_is_that_of_differences_where_no_set_changes(see
 
 def test_moduli_scaled_alike_change_nothing_and_forces_are_proportional(brake):
     ringed = vary(brake, RING)
-    found = compute_torque_sensitivity(prepare(ringed, elements=12), ringed)
+    found = compute_torque_sensitivity(make_prepared_model(ringed, elements=12), ringed)
     moduli = modulus_slopes(found)
     assert found.ring is not None
     assert math.fsum([*moduli, found.ring]) == pytest.approx(0.0, abs=1e-10 * max(map(abs, moduli)))
@@ -72,7 +72,7 @@ def test_a_pull_is_a_push_the_other_way(brake):
         "shoe[0].actuation.direction": shoe.direction + math.pi,
     }
     a, b = (
-        compute_torque_sensitivity(prepare(each, elements=8), each).shoes[0]
+        compute_torque_sensitivity(make_prepared_model(each, elements=8), each).shoes[0]
         for each in (brake, vary(brake, pull))
     )
     assert b.force == pytest.approx(-a.force, rel=1e-9)
@@ -82,7 +82,7 @@ def test_a_pull_is_a_push_the_other_way(brake):
 @pytest.mark.parametrize("index", range(2))
 def test_an_uneven_clearance_acts_through_its_density(brake, index):
     """An uneven clearance acts through its density: a bump changes the torque by its integral."""
-    scene = prepare(brake, elements=20)
+    scene = make_prepared_model(brake, elements=20)
     found = compute_torque_sensitivity(scene, brake)
     shoe, R = found.shoes[index], brake.drum.radius
     height = 1e-9
@@ -107,4 +107,6 @@ def test_sensitivities_on_the_command_line(brake, tmp_path):
     assert data["torque"] == pytest.approx(solve(brake, elements=12).torque, rel=1e-12)
     assert f"S = (mu/T) dT/dmu = {data['S']:.5g} (sine law: 1.3064)" in said
     with pytest.raises(NoAnswer, match="without friction there is no torque"):
-        compute_torque_sensitivity(prepare(brake, elements=4), vary(brake, {"friction": 0.0}))
+        compute_torque_sensitivity(
+            make_prepared_model(brake, elements=4), vary(brake, {"friction": 0.0})
+        )

@@ -11,12 +11,12 @@ from drumlin import NoAnswer, vary
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.bodies import actuation_load_factors
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.body import stiffness
+from drumlin.fem.preparation.bodies import load_factors_and_pin_moment_per_newton
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.substructure.body import sparse_stiffness_of_body
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.laws import law
-from drumlin.response.balance import loaded
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
+from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.merit import brake_factor
 from drumlin.verification import triangles
 from picking import picked
@@ -27,7 +27,7 @@ from shared_forces import R, cam_brake, servo
 @pytest.mark.parametrize("spin", [1, -1])
 def test_rigid_shoes_with_thin_linings_share_as_by_the_law(make: Any, spin: int) -> None:
     brake = make(spin)
-    fem, rigid = drumlin.solve(brake), law(brake)
+    fem, rigid = drumlin.solve(brake), solve_brake_by_its_rigid_shoe_law(brake)
     assert fem.torque == pytest.approx(rigid.torque, rel=3e-3)
     for a, b in zip(fem.shoes, rigid.shoes, strict=True):
         assert a.force == pytest.approx(b.force, rel=3e-3)
@@ -40,16 +40,16 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
     Each shoe alone under its share is the reference; the work of a small change gives its tip.
     """
     brake = cam_brake(body=0.012, thickness=0.006)
-    scene = prepare(brake, elements=40)
+    scene = make_prepared_model(brake, elements=40)
     both = solve_prepared_model(scene, brake)
     assert sum(picked(both.shoes, "force")) == pytest.approx(2000.0, rel=1e-9)
     assert abs(both.shoes[0].force / both.shoes[1].force - 1) > 0.1
-    alone = vary(loaded(brake, both), {"actuation": None})
+    alone = vary(brake_with_forces_of_response(brake, both), {"actuation": None})
     tips = []
     for i, group in enumerate(divide_pressed_shoes_into_groups(scene, alone, 1e6)):
-        found = group.solve_with_known_senses()
-        own = group.effects_of_forces(group.brake.friction)[0]
-        tip = group.unit_force * (
+        found = group.solve_contact_for_known_friction_senses()
+        own = group.effects_of_actuation_forces(group.brake.friction)[0]
+        tip = group.largest_actuation_force * (
             own.tip_travel_by_pressure @ found.p
             + own.tip_travel_by_force
             + own.tip_travel_by_modes @ found.y
@@ -73,8 +73,8 @@ def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
     brake = cam_brake(
         body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
     )
-    (true,) = triangles.solve_sequence(brake, triangles.TRIANGLE_LEVELS[:1])
-    found = solve_prepared_model(prepare(brake, LEVELS[1]), brake, penalty=math.inf)
+    (true,) = triangles.solve_on_triangle_level_sequence(brake, triangles.TRIANGLE_LEVELS[:1])
+    found = solve_prepared_model(make_prepared_model(brake, LEVELS[1]), brake, penalty=math.inf)
     for a, b in zip(found.shoes, true, strict=True):
         assert a.hinge_reaction == pytest.approx(
             b.hinge_reaction, abs=1e-5 * np.linalg.norm(b.hinge_reaction)
@@ -92,25 +92,36 @@ def test_the_tip_moves_as_the_energy_says() -> None:
         cam_brake(body=0.012, thickness=0.006, mu=0.0),
         {"actuation": None, "shoe.actuation.force": 1000.0},
     )
-    scene = prepare(brake, elements=30)
+    scene = make_prepared_model(brake, elements=30)
     (group, _) = divide_pressed_shoes_into_groups(scene, brake, math.inf)
-    found, own = group.solve_with_known_senses(), group.effects_of_forces(group.brake.friction)[0]
+    found, own = (
+        group.solve_contact_for_known_friction_senses(),
+        group.effects_of_actuation_forces(group.brake.friction)[0],
+    )
     tip = (
         own.tip_travel_by_pressure @ found.p
         + own.tip_travel_by_force
         + own.tip_travel_by_modes @ found.y
     )
-    body, part = group.bodies[0], group.node_ranges[0]
+    body, part = group.substructures_of_shoes[0], group.contact_node_slices_of_shoes[0]
     nodal = -body.coupling.N.T @ found.p[part]
-    u = body.condensed.displacement(nodal, np.array([0.0, 0.0, found.y[0]]), _load(group))
+    u = body.condensed.nodal_displacements_in_one_case(
+        nodal, np.array([0.0, 0.0, found.y[0]]), _load(group)
+    )
     energy = 0.5 * float(
-        u.T.ravel() @ (stiffness(body.basis, elastic_layers_of_shoe(group.shoes[0])) @ u.T.ravel())
+        u.T.ravel()
+        @ (
+            sparse_stiffness_of_body(body.basis, elastic_layers_of_shoe(group.shoes[0]))
+            @ u.T.ravel()
+        )
     )
     assert 0.5 * tip == pytest.approx(energy, rel=1e-6)
 
 
 def _load(group: Any) -> Any:
-    return actuation_load_factors(group.bodies[0], group.shoes[0])[0]
+    return load_factors_and_pin_moment_per_newton(group.substructures_of_shoes[0], group.shoes[0])[
+        0
+    ]
 
 
 @pytest.mark.parametrize("make", [cam_brake, servo])
@@ -118,12 +129,14 @@ def test_every_shoe_and_the_whole_brake_balance(make: Any) -> None:
     brake = make(body=0.012)
     response = drumlin.solve(brake)
     assert max(response.balance.force, response.balance.moment) < 1e-9
-    under = loaded(brake, response)
-    outside = picked(under.shoes, "actuation.vector") + picked(response.shoes, "hinge_reaction")
+    under = brake_with_forces_of_response(brake, response)
+    outside = picked(under.shoes, "actuation.force_vector") + picked(
+        response.shoes, "hinge_reaction"
+    )
     # The strut acts on both shoes alike.
     if brake.links:
         a, b = response.shoes
-        assert a.hinge_reaction == pytest.approx(-under.shoes[1].actuation.vector, rel=1e-9)
+        assert a.hinge_reaction == pytest.approx(-under.shoes[1].actuation.force_vector, rel=1e-9)
         assert np.linalg.norm(a.hinge_reaction) == pytest.approx(b.force, rel=1e-9)
     total = np.sum(outside, axis=0) + -response.bearing_load
     assert np.linalg.norm(total) < 1e-9 * max(map(np.linalg.norm, outside))

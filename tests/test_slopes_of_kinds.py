@@ -9,13 +9,13 @@ import pytest
 import drumlin
 from conftest import ROOT, partly
 from drumlin.brake.brake import Brake
-from drumlin.brake.file import values_of, vary
+from drumlin.brake.file import values_of_brake_key, vary
 from drumlin.fem.analysis.sensitivity import (
     Sensitivity,
     compute_torque_sensitivity,
     sensitivity_as_text_lines,
 )
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from flat_pads import pad
 from held_shoes import BODY, brake_of
 from shared_forces import cam_brake, servo
@@ -49,7 +49,7 @@ BRAKES: dict[str, Callable[[], Brake]] = {
 
 
 def slopes(brake: Brake) -> Sensitivity:
-    return compute_torque_sensitivity(prepare(brake, elements=ELEMENTS), brake)
+    return compute_torque_sensitivity(make_prepared_model(brake, elements=ELEMENTS), brake)
 
 
 def differences(brake: Brake, changes: Callable[[float], dict[str, Any]], step: float) -> float:
@@ -118,7 +118,9 @@ def rows(brake: Brake, found: Sensitivity) -> list[Row]:
             table.append(
                 Row(f"{key}force", own.force, scaled(f"{key}actuation.force", size), 1e-3, size)
             )
-        E, stiff = (values_of(brake, f"{key}{part}.material.E")[0] for part in ("lining", "body"))
+        E, stiff = (
+            values_of_brake_key(brake, f"{key}{part}.material.E")[0] for part in ("lining", "body")
+        )
         table += [
             Row(f"{key}lining E", own.moduli["lining"], scaled(f"{key}lining.material.E", E), 1e-3),
             Row(f"{key}shoe E", own.moduli["shoe"], scaled(f"{key}body.material.E", stiff), 1e-3),

@@ -15,27 +15,31 @@ from scipy.sparse.linalg import spsolve
 from command_line import drumlin
 from conftest import ROOT
 from drumlin.brake.brake import Brake
-from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix
+from drumlin.brake.elasticity import ElasticLayer, plane_stress_elasticity_matrix
 from drumlin.brake.fields import Material
-from drumlin.brake.file import brake_from, read_brake, vary
+from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
 from drumlin.fem.analysis.mutual_work import mutual_work_by_part, mutual_work_change_by_node_motions
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity, sensitivity_as_text_lines
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.grid import ColumnGrid
-from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.file import write_mesh
+from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import prepare_finest_division, solve
-from drumlin.fem.substructure.body import FRAME, scalar_basis, stiffness
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.solve import prepared_model_of_finest_division, solve
+from drumlin.fem.substructure.body import (
+    FRAME,
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
+)
 from drumlin_studies import consistency_slopes
 from drumlin_studies.consistency_slopes import (
     DivisionForSlopes,
-    largest_slope_difference,
-    printed_slopes,
+    largest_difference_from_central_slopes,
+    printed_torque_slopes,
 )
-from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_kinds import draw_brake_of_holding_kind
+from drumlin_studies.random_brake import draw_random_brake
+from drumlin_studies.random_kinds import draw_brake_of_support_kind
 from shared_parts import modulus_slopes
 
 ELEMENTS = 10
@@ -94,11 +98,11 @@ def along(brake: Brake, i: int, key: str, way: int, s: float) -> Brake:
 
 
 def on_mesh(brake: Brake) -> Any:
-    return prepare(brake, elements=ELEMENTS)
+    return make_prepared_model(brake, elements=ELEMENTS)
 
 
 def on_columns(brake: Brake) -> Any:
-    return prepare(brake, LEVELS[0])
+    return make_prepared_model(brake, LEVELS[0])
 
 
 def central(
@@ -112,12 +116,12 @@ def central(
 # Seeds whose slope had the wrong sign, or was off by more than its size, while the body stayed in
 # its place.
 WRONG = [
-    (partial(random_brake, 51, "post"), "hinge", 1),
-    (partial(random_brake, 12, "post"), "hinge", 1),
-    (partial(draw_brake_of_holding_kind, 6, "pivot"), "pivot", 0),
-    (partial(random_brake, 9, "post"), "hinge", 0),
-    (partial(draw_brake_of_holding_kind, 15, "grip"), "pivot", 1),
-    (partial(draw_brake_of_holding_kind, 11, "pivot"), "pivot", 1),
+    (partial(draw_random_brake, 51, "post"), "hinge", 1),
+    (partial(draw_random_brake, 12, "post"), "hinge", 1),
+    (partial(draw_brake_of_support_kind, 6, "pivot"), "pivot", 0),
+    (partial(draw_random_brake, 9, "post"), "hinge", 0),
+    (partial(draw_brake_of_support_kind, 15, "grip"), "pivot", 1),
+    (partial(draw_brake_of_support_kind, 11, "pivot"), "pivot", 1),
 ]
 
 
@@ -145,7 +149,7 @@ def test_a_slope_along_a_point_is_that_of_solves_whose_body_moves_with_it(draw, 
 def test_slopes_of_the_studies_are_those_of_solves_by_default(name):
     brake = read_brake(ROOT / "studies" / name)
     for i, own in enumerate(
-        compute_torque_sensitivity(prepare_finest_division(brake), brake).shoes
+        compute_torque_sensitivity(prepared_model_of_finest_division(brake), brake).shoes
     ):
         for key, value in own.held.items():
             for way, exact in enumerate(value):
@@ -158,7 +162,7 @@ def test_slopes_of_the_studies_are_those_of_solves_by_default(name):
 @pytest.mark.parametrize("support", ["free", "fixed"])
 @pytest.mark.parametrize("elements", [None, ELEMENTS])
 def test_a_grip_on_an_elastic_ring_moves_the_contact_of_the_ring_too(elements, support):
-    brake = vary(draw_brake_of_holding_kind(0, "pivot"), RING | {"drum.ring.support": support})
+    brake = vary(draw_brake_of_support_kind(0, "pivot"), RING | {"drum.ring.support": support})
     assert largest(brake, elements, "pivot") < 1e-4
 
 
@@ -172,7 +176,7 @@ def test_a_strut_moves_the_loaded_end_of_the_post_that_it_pushes(elements):
         "drum": {"radius": 0.1},
         "shoe": [TOP, POST],
     }
-    brake = brake_from(data | {"link": [{"from": "top", "to": "post"}]})
+    brake = make_drum_brake_from_data(data | {"link": [{"from": "top", "to": "post"}]})
     assert largest(brake, elements) < 1e-4
 
 
@@ -190,19 +194,21 @@ def test_posts_under_a_cam_share_its_force_anew_as_their_hinges_move(elements):
         "drum": {"radius": 0.1},
         "shoe": [right, left],
     }
-    assert largest(brake_from(data | {"actuation": {"force": 2000.0}}), elements) < 1e-4
+    assert (
+        largest(make_drum_brake_from_data(data | {"actuation": {"force": 2000.0}}), elements) < 1e-4
+    )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kind", "draw"), [("post", random_brake), ("rough abutment", draw_brake_of_holding_kind)]
+    ("kind", "draw"), [("post", draw_random_brake), ("rough abutment", draw_brake_of_support_kind)]
 )
 def test_a_mesh_in_the_shoes_frame_turns_with_its_pin(kind, draw, tmp_path):
     brake = draw(3, kind)
     shoe, path = brake.shoes[0], tmp_path / "shoe.msh"
-    write_mesh(path, shoe_mesh(shoe, brake.size, ELEMENTS), shoe)
+    write_shoe_mesh_to_file(path, parametric_mesh_of_shoe(shoe, brake.size, ELEMENTS), shoe)
     mesh = meshio.read(path)
-    mesh.points[:, :2] = shoe.own_points(mesh.points[:, :2])
+    mesh.points[:, :2] = shoe.convert_points_to_shoe_frame(mesh.points[:, :2])
     mesh.write(path, file_format="gmsh22", binary=False)
     assert (
         largest(vary(brake, {"shoe.mesh": str(path), "shoe.mesh_frame": "shoe"}), ELEMENTS) < 1e-4
@@ -215,13 +221,13 @@ def largest(brake: Brake, elements: int | None, key: str = "") -> float:
     Differences over three steps are the reference.
     """
     divided = DivisionForSlopes(elements, consistency_slopes.Cache())
-    base = divided.solved(brake)
+    base = divided.solve_for_torque(brake)
     table = [
         slope
-        for slope in printed_slopes(brake, divided.slopes(brake))
+        for slope in printed_torque_slopes(brake, divided.compute_torque_slopes(brake))
         if slope.what.startswith(key)
     ]
-    apart = [largest_slope_difference(brake, slope, divided, base) for slope in table]
+    apart = [largest_difference_from_central_slopes(brake, slope, divided, base) for slope in table]
     assert len(table) > 1
     assert None not in apart
     return max(each for each in apart if each is not None)
@@ -229,7 +235,7 @@ def largest(brake: Brake, elements: int | None, key: str = "") -> float:
 
 @pytest.mark.parametrize("scene", [on_mesh, on_columns])
 def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_none(scene):
-    brake = random_brake(5, "arc on ring")
+    brake = draw_random_brake(5, "arc on ring")
     body, ring = brake.shoes[0].body, brake.ring
     EI = {
         "shoe[0].body.bending_stiffness": body.plates["shoe"].bending_stiffness,
@@ -286,7 +292,7 @@ def test_the_command_writes_bending_stiffnesses_under_their_names(tmp_path):
 BODIES = {
     "columns": on_columns,
     "mesh": on_mesh,
-    "triangles": lambda brake: prepare(brake, elements=6, kind="tri2"),
+    "triangles": lambda brake: make_prepared_model(brake, elements=6, kind="tri2"),
 }
 
 
@@ -304,7 +310,9 @@ def moved(basis: Any, step: float) -> Any:
         return found
     mesh = basis.mesh
     places = mesh.doflocs + step * at_nodes(mesh.doflocs)
-    return scalar_basis(type(mesh)(places, mesh.t, _subdomains=mesh.subdomains))
+    return scalar_finite_element_basis_of_mesh(
+        type(mesh)(places, mesh.t, _subdomains=mesh.subdomains)
+    )
 
 
 ORTHOTROPIC = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]])
@@ -317,7 +325,9 @@ def some_layers(names: Iterable[str], *, directed: bool) -> dict[str, ElasticLay
     """
     found = {}
     for k, name in enumerate(names):
-        matrix = ORTHOTROPIC if directed else elasticity_matrix(Material(E=1.0, nu=0.2))
+        matrix = (
+            ORTHOTROPIC if directed else plane_stress_elasticity_matrix(Material(E=1.0, nu=0.2))
+        )
         found[name] = ElasticLayer(
             1e9 * (k + 1) * matrix, 0.03, np.array([0.6, -0.8]) if k else None
         )
@@ -331,14 +341,14 @@ def test_the_mutual_work_is_that_of_the_assembled_stiffness_and_so_is_its_change
 
     Nodes are moved and the stiffness assembled anew for a central difference.
     """
-    body = BODIES[name](random_brake(3, "post")).bodies[0]
+    body = BODIES[name](draw_random_brake(3, "post")).bodies[0]
     basis, size = body.basis, np.abs(body.basis.doflocs).max()
     u, v = np.random.default_rng(0).standard_normal((2, 2 * basis.N))
     layers = some_layers(body.mesh.subdomains, directed=directed)
-    whole = v @ (stiffness(basis, layers) @ u)
+    whole = v @ (sparse_stiffness_of_body(basis, layers) @ u)
     assert sum(mutual_work_by_part(basis, layers, u, v).values()) == pytest.approx(whole, rel=1e-9)
     h = 1e-6 * size
-    ahead, behind = (v @ (stiffness(moved(basis, s), layers) @ u) for s in (h, -h))
+    ahead, behind = (v @ (sparse_stiffness_of_body(moved(basis, s), layers) @ u) for s in (h, -h))
     moves = at_nodes(basis.doflocs).T.reshape(1, -1)
     exact = mutual_work_change_by_node_motions(basis, layers, u, v, moves, [0.0])[0]
     assert exact == pytest.approx((ahead - behind) / (2 * h), rel=1e-4)
@@ -347,7 +357,7 @@ def test_the_mutual_work_is_that_of_the_assembled_stiffness_and_so_is_its_change
 @pytest.mark.parametrize("name", BODIES)
 def test_the_mutual_work_changes_as_the_axis_of_straight_layers_turns(name):
     """No node moves; the directions of the straight layers turn, by a central difference."""
-    body = BODIES[name](random_brake(3, "post")).bodies[0]
+    body = BODIES[name](draw_random_brake(3, "post")).bodies[0]
     basis = body.basis
     u, v = np.random.default_rng(1).standard_normal((2, 2 * basis.N))
     layers = some_layers(body.mesh.subdomains, directed=True)
@@ -361,7 +371,10 @@ def test_the_mutual_work_changes_as_the_axis_of_straight_layers_turns(name):
         }
 
     h = 1e-5
-    ahead, behind = v @ (stiffness(basis, turned(h)) @ u), v @ (stiffness(basis, turned(-h)) @ u)
+    ahead, behind = (
+        v @ (sparse_stiffness_of_body(basis, turned(h)) @ u),
+        v @ (sparse_stiffness_of_body(basis, turned(-h)) @ u),
+    )
     exact = mutual_work_change_by_node_motions(
         basis, layers, u, v, np.zeros((1, 2 * basis.N)), [1.0]
     )[0]
@@ -377,7 +390,7 @@ def test_displacements_on_columns_come_without_a_factorisation_of_the_whole(monk
     def refuse(*_: Any, **__: Any) -> None:
         raise AssertionError("the whole stiffness of a body of columns is not put together")
 
-    brake = random_brake(3, "arc on ring")
+    brake = draw_random_brake(3, "arc on ring")
     scene = on_columns(brake)
     monkeypatch.setattr(ColumnGrid, "stiffness", refuse)
     monkeypatch.setattr("scipy.sparse.linalg.splu", refuse)
@@ -390,7 +403,7 @@ def test_displacements_on_columns_come_without_a_factorisation_of_the_whole(monk
 
 @pytest.mark.parametrize("kind", ["arc", "post on ring", "linings on ring"])
 def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_system(kind):
-    scene, rng = on_columns(random_brake(3, kind)), np.random.default_rng(1)
+    scene, rng = on_columns(draw_random_brake(3, kind)), np.random.default_rng(1)
     for body in [*scene.bodies, scene.ring]:
         if body is None:
             continue
@@ -405,18 +418,18 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
             np.zeros((FRAME, 2)),
             rng.standard_normal((condensed.load_on_contact.shape[1], 2)),
         )
-        inside = condensed.make_whole_system()
+        inside = condensed.assemble_equations_of_whole_body()
         right = inside.loads[:-FRAME] @ loads
         right[-len(nodal) :] += nodal
         u = spsolve(inside.A[:-FRAME, :-FRAME].tocsc(), right)
         expected = inside.constraints.matrix @ np.vstack([u, frame])
-        found = condensed.displacements(nodal, frame, loads)
+        found = condensed.nodal_displacements_in_load_cases(nodal, frame, loads)
         assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize("seed", range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7))
 def test_random_brakes_of_all_kinds_keep_their_slopes(seed):
-    rows = consistency_slopes.slope_rows_of_seed(seed, 1)
+    rows = consistency_slopes.torque_slope_rows_of_seed(seed, 1)
     assert all(row.outcome == "agrees" for row in rows), rows
 
 
@@ -425,7 +438,7 @@ def test_more_random_brakes_keep_their_slopes():
     outcomes = [
         row.outcome
         for seed in range(1000, 1104)
-        for row in consistency_slopes.slope_rows_of_seed(seed)
+        for row in consistency_slopes.torque_slope_rows_of_seed(seed)
     ]
     assert len(outcomes) > 280
     assert set(outcomes) == {"agrees"}

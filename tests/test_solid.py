@@ -18,18 +18,18 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
 from drumlin.contact import self_locking
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solid import model
 from drumlin.fem.solid.body import friction_face
 from drumlin.fem.solid.face import width_matrix
 from drumlin.fem.solid.fields import recover
 from drumlin.fem.solid.mesh import solid_mesh, width_levels
 from drumlin.fem.solve import solve
-from drumlin.response.balance import contact_resultant
-from drumlin.response.norms import pressure_distance, relative
+from drumlin.response.balance import resultant_of_contact_on_shoe
+from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
 from drumlin.sweeps.cases import solve_cases
-from drumlin.sweeps.file import sweep_from_data
-from drumlin.verification.cost import solid_cost_table_lines
+from drumlin.sweeps.file import sweep_from_file_data
+from drumlin.verification.cost import solid_shoe_cost_table_lines
 from drumlin_studies import solid_forms
 from picking import picked
 from sections import t_section
@@ -48,7 +48,7 @@ def solid_and_plane(brake, elements):
     """The answers of the solid shoe and of plane stress on as many elements."""
     return [
         solve_prepared_model(make(brake, elements=elements), brake)
-        for make in (model.prepare, prepare)
+        for make in (model.prepare, make_prepared_model)
     ]
 
 
@@ -56,7 +56,7 @@ def solid_and_plane(brake, elements):
 def test_without_lateral_contraction_it_is_plane_stress_at_any_width(flexible, width):
     solid, plane = solid_and_plane(vary(one_width(flexible, width), NO_CONTRACTION), 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
-        assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
+        assert relative_error_of_number(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
         np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)
         np.testing.assert_allclose(mine.hinge_reaction, other.hinge_reaction, rtol=1e-7)
         np.testing.assert_allclose(
@@ -74,7 +74,7 @@ def test_a_post_of_one_width_is_plane_stress_too(root):
     brake = vary(rigid_drum, none | {"shoe.body.width": width, "shoe.body.bending_stiffness": None})
     solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
-        assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
+        assert relative_error_of_number(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
 
 
 def test_with_lateral_contraction_it_is_not(flexible):
@@ -82,7 +82,8 @@ def test_with_lateral_contraction_it_is_not(flexible):
     assert (
         1e-4
         < max(
-            abs(relative(a.torque, b.torque)) for a, b in zip(solid.shoes, plane.shoes, strict=True)
+            abs(relative_error_of_number(a.torque, b.torque))
+            for a, b in zip(solid.shoes, plane.shoes, strict=True)
         )
         < 0.05
     )
@@ -106,7 +107,7 @@ def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, na
     brake = vary(given, NO_CONTRACTION | {"shoe.body.width": given.shoes[0].lining.width})
     solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
-        assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
+        assert relative_error_of_number(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
         np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)
         size = np.abs(other.hinge_reaction).max()
         np.testing.assert_allclose(mine.hinge_reaction, other.hinge_reaction, atol=1e-7 * size)
@@ -143,8 +144,8 @@ def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(root, name, wi
         solve(narrow),
     )
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
-        assert abs(relative(mine.torque, other.torque)) < within
-        assert pressure_distance(mine, other) < 3e-3
+        assert abs(relative_error_of_number(mine.torque, other.torque)) < within
+        assert relative_distance_of_pressures(mine, other) < 3e-3
     assert max(solid.balance.force, solid.balance.moment) < 1e-9
 
 
@@ -161,11 +162,14 @@ def test_what_is_left_of_a_narrow_shoe_is_its_mesh(brake):
             solve_prepared_model(make(narrow), narrow)
             for make in (
                 partial(model.prepare, elements=elements, across=1),
-                partial(prepare, elements=elements),
+                partial(make_prepared_model, elements=elements),
             )
         )
         return np.array(
-            [relative(a.torque, b.torque) for a, b in zip(*picked(both, "shoes"), strict=True)]
+            [
+                relative_error_of_number(a.torque, b.torque)
+                for a, b in zip(*picked(both, "shoes"), strict=True)
+            ]
         )
 
     coarse, fine, narrower = off(24, 10), off(48, 10), off(24, 20)
@@ -183,11 +187,13 @@ def test_forces_and_moments_balance(flexible, rotation, friction):
     # and actuation.
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
         total = (
-            contact_resultant(brake, i, found).force + found.hinge_reaction + shoe.actuation.vector
+            resultant_of_contact_on_shoe(brake, i, found).force
+            + found.hinge_reaction
+            + shoe.actuation.force_vector
         )
-        assert np.linalg.norm(total) < 2e-4 * np.linalg.norm(shoe.actuation.vector)
+        assert np.linalg.norm(total) < 2e-4 * np.linalg.norm(shoe.actuation.force_vector)
         assert found.torque == pytest.approx(
-            abs(contact_resultant(brake, i, found).moment), rel=2e-5
+            abs(resultant_of_contact_on_shoe(brake, i, found).moment), rel=2e-5
         )
 
 
@@ -223,20 +229,24 @@ def test_the_mirror_image_of_a_brake_is_solved_alike(flexible):
 
 
 def test_lame_ring_with_free_faces():
-    errors = [solid_forms.lame_displacement_error(n, Material(E=2.0, nu=0.3)) for n in (2, 4)]
+    errors = [
+        solid_forms.displacement_error_against_lame_ring(n, Material(E=2.0, nu=0.3)) for n in (2, 4)
+    ]
     assert errors[1] < 2e-4
     assert np.log2(errors[0] / errors[1]) > 2.8
 
 
 def test_a_uniform_pressure_on_the_curved_face_makes_a_uniform_stress():
-    errors = [solid_forms.patch_force_error(n, Material(E=2.0, nu=0.3)) for n in (4, 8)]
+    errors = [
+        solid_forms.nodal_force_error_of_patch_test(n, Material(E=2.0, nu=0.3)) for n in (4, 8)
+    ]
     assert errors[1] < 2e-7
     assert np.log2(errors[0] / errors[1]) > 3.8
 
 
 @pytest.mark.slow
 def test_hertz_point_contact():
-    found = solid_forms.hertz_point_contact(4)
+    found = solid_forms.solve_point_contact_against_hertz(4)
     assert found.peak == pytest.approx(1, abs=0.01)
     assert found.distance < 0.07
 
@@ -293,9 +303,9 @@ def test_condensed_it_yields_as_the_whole_system_does(flexible):
         random.normal(size=(3, 2)),
         1e-9 * random.normal(size=(3, 2)),
     )
-    u = body.condensed.displacements(nodal, frame, load)
+    u = body.condensed.nodal_displacements_in_load_cases(nodal, frame, load)
     at = (3 * body.line.nodes[:, None] + np.arange(2)).ravel()
-    half = body.condensed.half_flexibility
+    half = body.condensed.nodal_forces_over_cholesky_factor
     mine = half(np.eye(n)).T @ half(nodal + body.condensed.load_on_contact @ load)
     moved = -half(np.eye(n)).T @ (body.condensed.L_fc.T @ frame)
     np.testing.assert_allclose(mine + moved, u[at], atol=1e-8 * np.abs(u).max())
@@ -414,7 +424,7 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
 
 @pytest.mark.slow
 def test_the_cost_table_has_a_row_a_size(flexible):
-    heading, *rows = solid_cost_table_lines(flexible, (6, 12))
+    heading, *rows = solid_shoe_cost_table_lines(flexible, (6, 12))
     assert heading.split()[0] == "unknowns"
     unknowns, seconds = ([float(row.split()[k]) for row in rows] for k in (0, 2))
     assert unknowns == [model.prepare(flexible, elements=n).bodies[0].unknowns for n in (6, 12)]
@@ -436,7 +446,7 @@ def test_a_sweep_of_solid_shoes_makes_each_body_once(root, flexible, monkeypatch
         "model": {"solid": options, "sine": {}},
         "vary": {"friction": [0.2, 0.25, 0.3]},
     }
-    rows = solve_cases(sweep_from_data(sweep).cases)
+    rows = solve_cases(sweep_from_file_data(sweep).cases)
     assert made == [(6, 2)]
     torques = [
         model.solve(vary(flexible, {"friction": mu}), **options).torque for mu in (0.2, 0.25, 0.3)
@@ -459,7 +469,9 @@ def test_a_sweep_of_solid_shoes_makes_each_body_once(root, flexible, monkeypatch
 def test_options_that_a_sweep_of_solids_has_not(root, options, said):
     file = str(root / "studies" / "double_shoe" / "flexible.toml")
     with pytest.raises(BadInput, match=said):
-        sweep_from_data({"brake": file, "model": {"solid": options}, "vary": {"friction": [0.2]}})
+        sweep_from_file_data(
+            {"brake": file, "model": {"solid": options}, "vary": {"friction": [0.2]}}
+        )
 
 
 def guided(brake, **more):
@@ -480,7 +492,7 @@ def test_a_guided_shoe_without_lateral_contraction_is_plane_stress(flexible, wid
     brake = guided(one_width(flexible, width), **NO_CONTRACTION)
     solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
-        assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
+        assert relative_error_of_number(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
         np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)
         np.testing.assert_allclose(mine.reaction_moment, other.reaction_moment, rtol=1e-6)
 
@@ -492,7 +504,7 @@ def test_a_guided_solid_shoe_balances(flexible, friction):
     assert max(response.balance.force, response.balance.moment) < 1e-9
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
         along = np.array([np.cos(shoe.guide.direction), np.sin(shoe.guide.direction)])
-        bears = contact_resultant(brake, i, found).force @ along
+        bears = resultant_of_contact_on_shoe(brake, i, found).force @ along
         # None of the actuation's force goes into the guide.
         assert bears == pytest.approx(-4e3, rel=1e-4)
 

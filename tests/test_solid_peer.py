@@ -9,12 +9,13 @@ from drumlin.brake.file import vary
 from drumlin.fem.solid import model
 from drumlin.peers import solid_deck
 from drumlin.peers.deck import DeckSetting
-from drumlin.response.norms import pressure_distance, relative
+from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
 from picking import picked
 from sections import t_section
 
 needs_calculix = pytest.mark.skipif(
-    peers.missing("calculix") is not None, reason=peers.missing("calculix") or ""
+    peers.install_hint_if_missing("calculix") is not None,
+    reason=peers.install_hint_if_missing("calculix") or "",
 )
 
 
@@ -71,12 +72,12 @@ def posed(request, flexible):
     brake = t_section(flexible) if request.param == "T-section" else flexible
     if request.param == "external":
         brake = vary(flexible, {"shoe.side": "external", "shoe.body": None})
-    loaded, solid = solid_deck._posed(brake, 8, 2)[1]
+    loaded, solid = solid_deck._solid_shoes_under_actuation(brake, 8, 2)[1]
     return (
         brake,
         loaded,
         solid,
-        Parsed(solid_deck.deck(brake, loaded, solid, DeckSetting(thickness=0.5))),
+        Parsed(solid_deck.solid_shoe_deck_text(brake, loaded, solid, DeckSetting(thickness=0.5))),
     )
 
 
@@ -89,7 +90,7 @@ def test_all_elements_have_a_positive_volume_and_the_faces_lie_on_the_drum(posed
     drum = [(label, face) for label in parsed.sets["DRUM"]]
     assert len(lining) in {8 * 2, 8 * 3} and len(drum) == 8 + 4
     for label, face in lining + drum:
-        corners = [elements[label][i] for i in solid_deck.FACES[int(face[1:]) - 1]]
+        corners = [elements[label][i] for i in solid_deck.HEXAHEDRON_FACES[int(face[1:]) - 1]]
         np.testing.assert_allclose(
             np.hypot(*points[corners][:, :2].T), brake.drum.radius * 1e3, rtol=1e-9
         )
@@ -128,7 +129,7 @@ def test_the_load_is_half_the_actuation(posed):
         if int(component) <= 2:
             total[int(component) - 1] += float(value)
     if loaded.shoe.body is not None:
-        np.testing.assert_allclose(total, loaded.shoe.actuation.vector / 2, atol=1e-6 * 2e3)
+        np.testing.assert_allclose(total, loaded.shoe.actuation.force_vector / 2, atol=1e-6 * 2e3)
 
 
 def test_the_command_writes_the_decks(root, tmp_path):
@@ -163,11 +164,11 @@ def test_calculix_answers_alike(flexible, section):
     """
     brake = t_section(flexible) if section == "T-section" else flexible
     mine = model.solve(brake, elements=24, across=3)
-    other = solid_deck.solve(brake, elements=24, across=3).response
+    other = solid_deck.solve_solid_by_calculix(brake, elements=24, across=3).response
     for a, b in zip(mine.shoes, other.shoes, strict=True):
-        assert abs(relative(b.torque, a.torque)) < 1e-3
+        assert abs(relative_error_of_number(b.torque, a.torque)) < 1e-3
         zone = brake.shoes[0].lining.thickness / brake.drum.radius / 2
-        assert pressure_distance(b, a, zone) < 0.02
+        assert relative_distance_of_pressures(b, a, zone) < 0.02
         np.testing.assert_allclose(
             b.hinge_reaction, a.hinge_reaction, atol=2e-3 * np.linalg.norm(a.hinge_reaction)
         )

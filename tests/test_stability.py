@@ -11,11 +11,11 @@ import pytest
 from drumlin.base.errors import NoAnswer
 from drumlin.base.journal import Journal
 from drumlin.contact import active_set
-from drumlin.contact.equations import ContactProblem, condition_number
+from drumlin.contact.equations import ContactProblem, condition_number_on_contact_set
 from drumlin.fem import model
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.error_control.adapt import Tolerance, solve_to_tolerance
-from drumlin.fem.error_control.levels import solved_levels
+from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
+from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
 from drumlin.fem.model import (
     LARGEST_REFINED_ROUND_OFF,
     LARGEST_UNREFINED_ROUND_OFF,
@@ -23,16 +23,16 @@ from drumlin.fem.model import (
     refine_group_solution,
     solve_prepared_model,
 )
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.fem.substructure.body import stiffness
+from drumlin.fem.substructure.body import sparse_stiffness_of_body
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.verification import triangles
-from drumlin_studies.extreme_cases import KnobCase, designed_cases
-from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_kinds import HOLDING_KINDS, draw_brake_of_holding_kind
-from drumlin_studies.stated_true import true_errors, truth_by_triangles
-from drumlin_studies.trial import answer_accuracy, try_case
+from drumlin_studies.extreme_cases import KnobCase, all_extreme_cases
+from drumlin_studies.random_brake import draw_random_brake
+from drumlin_studies.random_kinds import HOLDING_KINDS, draw_brake_of_support_kind
+from drumlin_studies.stated_true import solve_fine_reference_by_triangles, true_errors_of_response
+from drumlin_studies.trial import accuracy_of_answer_of_all_groups, solve_and_judge_case
 from picking import having, picked, saying
 
 STUDY_NAME = "stability"
@@ -40,7 +40,9 @@ STUDY_NAME = "stability"
 
 def solved(case):
     brake = case.brake()
-    scene = prepare(brake, elements=case.elements, kind=case.kind, mesher=case.mesher())
+    scene = make_prepared_model(
+        brake, elements=case.elements, kind=case.kind, mesher=case.mesher_of_aspect_ratio()
+    )
     return scene, brake, solve_prepared_model(scene, brake, penalty=case.penalty)
 
 
@@ -50,7 +52,7 @@ def answer(case):
 
 def refined_anyway(monkeypatch):
     """From now on every answer is out of balance until it is refined."""
-    imbalance = model._largest_imbalance
+    imbalance = model._largest_imbalance_of_shoes
 
     def worse(answers):
         return (
@@ -59,7 +61,7 @@ def refined_anyway(monkeypatch):
             else 1.0
         )
 
-    monkeypatch.setattr(model, "_largest_imbalance", worse)
+    monkeypatch.setattr(model, "_largest_imbalance_of_shoes", worse)
 
 
 def everywhere(scene):
@@ -67,7 +69,7 @@ def everywhere(scene):
 
 
 def test_the_designed_set_turns_every_knob_to_its_end():
-    every = designed_cases()
+    every = all_extreme_cases()
     assert len(every) >= 300
     assert len(set(every)) == len(every)
     # A journal keeps the cases as JSON.
@@ -95,7 +97,9 @@ def test_the_designed_set_turns_every_knob_to_its_end():
 def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_motion(kind):
     scene, brake, _ = solved(KnobCase(elements=8, kind=kind))
     body, layers = scene.bodies[0], elastic_layers_of_shoe(brake.shoes[0])
-    K, L = (stiffness(body.basis, layers, precise=precise) for precise in (False, True))
+    K, L = (
+        sparse_stiffness_of_body(body.basis, layers, precise=precise) for precise in (False, True)
+    )
     assert L.dtype == np.longdouble
     scale = abs(K).max()
     assert abs((K - L).toarray()).max() < 1e-13 * scale
@@ -162,7 +166,7 @@ def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
 @pytest.mark.parametrize("kind", sorted({*HOLDING_KINDS} - {"cam", "strut", "chain"}))
 def test_a_refined_reaction_is_that_of_the_strains_where_those_have_their_digits(kind, monkeypatch):
     """However a shoe is held; those that share a force are not refined."""
-    brake = draw_brake_of_holding_kind(0, kind)
+    brake = draw_brake_of_support_kind(0, kind)
     strained = solve(brake, elements=12)
     refined_anyway(monkeypatch)
     refined = solve(brake, elements=12)
@@ -189,7 +193,7 @@ def test_a_reaction_whose_strains_lose_their_digits_follows_from_the_pressure():
     }
     case = KnobCase(**knobs, penalty=5.8e8, force=72.4, lever=0.0229, nu=0.3634, elements=8)
     scene, brake, response = solved(case)
-    assert answer_accuracy(scene, brake, response, case.penalty)["digits"] > 8
+    assert accuracy_of_answer_of_all_groups(scene, brake, response, case.penalty)["digits"] > 8
     assert max(response.balance.force, response.balance.moment) < 1e-9
 
 
@@ -208,8 +212,8 @@ def test_a_mesh_that_states_no_error_is_refused_where_digits_are_missing():
 
 def test_digits_that_condensation_loses_on_a_fine_division_are_part_of_the_error():
     """Too many unknowns to refine: the answer stands, and what it may be off by."""
-    _, found = solve_to_tolerance(
-        random_brake(7246), Tolerance(1e-3, 1e-3), solve_prepared_model, must=False
+    _, found = solve_brake_to_tolerance(
+        draw_random_brake(7246), Tolerance(1e-3, 1e-3), solve_prepared_model, must=False
     )
     (shoe,) = found.shoes
     assert LARGEST_UNREFINED_ROUND_OFF < shoe.lost.pressure < LARGEST_REFINED_ROUND_OFF
@@ -220,9 +224,9 @@ def test_digits_that_condensation_loses_on_a_fine_division_are_part_of_the_error
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [2342, 2474])
 def test_triangles_agree_where_digits_were_lost(seed):
-    brake = random_brake(seed)
-    found, true = solve(brake, tolerance=1e-3), truth_by_triangles(brake)
-    off = true_errors(brake, found.shoes, true.shoes)
+    brake = draw_random_brake(seed)
+    found, true = solve(brake, tolerance=1e-3), solve_fine_reference_by_triangles(brake)
+    off = true_errors_of_response(brake, found.shoes, true.shoes)
     for name, error in off.items():
         assert error <= found.error[name] + true.unsure[name]
 
@@ -236,12 +240,12 @@ def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
     """
     # The balance depends on the number of threads.
     refined_anyway(monkeypatch)
-    brake = random_brake(8326)
+    brake = draw_random_brake(8326)
     along, (true,) = (
-        islice(solved_levels(brake, solve_prepared_model), 2),
-        triangles.solve_sequence(brake, triangles.TRIANGLE_LEVELS[:1]),
+        islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), 2),
+        triangles.solve_on_triangle_level_sequence(brake, triangles.TRIANGLE_LEVELS[:1]),
     )
-    found = solve_to_tolerance(
+    found = solve_brake_to_tolerance(
         brake, Tolerance(1e-6, 1e-6), solve_prepared_model, must=False, levels=along
     ).response
     (shoe,) = found.shoes
@@ -282,7 +286,7 @@ def test_a_contact_set_of_one_node_carries_the_moment_exactly():
 
 def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix():
     scene, brake, _ = solved(KnobCase(elements=10))
-    problem = ShoeGroup(scene, brake, (0,)).problem
+    problem = ShoeGroup(scene, brake, (0,)).contact_problem_of_group
     A, _, B, C, _ = problem
     d = 1 / np.sqrt(np.diagonal(A))
     column, row = 1 / np.abs(d[:, None] * B).max(), 1 / np.abs(C * d).max()
@@ -290,7 +294,9 @@ def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix()
         [[d[:, None] * A * d, d[:, None] * B * column], [row * C * d, np.zeros((1, 1))]]
     )
     exact = np.linalg.cond(matrix, 1)
-    assert condition_number(problem, everywhere(scene)) == pytest.approx(exact, rel=0.5)
+    assert condition_number_on_contact_set(problem, everywhere(scene)) == pytest.approx(
+        exact, rel=0.5
+    )
 
 
 def test_a_stiff_penalty_costs_nothing_and_a_soft_one_errs_in_proportion():
@@ -316,12 +322,12 @@ def test_units_do_not_matter():
 
 
 def test_a_trial_says_what_went_wrong():
-    row = try_case(KnobCase(friction=1.5, elements=12))
+    row = solve_and_judge_case(KnobCase(friction=1.5, elements=12))
     assert row["outcome"] == "self-locking" and "mu_lock" in row["reason"]
-    assert try_case(KnobCase(clearance=0.03, elements=12))["outcome"] == "out of reach"
-    assert try_case(KnobCase(lever=-1e-6, elements=12))["outcome"] == "no contact"
-    assert try_case(KnobCase(nu=0.5, elements=12))["outcome"] == "bad input"
-    assert try_case(KnobCase(shoe=1e-13, elements=12))["outcome"] == "arithmetic"
+    assert solve_and_judge_case(KnobCase(clearance=0.03, elements=12))["outcome"] == "out of reach"
+    assert solve_and_judge_case(KnobCase(lever=-1e-6, elements=12))["outcome"] == "no contact"
+    assert solve_and_judge_case(KnobCase(nu=0.5, elements=12))["outcome"] == "bad input"
+    assert solve_and_judge_case(KnobCase(shoe=1e-13, elements=12))["outcome"] == "arithmetic"
 
 
 def test_an_empty_journal_is_one():

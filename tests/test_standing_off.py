@@ -5,19 +5,23 @@ import pytest
 
 from conftest import partly
 from drumlin.base.errors import LostDigits, NoAnswer
-from drumlin.brake.file import brake_from, vary
+from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
-from drumlin.fem.analysis.self_locking import friction_limits_of_groups
-from drumlin.fem.error_control.levels import LEVELS, solved_levels
+from drumlin.fem.analysis.self_locking import self_locking_limits_of_shoe_groups
+from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
 from drumlin.fem.preparation.meshes import ELEMENTS
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.laws import law
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin_studies import consistency_refused
-from drumlin_studies.consistency_refused import draw_brake, refusal_rows, total_contact_force
-from drumlin_studies.random_brake import random_brake
-from drumlin_studies.standing_off import draw_brake_with_clearances
+from drumlin_studies.consistency_refused import (
+    default_solve_against_mesh_rows,
+    draw_brake_for_refusal_check,
+    total_contact_force,
+)
+from drumlin_studies.random_brake import draw_random_brake
+from drumlin_studies.standing_off import draw_random_brake_with_clearances
 from picking import picked
 
 ONE_SHOE = {
@@ -56,14 +60,14 @@ def test_a_contact_that_moves_from_wide_columns_to_narrow_ones_does_not_lock():
     Its force falls by a tenth over the second half of the friction; the sum of nodal pressures
     grows thirteenfold, as more nodes press.
     """
-    brake = brake_from(ONE_SHOE)
+    brake = make_drum_brake_from_data(ONE_SHOE)
     assert solve(brake).torque == pytest.approx(solve(brake, elements=80).torque, rel=1e-3)
 
 
 @pytest.mark.parametrize("seed", partly([2, 37, 107, 141, 172, 247, 257, 272, 286, 471], [286]))
 def test_a_brake_that_a_fine_mesh_answers_is_answered_by_default(seed):
     """Abutments, rough ones, struts and cams, whose contact moves by more than its length."""
-    brake = draw_brake_with_clearances(seed)
+    brake = draw_random_brake_with_clearances(seed)
     assert total_contact_force(solve(brake)) == pytest.approx(
         total_contact_force(solve(brake, elements=80)), rel=0.01
     )
@@ -87,7 +91,7 @@ def test_a_rigid_plank_on_a_curve_stands_on_the_two_nodes_beside_its_load():
         for beside in (-1, 0, 1):
             start = np.isin(np.arange(9), [right - 1 + beside, right + beside])
             np.testing.assert_allclose(
-                active_set.solve_by_block_pivoting(problem, start).p, expected, atol=1e-12
+                active_set.solve_contact_by_block_pivoting(problem, start).p, expected, atol=1e-12
             )
 
 
@@ -105,16 +109,21 @@ def test_a_shoe_that_another_one_pushes_touches_where_this_push_presses_it():
     found = active_set.solve_contact_problem(problem, np.zeros(4, dtype=bool))
     np.testing.assert_allclose(found.p, [1.0, 0.0, 0.5, 0.0], atol=1e-9)
     np.testing.assert_array_equal(
-        active_set.follow_solution_from_wider_gaps(problem)[0], found.active
+        active_set.find_contact_set_by_closing_wide_gaps(problem)[0], found.active
     )
 
 
 @pytest.mark.parametrize("seed", partly(range(1, 7), ()))
 def test_true_self_locking_is_still_refused_with_its_limit(seed):
     """mu_lock as followed on a mesh of 160 elements: one of 80 is 2 % off on seed 4."""
-    brake = random_brake(seed, "locking")
+    brake = draw_random_brake(seed, "locking")
     end = min(
-        picked(friction_limits_of_groups(prepare(brake, elements=160), brake).values(), "friction")
+        picked(
+            self_locking_limits_of_shoe_groups(
+                make_prepared_model(brake, elements=160), brake
+            ).values(),
+            "friction",
+        )
     )
     with pytest.raises(NoAnswer, match="mu_lock = ") as refusal:
         solve(vary(brake, {"friction": 1.1 * end}))
@@ -133,7 +142,7 @@ def test_a_refusal_is_asked_for_once_more_where_another_division_may_answer(brak
         raise refusal
 
     with pytest.raises(NoAnswer) as raised:
-        list(solved_levels(brake, refuse))
+        list(solve_on_finer_and_finer_levels(brake, refuse))
     assert raised.value is refusal
     assert len(nodes) == 2
     even = ELEMENTS * LEVELS[0].degree
@@ -148,7 +157,7 @@ def test_a_cam_that_would_have_to_pull_is_not_said_to_lock():
     The force of its second shoe falls to zero below the friction: at 0.0307 on a mesh of 80
     elements.
     """
-    brake = draw_brake_with_clearances(2361)
+    brake = draw_random_brake_with_clearances(2361)
     assert solve(vary(brake, {"friction": 0.02}), elements=40).shoes[1].force > 0
     with pytest.raises(
         NoAnswer, match=r"^shoe 'second': no equilibrium, what pushes it would have to pull$"
@@ -158,19 +167,23 @@ def test_a_cam_that_would_have_to_pull_is_not_said_to_lock():
 
 @pytest.mark.parametrize("seed", range(15))
 def test_random_brakes_that_stand_off_press_by_the_law_and_are_drawn_again_from_their_seed(seed):
-    brake = draw_brake_with_clearances(seed)
-    assert brake == draw_brake_with_clearances(seed)
-    assert all(picked(law(brake).shoes, "contact_arcs"))
+    brake = draw_random_brake_with_clearances(seed)
+    assert brake == draw_random_brake_with_clearances(seed)
+    assert all(picked(solve_brake_by_its_rigid_shoe_law(brake).shoes, "contact_arcs"))
     assert min(picked(brake.shoes, "lining.clearance")) > 0
 
 
 @pytest.mark.parametrize("seed", partly(range(0, 60), [4]))
 def test_what_is_refused_is_refused_on_meshes_too(seed):
-    assert [row for row in refusal_rows(seed) if row.outcome not in {"agrees", "refused"}] == []
+    assert [
+        row
+        for row in default_solve_against_mesh_rows(seed)
+        if row.outcome not in {"agrees", "refused"}
+    ] == []
 
 
 def test_a_refusal_that_three_meshes_do_not_share_differs(monkeypatch):
-    response = solve(draw_brake(4), elements=5)
+    response = solve(draw_brake_for_refusal_check(4), elements=5)
 
     def on_levels(brake, *, elements=None):
         if elements is None:
@@ -181,11 +194,11 @@ def test_a_refusal_that_three_meshes_do_not_share_differs(monkeypatch):
         raise NoAnswer("no equilibrium")
 
     monkeypatch.setattr(consistency_refused, "solve", on_levels)
-    (row,) = refusal_rows(4)
+    (row,) = default_solve_against_mesh_rows(4)
     assert (
         row.outcome == "differs"
         and "self-locking" in row.quantity
-        and row.brake == draw_brake(4).title
+        and row.brake == draw_brake_for_refusal_check(4).title
     )
     monkeypatch.setattr(consistency_refused, "solve", nowhere)
-    assert picked(refusal_rows(4), "outcome") == ["refused"]
+    assert picked(default_solve_against_mesh_rows(4), "outcome") == ["refused"]

@@ -10,32 +10,42 @@ import pytest
 
 from conftest import partly
 from drumlin import NoAnswer, vary
-from drumlin.fem.error_control.adapt import Tolerance, errors_with_singularities, solve_to_tolerance
-from drumlin.fem.error_control.estimate import FACTORS, SOFTER, Errors, beside, estimate
+from drumlin.fem.error_control.adapt import (
+    Tolerance,
+    errors_with_singular_points_included,
+    solve_brake_to_tolerance,
+)
+from drumlin.fem.error_control.estimate import (
+    FACTORS,
+    SOFTER,
+    Errors,
+    estimate_errors_from_two_levels,
+    sum_of_penalty_and_round_off_errors,
+)
 from drumlin.fem.error_control.levels import LEVELS as COLUMNS
-from drumlin.fem.error_control.levels import SolvedLevel, solved_levels
+from drumlin.fem.error_control.levels import SolvedLevel, solve_on_finer_and_finer_levels
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.response.norms import pressure_distance
-from drumlin.response.response import NO_CHANGE, ShoeChange, reaction_size
-from drumlin.response.resultants import cross, integrate
-from drumlin.verification.triangles import TriangleLevel, solve_sequence
+from drumlin.response.norms import relative_distance_of_pressures
+from drumlin.response.response import NO_CHANGE, ShoeChange, reference_force_of_reaction_errors
+from drumlin.response.resultants import integral_of_piecewise_polynomial, planar_cross_product
+from drumlin.verification.triangles import TriangleLevel, solve_on_triangle_level_sequence
 from drumlin_studies import stated_true
 from drumlin_studies.calibration import draw_calibration_brake
-from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
+from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
     RELEVANT,
     Truth,
-    distance_from_limit,
-    stated_and_true_row,
-    stated_over_true,
-    summary_rows,
-    true_errors,
-    truth_by_hp_elements,
+    estimate_distance_from_limit,
+    row_of_stated_and_true_errors,
+    solve_fine_reference_by_hp_elements,
+    stated_over_true_error_of_row,
+    summary_rows_of_stated_errors,
+    true_errors_of_response,
 )
-from drumlin_studies.stored_truth import solve_by_finer_divisions
+from drumlin_studies.stored_truth import solve_brake_by_finer_hp_meshes
 from picking import keyed, picked
 from shared_parts import scaled_pressures
 
@@ -44,22 +54,22 @@ LEVELS = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(4, 7, 1.2, 1.0))
 
 @pytest.fixture(scope="module")
 def truth(brake):
-    before, last = solve_sequence(brake, LEVELS)
-    return Truth(last, MappingProxyType(true_errors(brake, before, last)), 0.0)
+    before, last = solve_on_triangle_level_sequence(brake, LEVELS)
+    return Truth(last, MappingProxyType(true_errors_of_response(brake, before, last)), 0.0)
 
 
 @pytest.mark.parametrize("kind", partly(SHAPE_KINDS, {"linings on ring", "post on ring"}))
 def test_a_brake_of_each_kind_is_drawn_again_by_its_seed(kind):
-    brake = random_brake(5, kind)
-    assert brake == random_brake(5, kind)
-    assert brake != random_brake(6, kind)
+    brake = draw_random_brake(5, kind)
+    assert brake == draw_random_brake(5, kind)
+    assert brake != draw_random_brake(6, kind)
     assert (brake.ring is not None) == ("ring" in kind)
     for shoe in solve(brake, elements=12).shoes:
         assert shoe.contact_arcs
 
 
 def test_the_kinds_follow_each_other_by_seed():
-    assert [random_brake(seed).title for seed in range(3)] == [
+    assert [draw_random_brake(seed).title for seed in range(3)] == [
         f"random {kind} {i}" for i, kind in enumerate(SHAPE_KINDS)
     ][:3]
 
@@ -67,27 +77,27 @@ def test_the_kinds_follow_each_other_by_seed():
 def test_what_a_response_states_is_held_against_the_truth(brake, truth):
     coarse = solve(brake, elements=12)
     stated = dict.fromkeys(JUDGED_QUANTITIES, 1e-2)
-    seen = stated_and_true_row(
+    seen = row_of_stated_and_true_errors(
         brake, 1e-2, lambda brake, tolerance: replace(coarse, error=stated), truth
     )
     assert seen["outcome"] == "reached"
-    off = true_errors(brake, coarse.shoes, truth.shoes)
+    off = true_errors_of_response(brake, coarse.shoes, truth.shoes)
     assert {name: seen[f"true_{name}"] for name in JUDGED_QUANTITIES} == off
     torque = sum(picked(truth.shoes, "torque"))
     assert off["torque"] == pytest.approx(abs(coarse.torque - torque) / torque)
     assert 1e-3 < off["pressure"] < 0.1
-    liar = stated_and_true_row(
+    liar = row_of_stated_and_true_errors(
         brake,
         1e-2,
         lambda brake, tolerance: replace(coarse, error=dict.fromkeys(JUDGED_QUANTITIES, 1e-9)),
         truth,
     )
-    assert stated_over_true(liar, "pressure") < 1e-5
-    table = keyed(summary_rows([seen, liar]), "quantity")
+    assert stated_over_true_error_of_row(liar, "pressure") < 1e-5
+    table = keyed(summary_rows_of_stated_errors([seen, liar]), "quantity")
     assert table["pressure"]["above"] == pytest.approx(0.5 + 0.5 * (off["pressure"] > 1e-2))
-    assert table["pressure"]["judged"] == 2 and table["pressure"]["smallest"] == stated_over_true(
-        liar, "pressure"
-    )
+    assert table["pressure"]["judged"] == 2 and table["pressure"][
+        "smallest"
+    ] == stated_over_true_error_of_row(liar, "pressure")
 
 
 def test_the_relevant_median_leaves_out_errors_that_nobody_asks_for():
@@ -100,14 +110,14 @@ def test_the_relevant_median_leaves_out_errors_that_nobody_asks_for():
         }
 
     rows = [judged(true) for true in (2 * RELEVANT, RELEVANT, 0.01 * RELEVANT, 0.01 * RELEVANT)]
-    torque = keyed(summary_rows(rows), "quantity")["torque"]
+    torque = keyed(summary_rows_of_stated_errors(rows), "quantity")["torque"]
     assert torque["median_relevant"] == pytest.approx(3.0)
     assert torque["median"] == pytest.approx(202.0)
 
 
 def test_a_known_shift_of_the_pressure_is_the_error(brake, truth):
     shifted = scaled_pressures(truth.shoes, 1.01)
-    off = true_errors(brake, shifted, truth.shoes)
+    off = true_errors_of_response(brake, shifted, truth.shoes)
     assert off["pressure"] == pytest.approx(0.01, rel=1e-9)
     assert off["peak"] == pytest.approx(0.01, rel=1e-9)
     assert off["torque"] == off["reaction"] == 0
@@ -121,31 +131,33 @@ def test_what_fails_stays_in_the_table(brake, truth):
         raise ValueError("no")
 
     rows = [
-        stated_and_true_row(brake, 1e-2, refuse, truth),
-        stated_and_true_row(brake, 1e-2, stumble, truth),
+        row_of_stated_and_true_errors(brake, 1e-2, refuse, truth),
+        row_of_stated_and_true_errors(brake, 1e-2, stumble, truth),
     ]
     assert picked(rows, "outcome") == ["not reached", "failed"]
     rows.append(
-        stated_and_true_row(
+        row_of_stated_and_true_errors(
             brake, 1e-2, lambda brake, tolerance: solve(brake, elements=12), None, "singular"
         )
     )
     assert rows[-1]["outcome"] == "no truth" and rows[-1]["reason"] == "singular"
-    assert set(picked(summary_rows(rows), ("brakes", "reached", "judged"))) == {(2, 0.0, 0)}
+    assert set(picked(summary_rows_of_stated_errors(rows), ("brakes", "reached", "judged"))) == {
+        (2, 0.0, 0)
+    }
 
 
 def test_uncertainty_of_a_sequence():
-    assert distance_from_limit(4.0, 1.0) == pytest.approx(1 / 3)
-    assert distance_from_limit(100.0, 1.0) == pytest.approx(1 / 3)
-    assert distance_from_limit(1.0, 1.0) == 1.0
-    assert distance_from_limit(1.0, 0.0) == 0.0
+    assert estimate_distance_from_limit(4.0, 1.0) == pytest.approx(1 / 3)
+    assert estimate_distance_from_limit(100.0, 1.0) == pytest.approx(1 / 3)
+    assert estimate_distance_from_limit(1.0, 1.0) == 1.0
+    assert estimate_distance_from_limit(1.0, 0.0) == 0.0
     assert math.isnan(
-        stated_over_true(
+        stated_over_true_error_of_row(
             {"stated_torque": math.nan, "true_torque": 1.0, "unsure_torque": 0.0}, "torque"
         )
     )
     assert np.isinf(
-        stated_over_true(
+        stated_over_true_error_of_row(
             {"stated_torque": 1e-3, "true_torque": 1e-6, "unsure_torque": 2e-6}, "torque"
         )
     )
@@ -160,7 +172,9 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
         return replace(response, shoes=tuple(shoes))
 
     def stated(**more):
-        return estimate(brake, with_torque(1.001), with_torque(1.0, **more)).brake
+        return estimate_errors_from_two_levels(
+            brake, with_torque(1.001), with_torque(1.0, **more)
+        ).brake
 
     step = FACTORS.force * 1e-3
     assert stated()["torque"] == pytest.approx(step)
@@ -175,7 +189,7 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
 
 @pytest.fixture(scope="module")
 def level(brake):
-    return solve_prepared_model(prepare(brake, COLUMNS[0]), brake, penalty=math.inf)
+    return solve_prepared_model(make_prepared_model(brake, COLUMNS[0]), brake, penalty=math.inf)
 
 
 def shifted(response, by):
@@ -196,14 +210,20 @@ def test_forces_that_agree_by_chance_are_as_uncertain_as_the_columns_of_the_pres
         return 1e-2 * (inside > 0) * (-1.0) ** column
 
     before, parts = shifted(level, turns), []
-    found = estimate(brake, before, level)
+    found = estimate_errors_from_two_levels(brake, before, level)
     for a, b, own in zip(before.shoes, level.shoes, found.shoes, strict=True):
         column = np.arange(len(b.theta)) // b.order
         off = [
-            integrate(b.theta, np.where(column == k, a.pressure - b.pressure, 0.0), b.order)
+            integral_of_piecewise_polynomial(
+                b.theta, np.where(column == k, a.pressure - b.pressure, 0.0), b.order
+            )
             for k in set(column)
         ]
-        least = FACTORS.cancelled * math.hypot(*off) / integrate(b.theta, b.pressure, b.order)
+        least = (
+            FACTORS.cancelled
+            * math.hypot(*off)
+            / integral_of_piecewise_polynomial(b.theta, b.pressure, b.order)
+        )
         assert own["torque"] == pytest.approx(least, rel=1e-3) and least > 1e-6
         assert own["reaction"] == pytest.approx(
             least * b.normal_force / math.hypot(*b.hinge_reaction), rel=1e-3
@@ -238,15 +258,15 @@ def test_a_peak_that_agrees_by_chance_is_as_uncertain_as_the_pressure_near_it(br
     assert middle.pressure.max() == pytest.approx(middle.peak_pressure, rel=0.05)
     for by, near in ((high, 1e-3), (low, 0.0)):
         before = shifted(level, by)
-        own = estimate(brake, before, level).shoes[0]
-        p = pressure_distance(before.shoes[0], middle)
+        own = estimate_errors_from_two_levels(brake, before, level).shoes[0]
+        p = relative_distance_of_pressures(before.shoes[0], middle)
         assert p > 1e-6
         assert own["peak"] == pytest.approx(FACTORS.peak * math.sqrt(p * near), rel=0.1)
 
 
 def test_the_shortest_contact_of_a_shoe_counts(brake):
     """Of two levels whose one torque moves by 1e-3; one contact of two is a nanometre long."""
-    made = prepare(brake, COLUMNS[0])
+    made = make_prepared_model(brake, COLUMNS[0])
     found = solve_prepared_model(made, brake, penalty=math.inf)
     one, other = found.shoes
     before = replace(found, shoes=(replace(one, torque=1.001 * one.torque), other))
@@ -255,7 +275,7 @@ def test_the_shortest_contact_of_a_shoe_counts(brake):
 
     def error(last):
         along = [SolvedLevel(made, before), SolvedLevel(made, last)]
-        return solve_to_tolerance(
+        return solve_brake_to_tolerance(
             brake, Tolerance(0.5, 0.5), solve_prepared_model, must=False, levels=along
         ).response.error
 
@@ -280,7 +300,7 @@ def test_errors_of_two_shoes_torques_do_not_cancel(brake):
     before = replace(last, shoes=tuple(gained))
     assert before.torque == pytest.approx(last.torque)
     for series in ([before, last], [last, before]):
-        assert estimate(brake, *series).brake["torque"] == pytest.approx(
+        assert estimate_errors_from_two_levels(brake, *series).brake["torque"] == pytest.approx(
             FACTORS.force * 10.0 / last.torque, rel=1e-4
         )
 
@@ -291,13 +311,13 @@ def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():
     A post presses with its lining's end: p grows there without bound from level to level, beside
     the last node.
     """
-    brake = random_brake(488)
-    found = list(islice(solved_levels(brake, solve_prepared_model), 3))
+    brake = draw_random_brake(488)
+    found = list(islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), 3))
     peaks = [step.response.shoes[0].peak_pressure for step in found]
     assert peaks[0] < 0.96 * peaks[1] < 0.96**2 * peaks[2]
     for some in (found[:2], found):
         assert not math.isclose(some[-1].response.shoes[0].pressure[-1], peaks[len(some) - 1])
-        stated = solve_to_tolerance(
+        stated = solve_brake_to_tolerance(
             brake, Tolerance(1e-9, 1e-9), solve_prepared_model, must=False, levels=some
         ).response
         assert stated.shoes[0].error["peak"] == stated.error["peak"] == 1.0
@@ -306,12 +326,14 @@ def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():
 @pytest.mark.parametrize("index", range(2))
 def test_the_penalty_changes_torque_and_pressure_as_a_response_says(brake, index):
     # On one division: columns that follow the contact of each would change p as well.
-    level = prepare(brake, COLUMNS[2])
+    level = make_prepared_model(brake, COLUMNS[2])
     firm, soft = (
         solve_prepared_model(level, brake, penalty=each).shoes[index] for each in (math.inf, 1e3)
     )
     assert abs(soft.torque / firm.torque - 1) == pytest.approx(soft.softness.torque, rel=0.02)
-    assert pressure_distance(soft, firm) == pytest.approx(soft.softness.pressure, rel=0.05)
+    assert relative_distance_of_pressures(soft, firm) == pytest.approx(
+        soft.softness.pressure, rel=0.05
+    )
     assert soft.softness.torque > 1e-9 and firm.softness == NO_CHANGE
 
 
@@ -321,7 +343,7 @@ def test_what_a_soft_contact_changes_is_stated(brake, penalty):
 
     The pressure of the softest contact hardly depends on it any more.
     """
-    level = prepare(brake, COLUMNS[2])
+    level = make_prepared_model(brake, COLUMNS[2])
     firm, soft = (
         solve_prepared_model(level, brake, penalty=each).shoes for each in (math.inf, penalty)
     )
@@ -329,7 +351,7 @@ def test_what_a_soft_contact_changes_is_stated(brake, penalty):
         reaction = float(
             np.hypot(*(a.hinge_reaction - b.hinge_reaction)) / np.hypot(*b.hinge_reaction)
         )
-        true = pressure_distance(a, b), abs(a.torque / b.torque - 1), reaction
+        true = relative_distance_of_pressures(a, b), abs(a.torque / b.torque - 1), reaction
         if penalty == 30:
             np.testing.assert_allclose(a.softness[:3], true, rtol=0.1)
         assert true[0] < SOFTER * a.softness.pressure and true[2] < SOFTER * a.softness.reaction
@@ -337,15 +359,15 @@ def test_what_a_soft_contact_changes_is_stated(brake, penalty):
 
 def test_what_a_soft_contact_changes_of_a_post_is_stated_too():
     """Of its pressure it changes a third more than to first order."""
-    brake = random_brake(300_501, "post")
-    level = prepare(brake, COLUMNS[1])
+    brake = draw_random_brake(300_501, "post")
+    level = make_prepared_model(brake, COLUMNS[1])
     firm, soft = (
         solve_prepared_model(level, brake, penalty=math.inf),
         solve_prepared_model(level, brake, penalty=10.0),
     )
-    true = pressure_distance(soft.shoes[0], firm.shoes[0])
+    true = relative_distance_of_pressures(soft.shoes[0], firm.shoes[0])
     assert true > 1e-2
-    assert beside(soft.shoes)[1] > true
+    assert sum_of_penalty_and_round_off_errors(soft.shoes)[1] > true
 
 
 def test_a_shoe_without_reaction_has_a_torque(brake):
@@ -357,9 +379,9 @@ def test_a_shoe_without_reaction_has_a_torque(brake):
     for _ in range(4):
         found = solve(single, penalty=math.inf)
         (shoe,), pin, at = single.shoes, single.shoes[0].pin.xy, single.shoes[0].actuation.point.xy
-        force, reaction = shoe.actuation.vector, found.shoes[0].hinge_reaction
+        force, reaction = shoe.actuation.force_vector, found.shoes[0].hinge_reaction
         contact = -(force + reaction)
-        moment = -(cross(at, force) + cross(pin, reaction))
+        moment = -(planar_cross_product(at, force) + planar_cross_product(pin, reaction))
         point = moment * np.array([contact[1], -contact[0]]) / (contact @ contact)
         aim = -contact / np.hypot(*contact)
         place = {"x": point[0], "y": point[1]}
@@ -377,13 +399,14 @@ def test_columns_are_a_truth_that_triangles_share(brake, truth):
 
     Both see the error of a coarse answer.
     """
-    finer = truth_by_hp_elements(brake, 1e-2)
-    apart = true_errors(brake, finer.shoes, truth.shoes)
+    finer = solve_fine_reference_by_hp_elements(brake, 1e-2)
+    apart = true_errors_of_response(brake, finer.shoes, truth.shoes)
     for name in JUDGED_QUANTITIES:
         assert apart[name] <= 2 * (finer.unsure[name] + truth.unsure[name])
     coarse = solve(brake, elements=12)
     one, other = (
-        true_errors(brake, coarse.shoes, true.shoes)["pressure"] for true in (finer, truth)
+        true_errors_of_response(brake, coarse.shoes, true.shoes)["pressure"]
+        for true in (finer, truth)
     )
     assert one == pytest.approx(other, rel=0.1)
 
@@ -392,14 +415,14 @@ def test_columns_that_lost_digits_are_no_truth_beyond_them(brake, monkeypatch):
     """Neighbouring levels may agree by chance where both have lost more."""
 
     def losing(brake, respond):
-        for made, found in solved_levels(brake, respond):
+        for made, found in solve_on_finer_and_finer_levels(brake, respond):
             shoes = tuple(replace(shoe, lost=ShoeChange(1e-4, 2e-4, 3e-4)) for shoe in found.shoes)
             yield SolvedLevel(made, replace(found, shoes=shoes))
 
-    sure = truth_by_hp_elements(brake, 1e-2).unsure
-    monkeypatch.setattr(stated_true, "solved_levels", losing)
+    sure = solve_fine_reference_by_hp_elements(brake, 1e-2).unsure
+    monkeypatch.setattr(stated_true, "solve_on_finer_and_finer_levels", losing)
     lost = {"pressure": 1e-4, "torque": 2e-4, "peak": 1e-4, "reaction": 3e-4}
-    for name, value in truth_by_hp_elements(brake, 1e-2).unsure.items():
+    for name, value in solve_fine_reference_by_hp_elements(brake, 1e-2).unsure.items():
         assert value == pytest.approx(sure[name] + lost[name], rel=1e-4)
 
 
@@ -414,24 +437,32 @@ def test_a_level_that_moves_away_again_is_no_truth(brake, monkeypatch):
 
     def straying(last):
         def some(brake, respond):
-            for k, (made, found) in enumerate(solved_levels(brake, respond)):
+            for k, (made, found) in enumerate(solve_on_finer_and_finer_levels(brake, respond)):
                 shoes = scaled_pressures(found.shoes, 1.1 ** (k - 2))
                 yield SolvedLevel(made, replace(found, shoes=shoes) if 3 <= k <= last else found)
 
         return some
 
-    before, sure = truth_by_hp_elements(brake, 1e-2), truth_by_hp_elements(brake, 1e-5)
-    monkeypatch.setattr(stated_true, "solved_levels", straying(9))
-    for own, other in zip(truth_by_hp_elements(brake, 1e-5).shoes, before.shoes, strict=True):
+    before, sure = (
+        solve_fine_reference_by_hp_elements(brake, 1e-2),
+        solve_fine_reference_by_hp_elements(brake, 1e-5),
+    )
+    monkeypatch.setattr(stated_true, "solve_on_finer_and_finer_levels", straying(9))
+    for own, other in zip(
+        solve_fine_reference_by_hp_elements(brake, 1e-5).shoes, before.shoes, strict=True
+    ):
         np.testing.assert_array_equal(own.pressure, other.pressure)
-    monkeypatch.setattr(stated_true, "solved_levels", straying(3))
-    home = truth_by_hp_elements(brake, 1e-5)
-    assert true_errors(brake, home.shoes, sure.shoes)["pressure"] < 2 * sure.unsure["pressure"]
+    monkeypatch.setattr(stated_true, "solve_on_finer_and_finer_levels", straying(3))
+    home = solve_fine_reference_by_hp_elements(brake, 1e-5)
+    assert (
+        true_errors_of_response(brake, home.shoes, sure.shoes)["pressure"]
+        < 2 * sure.unsure["pressure"]
+    )
 
 
 def test_a_peak_at_an_end_of_the_lining_is_unbounded_and_so_is_its_error():
     """A lining that bears at its ends alone: finer columns raise the peak there without end."""
-    (shoe,) = solve(random_brake(1)).shoes
+    (shoe,) = solve(draw_random_brake(1)).shoes
     assert shoe.peak_pressure == pytest.approx(max(shoe.pressure[0], shoe.pressure[-1]), rel=1e-9)
     assert shoe.error["peak"] == 1.0 and shoe.error["pressure"] < 5e-3
 
@@ -455,11 +486,13 @@ def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, t
             NoAnswer,
             match=r"not reached on 3 .* p is unbounded at .* or a tip of the gap of '\w+'$",
         ):
-            solve_to_tolerance(
+            solve_brake_to_tolerance(
                 kinked,
                 Tolerance(1e-6, 1e-6),
                 solve_prepared_model,
-                levels=list(islice(solved_levels(kinked, solve_prepared_model), 3)),
+                levels=list(
+                    islice(solve_on_finer_and_finer_levels(kinked, solve_prepared_model), 3)
+                ),
             )
     else:
         assert abs(fine.peak_pressure / rough.peak_pressure - 1) < rough.error["peak"] < 0.1
@@ -472,8 +505,8 @@ def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, un
     At such an end p grows from level to level: it will be the largest once it is over half of the
     largest now.
     """
-    brake = random_brake(4334, "arc")
-    *_, last = islice(solved_levels(brake, solve_prepared_model), 2)
+    brake = draw_random_brake(4334, "arc")
+    *_, last = islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), 2)
     (shoe,) = last.response.shoes
     at_start = shoe.pressure[0] > shoe.pressure[-1]
     first, last_column = slice(0, shoe.order + 1), slice(-shoe.order - 1, None)
@@ -482,21 +515,23 @@ def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, un
     highest = float(lower.max())
     lower[first if at_start else last_column] = part * highest
     lowered = replace(shoe, pressure=lower, peak_pressure=highest)
-    nothing = Errors.worst(0.0, [dict.fromkeys(JUDGED_QUANTITIES, 0.0)])
-    error, _ = errors_with_singularities(nothing, brake, replace(last.response, shoes=(lowered,)))
+    nothing = Errors.from_torque_and_shoes(0.0, [dict.fromkeys(JUDGED_QUANTITIES, 0.0)])
+    error, _ = errors_with_singular_points_included(
+        nothing, brake, replace(last.response, shoes=(lowered,))
+    )
     assert error.brake["peak"] == unknown
 
 
 def test_errors_of_a_reaction_that_vanishes_are_parts_of_the_force_of_the_contact():
-    assert reaction_size(np.array([3.0, 4.0]), 1e3) == 5.0
-    assert reaction_size(np.array([3e-9, 4e-9]), 1e3) == pytest.approx(1e-3)
-    assert reaction_size(np.zeros(2), 0.0) == 1.0
+    assert reference_force_of_reaction_errors(np.array([3.0, 4.0]), 1e3) == 5.0
+    assert reference_force_of_reaction_errors(np.array([3e-9, 4e-9]), 1e3) == pytest.approx(1e-3)
+    assert reference_force_of_reaction_errors(np.zeros(2), 0.0) == 1.0
 
 
 def test_a_shoe_that_loses_its_contact_moves_the_torque_by_all_of_it(brake, level):
     one, other = level.shoes
     lifted = replace(other, torque=0.0, pressure=0.0 * other.pressure, contact_arcs=())
-    stated = estimate(brake, level, replace(level, shoes=(one, lifted)))
+    stated = estimate_errors_from_two_levels(brake, level, replace(level, shoes=(one, lifted)))
     assert stated.brake["torque"] == pytest.approx(
         FACTORS.force * other.torque / one.torque, rel=1e-9
     )
@@ -548,12 +583,13 @@ def test_a_reaction_that_two_levels_share_by_accident_is_not_stated_as_sure():
     Most of its stated error is the fraction `cancelled` of what chance signs would move it by.
     """
     _, hinged = draw_calibration_brake(300_259)
-    truth = solve_by_finer_divisions(hinged)
-    off = true_errors(hinged, solve(hinged).shoes, truth.shoes)["reaction"]
+    truth = solve_brake_by_finer_hp_meshes(hinged)
+    off = true_errors_of_response(hinged, solve(hinged).shoes, truth.shoes)["reaction"]
     before, last = (
-        step.response for step in islice(solved_levels(hinged, solve_prepared_model), 2)
+        step.response
+        for step in islice(solve_on_finer_and_finer_levels(hinged, solve_prepared_model), 2)
     )
-    stated = estimate(hinged, before, last)
-    by_step = estimate(hinged, before, last, FACTORS._replace(cancelled=0.0))
+    stated = estimate_errors_from_two_levels(hinged, before, last)
+    by_step = estimate_errors_from_two_levels(hinged, before, last, FACTORS._replace(cancelled=0.0))
     assert by_step.brake["reaction"] < 0.5 * off
     assert stated.brake["reaction"] > off - truth.unsure["reaction"]

@@ -22,27 +22,32 @@ from drumlin.contact.stick_slip import (
     FrictionalProblem,
     SlipHistory,
 )
-from drumlin.fem.analysis.at_rest import make_stick_slip_problem
+from drumlin.fem.analysis.at_rest import make_stick_slip_problem_of_shoe_group
 from drumlin.fem.analysis.holding import (
     find_full_slip_rotation,
-    hold_drum_through_rotations,
-    states_as_plain_data,
+    holding_states_as_plain_data,
+    states_of_holding_brake_at_rotations,
     turn_drum_in_increments,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.body import body_constraints, condense_body, scalar_basis, stiffness
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.substructure.body import (
+    condense_body_to_contact_and_frame,
+    multi_point_constraints_of_body,
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
+)
 from drumlin.fem.substructure.interface import (
     ContactLine,
-    couple_with_counterface,
-    make_contact_line,
+    make_contact_line_of_lining,
+    weak_coupling_of_contact_line,
 )
 from picking import picked
 from shared_parts import drum_ring
 
 BRAKE = read_brake(STUDY / "brake.toml")
-SCENE = prepare(BRAKE, elements=30)
+SCENE = make_prepared_model(BRAKE, elements=30)
 
 
 def spring(push, shift, stiffness=100.0, penalty=0.0):
@@ -128,7 +133,11 @@ def test_a_closed_loop_dissipates_its_area():
         if k_step > 40:
             work += 0.5 * (found.t[0] + previous[1]) * (shift - previous[0])
             dissipated += found.t[0] * (found.s[0] - history.s[0])
-        history, state, previous = found.history, found.state, (shift, found.t[0])
+        history, state, previous = (
+            found.history_for_next_increment,
+            found.state,
+            (shift, found.t[0]),
+        )
         states.add(int(found.state[0]))
     assert states == {STICK, FORWARD, BACKWARD}
     assert dissipated == pytest.approx(4 * mu * push * (top - mu * push / k), rel=1e-9)
@@ -155,7 +164,9 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     Open, sticking and slipping nodes together: residuals vanish, and p, t move with the load by
     their linear equations.
     """
-    problem, lever = make_stick_slip_problem(ShoeGroup(SCENE, BRAKE, (seed % 2,), 1e4))
+    problem, lever = make_stick_slip_problem_of_shoe_group(
+        ShoeGroup(SCENE, BRAKE, (seed % 2,), 1e4)
+    )
     rng = np.random.default_rng(seed)
     rotation = 10 ** rng.uniform(-5.5, -3.5)
     n = len(lever)
@@ -163,7 +174,7 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     mu = 0.3
     found = stick_slip.solve_load_increment(problem, mu, rest, np.full(n, STICK))
     for found_next in turn_drum_in_increments(problem, lever / 2000.0, mu, found, 0.0, rotation):
-        before, state, found = found.history, found.state, found_next
+        before, state, found = found.history_for_next_increment, found.state, found_next
     moved = problem._replace(q_s=problem.q_s + lever * rotation / 2000.0)
     assert (np.abs(found.t) <= mu * found.p + 1e-8 * found.p.max()).all()
     slip = found.s - before.s - problem.Q @ (found.t - before.t)
@@ -207,7 +218,7 @@ def test_direction_of_friction_on_a_wedge():
         shape = (2, *([1] * (points.ndim - 1)))
         return down.reshape(shape) * np.ones_like(points), -up.reshape(shape) * np.ones_like(points)
 
-    coupling = couple_with_counterface(line, 1.0, directions)
+    coupling = weak_coupling_of_contact_line(line, 1.0, directions)
     p = np.full(5, 7.0)
     on_block = (-coupling.N.T @ p + mu * coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
     # The push balances the horizontal part, the weight the vertical one.
@@ -235,15 +246,15 @@ def test_flat_patch_whole_and_inclined(turned):
             "support": np.flatnonzero(middle[1] > 1 - 1e-12),
         },
     )
-    basis = scalar_basis(mesh)
-    line = make_contact_line(basis, mesh.boundaries["contact"], math.atan2(1.0, 3.0))
+    basis = scalar_finite_element_basis_of_mesh(mesh)
+    line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], math.atan2(1.0, 3.0))
     normal = np.array([s, -c])
     top = basis.get_dofs(mesh.boundaries["support"]).flatten()
     # nu = 0 and a rigid top: pressing by a distance strains the strip evenly
-    K = stiffness(basis, {"body": ElasticLayer.of(Material(E=2e6, nu=0.0), 1.0)})
-    condensed = condense_body(
+    K = sparse_stiffness_of_body(basis, {"body": ElasticLayer.of(Material(E=2e6, nu=0.0), 1.0)})
+    condensed = condense_body_to_contact_and_frame(
         K,
-        body_constraints(basis, line.nodes, top, np.zeros(2)),
+        multi_point_constraints_of_body(basis, line.nodes, top, np.zeros(2)),
         {},
         2 * len(line.nodes),
     )
@@ -254,8 +265,8 @@ def test_flat_patch_whole_and_inclined(turned):
             shape
         ) * np.ones_like(points)
 
-    coupling = couple_with_counterface(line, 1.0, directions)
-    Y = condensed.half_flexibility(-coupling.N.T)
+    coupling = weak_coupling_of_contact_line(line, 1.0, directions)
+    Y = condensed.nodal_forces_over_cholesky_factor(-coupling.N.T)
     # The strip of height 1 has the strain -.05, which gives s = -1e5.
     depth = 0.05
     n = len(line.nodes)
@@ -266,7 +277,7 @@ def test_flat_patch_whole_and_inclined(turned):
 
 
 def test_a_holding_brake_saturates_at_its_full_slip_torque():
-    states = hold_drum_through_rotations(
+    states = states_of_holding_brake_at_rotations(
         SCENE, BRAKE, np.linspace(0, find_full_slip_rotation(SCENE, BRAKE), 13)
     )
     torques = np.array(picked(states, "torque"))
@@ -285,15 +296,19 @@ def test_a_holding_brake_saturates_at_its_full_slip_torque():
     middle = states[6]
     assert any(middle.stick) and all(middle.slip)
     assert np.diff(picked(states, "dissipated")).min() > 0
-    assert {"stick", "slip"} <= set(states_as_plain_data(states)[6]["shoes"][1]["state"])
+    assert {"stick", "slip"} <= set(holding_states_as_plain_data(states)[6]["shoes"][1]["state"])
 
 
 def test_more_increments_change_little_and_turning_on_changes_nothing_more():
     end = find_full_slip_rotation(SCENE, BRAKE)
-    coarse = hold_drum_through_rotations(SCENE, BRAKE, np.linspace(0, 0.5 * end, 5))[-1].torque
-    fine = hold_drum_through_rotations(SCENE, BRAKE, np.linspace(0, 0.5 * end, 33))[-1].torque
+    coarse = states_of_holding_brake_at_rotations(SCENE, BRAKE, np.linspace(0, 0.5 * end, 5))[
+        -1
+    ].torque
+    fine = states_of_holding_brake_at_rotations(SCENE, BRAKE, np.linspace(0, 0.5 * end, 33))[
+        -1
+    ].torque
     assert coarse == pytest.approx(fine, rel=0.02)
-    beyond = hold_drum_through_rotations(SCENE, BRAKE, np.array([0.0, end, 2 * end]))
+    beyond = states_of_holding_brake_at_rotations(SCENE, BRAKE, np.array([0.0, end, 2 * end]))
     assert beyond[2].torque == pytest.approx(beyond[1].torque, rel=1e-9)
 
 
@@ -301,7 +316,7 @@ def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
     """Forth to full slip and back: over a closed cycle of the drum what goes in is dissipated."""
     end = find_full_slip_rotation(SCENE, BRAKE)
     there, back = np.linspace(0, 2 * end, 25), np.linspace(2 * end, -2 * end, 97)[1:]
-    states = hold_drum_through_rotations(
+    states = states_of_holding_brake_at_rotations(
         SCENE, BRAKE, np.concatenate([there, back, np.linspace(-2 * end, 2 * end, 97)[1:]])
     )
     loop = states[24:]
@@ -316,18 +331,18 @@ def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
 
 def test_refusals():
     with pytest.raises(BadInput, match="friction = 0"):
-        hold_drum_through_rotations(SCENE, vary(BRAKE, {"friction": 0.0}), np.array([0.0]))
+        states_of_holding_brake_at_rotations(SCENE, vary(BRAKE, {"friction": 0.0}), np.array([0.0]))
     with pytest.raises(NoAnswer, match="does not touch"):
-        hold_drum_through_rotations(
+        states_of_holding_brake_at_rotations(
             SCENE, vary(BRAKE, {"shoe[1].actuation.force": -1.0}), np.array([0.0])
         )
 
 
 def test_a_ring_takes_part_in_holding():
     spec = vary(BRAKE, drum_ring(0.015, "fixed"))
-    scene = prepare(spec, elements=20)
+    scene = make_prepared_model(spec, elements=20)
     # At full slip holding and sliding brakes have the same torque.
-    states = hold_drum_through_rotations(
+    states = states_of_holding_brake_at_rotations(
         scene, spec, np.linspace(0, find_full_slip_rotation(scene, spec), 4)
     )
     assert states[-1].torque == pytest.approx(solve_prepared_model(scene, spec).torque, rel=1e-9)
@@ -335,7 +350,10 @@ def test_a_ring_takes_part_in_holding():
 
 @pytest.mark.parametrize(
     "way",
-    [stick_slip._find_states_by_path_from_states, stick_slip._find_states_by_path_from_wide_gaps],
+    [
+        stick_slip._find_stick_and_slip_from_balanced_load,
+        stick_slip._find_stick_and_slip_from_wide_gaps,
+    ],
 )
 def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
     """A path of loads ends at an answer also where it turns back.
@@ -343,9 +361,9 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
     Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again before
     it falls.
     """
-    monkeypatch.setattr(stick_slip, "_find_states_by_newton", way)
-    monkeypatch.setattr(stick_slip, "_find_states_by_path_from_states", way)
-    monkeypatch.setattr(stick_slip, "_find_states_by_path_from_wide_gaps", way)
+    monkeypatch.setattr(stick_slip, "_find_stick_and_slip_by_newton", way)
+    monkeypatch.setattr(stick_slip, "_find_stick_and_slip_from_balanced_load", way)
+    monkeypatch.setattr(stick_slip, "_find_stick_and_slip_from_wide_gaps", way)
     n, none = 4, np.zeros(0)
     for seed in range(100):
         rng = np.random.default_rng(seed)
@@ -380,8 +398,8 @@ def test_a_vanishing_gap_changes_nothing():
     """A force that closes the gap in increments ends where one increment ends without a gap."""
     gap = vary(BRAKE, {"shoe.lining.clearance": 1e-13})
     with_gap, without = (
-        hold_drum_through_rotations(SCENE, gap, np.zeros(8))[0],
-        hold_drum_through_rotations(SCENE, BRAKE, np.zeros(8))[0],
+        states_of_holding_brake_at_rotations(SCENE, gap, np.zeros(8))[0],
+        states_of_holding_brake_at_rotations(SCENE, BRAKE, np.zeros(8))[0],
     )
     for mine, theirs in zip(with_gap.traction, without.traction, strict=True):
         assert mine == pytest.approx(theirs, rel=1e-3, abs=1e-4 * np.abs(theirs).max())

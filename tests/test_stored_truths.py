@@ -10,16 +10,21 @@ import numpy as np
 import pytest
 
 from drumlin_studies.sharpness import (
-    judge_folder,
-    lines_on_losses,
-    lines_on_stated_errors,
+    describe_faults_of_stated_errors,
+    describe_losses_of_accuracy_and_cost,
+    list_stored_truth_files,
     quickly_solved_brakes,
-    read_sharpness,
-    scale_stated_errors,
-    truth_files,
+    read_sharpness_file,
+    rows_with_scaled_stated_errors,
+    stated_and_true_errors_of_folder,
 )
 from drumlin_studies.stated_true import JUDGED_QUANTITIES
-from drumlin_studies.stored_truth import FINER, STORED_BRAKES, make_stored_truth, read_stored_truth
+from drumlin_studies.stored_truth import (
+    FINER,
+    STORED_BRAKES,
+    read_stored_fine_solution,
+    solve_fine_solution_to_be_stored,
+)
 
 FOLDER = Path(__file__).parent / "truths"
 
@@ -27,26 +32,30 @@ FOLDER = Path(__file__).parent / "truths"
 @pytest.fixture(scope="module")
 def rows():
     """Stated and true errors of all brakes: half a minute, for slow tests alone."""
-    return judge_folder(FOLDER)
+    return stated_and_true_errors_of_folder(FOLDER)
 
 
 @pytest.fixture(scope="module")
 def quick_rows(written):
     """Stated and true errors of the brakes that are quickly solved."""
-    return judge_folder(FOLDER, quickly_solved_brakes(written.worths))
+    return stated_and_true_errors_of_folder(FOLDER, quickly_solved_brakes(written.worths))
 
 
 @pytest.fixture(scope="module")
 def written():
-    return read_sharpness(FOLDER)
+    return read_sharpness_file(FOLDER)
 
 
 def test_stated_errors_of_quick_brakes_are_large_enough_and_no_larger_than_they_were(
     quick_rows, written
 ):
     assert len(quick_rows) >= 60
-    assert lines_on_stated_errors(quick_rows, written.quick_spreads) == []
-    assert all(one.ratio(quantity) >= 0.5 for one in quick_rows for quantity in JUDGED_QUANTITIES)
+    assert describe_faults_of_stated_errors(quick_rows, written.quick_spreads) == []
+    assert all(
+        one.stated_over_true_error(quantity) >= 0.5
+        for one in quick_rows
+        for quantity in JUDGED_QUANTITIES
+    )
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
@@ -54,20 +63,20 @@ def test_stated_errors_of_quick_brakes_are_large_enough_and_no_larger_than_they_
 def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed_on_quick_brakes(
     quick_rows, written, quantity, factor
 ):
-    changed = scale_stated_errors(quick_rows, quantity, factor)
-    said = lines_on_stated_errors(changed, written.quick_spreads)
+    changed = rows_with_scaled_stated_errors(quick_rows, quantity, factor)
+    said = describe_faults_of_stated_errors(changed, written.quick_spreads)
     assert said and all(line.startswith(quantity) for line in said)
 
 
 @pytest.mark.slow
 def test_stated_errors_are_large_enough_and_no_larger_than_they_were(rows, written):
     assert len(rows) >= 120
-    assert lines_on_stated_errors(rows, written.spreads) == []
+    assert describe_faults_of_stated_errors(rows, written.spreads) == []
 
 
 @pytest.mark.slow
 def test_answers_are_as_exact_and_as_cheap_as_they_were(rows, written):
-    assert lines_on_losses(rows, written.worths) == []
+    assert describe_losses_of_accuracy_and_cost(rows, written.worths) == []
 
 
 @pytest.mark.slow
@@ -81,7 +90,10 @@ def test_answers_are_as_exact_and_as_cheap_as_they_were(rows, written):
 )
 def test_answers_that_are_less_exact_or_cost_more_are_noticed(rows, written, change, said):
     assert any(
-        said in line for line in lines_on_losses([change(one) for one in rows], written.worths)
+        said in line
+        for line in describe_losses_of_accuracy_and_cost(
+            [change(one) for one in rows], written.worths
+        )
     )
 
 
@@ -91,7 +103,10 @@ def test_one_brake_that_takes_far_more_unknowns_is_noticed(rows, written):
         one._replace(unknowns=one.unknowns * 2) if one.name == "short_contact" else one
         for one in rows
     ]
-    assert any("short_contact takes" in line for line in lines_on_losses(slow, written.worths))
+    assert any(
+        "short_contact takes" in line
+        for line in describe_losses_of_accuracy_and_cost(slow, written.worths)
+    )
 
 
 BELOW_HALF = {
@@ -109,7 +124,7 @@ have one sign and nearly one size. No brake of the fit presses with a corner.
 @pytest.mark.slow
 def test_no_other_stated_error_is_below_half_of_the_true_one(rows):
     small = {
-        (one.name, one.asked, quantity): one.ratio(quantity)
+        (one.name, one.asked, quantity): one.stated_over_true_error(quantity)
         for one in rows
         for quantity in JUDGED_QUANTITIES
     }
@@ -122,21 +137,23 @@ def test_no_other_stated_error_is_below_half_of_the_true_one(rows):
 def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed(
     rows, written, quantity, factor
 ):
-    said = lines_on_stated_errors(scale_stated_errors(rows, quantity, factor), written.spreads)
+    said = describe_faults_of_stated_errors(
+        rows_with_scaled_stated_errors(rows, quantity, factor), written.spreads
+    )
     assert said and all(line.startswith(quantity) for line in said)
 
 
 @pytest.mark.slow
 def test_every_quantity_is_judged_by_truths_that_are_known_well_enough(rows):
     for quantity in JUDGED_QUANTITIES:
-        assert sum(one.certain(quantity) for one in rows) >= 60, quantity
+        assert sum(one.is_true_error_certain(quantity) for one in rows) >= 60, quantity
 
 
 def test_every_kind_of_brake_has_a_stored_truth():
     """Files and list agree; all ways to hold and push shoes, rings of both supports, soft, hard,
     short and partial.
     """
-    assert [path.stem for path in truth_files(FOLDER)] == sorted(STORED_BRAKES)
+    assert [path.stem for path in list_stored_truth_files(FOLDER)] == sorted(STORED_BRAKES)
     assert {drawn.kind for drawn in STORED_BRAKES.values()} >= {
         *(
             "arc",
@@ -178,8 +195,8 @@ def test_a_stored_truth_is_found_again_by_its_command(name):
     or other meshes. At a pressed corner round-off of another processor changes p by 3e-6 of the
     peak.
     """
-    stored = read_stored_truth(FOLDER / f"{name}.json")
-    again = make_stored_truth(name)
+    stored = read_stored_fine_solution(FOLDER / f"{name}.json")
+    again = solve_fine_solution_to_be_stored(name)
     assert stored.by == again.by
     for one, other in zip(stored.true.shoes, again.true.shoes, strict=True):
         np.testing.assert_allclose(
@@ -190,19 +207,19 @@ def test_a_stored_truth_is_found_again_by_its_command(name):
 
 def test_finer_hp_elements_agree_with_triangles_where_both_have_an_answer():
     """What stands for the truth on planes is held against the independent solution on a drum."""
-    from drumlin_studies.stated_true import true_errors
-    from drumlin_studies.stored_truth import solve_by_finer_divisions
+    from drumlin_studies.stated_true import true_errors_of_response
+    from drumlin_studies.stored_truth import solve_brake_by_finer_hp_meshes
 
-    stored = read_stored_truth(FOLDER / "hinge.json")
+    stored = read_stored_fine_solution(FOLDER / "hinge.json")
     assert stored.by == "triangles" and len(FINER) == 3
     brake = stored.brake
-    finer = solve_by_finer_divisions(brake)
-    for quantity, off in true_errors(brake, finer.shoes, stored.true.shoes).items():
+    finer = solve_brake_by_finer_hp_meshes(brake)
+    for quantity, off in true_errors_of_response(brake, finer.shoes, stored.true.shoes).items():
         assert off <= 2 * (finer.unsure[quantity] + stored.true.unsure[quantity]), quantity
 
 
 def test_files_hold_numbers_that_are_finite_and_brakes_in_si():
-    for path in truth_files(FOLDER):
+    for path in list_stored_truth_files(FOLDER):
         data = json.loads(path.read_text(encoding="utf-8"))
         assert all(math.isfinite(value) and value >= 0 for value in data["uncertainty"].values()), (
             path.name

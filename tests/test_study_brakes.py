@@ -8,15 +8,15 @@ import pytest
 
 from drumlin.brake import read_any, vary
 from drumlin.brake.brake import Brake
-from drumlin.laws import law
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.response.merit import brake_factor
 from drumlin_studies.brake_kinds import (
     brake_and_reversed_brake,
-    cam_factor,
+    brake_factor_of_cam_brake,
+    error_rows_of_other_models,
     law_error_row,
-    law_verdict,
-    other_model_rows,
-    solve_by_all_models,
+    solve_brake_by_all_models,
+    verdict_sentence_on_law,
 )
 from picking import having, keyed, picked
 
@@ -27,7 +27,7 @@ KINDS = {"hinge", "abutment", "pivot"}
 def test_the_files_hold_and_push_shoes_in_every_way() -> None:
     brakes = list(map(read_any, FILES))
     assert len(brakes) == 9
-    assert {shoe.held_by for brake in brakes for shoe in brake.shoes} == KINDS
+    assert {shoe.kind_of_support for brake in brakes for shoe in brake.shoes} == KINDS
     assert set(picked(brakes, "shares")) == {
         None,
         "its shoes share their forces by a cam",
@@ -38,7 +38,7 @@ def test_the_files_hold_and_push_shoes_in_every_way() -> None:
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_every_file_has_its_law_both_ways(path: Path) -> None:
     for brake in brake_and_reversed_brake(read_any(path)):
-        response = law(brake)
+        response = solve_brake_by_its_rigid_shoe_law(brake)
         assert max(response.balance.force, response.balance.moment) < 1e-9
         assert all(picked(response.shoes, "contact_arcs"))
 
@@ -47,14 +47,17 @@ def test_the_elastic_cam_brake_wears_in_to_equal_torques() -> None:
     (path,) = having(FILES, stem="s_cam")
     brake = read_any(path)
     assert not brake.surface.straight
-    found = solve_by_all_models("s_cam", brake, 24)
+    found = solve_brake_by_all_models("s_cam", brake, 24)
     new, worn = found.new.shoes, found.worn.shoes
     assert abs(new[0].torque / new[1].torque - 1) > 0.2
     assert worn[0].torque == pytest.approx(worn[1].torque, rel=1e-3)
-    one, two = (law(under(brake, i)).torque / (brake.size * 500.0) for i in range(2))
-    assert cam_factor(brake) == pytest.approx(4 * one * two / (one + two), rel=1e-12)
+    one, two = (
+        solve_brake_by_its_rigid_shoe_law(under(brake, i)).torque / (brake.size * 500.0)
+        for i in range(2)
+    )
+    assert brake_factor_of_cam_brake(brake) == pytest.approx(4 * one * two / (one + two), rel=1e-12)
     row: dict[str, Any] = law_error_row(found, None)
-    assert row["factor_worn"] == pytest.approx(cam_factor(brake), rel=1e-3)
+    assert row["factor_worn"] == pytest.approx(brake_factor_of_cam_brake(brake), rel=1e-3)
     assert abs(row["factor"] / row["factor_worn"] - 1) > 0.01
     assert row["balance"] < 1e-9
     assert abs(row["worn"]) < 1e-3 < abs(row["new"])
@@ -69,8 +72,8 @@ def test_a_case_takes_solid_shoes_where_they_apply() -> None:
         ("simplex_hinged", 1e-3),
         ("rail_clamp", 0.0),
     ):
-        found = solve_by_all_models(name, read_any(paths[name]), 12, solid=True)
-        (row,) = having(other_model_rows(found), model="solid")
+        found = solve_brake_by_all_models(name, read_any(paths[name]), 12, solid=True)
+        (row,) = having(error_rows_of_other_models(found), model="solid")
         assert least <= abs(row["new"]) < 0.05
 
 
@@ -86,7 +89,7 @@ def test_a_strut_is_no_actuation() -> None:
     (path,) = having(FILES, stem="duo_servo")
     brake = read_any(path)
     assert not brake.surface.straight
-    response = law(brake)
+    response = solve_brake_by_its_rigid_shoe_law(brake)
     force = 0.96 * 3e6 * math.pi * 0.02222**2 / 4
     assert brake_factor(brake, response) == pytest.approx(
         response.torque / (force * 0.1397), rel=1e-12
@@ -125,4 +128,4 @@ def test_a_strut_is_no_actuation() -> None:
 )
 def test_a_verdict_is_that_of_the_worse_sense_of_motion(new: float, p: float, said: str) -> None:
     row = {"unit": "N m", "law": "sine", "new": new, "p": p, "worn": 0.0, "p_worn": 0.0}
-    assert said in law_verdict([row, row | {"new": 0.0, "p": 0.0}])
+    assert said in verdict_sentence_on_law([row, row | {"new": 0.0, "p": 0.0}])

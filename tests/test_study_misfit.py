@@ -7,7 +7,7 @@ import independent
 from conftest import STUDY
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake
-from drumlin_studies.misfit_rows import spread_rows
+from drumlin_studies.misfit_rows import rows_of_quantity_distributions
 from picking import keyed, picked
 
 pytestmark = pytest.mark.slow
@@ -77,7 +77,8 @@ def test_a_second_run_computes_no_case_again(result, module, journal, monkeypatc
         lambda *_, **__: pytest.fail("computed again"),
     )
     monkeypatch.setattr(
-        "drumlin.sweeps.cases.case_row", lambda *_, **__: pytest.fail("computed again")
+        "drumlin.sweeps.cases.results_or_failure_of_case",
+        lambda *_, **__: pytest.fail("computed again"),
     )
     again = module.study(short=True, journal=journal)
     assert len(journal) == kept
@@ -93,7 +94,7 @@ def test_the_report_says_it_in_numbers(result, module, tmp_path):
     )
     assert page.count("data:image/svg+xml") == 6
     assert (tmp_path / "cases_new.csv").read_text().count("\n") == 1 + len(result.rows["new"])
-    quantities = keyed(spread_rows(result.drawn), ("quantity", "state"))
+    quantities = keyed(rows_of_quantity_distributions(result.drawn), ("quantity", "state"))
     new, worn, law = (
         quantities["torque [N m]", state]["relative"] for state in ("new", "worn in", "sine law")
     )

@@ -23,7 +23,7 @@ def test_plane_stress_has_the_torque_of_a_t_section_within_two_per_cent_and_no_w
 
 def test_the_error_is_resolved_against_both_meshes(result):
     plane, solid = result.certain
-    assert result.validation.resolved
+    assert result.validation.is_model_error_detected
     assert result.validation.error == pytest.approx(plane.values[-1] - solid.values[-1])
     assert max(each.uncertainty / each.values[-1] for each in result.certain) < 3e-3
 
@@ -77,10 +77,10 @@ def test_the_reader_is_told_which_brakes_plane_stress_prices():
     chart = plane_stress.PlaneErrorMap(
         "some", ("width", "depth"), np.array([1.0, 2.0]), np.array([1.0, 4.0, 9.0]), errors
     )
-    assert chart.where_within(0.05) == "width from 2 on or depth from 4 on"
-    assert chart.where_within(0.01) == "for no whole row or column of the map"
-    assert chart.where_within(0.4) == "everywhere"
-    assert chart.share_within(0.05) == pytest.approx(5 / 6)
+    assert chart.describe_range_within_error(0.05) == "width from 2 on or depth from 4 on"
+    assert chart.describe_range_within_error(0.01) == "for no whole row or column of the map"
+    assert chart.describe_range_within_error(0.4) == "everywhere"
+    assert chart.fraction_of_brakes_within_error(0.05) == pytest.approx(5 / 6)
 
 
 def swept(result):

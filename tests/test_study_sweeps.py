@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from drumlin.studies import load
+from drumlin.studies import import_study
 from drumlin_studies import throughput
 from picking import picked
 
@@ -12,7 +12,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_throughput_and_kill(tmp_path):
-    module, _ = load("sweeps")
+    module, _ = import_study("sweeps")
     result = module.study(short=True)
     assert result.same and result.killed_same
     assert picked(result.measured[module.SHARED], "workers") == [1, 2]
@@ -28,7 +28,10 @@ def test_throughput_and_kill(tmp_path):
 def test_what_dask_puts_into_the_environment_does_not_outlive_it(monkeypatch):
     monkeypatch.setenv("KEPT", "1")
     before = dict(os.environ)
-    with pytest.raises(RuntimeError), throughput._set_environment({"MALLOC_TRIM_THRESHOLD_": "1"}):
+    with (
+        pytest.raises(RuntimeError),
+        throughput._set_environment_variables({"MALLOC_TRIM_THRESHOLD_": "1"}),
+    ):
         assert os.environ["MALLOC_TRIM_THRESHOLD_"] == "1"
         os.environ["OMP_NUM_THREADS"] = "77"
         del os.environ["KEPT"]

@@ -2,14 +2,14 @@
 
 import pytest
 
-from drumlin.studies import load
+from drumlin.studies import import_study
 from picking import having, picked
 
 pytestmark = pytest.mark.slow
 
 
 def test_orders_and_estimates(tmp_path):
-    module, _ = load("verification")
+    module, _ = import_study("verification")
     result = module.study(short=True)
     assert len(result.orders) == 2 * 4 * 3
     assert len(result.estimates) == 2 * 2

@@ -57,15 +57,20 @@ def test_a_length_along_the_surface_is_phi_in_sizes_and_q_in_scale_factors(brake
         lengths = np.abs(np.diff(q)) * brake.scale_factor
         np.testing.assert_allclose(np.abs(np.diff(phi)) * brake.size, lengths, rtol=1e-12)
         on_it = shoe.at(np.zeros(5), phi, brake.size)
-        np.testing.assert_allclose(shoe.phi_of(on_it, brake.size), phi, atol=1e-13)
+        np.testing.assert_allclose(
+            shoe.phi_of_points_in_shoe_frame(on_it, brake.size), phi, atol=1e-13
+        )
         np.testing.assert_allclose(shoe.off(on_it, brake.size), 0.0, atol=1e-15)
 
 
 @pytest.mark.parametrize("brake", [PAD, BLOCK])
 def test_the_reversed_brake_moves_the_other_way_and_back(brake: Brake) -> None:
-    other = brake.reversed()
-    assert other.spin == -brake.spin and other.direction == brake.other_direction
-    assert other.reversed() == brake
+    other = brake.brake_with_reversed_motion()
+    assert (
+        other.sign_of_motion == -brake.sign_of_motion
+        and other.direction == brake.opposite_direction_of_motion
+    )
+    assert other.brake_with_reversed_motion() == brake
 
 
 @pytest.mark.parametrize("surface", [DRUM, PLANE])
@@ -75,7 +80,9 @@ def test_levers_are_the_moments_of_normal_and_tangent(
     q, size = np.array([-0.4, 0.2, 1.3]), 0.3
     x, y = np.array([q, 0 * q]) if surface.straight else size * np.array([np.cos(q), np.sin(q)])
     for along, lever in zip(
-        (surface.outwards(q), surface.along(q)), surface.levers(q, size), strict=True
+        (surface.unit_normals_into_surface(q), surface.along(q)),
+        surface.moments_of_unit_forces_on_surface(q, size),
+        strict=True,
     ):
         np.testing.assert_allclose(x * along[1] - y * along[0], lever, atol=1e-15)
 
@@ -83,5 +90,8 @@ def test_levers_are_the_moments_of_normal_and_tangent(
 def test_a_surface_says_where_a_place_is_nearest_and_what_it_is_not() -> None:
     assert DRUM.nearest(0.1 + 4 * math.pi, 0.0) == pytest.approx(0.1)
     assert PLANE.nearest(7.0, 0.0) == 7.0
-    assert DRUM.unlike(DRUM) is None and PLANE.unlike(PLANE) is None
-    assert PLANE.unlike(DRUM) == "its shoes press on a plane, not on a drum"
+    assert (
+        DRUM.reason_why_not_on_surface(DRUM) is None
+        and PLANE.reason_why_not_on_surface(PLANE) is None
+    )
+    assert PLANE.reason_why_not_on_surface(DRUM) == "its shoes press on a plane, not on a drum"

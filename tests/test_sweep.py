@@ -11,14 +11,14 @@ from scipy import stats
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
 from drumlin.base.journal import Journal
-from drumlin.brake.file import read_brake, unit_of, vary
+from drumlin.brake.file import read_brake, si_unit_of_brake_key, vary
 from drumlin.fem.preparation import meshes
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solve import solve
 from drumlin.sweeps import file as sweep_file
-from drumlin.sweeps.cases import SweepCase, case_row, solve_cases
-from drumlin.sweeps.file import read_sweep, sweep_from_data
-from drumlin.sweeps.table import make_case_table, write_table
+from drumlin.sweeps.cases import SweepCase, results_or_failure_of_case, solve_cases
+from drumlin.sweeps.file import read_sweep, sweep_from_file_data
+from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from picking import picked
 from shared_parts import friction_cases
 
@@ -27,7 +27,7 @@ LAW = {"brake": BRAKE, "model": {"sine": {}}}
 
 
 def sweep(vary_, **more):
-    return sweep_from_data(LAW | {"vary": vary_} | more)
+    return sweep_from_file_data(LAW | {"vary": vary_} | more)
 
 
 def frictions(cases):
@@ -91,7 +91,7 @@ def test_draws_follow_their_distribution(name):
 def test_quantiles_are_those_of_scipy(name):
     given, law = LAWS[name]
     u = np.linspace(1e-6, 1 - 1e-6, 101)
-    inverse = sweep_file._inverse_cumulative(
+    inverse = sweep_file._inverse_cumulative_function(
         "", sweep_file.DISTRIBUTIONS[name].model_validate({"distribution": name} | given), "", [0.3]
     )
     np.testing.assert_allclose(inverse(u), law.ppf(u), rtol=1e-13)
@@ -103,7 +103,7 @@ def test_quantiles_are_those_of_scipy(name):
 def test_a_normal_distribution_is_cut_in_its_tails_too(ends):
     u = np.linspace(1e-6, 1 - 1e-6, 101)
     np.testing.assert_allclose(
-        sweep_file._truncated_standard_normal(u, *ends),
+        sweep_file._inverse_truncated_standard_normal(u, *ends),
         stats.truncnorm(*ends).ppf(u),
         rtol=1e-9,
         atol=1e-15,
@@ -229,11 +229,11 @@ def test_units_of_keys(brake):
         "shoe[1].body.material.E",
         "shoe.actuation.direction",
     )
-    assert [unit_of(brake, key) for key in keys] == ["", None, "m", "Pa", "rad"]
+    assert [si_unit_of_brake_key(brake, key) for key in keys] == ["", None, "m", "Pa", "rad"]
     post = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
     assert (
-        unit_of(post, "drum.ring.bending_stiffness")
-        == unit_of(post, "shoe.body.bending_stiffness")
+        si_unit_of_brake_key(post, "drum.ring.bending_stiffness")
+        == si_unit_of_brake_key(post, "shoe.body.bending_stiffness")
         == "N m^2"
     )
 
@@ -247,14 +247,17 @@ def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
         and "friction = -1" in bad["status"]
         and list(bad) == ["status"]
     )
-    monkeypatch.setattr("drumlin.sweeps.cases.response_row", lambda *_: 1 / 0)
-    assert case_row(cases[0])["status"] == "failed: unexpected ZeroDivisionError: division by zero"
+    monkeypatch.setattr("drumlin.sweeps.cases.results_of_response_by_name", lambda *_: 1 / 0)
+    assert (
+        results_or_failure_of_case(cases[0])["status"]
+        == "failed: unexpected ZeroDivisionError: division by zero"
+    )
 
 
 def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
     made = []
-    assemble = meshes.assemble_shoe
-    monkeypatch.setattr(meshes, "assemble_shoe", lambda *a: made.append(1) or assemble(*a))
+    assemble = meshes.mesh_and_assemble_shoe
+    monkeypatch.setattr(meshes, "mesh_and_assemble_shoe", lambda *a: made.append(1) or assemble(*a))
     loads = [
         {"friction": 0.2},
         {"rotation": "clockwise", "shoe[0].actuation.force": 500.0},
@@ -283,8 +286,8 @@ def test_shared_bodies_change_no_digit(brake, flexible):
         for base in (brake, flexible)
     ]
     cache = Cache()
-    shared = [case_row(case, cache) for case in reversed(cases)][::-1]
-    assert shared == list(map(case_row, cases)) == solve_cases(cases)
+    shared = [results_or_failure_of_case(case, cache) for case in reversed(cases)][::-1]
+    assert shared == list(map(results_or_failure_of_case, cases)) == solve_cases(cases)
     assert set(picked(shared, "status")) == {"solved"}
     own = [solve(vary(case.brake, case.changes), elements=8).torque for case in cases]
     assert picked(shared, "torque") == own
@@ -333,7 +336,7 @@ def test_tables(brake, tmp_path):
             "sine",
         )
     )
-    lines = make_case_table(cases, solve_cases(cases))
+    lines = table_lines_of_cases(cases, solve_cases(cases))
     assert list(lines[0])[:6] == [
         "case",
         "shoe.lining.clearance [m]",
@@ -347,11 +350,11 @@ def test_tables(brake, tmp_path):
         and lines[0]["torque [N m]"] == lines[2]["torque [N m]"]
     )
     assert lines[0]["brake_factor"] == pytest.approx(lines[0]["torque [N m]"] / (2000 * 0.15))
-    write_table(lines, tmp_path / "t.csv")
+    write_table_file(lines, tmp_path / "t.csv")
     text = (tmp_path / "t.csv").read_text().splitlines()
     assert len(text) == 4 and text[2].startswith("1,0.0,0.9,sine,\"failed: shoe '")
     arrow = pytest.importorskip("pyarrow.parquet")
-    write_table(lines, tmp_path / "t.parquet")
+    write_table_file(lines, tmp_path / "t.parquet")
     again = arrow.read_table(tmp_path / "t.parquet").to_pylist()
     assert picked(again, "torque [N m]") == [line.get("torque [N m]") for line in lines]
 

@@ -15,9 +15,15 @@ from drumlin.brake.file import read_brake
 from drumlin.fem.preparation.cache import Cache
 from drumlin.sweeps import cases as sweeps
 from drumlin.sweeps import workers
-from drumlin.sweeps.cases import SweepCase, case_row, journal_keys, solve_cases, solve_chunk
+from drumlin.sweeps.cases import (
+    SweepCase,
+    journal_keys_of_cases,
+    results_or_failure_of_case,
+    solve_cases,
+    solve_chunk_of_cases,
+)
 from drumlin.sweeps.file import read_sweep
-from drumlin.sweeps.table import make_case_table
+from drumlin.sweeps.table import table_lines_of_cases
 from picking import picked
 from shared_parts import friction_cases
 
@@ -38,7 +44,7 @@ def workers_of(pool, count):
 
 def failing(monkeypatch, error, times):
     """Let the case with friction 0.3 fail so many times; returns the list of attempts."""
-    respond, tried = sweeps.solve_case, []
+    respond, tried = sweeps.brake_and_response_of_case, []
 
     def at_times(case, cache=None):
         tried.append(case.changes["friction"])
@@ -46,7 +52,7 @@ def failing(monkeypatch, error, times):
             raise error
         return respond(case, cache)
 
-    monkeypatch.setattr(sweeps, "solve_case", at_times)
+    monkeypatch.setattr(sweeps, "brake_and_response_of_case", at_times)
     return tried
 
 
@@ -118,24 +124,24 @@ def test_mesh_paths_count_from_the_sweep_file(meshed, monkeypatch, tmp_path):
     rows = solve_cases(made.cases)
     for row in rows:
         assert "no such file" not in row["status"]
-    lines = make_case_table(made.cases, rows, meshed.parent)
+    lines = table_lines_of_cases(made.cases, rows, meshed.parent)
     assert picked(lines, "shoe[0].mesh") == ["mesh.msh", "other/mesh.msh"]
 
 
 def test_what_is_in_a_mesh_file_tells_cases_apart_not_its_name(meshed):
     cases = read_sweep(meshed).cases
-    first, second = journal_keys(cases)
+    first, second = journal_keys_of_cases(cases)
     assert first != second
     mesh = meshed.parent / "mesh.msh"
     shutil.copy(meshed.parent / "other" / "mesh.msh", mesh)
-    again, _ = journal_keys(cases)
+    again, _ = journal_keys_of_cases(cases)
     assert again["changes"] == second["changes"] != first["changes"]
     brake = read_brake(STUDY / "brake.toml")
     shoes = (brake.shoes[0].model_copy(update={"mesh": mesh}), brake.shoes[1])
     based = [SweepCase(brake.model_copy(update={"shoes": shoes}), {})]
-    before = list(journal_keys(based))
+    before = list(journal_keys_of_cases(based))
     mesh.write_text(mesh.read_text() + "\n")
-    assert list(journal_keys(based)) != before
+    assert list(journal_keys_of_cases(based)) != before
 
 
 def test_bodies_in_the_cache_follow_their_mesh_file(tmp_path):
@@ -145,9 +151,9 @@ def test_bodies_in_the_cache_follow_their_mesh_file(tmp_path):
     shutil.copy(brake.shoes[left].mesh, mesh)
     case = SweepCase(brake, {f"shoe[{left}].mesh": str(mesh)})
     cache = Cache()
-    assert case_row(case, cache)["status"] == "solved"
+    assert results_or_failure_of_case(case, cache)["status"] == "solved"
     mesh.write_text("no mesh")
-    assert "is not a mesh that can be read" in case_row(case, cache)["status"]
+    assert "is not a mesh that can be read" in results_or_failure_of_case(case, cache)["status"]
 
 
 def test_a_mesh_file_that_is_gone_is_no_answer_of_the_brake(meshed, tmp_path):
@@ -178,7 +184,7 @@ class Deadly(Executor):
         if 0.3 in self.sent[-1]:
             future.set_exception(BrokenExecutor("its process died"))
         else:
-            future.set_result(solve_chunk(cases))
+            future.set_result(solve_chunk_of_cases(cases))
         return future
 
 
@@ -249,7 +255,7 @@ def test_jobs_have_bounds(jobs):
 
 
 def test_waiting_is_said_once(brake, monkeypatch):
-    monkeypatch.setattr(sweeps, "QUIET_SECONDS", 0.05)
+    monkeypatch.setattr(sweeps, "SECONDS_BEFORE_WAITING_MESSAGE", 0.05)
 
     class Slow(Executor):
         def submit(self, fn, /, cases, **_):
@@ -277,5 +283,5 @@ def test_a_scheduler_of_an_older_dask_is_not_called_lost():
     with pytest.raises(
         NoAnswer, match=rf"is of a Dask older than {workers.OLDEST_DASK} \(.*'n_workers'\)"
     ):
-        workers._scheduler_workers(Old(), "tcp://127.0.0.1:1")
+        workers._workers_of_dask_scheduler(Old(), "tcp://127.0.0.1:1")
     assert f'"distributed>={workers.OLDEST_DASK}"' in (ROOT / "pyproject.toml").read_text()

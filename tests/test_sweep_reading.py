@@ -8,18 +8,25 @@ import pytest
 from conftest import ROOT, STUDY, partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Part
-from drumlin.brake.file import is_interval, unit_of, values_of, vary
+from drumlin.brake.file import (
+    is_allowed_range_an_interval,
+    si_unit_of_brake_key,
+    values_of_brake_key,
+    vary,
+)
 from drumlin.cli import terminal
 from drumlin.sweeps import file as sweep_file
-from drumlin.sweeps.file import sweep_from_data
-from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_kinds import draw_brake_of_holding_kind
+from drumlin.sweeps.file import sweep_from_file_data
+from drumlin_studies.random_brake import draw_random_brake
+from drumlin_studies.random_kinds import draw_brake_of_support_kind
 
 BRAKE = str(STUDY / "brake.toml")
 
 
 def sweep(vary_, done=lambda judged, of: None, **more):
-    return sweep_from_data({"brake": BRAKE, "model": {"sine": {}}, "vary": vary_} | more, done=done)
+    return sweep_from_file_data(
+        {"brake": BRAKE, "model": {"sine": {}}, "vary": vary_} | more, done=done
+    )
 
 
 @pytest.fixture
@@ -87,11 +94,11 @@ def taken(brake, key, value):
 def test_what_lies_between_two_numbers_of_one_sign_that_a_brake_takes_is_taken(seed):
     """Of every key that is said to be an interval, on brakes of all kinds."""
     rng = random.Random(seed)
-    brake = random_brake(seed) if seed % 2 else draw_brake_of_holding_kind(seed)
-    keys = [key for key in numbers(brake) if is_interval(brake, key)]
+    brake = draw_random_brake(seed) if seed % 2 else draw_brake_of_support_kind(seed)
+    keys = [key for key in numbers(brake) if is_allowed_range_an_interval(brake, key)]
     assert len(keys) > 5
     for key in keys:
-        own = abs(values_of(brake, key)[0]) or 1e-4
+        own = abs(values_of_brake_key(brake, key)[0]) or 1e-4
         for sign in (-1.0, 1.0):
             tried = [sign * own * 10 ** rng.uniform(-1.5, 1.5) for _ in range(4)] + [
                 sign * own,
@@ -106,8 +113,10 @@ def test_what_lies_between_two_numbers_of_one_sign_that_a_brake_takes_is_taken(s
 
 
 def test_angles_and_coordinates_are_judged_one_by_one(judged, brake):
-    assert not is_interval(brake, "shoe.lining.start") and not is_interval(brake, "shoe[0].hinge.x")
-    assert unit_of(brake, "shoe.lining.start") == "rad"
+    assert not is_allowed_range_an_interval(
+        brake, "shoe.lining.start"
+    ) and not is_allowed_range_an_interval(brake, "shoe[0].hinge.x")
+    assert si_unit_of_brake_key(brake, "shoe.lining.start") == "rad"
     told = []
     sweep(
         {"shoe.actuation.direction": {"from": "0 deg", "to": "180 deg", "count": 1000}},
@@ -152,10 +161,10 @@ def test_a_number_that_is_bad_near_nothing_is_found_between_both_signs():
     """A pad's face ground to a circle: any radius either way, but not a small one."""
     data = {"brake": str(ROOT / "studies" / "brakes" / "rail_clamp.toml"), "model": {"fem": {}}}
     key = {"shoe.lining.misfit.radius": {"from": "-9 m", "to": "9 m", "count": 6}}
-    assert len(sweep_from_data(data | {"vary": key}).cases) == 6
+    assert len(sweep_from_file_data(data | {"vary": key}).cases) == 6
     key["shoe.lining.misfit.radius"]["count"] = 6001
     with pytest.raises(BadInput, match=r"misfit.radius = .*: must be at least .* either way"):
-        sweep_from_data(data | {"vary": key})
+        sweep_from_file_data(data | {"vary": key})
 
 
 def test_many_values_that_fit_only_together_are_taken_and_judged_once(judged):
@@ -190,9 +199,9 @@ class Terminal(io.StringIO):
 
 @pytest.mark.parametrize(("long", "shown"), ((100.0, False), (0.0, True)))
 def test_what_takes_long_shows_a_bar_and_what_does_not_shows_none(long, shown, monkeypatch):
-    monkeypatch.setattr(terminal, "BAR_AFTER", long)
+    monkeypatch.setattr(terminal, "SECONDS_BEFORE_PROGRESS_BAR", long)
     monkeypatch.setattr("sys.stderr", Terminal())
-    with terminal.progress_if_long("reading sweep.toml") as done:
+    with terminal.show_progress_bar_if_long("reading sweep.toml") as done:
         for judged in range(4):
             done(judged, 4)
     assert ("reading sweep.toml" in terminal.sys.stderr.getvalue()) is shown

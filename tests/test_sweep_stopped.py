@@ -20,7 +20,7 @@ import pytest
 from conftest import STUDY
 from drumlin.sweeps.cases import solve_cases
 from drumlin.sweeps.file import read_sweep
-from drumlin.sweeps.table import make_case_table, write_table
+from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from picking import picked, saying
 
 pytestmark = pytest.mark.slow
@@ -58,7 +58,7 @@ def undisturbed(sweep_file):
     rows = solve_cases(sweep.cases)
     assert 0 < len(saying(picked(rows, "status"), "self-locking")) < 100
     path = sweep_file.with_name("undisturbed.csv")
-    write_table(make_case_table(sweep.cases, rows), path)
+    write_table_file(table_lines_of_cases(sweep.cases, rows), path)
     return path.read_bytes()
 
 
@@ -213,7 +213,7 @@ def test_a_dask_worker_is_killed(sweep_file, undisturbed, tmp_path, cluster):
 IMPATIENT = """
 import drumlin.sweeps.cases, drumlin.sweeps.workers as workers
 workers.ANSWER_SECONDS, workers.HEARTBEAT_SECONDS, workers.FIRST_WORKER_SECONDS = 4.0, 6.0, 4.0
-drumlin.sweeps.cases.QUIET_SECONDS = 1.0
+drumlin.sweeps.cases.SECONDS_BEFORE_WAITING_MESSAGE = 1.0
 from drumlin.cli import main
 main()
 """

@@ -13,7 +13,11 @@ from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import read_any
 from drumlin.door import solve
 from drumlin.response.merit import brake_factor
-from drumlin.response.response import PeakPlace, edge_zone, peak_place
+from drumlin.response.response import (
+    PeakPlace,
+    length_of_edge_zone_without_peak,
+    place_of_peak_pressure,
+)
 from picking import picked
 
 BRAKE = STUDY / "brake.toml"
@@ -115,14 +119,14 @@ def test_a_shoe_that_is_lifted_off_and_a_warning_are_said_at_once(tmp_path):
 def test_where_the_pressure_peaks(root, brake):
     flat = read_any(root / "studies/laws/pad.toml")
     pad = solve(flat, "linear")
-    assert peak_place(flat, 0, pad.shoes[0]) == PeakPlace(flat.shoes[0].lining.end, 0.0)
+    assert place_of_peak_pressure(flat, 0, pad.shoes[0]) == PeakPlace(flat.shoes[0].lining.end, 0.0)
     assert brake_factor(flat, pad) == pytest.approx(
         pad.merits[0].braking_force / flat.shoes[0].actuation.force
     )
     # Its pressure has no bound at the end that runs on.
     clamp = read_any(root / "studies/brakes/rail_clamp.toml")
     (shoe,) = solve(clamp, elements=40).shoes
-    place = peak_place(clamp, 0, shoe)
+    place = place_of_peak_pressure(clamp, 0, shoe)
     # The zone is half of the 10 mm of thickness.
     assert place.zone == 5e-3 and abs(place.at) < 75e-3 - 5e-3
     assert (
@@ -131,13 +135,16 @@ def test_where_the_pressure_peaks(root, brake):
         != shoe.pressure[0]
     )
     for i, shoe in enumerate(solve(brake, elements=40).shoes):
-        place, zone = peak_place(brake, i, shoe), edge_zone(brake.shoes[i], brake.drum.radius)
+        place, zone = (
+            place_of_peak_pressure(brake, i, shoe),
+            length_of_edge_zone_without_peak(brake.shoes[i], brake.drum.radius),
+        )
         # The zone is half of 8 mm at R = 150 mm.
         assert zone == pytest.approx(4 / 150, rel=1e-12)
         assert place.zone == (zone if shoe.pressure.max() > shoe.peak_pressure else 0.0)
         assert shoe.theta[0] + zone <= place.at <= shoe.theta[-1] - zone
     lifted = vary(brake, {"shoe[0].actuation.force": -1.0})
-    assert peak_place(lifted, 0, solve(lifted, "sine").shoes[0]) is None
+    assert place_of_peak_pressure(lifted, 0, solve(lifted, "sine").shoes[0]) is None
 
 
 def test_several_brakes_are_solved_in_one_call_and_one_failure_costs_no_other(tmp_path):

@@ -6,28 +6,30 @@ import numpy as np
 import pytest
 
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.file import value_of, vary
-from drumlin.laws import sine
+from drumlin.brake.file import numerical_value_of_brake_key, vary
+from drumlin.laws import solve_brake_by_sine_law
 from drumlin.sweeps import cases as sweep
 from drumlin.sweeps.tolerances import (
     ManufacturingTolerance,
-    draw_deviates,
-    sample_spread,
+    cases_with_random_deviations,
+    draw_random_deviations,
+    mean_and_percentiles_of_sample,
+    one_result_of_all_cases,
     sobol_indices_of_tolerances,
-    tolerance_cases,
-    truncated_normal_deviate,
-    uniform_deviate,
-    values_of_rows,
+    truncated_normal_distribution,
+    uniform_distribution,
 )
 
 TOLERANCES = (
-    ManufacturingTolerance("friction", truncated_normal_deviate(0.006), {"friction": 1.0}),
-    ManufacturingTolerance("force", truncated_normal_deviate(0.03), {"shoe.actuation.force": 2e3}),
+    ManufacturingTolerance("friction", truncated_normal_distribution(0.006), {"friction": 1.0}),
     ManufacturingTolerance(
-        "line of force", truncated_normal_deviate(1e-3), {"shoe.actuation.point.y": 1.0}
+        "force", truncated_normal_distribution(0.03), {"shoe.actuation.force": 2e3}
     ),
     ManufacturingTolerance(
-        "modulus", truncated_normal_deviate(0.2), {"shoe.lining.material.E": 3e8}
+        "line of force", truncated_normal_distribution(1e-3), {"shoe.actuation.point.y": 1.0}
+    ),
+    ManufacturingTolerance(
+        "modulus", truncated_normal_distribution(0.2), {"shoe.lining.material.E": 3e8}
     ),
 )
 
@@ -40,16 +42,17 @@ def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
     agree.
     """
     n = 128
-    deviates = draw_deviates(TOLERANCES, n, seed=3)
-    torque = values_of_rows(
-        sweep.solve_cases(tolerance_cases(brake, TOLERANCES, deviates, "sine")), "torque"
+    deviates = draw_random_deviations(TOLERANCES, n, seed=3)
+    torque = one_result_of_all_cases(
+        sweep.solve_cases(cases_with_random_deviations(brake, TOLERANCES, deviates, "sine")),
+        "torque",
     ).reshape(-1, n)
     parts = []
     for i, tolerance in enumerate(TOLERANCES):
         step = 0.1 * tolerance.distribution.std() * np.eye(len(TOLERANCES))[i]
         high, low = (
-            sine(vary(brake, case.changes)).torque
-            for case in tolerance_cases(brake, TOLERANCES, np.array([step, -step]))
+            solve_brake_by_sine_law(vary(brake, case.changes)).torque
+            for case in cases_with_random_deviations(brake, TOLERANCES, np.array([step, -step]))
         )
         # The slope is taken per standard deviation.
         parts.append(5 * (high - low))
@@ -61,15 +64,15 @@ def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
             assert index.low - 0.005 <= true <= index.high + 0.005
             assert index.high - index.low < 0.5
         assert share.total.value == pytest.approx(true, abs=0.06)
-    both = sample_spread(torque[:2].ravel())
+    both = mean_and_percentiles_of_sample(torque[:2].ravel())
     assert both.deviation == pytest.approx(math.sqrt(np.sum(np.square(parts))), rel=0.06)
-    assert both.mean == pytest.approx(sine(brake).torque, rel=2e-3)
+    assert both.mean == pytest.approx(solve_brake_by_sine_law(brake).torque, rel=2e-3)
 
 
 def test_shares_of_a_product_with_interaction():
     """f = x (1 + y) of two even deviates on (-1, 1): first 3/4 and 0, total 1 and 1/4."""
-    tolerances = [ManufacturingTolerance(name, uniform_deviate(-1, 1), {}) for name in "xy"]
-    deviates = draw_deviates(tolerances, 1024, seed=1)
+    tolerances = [ManufacturingTolerance(name, uniform_distribution(-1, 1), {}) for name in "xy"]
+    deviates = draw_random_deviations(tolerances, 1024, seed=1)
     found = sobol_indices_of_tolerances(
         tolerances, deviates[..., 0] * (1 + deviates[..., 1]), seed=2
     )
@@ -83,51 +86,55 @@ def test_shares_of_a_product_with_interaction():
 
 def test_draws_are_what_saltelli_asks_for():
     tolerances = [
-        ManufacturingTolerance("a", truncated_normal_deviate(2.0), {}),
-        ManufacturingTolerance("b", uniform_deviate(3, 5), {}),
+        ManufacturingTolerance("a", truncated_normal_distribution(2.0), {}),
+        ManufacturingTolerance("b", uniform_distribution(3, 5), {}),
     ]
-    x = draw_deviates(tolerances, 64, seed=1)
+    x = draw_random_deviations(tolerances, 64, seed=1)
     assert x.shape == (4, 64, 2)
     assert (x[2, :, 0] == x[1, :, 0]).all() and (x[2, :, 1] == x[0, :, 1]).all()
     assert (x[3, :, 0] == x[0, :, 0]).all() and (x[3, :, 1] == x[1, :, 1]).all()
     assert np.abs(x[..., 0]).max() <= 2 and x[..., 1].min() >= 3 and x[..., 1].max() <= 5
-    assert (draw_deviates(tolerances, 64, seed=1) == x).all() and (
-        draw_deviates(tolerances, 64, seed=2) != x
+    assert (draw_random_deviations(tolerances, 64, seed=1) == x).all() and (
+        draw_random_deviations(tolerances, 64, seed=2) != x
     ).any()
     with pytest.raises(BadInput, match="power of 2"):
-        draw_deviates(tolerances, 48, seed=1)
+        draw_random_deviations(tolerances, 48, seed=1)
 
 
 def test_deviates_add_up_on_the_keys_that_they_share(brake):
     tolerances = [
-        ManufacturingTolerance("one", truncated_normal_deviate(1), {"drum.angle": 1.0}),
-        ManufacturingTolerance("two", truncated_normal_deviate(1), {"drum.angle": -2.0}),
+        ManufacturingTolerance("one", truncated_normal_distribution(1), {"drum.angle": 1.0}),
+        ManufacturingTolerance("two", truncated_normal_distribution(1), {"drum.angle": -2.0}),
     ]
-    (case,) = tolerance_cases(brake, tolerances, np.array([[0.5, 0.1]]), elements=40)
+    (case,) = cases_with_random_deviations(brake, tolerances, np.array([[0.5, 0.1]]), elements=40)
     assert case.changes == {"drum.angle": pytest.approx(0.3)} and case.options == {"elements": 40}
-    assert value_of(brake, "shoe.lining.thickness") == pytest.approx(8e-3)
+    assert numerical_value_of_brake_key(brake, "shoe.lining.thickness") == pytest.approx(8e-3)
     with pytest.raises(BadInput, match="name each"):
         clash = [
-            ManufacturingTolerance("all", truncated_normal_deviate(1), {"shoe.width": 1.0}),
-            ManufacturingTolerance("one", truncated_normal_deviate(1), {"shoe[0].width": 1.0}),
+            ManufacturingTolerance("all", truncated_normal_distribution(1), {"shoe.width": 1.0}),
+            ManufacturingTolerance("one", truncated_normal_distribution(1), {"shoe[0].width": 1.0}),
         ]
-        tolerance_cases(brake, clash, np.zeros((1, 2)))
+        cases_with_random_deviations(brake, clash, np.zeros((1, 2)))
     for key, words in (
         ("shoe.lining.tickness", "unknown key"),
         ("shoe.name", "right"),
         ("shoe.hinge.x", "name one"),
     ):
         with pytest.raises(BadInput, match=words):
-            value_of(brake, key)
+            numerical_value_of_brake_key(brake, key)
 
 
 def test_shares_need_an_answer_of_every_case(brake):
-    tolerances = [ManufacturingTolerance("friction", uniform_deviate(0.2, 1.2), {"friction": 1.0})]
+    tolerances = [
+        ManufacturingTolerance("friction", uniform_distribution(0.2, 1.2), {"friction": 1.0})
+    ]
     rows = sweep.solve_cases(
-        tolerance_cases(brake, tolerances, draw_deviates(tolerances, 8, seed=1), "sine")
+        cases_with_random_deviations(
+            brake, tolerances, draw_random_deviations(tolerances, 8, seed=1), "sine"
+        )
     )
     assert any(row["status"] == "solved" for row in rows)
     with pytest.raises(
         NoAnswer, match=r"of 24 cases have no answer; the first: failed: .*self-locking"
     ):
-        values_of_rows(rows, "torque")
+        one_result_of_all_cases(rows, "torque")

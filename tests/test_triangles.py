@@ -11,20 +11,30 @@ from hypothesis import strategies as st
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
-from drumlin.brake.file import brake_from, read_brake, vary
+from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
 from drumlin.fem.solve import solve
-from drumlin.verification.triangles import TriangleLevel, contact, lagrange, levels, solve_sequence
-from drumlin.verification.triangles.face import edge_nodes, edge_quadrature, mesh_body
+from drumlin.verification.triangles import (
+    TriangleLevel,
+    contact,
+    lagrange,
+    levels,
+    solve_on_triangle_level_sequence,
+)
+from drumlin.verification.triangles.face import (
+    body_with_nodes_and_stiffness,
+    gauss_rule_on_curved_edges,
+    node_numbers_along_edges,
+)
 from drumlin.verification.triangles.outline import Outline
 from drumlin.verification.triangles.triangulation import (
     TriangleLayer,
     bisect_triangles,
-    graded_mesh,
-    initial_mesh,
+    grade_mesh_towards_points,
     mesh_edges,
+    triangulate_grid,
 )
-from drumlin_studies.random_brake import random_brake
-from drumlin_studies.stated_true import pressure_error
+from drumlin_studies.random_brake import draw_random_brake
+from drumlin_studies.stated_true import relative_pressure_error_of_shoe
 
 pytestmark = pytest.mark.slow
 
@@ -34,7 +44,7 @@ SMALL = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(5, 7, 1.2, 1.0))
 def block(a, b):
     """A grid of a rectangle in a plane in which s and d are lengths."""
     elastic = ElasticLayer.of(Material(E=1.0, nu=0.0), 1.0)
-    return initial_mesh(
+    return triangulate_grid(
         np.linspace(0, a, 4), [np.linspace(0, 1, 3)], [TriangleLayer(0.0, a, elastic)]
     )
 
@@ -68,7 +78,9 @@ def test_triangles_are_as_small_as_their_distance_asks():
     def plane(s, d):
         return np.stack([s, d], axis=-1)
 
-    mesh = graded_mesh(block(2.0, 1.0), plane, np.array([[2 / 3, 0.0]]), np.array([1e-4]), 0.8)
+    mesh = grade_mesh_towards_points(
+        block(2.0, 1.0), plane, np.array([[2 / 3, 0.0]]), np.array([1e-4]), 0.8
+    )
     corners = mesh.at
     size = np.hypot(*np.moveaxis(corners - np.roll(corners, -1, axis=1), 2, 0)).max(axis=1)
     away = np.hypot(*(corners.mean(axis=1) - [2 / 3, 0.0]).T)
@@ -78,10 +90,10 @@ def test_triangles_are_as_small_as_their_distance_asks():
 
 @pytest.mark.parametrize("degree", [2, 3, 4, 5])
 def test_shape_functions_are_lagranges_and_carry_all_polynomials(degree):
-    nodes = lagrange.reference_nodes(degree)
+    nodes = lagrange.nodes_of_reference_triangle(degree)
     assert len(nodes) == (degree + 1) * (degree + 2) // 2
     assert nodes.sum(axis=1) == pytest.approx(1.0, abs=1e-14)
-    value, slopes, weights = lagrange.shape_functions(degree)
+    value, slopes, weights = lagrange.triangle_shape_functions(degree)
     assert value.sum(axis=0) == pytest.approx(1.0, abs=1e-12)
     assert slopes.sum(axis=0) == pytest.approx(0.0, abs=1e-10)
     # Int x^a y^b over the triangle = a! b! / (a + b + 2)!
@@ -109,19 +121,19 @@ def test_ring_under_even_pressure_is_lames():
     shape = Outline(
         place, [layer], np.array([b - a]), np.zeros(2), np.zeros((0, 2)), None, None, 0.0, 1, a
     )
-    mesh = initial_mesh(
+    mesh = triangulate_grid(
         np.linspace(0, 2 * math.pi, 25), [np.linspace(0, 1, 3)], [layer], 2 * math.pi
     )
-    body = mesh_body(shape, mesh, 4)
+    body = body_with_nodes_and_stiffness(shape, mesh, 4)
     nodes, kept = body.nodes, body.surface
-    tri, edge = mesh.surface
-    edges = edge_nodes(nodes, tri, edge, 4)
-    psi, x, ds = edge_quadrature(nodes.xy[edges], 4)
+    tri, edge = mesh.edges_on_surface
+    edges = node_numbers_along_edges(nodes, tri, edge, 4)
+    psi, x, ds = gauss_rule_on_curved_edges(nodes.xy[edges], 4)
     loads = np.zeros_like(nodes.xy)
     outwards = x / np.hypot(x[..., 0], x[..., 1])[..., None]
     np.add.at(loads, edges, width * p * np.einsum("aq,kqc,kq->kac", psi, outwards, ds))
     held = np.repeat(nodes.at[:, 1] > 1 - 1e-12, 2)
-    found = lagrange.condense_body(body.K, nodes, held, kept, loads.reshape(-1, 1))
+    found = lagrange.condense_body_to_kept_nodes(body.K, nodes, held, kept, loads.reshape(-1, 1))
     by_forces = found.of @ loads[kept].ravel()
     assert by_forces == pytest.approx(
         found.loaded[:, 0], rel=1e-9, abs=1e-9 * np.abs(by_forces).max()
@@ -145,7 +157,7 @@ def test_contact_sets_settle_on_the_one_that_fits(seed, skew):
     A = X @ X.T + 0.3 * np.eye(n) + skew * (Y - Y.T)
     B, q = -(0.5 + rng.random((n, 1))), 0.1 * rng.normal(size=n)
     C, h = -B.T, np.array([1.0])
-    found = contact.solve_complementarity(A, q, B, C, h, np.ones(n), np.ones(n, dtype=bool))
+    found = contact.solve_contact_complementarity(A, q, B, C, h, np.ones(n), np.ones(n, dtype=bool))
     right = []
     for size in range(1, n + 1):
         for members in combinations(range(n), size):
@@ -164,7 +176,7 @@ def pressed_circle(half):
     """A thick lining of a 3 % smaller radius on a rigid shoe, and Hertz's half-width [rad]."""
     R, r, E, width = 0.15, 0.1455, 3e8, 0.04
     force = math.pi / 4 * (half * R) ** 2 * E * (1 / r - 1 / R) * width
-    return brake_from(
+    return make_drum_brake_from_data(
         {
             "title": "circle",
             "rotation": "clockwise",
@@ -195,10 +207,10 @@ def test_of_two_answers_triangles_find_the_one_that_grows_from_no_friction():
 
     A shoe presses with its end; another answer, with the whole lining, has 3.5 times its torque.
     """
-    brake = random_brake(5820)
-    *_, (found,) = solve_sequence(brake, SMALL[:1])
+    brake = draw_random_brake(5820)
+    *_, (found,) = solve_on_triangle_level_sequence(brake, SMALL[:1])
     assert found.torque == pytest.approx(solve(brake, tolerance=1e-3).torque, rel=1e-3)
-    (other,) = levels.solve(brake, levels.FINDING)
+    (other,) = levels.solve_on_triangle_level(brake, levels.CONTACT_FINDING_LEVEL)
     assert other.torque > 3 * found.torque
 
 
@@ -207,7 +219,7 @@ def test_a_small_contact_is_hertzs():
 
     a^2 = 4 P'/(pi E (1/r - 1/R)) in plane stress against a rigid drum; a/t = 0.03.
     """
-    *_, (found,) = solve_sequence(pressed_circle(math.radians(0.5)), SMALL)
+    *_, (found,) = solve_on_triangle_level_sequence(pressed_circle(math.radians(0.5)), SMALL)
     R, r, E = 0.15, 0.1455, 3e8
     load = found.normal_force / 0.04
     a = math.sqrt(4 * load / (math.pi * E * (1 / r - 1 / R)))
@@ -221,27 +233,31 @@ def test_a_small_contact_is_hertzs():
 
 def test_moments_and_forces_of_a_solution_are_in_equilibrium(brake):
     mild = vary(brake, {"shoe.lining.clearance": 5e-5})
-    for shoe, found in zip(mild.shoes, solve_sequence(mild, SMALL[:1])[-1], strict=True):
+    for shoe, found in zip(
+        mild.shoes, solve_on_triangle_level_sequence(mild, SMALL[:1])[-1], strict=True
+    ):
         half = 0.5 * np.diff(found.theta[:: found.order])[:, None]
         gauss, weights = np.polynomial.legendre.leggauss(8)
         theta = found.theta[: -1 : found.order][:, None] + half * (1 + gauss)
         load = found.pressure_at(theta) * half * weights * mild.drum.radius * shoe.lining.width
         e = np.array([np.cos(theta), np.sin(theta)])
-        drag = mild.friction * mild.spin
+        drag = mild.friction * mild.sign_of_motion
         force = (load * (-shoe.sign * e + drag * np.array([-e[1], e[0]]))).sum(axis=(1, 2))
-        total = force + shoe.actuation.vector + found.hinge_reaction
+        total = force + shoe.actuation.force_vector + found.hinge_reaction
         assert np.linalg.norm(total) < 1e-4 * np.linalg.norm(force)
         assert found.torque == pytest.approx(
             mild.friction * mild.drum.radius * load.sum(), rel=1e-5
         )
         x, y = shoe.hinge.xy
         at_pin = drag * mild.drum.radius * load.sum() - (x * force[1] - y * force[0])
-        assert at_pin == pytest.approx(-shoe.actuation.moment_about(shoe.hinge), rel=1e-4)
+        assert at_pin == pytest.approx(
+            -shoe.actuation.moment_of_force_about_point(shoe.hinge), rel=1e-4
+        )
 
 
 def test_a_shoe_that_is_pulled_off_has_no_solution(brake):
     with pytest.raises(NoAnswer, match="towards"):
-        levels.solve(vary(brake, {"shoe[0].actuation.force": -10.0}), SMALL[0])
+        levels.solve_on_triangle_level(vary(brake, {"shoe[0].actuation.force": -10.0}), SMALL[0])
 
 
 RING = {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9, "nu": 0.25}}
@@ -262,11 +278,11 @@ CASES = {
 def test_the_finite_elements_agree(case, brake):
     """Torque, reactions and p of two codes that share no mesh, no element and no contact."""
     changed = vary(brake, CASES[case])
-    theirs = solve_sequence(changed, SMALL)[-1]
+    theirs = solve_on_triangle_level_sequence(changed, SMALL)[-1]
     mine = solve(changed, tolerance=1e-3)
     for a, b in zip(mine.shoes, theirs, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=5e-5)
-        assert pressure_error(a, b) < 3e-3
+        assert relative_pressure_error_of_shoe(a, b) < 3e-3
         assert np.linalg.norm(a.hinge_reaction - b.hinge_reaction) < 1e-4 * np.linalg.norm(
             b.hinge_reaction
         )
@@ -277,7 +293,7 @@ def test_a_post_and_its_mirror_image_are_the_same(root):
         read_brake(root / "studies" / "post_brake" / "brake.toml"),
         {"drum.ring": None, "friction": 0.0},
     )
-    right, left = levels.solve(two, SMALL[0])
+    right, left = levels.solve_on_triangle_level(two, SMALL[0])
     assert left.normal_force == pytest.approx(right.normal_force, rel=1e-9)
     assert left.hinge_reaction == pytest.approx(right.hinge_reaction * [-1, 1], rel=1e-6)
     theirs = solve(two, tolerance=1e-2).shoes[0]

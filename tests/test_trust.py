@@ -9,17 +9,22 @@ import pytest
 
 import drumlin
 from drumlin import BadInput, NoAnswer, vary
-from drumlin.brake.file import validated
+from drumlin.brake.file import make_validated_part
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.fem.mesh.file import write_mesh
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.response.balance import shoe_balance, worst
-from drumlin.response.norms import pressure_distance
+from drumlin.fem.mesh.file import write_shoe_mesh_to_file
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
+from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import Balance, Response, ShoeResponse
-from drumlin.response.resultants import InnerPart, cross, edge_left_out, lobatto
-from drumlin_studies.fuzzing.endings import find_fault, run_in_this_process
-from drumlin_studies.fuzzing.inputs import BrokenInput, brake_text
-from drumlin_studies.textbook_brakes import hinged_shoe_brake
+from drumlin.response.resultants import (
+    LiningWithoutEndZones,
+    edge_zone_that_does_not_count,
+    gauss_lobatto_points,
+    planar_cross_product,
+)
+from drumlin_studies.fuzzing.endings import describe_fault_of_run, run_input_in_this_process
+from drumlin_studies.fuzzing.inputs import BrokenInput, content_of_brake_file
+from drumlin_studies.textbook_brakes import brake_with_one_hinged_shoe
 from picking import picked, saying
 
 
@@ -34,13 +39,13 @@ def _pressing(pressure):
 
 def test_a_distance_of_pressures_is_never_nan():
     nothing, even, spike = _pressing([0] * 1001), _pressing([1] * 1001), _pressing([1] + [0] * 1000)
-    assert pressure_distance(nothing, nothing) == 0
-    assert pressure_distance(even, nothing) == math.inf
-    assert pressure_distance(nothing, even) == pytest.approx(1)
+    assert relative_distance_of_pressures(nothing, nothing) == 0
+    assert relative_distance_of_pressures(even, nothing) == math.inf
+    assert relative_distance_of_pressures(nothing, even) == pytest.approx(1)
     # The spike lies in the zone that is left out: then the whole lining counts. Int (1 - spike)^2
     # over Int spike^2.
     h = 1e-3
-    assert pressure_distance(even, spike) == pytest.approx(
+    assert relative_distance_of_pressures(even, spike) == pytest.approx(
         math.sqrt((h / 3 + 1 - h) / (h / 3)), rel=1e-9
     )
 
@@ -70,8 +75,13 @@ def corner(gap, force):
     brake = vary(brake, {"shoe[0].lining.clearance": table, "shoe[0].actuation.force": force})
     shoe, R = brake.shoes[0], brake.size
     out = np.array([math.cos(shoe.lining.end), math.sin(shoe.lining.end)])
-    per_normal = cross(R * out - shoe.pin.xy, brake.friction * np.array([-out[1], out[0]]) - out)
-    normal = -cross(shoe.actuation.point.xy - shoe.pin.xy, shoe.actuation.vector) / per_normal
+    per_normal = planar_cross_product(
+        R * out - shoe.pin.xy, brake.friction * np.array([-out[1], out[0]]) - out
+    )
+    normal = (
+        -planar_cross_product(shoe.actuation.point.xy - shoe.pin.xy, shoe.actuation.force_vector)
+        / per_normal
+    )
     return brake, brake.friction * float(normal) * R
 
 
@@ -99,7 +109,7 @@ def test_such_a_contact_is_known_as_well_as_it_says(gap, force, length):
     with pytest.raises(NoAnswer, match=r"the penalty makes .* of it; a larger --penalty"):
         drumlin.solve(brake, tolerance=1e-3, penalty=1e5)
     one, finer = (drumlin.solve(brake, tolerance=tolerance).shoes[0] for tolerance in (5e-3, 1e-3))
-    assert pressure_distance(one, finer) < one.error["pressure"] < 5e-3
+    assert relative_distance_of_pressures(one, finer) < one.error["pressure"] < 5e-3
     assert abs(one.peak_pressure / finer.peak_pressure - 1) < one.error["peak"]
 
 
@@ -131,10 +141,10 @@ def test_a_short_contact_in_the_middle_of_a_lining_is_not_said_to_be_at_its_end(
 def test_a_zone_at_the_ends_is_left_out_where_it_bears_less_than_half():
     for inner, zone in ((0.01, 0.0), (1.0, 0.1)):
         shoe = _pressing([1.0, 1.0] + [inner] * 18 + [1.0, 1.0])
-        assert edge_left_out(shoe.theta, shoe.pressure, 1, 0.1) == zone
+        assert edge_zone_that_does_not_count(shoe.theta, shoe.pressure, 1, 0.1) == zone
     spiked, even = _pressing([1000] + [1e-3] * 1000), _pressing([999] + [1e-3] * 1000)
     # The distance is not that of the rest of the lining, which is 0.
-    assert pressure_distance(even, spiked) == pytest.approx(1e-3, rel=1e-2)
+    assert relative_distance_of_pressures(even, spiked) == pytest.approx(1e-3, rel=1e-2)
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -142,16 +152,20 @@ def test_what_differs_within_a_zone_at_either_end_alone_is_no_distance(turned):
     # The two pressures differ in their first twentieth alone.
     a, b = [9.0] + [1.0] * 20, [1.0] * 21
     one, other = _pressing(a[::-1] if turned else a), _pressing(b[::-1] if turned else b)
-    assert pressure_distance(one, other, 0.05) == pytest.approx(0.0, abs=1e-12)
-    assert pressure_distance(one, other, 0.04) > 0.01
+    assert relative_distance_of_pressures(one, other, 0.05) == pytest.approx(0.0, abs=1e-12)
+    assert relative_distance_of_pressures(one, other, 0.04) > 0.01
 
 
 @pytest.mark.parametrize("zone", [0.0, 0.1, 0.3, 0.4, 0.95, 1.2])
 def test_the_force_between_the_zones_is_that_of_the_polynomial_wherever_they_end(zone):
     ends = ((0.0, 0.3), (0.3, 1.0), (1.0, 2.0))
-    theta = np.concatenate([[0.0], *(a + (b - a) * (lobatto(3)[1:] + 1) / 2 for a, b in ends)])
+    theta = np.concatenate(
+        [[0.0], *(a + (b - a) * (gauss_lobatto_points(3)[1:] + 1) / 2 for a, b in ends)]
+    )
     exact = max(((2 - zone) ** 4 - zone**4) / 16, 0.0)
-    assert InnerPart(theta, 3, zone).part(theta**3) == pytest.approx(exact, abs=1e-14)
+    assert LiningWithoutEndZones(theta, 3, zone).fraction_of_integral_outside_end_zones(
+        theta**3
+    ) == pytest.approx(exact, abs=1e-14)
 
 
 THIN = """
@@ -224,12 +238,14 @@ def test_running_in_says_no_number_that_is_not_finite(tmp_path, words):
     more = [] if "--elements" in words else ["--elements", "6"]
     given = BrokenInput(
         "wear",
-        {"b.toml": brake_text("double_shoe/brake")},
+        {"b.toml": content_of_brake_file("double_shoe/brake")},
         ["wear", "b.toml", "--json", "r.json", *words],
     )
     given.words.extend(more)
-    end = run_in_this_process(given)
-    assert end.status == 0 and "balance: volume" in end.out and find_fault(given, end) == ""
+    end = run_input_in_this_process(given)
+    assert (
+        end.status == 0 and "balance: volume" in end.out and describe_fault_of_run(given, end) == ""
+    )
     assert ("energy" in end.out) == ("--exponent" not in words)
 
 
@@ -245,7 +261,9 @@ def test_eta_is_its_own_formula_wherever_the_lining_lies(start, end, rotation, d
     """
     changes = {"rotation": rotation, "shoe[0].actuation.direction": direction}
     changes |= {"shoe[0].lining.start": start, "shoe[0].lining.end": end}
-    brake = vary(hinged_shoe_brake(R=0.15, a=0.1, arc=(3.5, 5.2), moment=300.0, mu=0.08), changes)
+    brake = vary(
+        brake_with_one_hinged_shoe(R=0.15, a=0.1, arc=(3.5, 5.2), moment=300.0, mu=0.08), changes
+    )
     merit = drumlin.solve(brake, elements=20).merits[0]
     if merit.m is not None:
         assert merit.mechanical_advantage == pytest.approx(
@@ -280,14 +298,14 @@ def test_pads_are_warned_of_as_shoes_on_a_drum_are():
         "shoe.lining.end": 0.2,
     }
     second = vary(clamp, other).model_dump(by_alias=True)["shoe"][0]
-    two = validated(FlatBrake, data | {"shoe": [shoe, second]})
+    two = make_validated_part(FlatBrake, data | {"shoe": [shoe, second]})
     for model in ("fem", "rigid"):
         assert not saying(drumlin.solve(clamp, model).notes, "warning")
         found = saying(drumlin.solve(two, model).notes, "warning")
         # A shoe's own notes come first.
         assert [("'pad'" in note, "strained" in note) for note in found[:1]] == [(True, True)]
         assert "'pad' and 'other'" in found[-1] and "from 50 mm to 75 mm" in found[-1]
-    bare = validated(
+    bare = make_validated_part(
         FlatBrake,
         data | {"shoe": [shoe | {"body": None, "lining": {**shoe["lining"], "material": None}}]},
     )
@@ -326,7 +344,7 @@ def test_a_pad_on_a_pivot_that_must_tilt_too_far_is_refused(slope, refused):
     together; small displacements hold up to 0.2 rad.
     """
     clamp = read_any("studies/brakes/rail_clamp.toml")
-    assert isinstance(clamp, FlatBrake) and set(picked(clamp.shoes, "held_by")) == {"pivot"}
+    assert isinstance(clamp, FlatBrake) and set(picked(clamp.shoes, "kind_of_support")) == {"pivot"}
     wedge = {}
     for i, shoe in enumerate(clamp.shoes):
         start, end = shoe.lining.start, shoe.lining.end
@@ -375,9 +393,9 @@ def _meshed(tmp_path, change):
     """The main brake's right shoe with a mesh of its own, whose groups or nodes are changed."""
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     brake = brake.model_copy(update={"shoes": brake.shoes[:1]})
-    mesh = change(prepare(brake, elements=20).bodies[0].mesh)
+    mesh = change(make_prepared_model(brake, elements=20).bodies[0].mesh)
     path = tmp_path / "shoe.msh"
-    write_mesh(path, mesh, brake.shoes[0])
+    write_shoe_mesh_to_file(path, mesh, brake.shoes[0])
     return vary(brake, {"shoe[0].mesh": path})
 
 
@@ -426,7 +444,7 @@ def test_a_force_that_lifts_a_pad_is_borne_by_its_hinge():
         shoe = drumlin.solve(lifted, model).shoes[0]
         assert shoe.normal_force == 0
         np.testing.assert_allclose(
-            shoe.hinge_reaction, -lifted.shoes[0].actuation.vector, rtol=1e-14
+            shoe.hinge_reaction, -lifted.shoes[0].actuation.force_vector, rtol=1e-14
         )
 
 
@@ -434,7 +452,9 @@ def test_the_balance_of_the_printed_pressure_is_said_where_it_is_the_worse(brake
     """On quadratic arcs integrals of p(theta) over the round drum differ from nodal forces."""
     for options in ({}, {"elements": 12}):
         response = drumlin.solve(brake, **options)
-        curve = worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(response.shoes)])
+        curve = largest_imbalance_among_shoes(
+            [relative_imbalance_of_shoe(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
+        )
         said = saying(response.notes, "p(theta) on the round drum balances")
         assert bool(said) == (curve.force > 1e-8) == bool(options)
         assert not said or f"{curve.force:.1e} (force) and {curve.moment:.1e} (moment)" in said[0]

@@ -4,11 +4,11 @@ from itertools import chain
 
 import pytest
 
-from drumlin.studies import load
-from drumlin_studies.consistency import Check, count_outcomes
+from drumlin.studies import import_study
+from drumlin_studies.consistency import Check, count_comparison_outcomes
 from picking import having, picked
 
-WAYS = load("stability")[0].ways.PATH_CHECKS
+WAYS = import_study("stability")[0].ways.PATH_CHECKS
 # Seeds of brakes on which nothing was mended, nor shown by the study.
 FIRST_SEED = 300_000
 # Number of brakes that the fast test takes.
@@ -39,5 +39,5 @@ def test_a_difference_beyond_what_is_allowed_counts_unless_it_is_said():
         "refused",
         "agrees",
     ]
-    (count,) = count_outcomes([row, said, refused, near, near])
+    (count,) = count_comparison_outcomes([row, said, refused, near, near])
     assert count == ("holding", 4, 2, 1, 1, 1, 0.5)

@@ -12,11 +12,11 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.lining_wear.archard import (
     WearLaw,
     WearState,
-    _erode_mask,
+    _mask_of_true_with_true_neighbours,
     checkerboard_amplitude,
-    interpolate_state,
-    join_interfaces,
-    settling_distance,
+    distance_after_which_values_stay_small,
+    interpolate_wear_state_at_distance,
+    join_groups_of_linings,
     wear_linings,
     wear_linings_by_explicit_euler,
     wear_linings_in_given_steps,
@@ -136,9 +136,9 @@ def test_a_state_between_two_is_interpolated():
     interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
     states = wear_linings([interface], LAW, distance=UNIT)
     middle = 0.5 * (states[1].s + states[2].s)
-    between = interpolate_state(states, middle)
+    between = interpolate_wear_state_at_distance(states, middle)
     np.testing.assert_allclose(between.depth, 0.5 * (states[1].depth + states[2].depth))
-    assert interpolate_state(states, states[2].s) is states[2]
+    assert interpolate_wear_state_at_distance(states, states[2].s) is states[2]
 
 
 @pytest.mark.parametrize(
@@ -163,43 +163,55 @@ def test_the_rate_and_its_slope(exponent):
     For m < 1 the rate is rounded off at small p, so that the slope stays finite.
     """
     law, p = WearLaw(2e-13, exponent, 4e5), np.array([1e5, 4e5, 9e5])
-    rate, slope = law.rate(p, 0.0)
+    rate, slope = law.wear_rate_and_its_slope(p, 0.0)
     np.testing.assert_allclose(rate, 2e-13 * p * (p / 4e5) ** (exponent - 1), rtol=1e-14)
     np.testing.assert_allclose(slope, exponent * rate / p, rtol=1e-14)
     for rounded in (0.0, 1e5):
-        ends = [law.rate(p - 1.0, rounded)[0], law.rate(p + 1.0, rounded)[0]]
-        np.testing.assert_allclose(law.rate(p, rounded)[1], (ends[1] - ends[0]) / 2, rtol=1e-8)
+        ends = [
+            law.wear_rate_and_its_slope(p - 1.0, rounded)[0],
+            law.wear_rate_and_its_slope(p + 1.0, rounded)[0],
+        ]
+        np.testing.assert_allclose(
+            law.wear_rate_and_its_slope(p, rounded)[1], (ends[1] - ends[0]) / 2, rtol=1e-8
+        )
     if exponent < 1:
-        rate, slope = law.rate(np.array([0.0, 1e5]), 1e5)
+        rate, slope = law.wear_rate_and_its_slope(np.array([0.0, 1e5]), 1e5)
         assert rate[0] == 0 and slope[0] == pytest.approx(2e-13 * (1e5 / 4e5) ** (exponent - 1))
         assert rate[1] == pytest.approx(2e-13 * 1e5 * (math.sqrt(2) * 1e5 / 4e5) ** (exponent - 1))
 
 
 def test_the_distance_from_which_on_values_stay_small():
     s = [0.0, 1.0, 2.0, 4.0]
-    assert settling_distance(s, [0.1, -0.2, 0.1, 0.2], 0.2) == 0.0
-    assert settling_distance(s, [3.0, 0.0, -2.0, 0.0], 0.5) == pytest.approx(3.5)
-    assert settling_distance(s, [0.0, -1.0, -0.4, 0.0], 0.7) == pytest.approx(1.5)
-    assert settling_distance(s, [1.0, 0.0, 0.0, 3.0], 0.5) == math.inf
+    assert distance_after_which_values_stay_small(s, [0.1, -0.2, 0.1, 0.2], 0.2) == 0.0
+    assert distance_after_which_values_stay_small(s, [3.0, 0.0, -2.0, 0.0], 0.5) == pytest.approx(
+        3.5
+    )
+    assert distance_after_which_values_stay_small(s, [0.0, -1.0, -0.4, 0.0], 0.7) == pytest.approx(
+        1.5
+    )
+    assert distance_after_which_values_stay_small(s, [1.0, 0.0, 0.0, 3.0], 0.5) == math.inf
 
 
 def test_every_number_of_a_state_between_two_is_interpolated():
     a = WearState(1.0, np.array([0.0, 2]), np.array([4.0, 8]), 10.0, 1.0, True, 2.0, 3.0, 4.0)
     b = WearState(3.0, np.array([4.0, 6]), np.array([0.0, 4]), 30.0, 3.0, False, 6.0, 7.0, 8.0)
-    found = interpolate_state([a, b], 1.5)
+    found = interpolate_wear_state_at_distance([a, b], 1.5)
     assert (found.s, found.torque, found.force, found.forward) == (1.5, 15.0, 1.5, False)
     assert (found.removed, found.pressed, found.work) == (3.0, 4.0, 5.0)
     assert found.depth.tolist() == [1, 3] and found.pressure.tolist() == [3, 7]
-    assert interpolate_state([a, b], 0.5) is a and interpolate_state([a, b], 3.0) is b
+    assert (
+        interpolate_wear_state_at_distance([a, b], 0.5) is a
+        and interpolate_wear_state_at_distance([a, b], 3.0) is b
+    )
     # Beyond the last state the straight line goes on.
-    assert interpolate_state([a, b], 4.0).torque == 40.0
+    assert interpolate_wear_state_at_distance([a, b], 4.0).torque == 40.0
 
 
 def test_rubs_together_are_block_by_block_and_wear_as_each_alone():
     (one, _), (two, _) = (
         winkler(lambda phi, k=k: 2e-6 * np.cos(k * phi), elements=8) for k in (2, 3)
     )
-    both = join_interfaces([one, two])
+    both = join_groups_of_linings([one, two])
     n = len(one.area)
     for whole, parts in (
         (both.problem.A, (one.problem.A, two.problem.A)),
@@ -234,7 +246,7 @@ def test_steps_keep_their_tolerance_and_end_where_they_are_asked_to():
     assert coarse[-1].s == fine[-1].s == 3 * UNIT
     assert 3 < len(coarse) < len(fine) / 5
     for state in coarse:
-        exact = interpolate_state(fine, state.s).pressure
+        exact = interpolate_wear_state_at_distance(fine, state.s).pressure
         assert np.linalg.norm(state.pressure - exact) < 1e-2 * np.linalg.norm(exact)
     assert max(b.s - a.s for a, b in pairwise(coarse)) < 4.001 * (coarse[-1].s - coarse[-4].s)
     stopped = wear_linings(
@@ -301,7 +313,7 @@ def test_what_never_settles_or_locks_is_given_up(monkeypatch):
 
 def test_margins_are_taken_off_on_both_sides():
     where = np.array([0, 1, 1, 1, 0, 1, 1, 1, 1, 1], bool)
-    assert _erode_mask(where, 1, beyond=False).astype(int).tolist() == [
+    assert _mask_of_true_with_true_neighbours(where, 1, beyond=False).astype(int).tolist() == [
         0,
         0,
         1,
@@ -313,7 +325,18 @@ def test_margins_are_taken_off_on_both_sides():
         1,
         0,
     ]
-    assert _erode_mask(where, 1, beyond=True).astype(int).tolist() == [0, 0, 1, 0, 0, 0, 1, 1, 1, 1]
+    assert _mask_of_true_with_true_neighbours(where, 1, beyond=True).astype(int).tolist() == [
+        0,
+        0,
+        1,
+        0,
+        0,
+        0,
+        1,
+        1,
+        1,
+        1,
+    ]
     p = np.where(np.arange(40) < 20, 0.0, 1.0) * (1 + 0.1 * (-1.0) ** np.arange(40))
     # The rates are 1.1 and 0.9 in turn from node 20 on. The node before might be one of a
     # checkerboard, so that nodes 24 to 34 count.

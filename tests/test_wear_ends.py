@@ -10,36 +10,36 @@ from conftest import ROOT, partly
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import prepare_finest_division
-from drumlin.laws import law
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.lining_wear.archard import (
     WearLaw,
     solve_steady_wear,
     wear_linings,
     wear_linings_in_given_steps,
 )
-from drumlin.lining_wear.linings import fem_wear_setup
+from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
-    COEFFICIENT,
+    DEFAULT_WEAR_COEFFICIENT,
     brake_with_worn_linings,
-    discrete_wear_target,
-    distance_from_target,
-    report_lines,
-    rigid_law_target,
-    run_in,
+    end_of_wear_by_rigid_shoe_law,
+    end_of_wear_on_mesh,
+    relative_distance_from_end_of_wear,
+    report_lines_of_wear_run,
+    run_brake_linings_in,
 )
-from drumlin.lining_wear.worn_in import worn_in_brake
+from drumlin.lining_wear.worn_in import brake_with_worn_in_clearances
 from drumlin_studies import consistency_wear
-from drumlin_studies.random_kinds import draw_brake_of_holding_kind
+from drumlin_studies.random_kinds import draw_brake_of_support_kind
 from picking import picked, saying
 from winkler_lining import FORCE, LAW, MU, PIN, RADIUS, UNIT, WIDTH, winkler
 
-ARCHARD = WearLaw(COEFFICIENT)
+ARCHARD = WearLaw(DEFAULT_WEAR_COEFFICIENT)
 
 
 def drawn(kind: str, seed: int) -> Brake:
-    return draw_brake_of_holding_kind(seed, kind)
+    return draw_brake_of_support_kind(seed, kind)
 
 
 @pytest.mark.parametrize(("bend", "middle"), partly([(0.1, 0.7), (0.01, 0.31)], [(0.1, 0.7)]))
@@ -94,7 +94,10 @@ def test_worn_in_linings_bear_by_the_law_where_it_presses_a_part(
 ) -> None:
     """Off by 1.4, 3.9 and 0.04 % as long as the amount of the shoe's motion could be negative."""
     brake = drawn(kind, seed)
-    by_law, found = law(brake), drumlin.solve(brake, worn_in=True, elements=elements)
+    by_law, found = (
+        solve_brake_by_its_rigid_shoe_law(brake),
+        drumlin.solve(brake, worn_in=True, elements=elements),
+    )
     assert by_law.torque == pytest.approx(torque, rel=1e-6)
     assert any(
         shoe.contact_arcs[0][1] - shoe.contact_arcs[0][0] < 0.99 * (b.lining.end - b.lining.start)
@@ -116,7 +119,7 @@ def test_worn_in_linings_bear_by_the_law_where_it_presses_a_part(
 )
 def test_worn_in_unloaded_linings_do_not_lie_in_the_drum(kind: str, seed: int) -> None:
     brake = drawn(kind, seed)
-    shoes = worn_in_brake(prepare(brake, elements=20), brake).shoes
+    shoes = brake_with_worn_in_clearances(make_prepared_model(brake, elements=20), brake).shoes
     gaps = [np.array(shoe.lining.clearance)[:, 1] for shoe in shoes]  # type: ignore[union-attr]
     assert min(gap.min() for gap in gaps) >= -1e-12 * brake.size
 
@@ -125,8 +128,10 @@ def test_worn_in_unloaded_linings_do_not_lie_in_the_drum(kind: str, seed: int) -
 def test_wear_begins_where_the_feet_slide_as_they_do(elements: int) -> None:
     """With the friction of the rigid shoe's feet it began at 265.15 N m; 262.42 N m is right."""
     brake = read_brake(ROOT / "studies" / "brakes" / "simplex_abutted.toml")
-    scene = prepare(brake, elements=elements)
-    (first,) = wear_linings_in_given_steps(fem_wear_setup(scene, brake).interfaces, ARCHARD, [])
+    scene = make_prepared_model(brake, elements=elements)
+    (first,) = wear_linings_in_given_steps(
+        wear_setup_by_finite_elements(scene, brake).interfaces, ARCHARD, []
+    )
     assert first.torque == pytest.approx(solve_prepared_model(scene, brake).torque, rel=1e-7)
     assert first.torque == pytest.approx(262.42, rel=1e-3)
 
@@ -136,7 +141,9 @@ def test_wear_begins_where_only_a_soft_lining_shows_the_contact() -> None:
     """`solve` begins each level with the contact of the one before; here there is none before."""
     brake = drawn("cam", 30564)
     (first,) = wear_linings_in_given_steps(
-        fem_wear_setup(prepare_finest_division(brake), brake).interfaces, ARCHARD, []
+        wear_setup_by_finite_elements(prepared_model_of_finest_division(brake), brake).interfaces,
+        ARCHARD,
+        [],
     )
     by_meshes = [drumlin.solve(brake, elements=40).torque, drumlin.solve(brake, elements=80).torque]
     assert first.torque == pytest.approx(by_meshes[1], rel=2e-5)
@@ -148,11 +155,15 @@ def test_wear_begins_where_the_answer_is_followed_from_no_friction() -> None:
     """From all nodes no contact set is found; 20, 40, 80 elements and the levels agree."""
     brake = drawn("strut", 60412)
     (first,) = wear_linings_in_given_steps(
-        fem_wear_setup(prepare(brake, elements=40), brake).interfaces, ARCHARD, []
+        wear_setup_by_finite_elements(make_prepared_model(brake, elements=40), brake).interfaces,
+        ARCHARD,
+        [],
     )
     assert first.torque == pytest.approx(2820.99, rel=1e-4)
     (first,) = wear_linings_in_given_steps(
-        fem_wear_setup(prepare_finest_division(brake), brake).interfaces, ARCHARD, []
+        wear_setup_by_finite_elements(prepared_model_of_finest_division(brake), brake).interfaces,
+        ARCHARD,
+        [],
     )
     assert first.torque == pytest.approx(2820.99, rel=1e-5)
 
@@ -164,14 +175,20 @@ def test_wear_without_a_distance_ends_where_its_mesh_ends_and_says_how_far_that_
     kind: str, seed: int
 ) -> None:
     brake = drawn(kind, seed)
-    setup = fem_wear_setup(prepare(brake, elements=20), brake)
-    states, goal, own = run_in(setup), rigid_law_target(setup), discrete_wear_target(setup)
+    setup = wear_setup_by_finite_elements(make_prepared_model(brake, elements=20), brake)
+    states, goal, own = (
+        run_brake_linings_in(setup),
+        end_of_wear_by_rigid_shoe_law(setup),
+        end_of_wear_on_mesh(setup),
+    )
     assert math.isfinite(states[-1].s) and len(states) < 200
-    assert max(map(abs, distance_from_target(setup, states[-1], own))) <= 1e-3
-    assert 1e-3 < distance_from_target(setup, states[-1], goal).pressure < 1e-2
-    assert states[-1].torque == pytest.approx(law(brake).torque, rel=1e-3)
-    assert goal.torque == pytest.approx(law(brake).torque, rel=1e-9)
-    (line,) = saying(report_lines(setup, states, goal, ARCHARD), "on this mesh")
+    assert max(map(abs, relative_distance_from_end_of_wear(setup, states[-1], own))) <= 1e-3
+    assert 1e-3 < relative_distance_from_end_of_wear(setup, states[-1], goal).pressure < 1e-2
+    assert states[-1].torque == pytest.approx(
+        solve_brake_by_its_rigid_shoe_law(brake).torque, rel=1e-3
+    )
+    assert goal.torque == pytest.approx(solve_brake_by_its_rigid_shoe_law(brake).torque, rel=1e-9)
+    (line,) = saying(report_lines_of_wear_run(setup, states, goal, ARCHARD), "on this mesh")
     assert "more elements come nearer" in line
 
 
@@ -179,9 +196,9 @@ def test_wear_without_a_distance_ends_where_its_mesh_ends_and_says_how_far_that_
 def test_feet_slide_otherwise_as_the_linings_wear_and_each_state_is_an_answer() -> None:
     """Each worn brake, solved as any other, finds the friction at its feet by itself."""
     brake = drawn("rough abutment", 60177)
-    scene = prepare(brake, elements=10)
-    setup = fem_wear_setup(scene, brake)
-    states = run_in(setup)
+    scene = make_prepared_model(brake, elements=10)
+    setup = wear_setup_by_finite_elements(scene, brake)
+    states = run_brake_linings_in(setup)
     (interface,) = setup.interfaces
     assert interface.settle is not None
     footings = [interface.settle(state.depth)[0] for state in states[::10]]
@@ -195,9 +212,9 @@ def test_feet_slide_otherwise_as_the_linings_wear_and_each_state_is_an_answer() 
 def test_a_held_torque_finds_the_feet_too() -> None:
     """The force at a held torque is that under which the worn brake has this torque."""
     brake = read_brake(ROOT / "studies" / "brakes" / "simplex_abutted.toml")
-    scene = prepare(brake, elements=10)
-    setup = fem_wear_setup(scene, brake)
-    states = run_in(setup, torque=200.0, distance=1e5)
+    scene = make_prepared_model(brake, elements=10)
+    setup = wear_setup_by_finite_elements(scene, brake)
+    states = run_brake_linings_in(setup, torque=200.0, distance=1e5)
     for state in states[:: len(states) // 2]:
         force = {
             f"shoe[{i}].actuation.force": state.force * shoe.actuation.force
@@ -210,7 +227,7 @@ def test_a_held_torque_finds_the_feet_too() -> None:
 
 @pytest.mark.parametrize("seed", partly([17, 28], [28]))
 def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
-    rows = consistency_wear.wear_rows(seed)
+    rows = consistency_wear.wear_check_rows_of_seed(seed)
     assert set(picked(rows, "outcome")) <= {"agrees", "refused"}
     assert set(picked(rows, "check")) >= {
         "wear's start = solve",
@@ -222,4 +239,7 @@ def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 100 + len(consistency_wear.WEAR_KINDS)))
 def test_beginning_middle_and_end_agree_on_brakes_of_every_kind(seed: int) -> None:
-    assert set(picked(consistency_wear.wear_rows(seed), "outcome")) <= {"agrees", "refused"}
+    assert set(picked(consistency_wear.wear_check_rows_of_seed(seed), "outcome")) <= {
+        "agrees",
+        "refused",
+    }

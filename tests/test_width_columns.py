@@ -3,23 +3,23 @@
 import numpy as np
 import pytest
 
-from drumlin.fem.hp.element import reference_element
+from drumlin.fem.hp.element import reference_element_of_degree
 from drumlin.fem.hp.shoe import node_positions_of_elements
 from drumlin.fem.width.columns import (
     BackEdge,
-    half_row,
-    mirrored_columns,
-    stack_of,
-    whole_columns,
-    whole_row,
+    column_layers_of_shoe,
+    condense_columns_of_any_shape,
+    condense_mirror_symmetric_columns,
+    unknowns_along_half_row,
+    unknowns_along_whole_row,
 )
-from drumlin.fem.width.functions import WidthFunctions, width_integrals
+from drumlin.fem.width.functions import WidthFunctions, integrals_over_width_of_part
 from drumlin.fem.width.integrals import (
     SYMMETRIES,
     LameConstants,
-    angular_factors,
-    arc_integrals,
-    cell_integrals,
+    angular_factors_of_section_integrals,
+    section_integrals_between_circles,
+    section_integrals_of_any_shape,
 )
 
 LAME = LameConstants(1.3, 0.7)
@@ -36,7 +36,7 @@ def cells(along, depths, p):
     r, phi = np.broadcast_arrays(r, phi)
     xy = np.array([r * np.cos(phi), r * np.sin(phi)])
     xy = xy.reshape(2, len(depths) - 1, len(along), -1).transpose(1, 2, 0, 3)
-    return np.ascontiguousarray(xy[..., reference_element(p).order])
+    return np.ascontiguousarray(xy[..., reference_element_of_degree(p).order])
 
 
 def unknown_values(stack, along, xy_of, field, p):
@@ -45,14 +45,18 @@ def unknown_values(stack, along, xy_of, field, p):
     field: from points (2,) to the factors of the functions: (even, 2) and (odd,).
     """
     found = []
-    kept = [*stack.line(along.left), *stack.on_contact(along), *stack.line(along.right)]
+    kept = [
+        *stack.unknowns_of_side_line(along.left),
+        *stack.unknowns_of_contact_nodes(along),
+        *stack.unknowns_of_side_line(along.right),
+    ]
     for unknown in kept:
         node = unknown.along if unknown.z else unknown.along // 2
         even, odd = field(xy_of(unknown.row, node))
         value = odd[unknown.function] if unknown.z else even[unknown.function, unknown.along % 2]
         found.append(value)
     # At the contact the unknowns of a column stand by nodes, x and y together.
-    line = len(stack.line(along.left))
+    line = len(stack.unknowns_of_side_line(along.left))
     count = stack.counts[0][0] if stack.contact else 0
     contact = np.array(found[line : len(found) - line]).reshape(-1, 2, max(count, 1))
     values = np.array(found)
@@ -67,18 +71,23 @@ def columns_on_arc(p, q, *, contact=True, back=BackEdge.FREE):
         np.array([0.0, 0.5, 1.2]),
         0.3 * node_positions_of_elements(np.array([-1.0, 1.0]), p),
     )
-    stack = stack_of(functions, HALVES, p, contact=contact, back=back)
-    widths = [width_integrals(functions, half) for half in HALVES]
+    stack = column_layers_of_shoe(functions, HALVES, p, contact=contact, back=back)
+    widths = [integrals_over_width_of_part(functions, half) for half in HALVES]
     xy = cells(along, depths, p)
     lame = LAME, SOFT
-    parts = [cell_integrals(own, each, p) for own, each in zip(xy, lame, strict=True)]
-    (whole,) = whole_columns(parts, widths, stack)
+    parts = [
+        section_integrals_of_any_shape(own, each, p) for own, each in zip(xy, lame, strict=True)
+    ]
+    (whole,) = condense_columns_of_any_shape(parts, widths, stack)
     radii, by_symmetry = 5.0 - depths, []
     for symmetry in SYMMETRIES:
-        factors = angular_factors(along, p, symmetry)
-        each = [arc_integrals(radii[k], radii[k + 1], lame[k], factors, p) for k in range(2)]
+        factors = angular_factors_of_section_integrals(along, p, symmetry)
+        each = [
+            section_integrals_between_circles(radii[k], radii[k + 1], lame[k], factors, p)
+            for k in range(2)
+        ]
         by_symmetry.append(each)
-    (half,) = mirrored_columns(by_symmetry, widths, stack)
+    (half,) = condense_mirror_symmetric_columns(by_symmetry, widths, stack)
     return stack, along, depths, whole, half
 
 
@@ -87,13 +96,21 @@ def columns_on_arc(p, q, *, contact=True, back=BackEdge.FREE):
 @pytest.mark.parametrize(("p", "q"), [(2, 1), (2, 2), (3, 2), (4, 3), (5, 1)])
 def test_a_column_by_its_symmetries_is_that_of_its_nodes(p, q, contact, back):
     stack, along, _, whole, half = columns_on_arc(p, q, contact=contact, back=back)
-    assert whole.left == half.left == len(stack.line(half_row(p, 0).left))
+    assert (
+        whole.left
+        == half.left
+        == len(stack.unknowns_of_side_line(unknowns_along_half_row(p, 0).left))
+    )
     assert whole.K.shape == half.K.shape
     # The sides of a half are measured along their own radius, the contact's inside as its middle.
     turn = np.eye(len(whole.K))
-    row = whole_row(p)
-    kept = [*stack.line(row.left), *stack.on_contact(row), *stack.line(row.right)]
-    contact_start = len(stack.line(row.left))
+    row = unknowns_along_whole_row(p)
+    kept = [
+        *stack.unknowns_of_side_line(row.left),
+        *stack.unknowns_of_contact_nodes(row),
+        *stack.unknowns_of_side_line(row.right),
+    ]
+    contact_start = len(stack.unknowns_of_side_line(row.left))
     for start, stop in ((0, contact_start), (len(kept) - contact_start, len(kept))):
         for i in range(start, stop):
             if kept[i].z == 0 and kept[i].along % 2 == 0:
@@ -135,7 +152,7 @@ def test_motions_that_strain_nothing_need_no_force(p, q):
             even[0] = motion(xy)
             return even, np.zeros(len(stack.odd))
 
-        u = unknown_values(stack, whole_row(p), places, field, p)
+        u = unknown_values(stack, unknowns_along_whole_row(p), places, field, p)
         scale = np.abs(whole.K).max() * np.abs(u).max()
         np.testing.assert_allclose(whole.K @ u, 0, atol=1e-12 * scale)
 
@@ -151,8 +168,8 @@ def test_the_patch_test_holds_with_a_width(p, q):
     E = LAME.mu * (3 * LAME.lam + 2 * LAME.mu) / (LAME.lam + LAME.mu)
     nu = LAME.lam / (2 * (LAME.lam + LAME.mu))
     functions = WidthFunctions((0.0, half), q)
-    stack = stack_of(functions, (half, half), p, contact=True, back=BackEdge.FREE)
-    widths = [width_integrals(functions, half)] * 2
+    stack = column_layers_of_shoe(functions, (half, half), p, contact=True, back=BackEdge.FREE)
+    widths = [integrals_over_width_of_part(functions, half)] * 2
     along = node_positions_of_elements(np.array([0.0, 2.0]), p)
     rows = np.append(node_positions_of_elements(np.array([0.0, 0.6, 1.0]), p)[:, :-1].ravel(), 1.0)
     # The back at y = 1 is straight, all other edges are curved.
@@ -161,9 +178,11 @@ def test_the_patch_test_holds_with_a_width(p, q):
     c, s = np.cos(angle), np.sin(angle)
     turn = np.array([[c, -s], [s, c]])
     points = np.einsum("ij,jrc->irc", turn, bent)
-    order = reference_element(p).order
+    order = reference_element_of_degree(p).order
     xy = [points[:, k * p : (k + 1) * p + 1].reshape(2, -1)[None, :, order] for k in range(2)]
-    (whole,) = whole_columns([cell_integrals(own, LAME, p) for own in xy], widths, stack)
+    (whole,) = condense_columns_of_any_shape(
+        [section_integrals_of_any_shape(own, LAME, p) for own in xy], widths, stack
+    )
     slope = turn @ np.diag([pull / E, -nu * pull / E]) @ turn.T
 
     def field(at):
@@ -171,8 +190,8 @@ def test_the_patch_test_holds_with_a_width(p, q):
         even[0], odd[0] = slope @ at, -nu * pull / E * half
         return even, odd
 
-    u = unknown_values(stack, whole_row(p), lambda r, n: points[:, r, n], field, p)
-    unit = [cell_integrals(own, LameConstants(0.0, 1.0), p) for own in xy]
+    u = unknown_values(stack, unknowns_along_whole_row(p), lambda r, n: points[:, r, n], field, p)
+    unit = [section_integrals_of_any_shape(own, LameConstants(0.0, 1.0), p) for own in xy]
     area = sum(float(own.across.sum()) / 2 for own in unit)
     assert u @ whole.K @ u == pytest.approx(2 * half * area * pull**2 / E, rel=1e-12)
 

@@ -10,14 +10,17 @@ import drumlin as package
 from command_line import drumlin
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.fem.width.error import model_distance, plane_stress_error
-from drumlin.fem.width.prepare import prepare_width
-from drumlin.sweeps.cases import response_row
-from drumlin_studies.random_brake import random_brake
+from drumlin.fem.width.error import (
+    distance_of_plane_stress_from_widths,
+    estimate_error_of_plane_stress,
+)
+from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.sweeps.cases import results_of_response_by_name
+from drumlin_studies.random_brake import draw_random_brake
 from sections import t_section
 
 LINE = "error of plane stress itself: "
@@ -26,10 +29,12 @@ LINE = "error of plane stress itself: "
 def true_error(brake, degree=4):
     """The error of plane stress on a section of the first level, whose own error cancels."""
     start = solve(brake)
-    points = singular_points_of(brake, start)
-    plane = solve_prepared_model(prepare(brake, LEVELS[0], points), brake, start=start)
-    wide = solve_prepared_model(prepare_width(brake, LEVELS[0], degree, points), brake, start=start)
-    return model_distance(brake, plane, wide).brake
+    points = singular_points_of_all_linings(brake, start)
+    plane = solve_prepared_model(make_prepared_model(brake, LEVELS[0], points), brake, start=start)
+    wide = solve_prepared_model(
+        prepare_brake_with_widths(brake, LEVELS[0], degree, points), brake, start=start
+    )
+    return distance_of_plane_stress_from_widths(brake, plane, wide).brake
 
 
 def line_of(done):
@@ -43,7 +48,7 @@ def line_of(done):
 @pytest.mark.parametrize("section", [lambda brake: brake, t_section])
 def test_the_estimate_is_within_a_third_of_the_true_error(flexible, section):
     brake = section(flexible)
-    true, found = true_error(brake), plane_stress_error(brake, solve(brake)).brake
+    true, found = true_error(brake), estimate_error_of_plane_stress(brake, solve(brake)).brake
     assert set(found) == {"torque", "pressure", "reaction"}
     for name, error in true.items():
         assert error > 1e-3
@@ -60,7 +65,7 @@ def test_on_the_main_brake_it_is_what_plane_stress_is_off_by(brake):
 def test_without_contraction_one_width_has_no_error(flexible):
     changes = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
     brake = vary(flexible, changes)
-    found = plane_stress_error(brake, solve(brake)).brake
+    found = estimate_error_of_plane_stress(brake, solve(brake)).brake
     assert max(found.values()) < 1e-8
 
 
@@ -121,8 +126,8 @@ def test_where_the_coarse_section_has_no_answer_it_says_so(brake, monkeypatch):
     def refuse(*_, **__):
         raise error.NoAnswer("no equilibrium")
 
-    monkeypatch.setattr(error, "prepare_width", refuse)
-    found = plane_stress_error(brake, solve(brake))
+    monkeypatch.setattr(error, "prepare_brake_with_widths", refuse)
+    found = estimate_error_of_plane_stress(brake, solve(brake))
     assert found.brake == {}
     assert found.unknown == "on a coarse section, with its width: no equilibrium"
     assert found.as_dict() == {"unknown": found.unknown}
@@ -134,7 +139,9 @@ def test_a_shoe_that_loses_its_contact_has_no_error(brake):
     from dataclasses import replace
 
     lost = replace(shoe, pressure=np.zeros_like(shoe.pressure), contact_arcs=())
-    found = model_distance(brake, plane, replace(plane, shoes=(lost, plane.shoes[1])))
+    found = distance_of_plane_stress_from_widths(
+        brake, plane, replace(plane, shoes=(lost, plane.shoes[1]))
+    )
     assert found.unknown == "shoe 'right' loses its contact with its width"
 
 
@@ -142,10 +149,10 @@ def test_a_sweep_has_its_columns_on_request(flexible):
     response = solve(flexible, model_error=True)
     names = {"torque", "pressure", "reaction"}
     columns = {f"plane_stress_error_{name}" for name in names}
-    row = response_row(flexible, response)
+    row = results_of_response_by_name(flexible, response)
     assert columns <= set(row)
     assert all(math.isfinite(row[name]) for name in columns)
-    assert not columns & set(response_row(flexible, solve(flexible)))
+    assert not columns & set(results_of_response_by_name(flexible, solve(flexible)))
 
 
 def test_a_sweep_file_asks_for_it(root, tmp_path):
@@ -162,8 +169,8 @@ def test_a_sweep_file_asks_for_it(root, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [102, 158])
 def test_a_contact_that_a_coarse_section_misses_is_seen_on_the_first_level(seed):
-    brake = random_brake(seed, "small contact")
-    true, found = true_error(brake), plane_stress_error(brake, solve(brake)).brake
+    brake = draw_random_brake(seed, "small contact")
+    true, found = true_error(brake), estimate_error_of_plane_stress(brake, solve(brake)).brake
     assert true["pressure"] > 0.05
     for name in ("torque", "pressure"):
         assert 2 / 3 < found[name] / true[name] < 1.5, name

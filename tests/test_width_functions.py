@@ -8,9 +8,9 @@ import pytest
 from drumlin.brake.file import vary
 from drumlin.fem.width.functions import (
     WidthFunctions,
-    breaks_of,
-    functions_of,
-    width_integrals,
+    breaks_across_half_width_of_shoe,
+    functions_across_width_of_shoe,
+    integrals_over_width_of_part,
 )
 from sections import t_section
 
@@ -21,7 +21,10 @@ DEGREES = range(1, 7)
 
 def sampled(functions, z):
     """Values of the even and of the odd functions."""
-    return [functions.values_and_slopes(own, z)[0] for own in (functions.even, functions.odd)]
+    return [
+        functions.function_values_and_slopes(own, z)[0]
+        for own in (functions.even_functions, functions.odd_functions)
+    ]
 
 
 @pytest.mark.parametrize("degree", DEGREES)
@@ -48,8 +51,12 @@ def test_those_of_a_degree_are_among_those_of_the_next(degree):
 def test_even_and_odd_ones_start_flat_and_at_zero(degree):
     functions = WidthFunctions(BREAKS, degree)
     at = np.array([0.0])
-    assert np.abs(functions.values_and_slopes(functions.even, at)[1]).max() < 1e-14
-    assert np.abs(functions.values_and_slopes(functions.odd, at)[0]).max() < 1e-14
+    assert (
+        np.abs(functions.function_values_and_slopes(functions.even_functions, at)[1]).max() < 1e-14
+    )
+    assert (
+        np.abs(functions.function_values_and_slopes(functions.odd_functions, at)[0]).max() < 1e-14
+    )
 
 
 @pytest.mark.parametrize("degree", DEGREES)
@@ -57,9 +64,9 @@ def test_they_are_continuous(degree):
     functions = WidthFunctions(BREAKS, degree)
     for at in BREAKS[1:-1]:
         before, behind = np.array([at - 1e-9]), np.array([at + 1e-9])
-        for own in (functions.even, functions.odd):
-            left, _ = functions.values_and_slopes(own, before)
-            right, _ = functions.values_and_slopes(own, behind)
+        for own in (functions.even_functions, functions.odd_functions):
+            left, _ = functions.function_values_and_slopes(own, before)
+            right, _ = functions.function_values_and_slopes(own, behind)
             np.testing.assert_allclose(left, right, atol=1e-7)
 
 
@@ -67,10 +74,10 @@ def test_they_are_continuous(degree):
 def test_in_a_narrower_part_the_functions_of_wider_ones_vanish(degree):
     functions = WidthFunctions(BREAKS, degree)
     for half in BREAKS[1:]:
-        even, odd = functions.counts(half)
+        even, odd = functions.numbers_of_even_and_odd_functions(half)
         inside = np.linspace(0, half, 40)
-        for own, count in ((functions.even, even), (functions.odd, odd)):
-            values, _ = functions.values_and_slopes(own, inside)
+        for own, count in ((functions.even_functions, even), (functions.odd_functions, odd)):
+            values, _ = functions.function_values_and_slopes(own, inside)
             assert not np.abs(values[count:]).max(initial=0) > 1e-14
             assert np.linalg.matrix_rank(values[:count]) == count
 
@@ -79,12 +86,12 @@ def test_in_a_narrower_part_the_functions_of_wider_ones_vanish(degree):
 @pytest.mark.parametrize("half", BREAKS[1:])
 def test_face_nodes_tell_the_functions_and_part_one(degree, half):
     functions = functions_of_breaks(degree)
-    own = functions.even[: functions.counts(half)[0]]
-    nodes = functions.face_nodes(half)
+    own = functions.even_functions[: functions.numbers_of_even_and_odd_functions(half)[0]]
+    nodes = functions.node_distances_across_part(half)
     assert len(nodes) == len(own) and (nodes >= 0).all() and (nodes <= half).all()
-    nodal = np.linalg.inv(functions.values_and_slopes(own, nodes)[0])
+    nodal = np.linalg.inv(functions.function_values_and_slopes(own, nodes)[0])
     z = np.linspace(0, half, 30)
-    parts = nodal @ functions.values_and_slopes(own, z)[0]
+    parts = nodal @ functions.function_values_and_slopes(own, z)[0]
     np.testing.assert_allclose(parts.sum(axis=0), 1, atol=1e-12)
 
 
@@ -93,7 +100,7 @@ def functions_of_breaks(degree):
 
 
 def test_slopes_of_the_bubbles_of_a_piece_are_orthonormal():
-    integrals = width_integrals(WidthFunctions((0.0, 1.0), 9), 1.0)
+    integrals = integrals_over_width_of_part(WidthFunctions((0.0, 1.0), 9), 1.0)
     np.testing.assert_allclose(integrals.even_slopes[1:, 1:], np.eye(4), atol=1e-13)
     np.testing.assert_allclose(integrals.odd_slopes[1:, 1:], np.eye(4), atol=1e-13)
     # A bubble's ends are zero: the slope of z is orthogonal to the slopes of all odd ones.
@@ -103,7 +110,7 @@ def test_slopes_of_the_bubbles_of_a_piece_are_orthonormal():
 def test_integrals_over_one_piece_are_those_by_hand():
     # On |z| <= h:  e = 1, N_2 = sqrt(3/8) (x^2 - 1),  o = x, N_3 = sqrt(5/8) (x^3 - x),  x = z/h.
     h = 2.0
-    found = width_integrals(WidthFunctions((0.0, h), 3), h)
+    found = integrals_over_width_of_part(WidthFunctions((0.0, h), 3), h)
     two, three = np.sqrt(3 / 8), np.sqrt(5 / 8)
     np.testing.assert_allclose(
         found.even, h * np.array([[2, -4 / 3 * two], [-4 / 3 * two, 16 / 15 * 3 / 8]])
@@ -122,24 +129,28 @@ def test_integrals_over_one_piece_are_those_by_hand():
 def test_integrals_over_pieces_are_those_of_a_fine_sum():
     functions = WidthFunctions(BREAKS, 3)
     z = (np.arange(300_000) + 0.5) * 1e-5
-    e, slopes = functions.values_and_slopes(functions.even, z)
-    o, _ = functions.values_and_slopes(functions.odd, z)
-    found = width_integrals(functions, 3.0)
+    e, slopes = functions.function_values_and_slopes(functions.even_functions, z)
+    o, _ = functions.function_values_and_slopes(functions.odd_functions, z)
+    found = integrals_over_width_of_part(functions, 3.0)
     np.testing.assert_allclose(found.even, 2e-5 * e @ e.T, atol=1e-7)
     np.testing.assert_allclose(found.even_slopes_odd, 2e-5 * slopes @ o.T, atol=1e-4)
 
 
 def test_breaks_are_at_the_sides_of_the_parts(brake, flexible):
-    assert breaks_of(brake.shoes[0]) == (0.0, 20e-3)
+    assert breaks_across_half_width_of_shoe(brake.shoes[0]) == (0.0, 20e-3)
     table = t_section(flexible)
-    assert breaks_of(table.shoes[0]) == pytest.approx((0.0, 2.5e-3, 10.5e-3, 20e-3))
-    assert breaks_of(table.shoes[0], beside=False) == pytest.approx((0.0, 2.5e-3, 20e-3))
+    assert breaks_across_half_width_of_shoe(table.shoes[0]) == pytest.approx(
+        (0.0, 2.5e-3, 10.5e-3, 20e-3)
+    )
+    assert breaks_across_half_width_of_shoe(table.shoes[0], beside=False) == pytest.approx(
+        (0.0, 2.5e-3, 20e-3)
+    )
     # A lining that overhangs by less than one and a half thicknesses has no further break.
     short = vary(table, {"shoe.body.width": 17e-3})
-    assert breaks_of(short.shoes[0]) == pytest.approx((0.0, 8.5e-3, 20e-3))
+    assert breaks_across_half_width_of_shoe(short.shoes[0]) == pytest.approx((0.0, 8.5e-3, 20e-3))
 
 
 def test_plane_stress_is_the_one_constant(brake):
-    functions = functions_of(brake.shoes[0], 0)
-    assert (len(functions.even), len(functions.odd)) == (1, 0)
-    assert width_integrals(functions, 5e-3).even == pytest.approx(10e-3)
+    functions = functions_across_width_of_shoe(brake.shoes[0], 0)
+    assert (len(functions.even_functions), len(functions.odd_functions)) == (1, 0)
+    assert integrals_over_width_of_part(functions, 5e-3).even == pytest.approx(10e-3)

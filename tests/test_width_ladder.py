@@ -9,14 +9,18 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solve import solve
-from drumlin.fem.width.error import model_distance
+from drumlin.fem.width.error import distance_of_plane_stress_from_widths
 from drumlin.fem.width.functions import WidthFunctions
-from drumlin.fem.width.ladder import chosen_degree, solve_with_widths, width_section
-from drumlin.fem.width.prepare import prepare_width
+from drumlin.fem.width.ladder import (
+    smallest_width_degree_within_tolerance,
+    solve_brake_with_widths_to_tolerance,
+    width_section,
+)
+from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin_studies.solid_error import (
     DRAWN,
     JUDGED_ERRORS,
@@ -34,15 +38,15 @@ GRADED = WidthFunctions((0.0, 17e-3, 20e-3), 4)
 def truth(brake):
     """The answer of the main brake on the second level, with functions graded to the side."""
     start = solve(brake)
-    points = singular_points_of(brake, start)
-    scene = prepare_width(brake, LEVELS[1], lambda shoe: GRADED, points)
+    points = singular_points_of_all_linings(brake, start)
+    scene = prepare_brake_with_widths(brake, LEVELS[1], lambda shoe: GRADED, points)
     return solve_prepared_model(scene, brake, start=start)
 
 
 @pytest.mark.parametrize("tolerance", [2e-2, 5e-3, 2e-3])
 def test_stated_errors_are_above_the_true_ones_and_below_the_tolerance(brake, truth, tolerance):
-    found = solve_with_widths(brake, Tolerance(tolerance, tolerance))
-    true = model_distance(brake, found, truth).brake
+    found = solve_brake_with_widths_to_tolerance(brake, Tolerance(tolerance, tolerance))
+    true = distance_of_plane_stress_from_widths(brake, found, truth).brake
     assert found.error["pressure"] < tolerance
     assert found.error["torque"] < tolerance
     # Two parts of the error of the torque may cancel, so that only p tells errors far too large.
@@ -52,7 +56,9 @@ def test_stated_errors_are_above_the_true_ones_and_below_the_tolerance(brake, tr
 
 
 def test_a_finer_tolerance_takes_a_finer_section_or_a_higher_degree(brake):
-    coarse, fine = (solve_with_widths(brake, Tolerance(t, t)) for t in (5e-2, 1e-3))
+    coarse, fine = (
+        solve_brake_with_widths_to_tolerance(brake, Tolerance(t, t)) for t in (5e-2, 1e-3)
+    )
     assert coarse.shoes[0].order < fine.shoes[0].order
     assert "degree 2 across the width" in coarse.notes[-1]
     assert "degree 2 across the width" not in fine.notes[-1]
@@ -61,11 +67,13 @@ def test_a_finer_tolerance_takes_a_finer_section_or_a_higher_degree(brake):
 @pytest.mark.slow
 def test_on_a_t_section_stated_errors_are_above_the_true_ones(brake):
     section = t_section(brake)
-    found = solve_with_widths(section, Tolerance(1e-2, 1e-2))
+    found = solve_brake_with_widths_to_tolerance(section, Tolerance(1e-2, 1e-2))
     start = solve(section)
-    points = singular_points_of(section, start)
-    truth = solve_prepared_model(prepare_width(section, LEVELS[0], 6, points), section, start=start)
-    for name, error in model_distance(section, found, truth).brake.items():
+    points = singular_points_of_all_linings(section, start)
+    truth = solve_prepared_model(
+        prepare_brake_with_widths(section, LEVELS[0], 6, points), section, start=start
+    )
+    for name, error in distance_of_plane_stress_from_widths(section, found, truth).brake.items():
         assert error < found.error[name], name
 
 
@@ -74,30 +82,34 @@ def test_beside_a_web_the_width_has_its_part_in_the_error():
     brake, level = DRAWN["free"](2000), LEVELS[0]
     plane = solve(brake)
     section = width_section(brake, plane)
-    points = singular_points_of(brake, plane, error=level.error)
+    points = singular_points_of_all_linings(
+        brake, plane, error=level.pressure_error_by_column_ratio
+    )
 
     def on_level(across):
         """The answer on one section, on which the section's part of the error cancels."""
-        scene = prepare_width(brake, level, across, points)
+        scene = prepare_brake_with_widths(brake, level, across, points)
         return solve_prepared_model(scene, brake, start=plane)
 
     truth = on_level(graded_functions)
     for allowed in (3e-2, 2e-2, 1e-2):
-        found = chosen_degree(brake, plane, section, Tolerance(allowed, allowed))
-        true = model_distance(brake, on_level(found.degree), truth).brake
+        found = smallest_width_degree_within_tolerance(
+            brake, plane, section, Tolerance(allowed, allowed)
+        )
+        true = distance_of_plane_stress_from_widths(brake, on_level(found.degree), truth).brake
         assert true["torque"] < found.error.torque
         assert true["pressure"] < found.error.shoes[0]["pressure"] < 6 * true["pressure"]
 
 
 def test_a_tolerance_that_is_out_of_reach_is_refused_and_says_what_was_reached(brake):
     with pytest.raises(NoAnswer, match=r"tolerance 1e-07 not reached .*: estimated error of p"):
-        solve_with_widths(brake, Tolerance(1e-7, 1e-7))
+        solve_brake_with_widths_to_tolerance(brake, Tolerance(1e-7, 1e-7))
 
 
 def test_without_contraction_one_width_is_plane_stress(flexible):
     changes = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
     brake = vary(flexible, changes)
-    found, plane = solve_with_widths(brake, Tolerance(1e-2, 1e-2)), solve(brake)
+    found, plane = solve_brake_with_widths_to_tolerance(brake, Tolerance(1e-2, 1e-2)), solve(brake)
     assert found.torque == pytest.approx(plane.torque, rel=found.error["torque"])
     assert found.error["torque"] < 1e-4
 

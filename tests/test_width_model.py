@@ -9,16 +9,16 @@ from conftest import partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solid import model as hexahedra
-from drumlin.fem.substructure.body import rigid_body_modes
+from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
 from drumlin.fem.width.error import WIDTH_LEVEL
 from drumlin.fem.width.functions import WidthFunctions
-from drumlin.fem.width.prepare import prepare_width, width_why_not
-from drumlin.response.norms import pressure_distance, relative
-from drumlin_studies.random_kinds import draw_brake_of_kind
+from drumlin.fem.width.prepare import prepare_brake_with_widths, reason_against_width_model
+from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
+from drumlin_studies.random_kinds import draw_random_brake_of_kind
 from flat_pads import pad
 from held_shoes import BODY, brake_of
 from sections import t_section
@@ -81,11 +81,11 @@ def without_contraction(brake):
 
 
 def plane(brake, level=LEVELS[0]):
-    return solve_prepared_model(prepare(brake, level), brake)
+    return solve_prepared_model(make_prepared_model(brake, level), brake)
 
 
 def wide(brake, degree, level=LEVELS[0], places=None):
-    return solve_prepared_model(prepare_width(brake, level, degree, places), brake)
+    return solve_prepared_model(prepare_brake_with_widths(brake, level, degree, places), brake)
 
 
 def assert_same(mine, other, within, reactions=1e-9):
@@ -96,9 +96,11 @@ def assert_same(mine, other, within, reactions=1e-9):
     least = within
     for own, true in zip(mine.shoes, other.shoes, strict=True):
         within = least + own.lost.torque + true.lost.torque
-        assert relative(own.normal_force, true.normal_force) == pytest.approx(0, abs=within)
+        assert relative_error_of_number(own.normal_force, true.normal_force) == pytest.approx(
+            0, abs=within
+        )
         assert own.torque == pytest.approx(true.torque, rel=within)
-        assert pressure_distance(own, true) < 1e-9
+        assert relative_distance_of_pressures(own, true) < 1e-9
         np.testing.assert_allclose(
             own.hinge_reaction, true.hinge_reaction, atol=reactions * true.normal_force
         )
@@ -133,10 +135,10 @@ def test_forces_and_moments_balance(kind, degree):
 @pytest.mark.parametrize("kind", partly(HELD, QUICK))
 def test_rigid_body_modes_strain_nothing(kind):
     brake = HELD[kind]()
-    scene = prepare_width(brake, LEVELS[0], 3)
+    scene = prepare_brake_with_widths(brake, LEVELS[0], 3)
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         inner = body.condensed
-        R = rigid_body_modes(body.line.xy, shoe.own_pin)
+        R = rigid_body_displacements_of_nodes(body.line.xy, shoe.pin_in_shoe_frame)
         # With the frame held, the forces that move the contact rigidly are those of the frame:
         # S_cc R = -S_cf, here as L L^T R + L L_fc^T = 0.
         forces = inner.L_cc @ (inner.L_cc.T @ R + inner.L_fc.T)
@@ -149,7 +151,7 @@ def test_as_the_width_goes_to_zero_the_difference_falls_in_proportion(brake):
     for width in (40e-3, 8e-3, 2e-3):
         narrow = widths(brake, width)
         own = wide(narrow, 2, LEVELS[1]), plane(narrow, LEVELS[1])
-        apart.append(abs(relative(own[0].torque, own[1].torque)))
+        apart.append(abs(relative_error_of_number(own[0].torque, own[1].torque)))
     first, second, third = apart
     # 40 mm is wider than the lining is thick, where the difference has nearly saturated.
     assert third / second == pytest.approx(1 / 4, rel=0.3)
@@ -158,7 +160,7 @@ def test_as_the_width_goes_to_zero_the_difference_falls_in_proportion(brake):
 
 @pytest.mark.slow
 def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(brake):
-    points = singular_points_of(brake, plane(brake, LEVELS[1]))
+    points = singular_points_of_all_linings(brake, plane(brake, LEVELS[1]))
     functions = WidthFunctions((0.0, 17e-3, 20e-3), 4)
     mine = wide(brake, lambda shoe: functions, LEVELS[1], points)
     # 448.7310 N m is the limit of hexahedra, 80 of them along each lining.
@@ -168,13 +170,13 @@ def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(bra
     others = [solve_prepared_model(hexahedra.prepare(brake, elements=n), brake) for n in (14, 20)]
     for other in others:
         assert other.torque == pytest.approx(mine.torque, rel=2e-4)
-        assert pressure_distance(other.shoes[0], mine.shoes[0]) < 0.03
+        assert relative_distance_of_pressures(other.shoes[0], mine.shoes[0]) < 0.03
 
 
 @pytest.mark.slow
 def test_on_a_t_section_it_is_the_solid_shoes_to_which_hexahedra_converge(brake):
     section = t_section(brake)
-    points = singular_points_of(section, plane(section, LEVELS[1]))
+    points = singular_points_of_all_linings(section, plane(section, LEVELS[1]))
     mine = wide(section, 4, LEVELS[0], points)
     few, many = (
         solve_prepared_model(hexahedra.prepare(section, elements=n, across=8), section)
@@ -191,7 +193,7 @@ def test_on_a_t_section_it_is_the_solid_shoes_to_which_hexahedra_converge(brake)
     ("kind", "seed"), [("arc", 1), ("backed", 2), ("misfit", 1), ("cam", 1), ("strut", 2)]
 )
 def test_on_random_brakes_degree_zero_is_plane_stress(kind, seed):
-    brake = draw_brake_of_kind(seed, kind)
+    brake = draw_random_brake_of_kind(seed, kind)
     assert_same(wide(brake, 0), plane(brake), 1e-11)
     balance = wide(brake, 2, WIDTH_LEVEL).balance
     assert max(balance.force, balance.moment) < 1e-9
@@ -199,13 +201,13 @@ def test_on_random_brakes_degree_zero_is_plane_stress(kind, seed):
 
 def test_what_is_not_covered_is_refused_in_a_line(brake, root):
     ring = read_brake(root / "studies" / "post_brake" / "brake.toml")
-    assert width_why_not(brake) is None
+    assert reason_against_width_model(brake) is None
     with pytest.raises(BadInput, match="its drum is an elastic ring, whose own width"):
-        prepare_width(ring, LEVELS[0], 1)
+        prepare_brake_with_widths(ring, LEVELS[0], 1)
     with pytest.raises(BadInput, match="its bending_stiffness is not that of a section"):
-        prepare_width(vary(ring, {"drum.ring": None}), LEVELS[0], 1)
+        prepare_brake_with_widths(vary(ring, {"drum.ring": None}), LEVELS[0], 1)
     full = vary(brake, {"shoe.lining.material.nu": 0.4995})
     with pytest.raises(BadInput, match=r"nu = 0\.4995 is all but incompressible; at most 0\.499"):
-        prepare_width(full, LEVELS[0], 1)
+        prepare_brake_with_widths(full, LEVELS[0], 1)
     with pytest.raises(BadInput, match="--across = 10: must be from 0 to 9"):
-        prepare_width(brake, LEVELS[0], 10)
+        prepare_brake_with_widths(brake, LEVELS[0], 10)

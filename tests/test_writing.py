@@ -6,8 +6,8 @@ import pytest
 
 from conftest import ROOT, partly
 from drumlin.brake import read_any, vary
-from drumlin.brake.writing import brake_text, quantity_text
-from drumlin_studies.random_brake import random_brake
+from drumlin.brake.writing import brake_file_text, quantity_text
+from drumlin_studies.random_brake import draw_random_brake
 from flat_pads import LINING, pad
 from shared_forces import cam_brake, servo
 
@@ -18,15 +18,15 @@ BRAKES = [path for path in FILES if "shoe" in tomllib.loads(path.read_text())]
 @pytest.mark.parametrize("path", BRAKES, ids=lambda path: path.stem)
 def test_every_example_reads_as_it_was_written(path):
     brake = read_any(path)
-    text = brake_text(brake)
+    text = brake_file_text(brake)
     assert read_any(path, text) == brake
     assert len(text) < 6000
 
 
 @pytest.mark.parametrize("seed", partly(range(40), range(10)))
 def test_a_random_brake_reads_as_it_was_written(seed, tmp_path):
-    brake = random_brake(seed)
-    assert read_any(tmp_path / "b.toml", brake_text(brake)) == brake
+    brake = draw_random_brake(seed)
+    assert read_any(tmp_path / "b.toml", brake_file_text(brake)) == brake
 
 
 def test_tables_blocks_lobes_and_names(brake, tmp_path):
@@ -43,7 +43,7 @@ def test_tables_blocks_lobes_and_names(brake, tmp_path):
             "drum.out_of_round": [{"order": 2, "amplitude": 2e-5, "phase": 0.1}],
         },
     )
-    text = brake_text(changed)
+    text = brake_file_text(changed)
     assert read_any(tmp_path / "b.toml", text) == changed
     assert 'clearance = [["-70 deg", "0 mm"], ["55 deg", "0.1 mm"]]' in text
 
@@ -51,7 +51,7 @@ def test_tables_blocks_lobes_and_names(brake, tmp_path):
 def test_tables_on_a_plane_have_lengths_for_places(tmp_path):
     rows = {"clearance": [[0.06, 0.0], [0.18, 1e-4]], "misfit": {"blocks": [[0.1, 1e-4]]}}
     brake = pad("hinge", lining=LINING | {"start": 0.06, "end": 0.18} | rows)
-    text = brake_text(brake)
+    text = brake_file_text(brake)
     assert read_any(tmp_path / "b.toml", text) == brake
     assert 'clearance = [["60 mm", "0 mm"], ["180 mm", "0.1 mm"]]' in text
     assert 'blocks = [["100 mm", "0.1 mm"]]' in text
@@ -59,14 +59,14 @@ def test_tables_on_a_plane_have_lengths_for_places(tmp_path):
 
 @pytest.mark.parametrize("brake", [cam_brake(), cam_brake(body=0.01), servo(), servo(body=0.01)])
 def test_what_follows_from_a_cam_or_a_strut_is_not_repeated(brake, tmp_path):
-    text = brake_text(brake)
+    text = brake_file_text(brake)
     assert read_any(tmp_path / "b.toml", text) == brake
     assert text.count("force = ") == 1
 
 
 def test_a_shoe_without_force_says_so(brake, tmp_path):
     still = vary(brake, {"shoe.actuation.force": 0.0})
-    assert read_any(tmp_path / "b.toml", brake_text(still)) == still
+    assert read_any(tmp_path / "b.toml", brake_file_text(still)) == still
 
 
 def test_quantities_are_readable_and_exact():

@@ -3,7 +3,11 @@
 import numpy as np
 
 from drumlin.contact.equations import ContactProblem
-from drumlin.fem.substructure.interface import ContactLine, couple_with_counterface, drum_directions
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    function_for_drum_normals_and_tangents,
+    weak_coupling_of_contact_line,
+)
 from drumlin.lining_wear.archard import (
     WearInterface,
     WearLaw,
@@ -22,8 +26,10 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
     phi = np.linspace(*arc, 2 * elements + 1)
     xy = RADIUS * np.array([np.cos(phi), np.sin(phi)])
     pieces = np.arange(0, 2 * elements, 2) + np.arange(3)[:, None]
-    coupling = couple_with_counterface(
-        ContactLine(np.arange(len(phi)), xy, phi, pieces), WIDTH, drum_directions(1)
+    coupling = weak_coupling_of_contact_line(
+        ContactLine(np.arange(len(phi)), xy, phi, pieces),
+        WIDTH,
+        function_for_drum_normals_and_tangents(1),
     )
     turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
     approach = coupling.N @ turned
@@ -40,7 +46,7 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
         np.zeros(len(phi)),
         coupling.M,
         np.ones(len(phi)),
-        coupling.area,
+        coupling.areas_of_contact_nodes,
         mu * coupling.lever,
     )
     return interface, phi

@@ -17,13 +17,17 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 
 from drumlin.base.errors import NoAnswer
-from drumlin.base.files import cell
-from drumlin.base.texts import formatted
+from drumlin.base.files import spreadsheet_cell_without_formula
+from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
-from drumlin.models import applicable
-from drumlin.response.norms import pressure_distance, relative, vector_distance
+from drumlin.models import applicable_models
+from drumlin.response.norms import (
+    relative_distance_of_pressures,
+    relative_distance_of_vectors,
+    relative_error_of_number,
+)
 from drumlin.response.response import EDGE_ZONE, Response
-from drumlin.response.show import arcs_text
+from drumlin.response.show import text_of_contact_arcs
 
 # The class of the compared brake, which a comparison keeps.
 BrakeKind = TypeVar("BrakeKind", bound=Brake)
@@ -49,7 +53,7 @@ class Outcome:
     repeats: int
 
 
-def run(name: str, solve: Callable[[], Response], repeats: int = 1) -> Outcome:
+def solve_and_time_model(name: str, solve: Callable[[], Response], repeats: int = 1) -> Outcome:
     """Solve a brake by one model and measure the time.
 
     A model that raises NoAnswer gives an Outcome with the reason; the exception is not passed on.
@@ -87,7 +91,9 @@ class Extrapolated(NamedTuple):
     uncertainty: float
 
 
-def richardson(fine: float, first: float, last: float, ratio: float = 2.0) -> Extrapolated:
+def richardson_limit_from_steps(
+    fine: float, first: float, last: float, ratio: float = 2.0
+) -> Extrapolated:
     """Estimate the limit of a value as meshes are refined, by Richardson extrapolation.
 
     The extrapolation needs two steps of the same sign of which the second is smaller. Otherwise the
@@ -113,9 +119,11 @@ def richardson(fine: float, first: float, last: float, ratio: float = 2.0) -> Ex
     return Extrapolated(order, fine + correction, abs(correction))
 
 
-def extrapolate(coarse: float, medium: float, fine: float, ratio: float = 2.0) -> Extrapolated:
-    """Estimate the limit of a value by `richardson` from three meshes."""
-    return richardson(fine, medium - coarse, fine - medium, ratio)
+def richardson_limit_from_three_meshes(
+    coarse: float, medium: float, fine: float, ratio: float = 2.0
+) -> Extrapolated:
+    """Estimate the limit of a value by `richardson_limit_from_steps` from three meshes."""
+    return richardson_limit_from_steps(fine, medium - coarse, fine - medium, ratio)
 
 
 class TableColumn(NamedTuple):
@@ -144,7 +152,7 @@ class TableColumn(NamedTuple):
         if not isinstance(value, int | float):
             return str(value)
         # Multiplying an integer by 1.0 would make it a float, with another format.
-        return formatted(value if self.factor == 1 else value * self.factor, self.form)
+        return number_as_text(value if self.factor == 1 else value * self.factor, self.form)
 
     @property
     def title(self) -> str:
@@ -172,7 +180,7 @@ COLUMNS = (
 """The columns of the table of a comparison, in their order."""
 
 
-def rows(
+def comparison_table_rows(
     brake: Brake, outcomes: Sequence[Outcome], reference: str = "fem", case: str | None = None
 ) -> list[dict[str, Any]]:
     """The rows of the table of a comparison: one for each model and shoe.
@@ -200,12 +208,14 @@ def rows(
             continue
         judged_by = true if outcome.model != reference else None
         for i in range(len(brake.shoes)):
-            table.append({**base, **_shoe_row(brake, outcome.response, i, judged_by)})
-        table.append({**base, **_whole_row(outcome, judged_by)})
+            table.append({**base, **_table_row_of_shoe(brake, outcome.response, i, judged_by)})
+        table.append({**base, **_table_row_of_whole_brake(outcome, judged_by)})
     return table
 
 
-def _shoe_row(brake: Brake, response: Response, i: int, true: Response | None) -> dict[str, Any]:
+def _table_row_of_shoe(
+    brake: Brake, response: Response, i: int, true: Response | None
+) -> dict[str, Any]:
     """The values of one shoe in the table of a comparison, by the keys of COLUMNS.
 
     Parameters
@@ -221,21 +231,25 @@ def _shoe_row(brake: Brake, response: Response, i: int, true: Response | None) -
         "torque": response.effects[i],
         "peak_pressure": shoe.peak_pressure,
         "reaction": float(np.linalg.norm(shoe.hinge_reaction)),
-        "contact": arcs_text(shoe, brake.surface),
+        "contact": text_of_contact_arcs(shoe, brake.surface),
         "self_energising": "yes" if shoe.self_energising else "no",
         "status": "converged" if response.converged else "not converged",
     }
     # The errors are differences from the reference result, relative to it.
     if true is not None:
         other = true.shoes[i]
-        row["torque_error"] = relative(response.effects[i], true.effects[i])
-        row["peak_error"] = relative(shoe.peak_pressure, other.peak_pressure)
-        row["pressure_error"] = pressure_distance(shoe, other, edge_of(brake))
-        row["reaction_error"] = vector_distance(shoe.hinge_reaction, other.hinge_reaction)
+        row["torque_error"] = relative_error_of_number(response.effects[i], true.effects[i])
+        row["peak_error"] = relative_error_of_number(shoe.peak_pressure, other.peak_pressure)
+        row["pressure_error"] = relative_distance_of_pressures(
+            shoe, other, uncompared_edge_length(brake)
+        )
+        row["reaction_error"] = relative_distance_of_vectors(
+            shoe.hinge_reaction, other.hinge_reaction
+        )
     return row
 
 
-def _whole_row(outcome: Outcome, true: Response | None) -> dict[str, Any]:
+def _table_row_of_whole_brake(outcome: Outcome, true: Response | None) -> dict[str, Any]:
     """The values of the whole brake by one model in the table of a comparison.
 
     `true` is the result that errors refer to; None for a row without errors.
@@ -244,11 +258,11 @@ def _whole_row(outcome: Outcome, true: Response | None) -> dict[str, Any]:
     effect = outcome.response.effect
     row = {"shoe": "all", "torque": effect, "seconds": outcome.seconds, "status": "converged"}
     if true is not None:
-        row["torque_error"] = relative(effect, true.effect)
+        row["torque_error"] = relative_error_of_number(effect, true.effect)
     return row
 
 
-def edge_of(brake: Brake) -> float:
+def uncompared_edge_length(brake: Brake) -> float:
     """Length of the zones at both ends of a lining in which pressures are not compared.
 
     It is in the coordinate along the surface: an angle [rad] on a drum, a length [m] on a plane.
@@ -256,7 +270,7 @@ def edge_of(brake: Brake) -> float:
     return EDGE_ZONE * brake.unit
 
 
-def columns_of(brake: Brake) -> tuple[TableColumn, ...]:
+def comparison_columns_for_brake(brake: Brake) -> tuple[TableColumn, ...]:
     """The columns of the table of a comparison for this brake.
 
     For a brake on a plane their headings and units name the braking force in place of the torque,
@@ -275,7 +289,7 @@ def columns_of(brake: Brake) -> tuple[TableColumn, ...]:
     return tuple(column._replace(**words.get(column.key, {})) for column in COLUMNS)
 
 
-def as_csv(table: Sequence[dict[str, Any]]) -> str:
+def table_as_csv_text(table: Sequence[dict[str, Any]]) -> str:
     """The rows of a table as CSV text, with a column for every key that occurs in a row.
 
     Texts that a spreadsheet would run as formulas get an apostrophe in front.
@@ -285,7 +299,10 @@ def as_csv(table: Sequence[dict[str, Any]]) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, keys, lineterminator="\n")
     writer.writeheader()
-    writer.writerows({key: cell(value) for key, value in row.items()} for row in table)
+    writer.writerows(
+        {key: spreadsheet_cell_without_formula(value) for key, value in row.items()}
+        for row in table
+    )
     return text.getvalue()
 
 
@@ -312,7 +329,7 @@ class Comparison(Generic[BrakeKind]):
     @property
     def rows(self) -> list[dict[str, Any]]:
         """The rows of the table of the comparison, with errors relative to the finite elements."""
-        return rows(self.brake, self.outcomes, case=self.case)
+        return comparison_table_rows(self.brake, self.outcomes, case=self.case)
 
 
 def compare(
@@ -344,11 +361,15 @@ def compare(
         for an option out of range
     """
     outcomes = []
-    for model in applicable(brake):
+    for model in applicable_models(brake):
         if models is None or model.name in models:
             # Only the finite elements take the options.
             own_options = options if model.name == "fem" else {}
-            outcomes.append(run(model.name, partial(model.solve, brake, **own_options), repeats))
+            outcomes.append(
+                solve_and_time_model(
+                    model.name, partial(model.solve, brake, **own_options), repeats
+                )
+            )
     return Comparison(case or brake.title, brake, tuple(outcomes))
 
 
@@ -368,15 +389,17 @@ class Convergence:
     @property
     def torque(self) -> Extrapolated:
         """The torque of the brake [N m] extrapolated from the three finest meshes to its limit."""
-        return extrapolate(*(response.torque for response in self.responses[-3:]))
+        return richardson_limit_from_three_meshes(
+            *(response.torque for response in self.responses[-3:])
+        )
 
-    def pressure_steps(self, shoe: int) -> list[float]:
+    def pressure_distances_between_meshes(self, shoe: int) -> list[float]:
         """Relative L2 distance between the pressures of a shoe on each mesh and the next finer one.
 
         `shoe` is the index of the shoe. Zones at both ends of the lining are left out.
         """
         pairs = pairwise(self.responses)
-        return [pressure_distance(a.shoes[shoe], b.shoes[shoe]) for a, b in pairs]
+        return [relative_distance_of_pressures(a.shoes[shoe], b.shoes[shoe]) for a, b in pairs]
 
     def pressure(self, shoe: int) -> tuple[float, float]:
         """Observed order of convergence of a shoe's pressure, and its error on the finest mesh.
@@ -386,12 +409,12 @@ class Convergence:
         meshes.
         """
         # For a finest value of 0 the estimated uncertainty is the distance from the limit.
-        first, last = self.pressure_steps(shoe)[-2:]
-        limit = richardson(0.0, first, last)
+        first, last = self.pressure_distances_between_meshes(shoe)[-2:]
+        limit = richardson_limit_from_steps(0.0, first, last)
         return limit.order, limit.uncertainty
 
 
-def converge(brake: Brake, elements: Sequence[int]) -> Convergence:
+def solve_on_refined_meshes(brake: Brake, elements: Sequence[int]) -> Convergence:
     """Solve a brake by finite elements on several meshes, without penalty in the contact.
 
     `elements` are the numbers of elements along each lining, from coarse to fine.

@@ -38,7 +38,7 @@ Say = Callable[[str], None]
 """The type of a function that shows the user a line about the progress of a computation."""
 
 
-def _unheard(_: str) -> None:
+def _ignore_progress_line(_: str) -> None:
     """Ignore a line about the progress of a computation."""
 
 
@@ -59,45 +59,45 @@ class _Source(NamedTuple):
     command: str
 
 
-def _brake_of(brake: BrakeOrPath) -> Brake:
+def _read_brake_if_path(brake: BrakeOrPath) -> Brake:
     """Return the brake itself; if `brake` is a path, read the brake from this file."""
     from drumlin.brake import read_any
 
     return read_any(brake) if isinstance(brake, str | Path) else brake
 
 
-def _source_of(brake: BrakeOrPath) -> _Source:
+def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _Source:
     """Return a brake with the text of its file; without a file, the text that would be written."""
-    from drumlin.base.texts import typed
+    from drumlin.base.texts import command_text_without_folders
     from drumlin.brake import read_any
-    from drumlin.brake.file import toml_text
-    from drumlin.brake.writing import brake_text
+    from drumlin.brake.file import read_text_of_brake_file
+    from drumlin.brake.writing import brake_file_text
 
     # A brake without a file has no folder beside which reference values could be stored.
     if not isinstance(brake, str | Path):
-        return _Source(brake, brake_text(brake), None, "drumlin.reference(brake)")
+        return _Source(brake, brake_file_text(brake), None, "drumlin.reference(brake)")
     path = Path(brake)
-    text = toml_text(path)
-    command = typed(["drumlin", "reference", str(path)])
+    text = read_text_of_brake_file(path)
+    command = command_text_without_folders(["drumlin", "reference", str(path)])
     return _Source(read_any(path, text), text, path.parent, command)
 
 
-def _given(**options: Any) -> dict[str, Any]:
+def _options_with_values(**options: Any) -> dict[str, Any]:
     """The options that the user has given: those that are neither None nor False."""
-    from drumlin.models import given_options
+    from drumlin.models import options_with_values
 
-    return given_options(**options)
+    return options_with_values(**options)
 
 
-def _in_si(option: str, value: float | str, unit: str) -> float:
+def _option_value_in_si(option: str, value: float | str, unit: str) -> float:
     """Convert the value of an option to a number in SI units.
 
     `value` is a number, which is in SI units already, or a text with a unit. `option` is the name
     of the option in an error message.
     """
-    from drumlin.brake.units import quantity
+    from drumlin.brake.units import option_value_in_si
 
-    return quantity(option, value, unit) if isinstance(value, str) else value
+    return option_value_in_si(option, value, unit) if isinstance(value, str) else value
 
 
 def solve(
@@ -158,10 +158,10 @@ def solve(
     >>> round(drumlin.solve(brake).torque), round(drumlin.solve(brake, "sine").torque)
     (448, 435)
     """
-    from drumlin.models import check_options, pick
+    from drumlin.models import check_options_belong_to_model, model_by_name
 
-    whole = _brake_of(brake)
-    options = _given(
+    whole = _read_brake_if_path(brake)
+    options = _options_with_values(
         elements=elements,
         kind=kind,
         penalty=penalty,
@@ -174,8 +174,8 @@ def solve(
         lift=lift,
     )
     # The model is checked before the options: an unknown model is the more helpful message.
-    chosen = pick(model, whole)
-    check_options(model, options)
+    chosen = model_by_name(model, whole)
+    check_options_belong_to_model(model, options)
     if finite_width and worn_in:
         raise BadInput("--finite-width: does not apply to worn-in linings")
     if finite_width and not model_error:
@@ -231,14 +231,14 @@ def compare(
     """
     from drumlin.comparison import compare as side_by_side
 
-    options = _given(
+    options = _options_with_values(
         elements=elements,
         kind=kind,
         penalty=penalty,
         tolerance=tolerance,
         finite_width=finite_width,
     )
-    return side_by_side(_brake_of(brake), case, repeats, models, **options)
+    return side_by_side(_read_brake_if_path(brake), case, repeats, models, **options)
 
 
 def sweep(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
@@ -286,7 +286,7 @@ def wear(
     kind: str | None = None,
     sections: int | None = None,
     lift: Sequence[str] | None = None,
-    say: Say = _unheard,
+    say: Say = _ignore_progress_line,
 ) -> WearRun:
     """Wear the linings of a brake by Archard's law, as during running-in.
 
@@ -332,22 +332,28 @@ def wear(
     """
     from drumlin.lining_wear import linings, whole_brake
 
-    worn = _brake_of(brake)
+    worn = _read_brake_if_path(brake)
     # Guided shoes are another brake, whose shoes are supported by guides.
-    worn = linings.put_shoes_on_guides(worn) if guided else worn
-    worn.check_meshable()
-    on_mesh = _given(elements=elements, kind=kind)
-    on_springs = _given(sections=sections, lift=lift)
+    worn = linings.brake_with_shoes_on_guides(worn) if guided else worn
+    worn.check_shoes_can_be_meshed()
+    on_mesh = _options_with_values(elements=elements, kind=kind)
+    on_springs = _options_with_values(sections=sections, lift=lift)
     # Options that belong to the other model are refused.
-    only_mesh = on_mesh | _given(guided=guided)
-    whole_brake.check_wear_options(model, only_mesh, on_springs)
+    only_mesh = on_mesh | _options_with_values(guided=guided)
+    whole_brake.require_options_of_wear_model(model, only_mesh, on_springs)
     # The wear law, the torque to keep constant and the prepared models determine the computation.
     law = whole_brake.make_wear_law(coefficient, exponent)
-    held = None if torque is None else _in_si("--torque", torque, worn.surface.effect_unit)
+    held = (
+        None
+        if torque is None
+        else _option_value_in_si("--torque", torque, worn.surface.effect_unit)
+    )
     options = on_mesh if model == "fem" else on_springs
-    setups = whole_brake.wear_setups(worn, model, both_ways=reverse is not None, **options)
+    setups = whole_brake.make_wear_setups_of_brake(
+        worn, model, both_ways=reverse is not None, **options
+    )
     say("wearing")
-    return whole_brake.run_wear(
+    return whole_brake.wear_whole_brake(
         setups,
         law,
         distance=distance,
@@ -371,9 +377,9 @@ class HoldingRun(NamedTuple):
 
     def as_dict(self) -> list[dict[str, Any]]:
         """The states as plain data for JSON, in SI; the keys are those of `drumlin hold --json`."""
-        from drumlin.fem.analysis.holding import states_as_plain_data
+        from drumlin.fem.analysis.holding import holding_states_as_plain_data
 
-        return states_as_plain_data(list(self.states))
+        return holding_states_as_plain_data(list(self.states))
 
 
 def hold(
@@ -384,7 +390,7 @@ def hold(
     elements: int | None = None,
     kind: str | None = None,
     penalty: float | None = None,
-    say: Say = _unheard,
+    say: Say = _ignore_progress_line,
 ) -> HoldingRun:
     """Turn the drum from rest against the shoes that hold it, through partial slip to full slip.
 
@@ -421,21 +427,28 @@ def hold(
     import numpy as np
 
     from drumlin.fem.analysis import holding
-    from drumlin.fem.solve import prepare_finest_division
+    from drumlin.fem.solve import prepared_model_of_finest_division
 
-    held = _brake_of(brake)
-    held.check_meshable()
+    held = _read_brake_if_path(brake)
+    held.check_shoes_can_be_meshed()
     if not 1 <= steps <= MOST_STEPS:
         raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_STEPS}")
-    on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
-    end = None if rotation is None else _in_si("--rotation", rotation, held.surface.unit)
+    on_mesh, stiffness = (
+        _options_with_values(elements=elements, kind=kind),
+        _options_with_values(penalty=penalty),
+    )
+    end = (
+        None if rotation is None else _option_value_in_si("--rotation", rotation, held.surface.unit)
+    )
     # Without a given rotation the drum is turned until every node slips.
-    scene = prepare_finest_division(held, **on_mesh)
+    scene = prepared_model_of_finest_division(held, **on_mesh)
     if end is None:
         end = holding.find_full_slip_rotation(scene, held, **stiffness)
     # The state at rest comes first: there is one state more than increments.
     rotations = np.linspace(0.0, end, steps + 1)
-    states = holding.hold_drum_through_rotations(scene, held, rotations, say=say, **stiffness)
+    states = holding.states_of_holding_brake_at_rotations(
+        scene, held, rotations, say=say, **stiffness
+    )
     return HoldingRun(held, tuple(states))
 
 
@@ -475,12 +488,15 @@ def sensitivity(
     True
     """
     from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity as slopes
-    from drumlin.fem.solve import prepare_finest_division
+    from drumlin.fem.solve import prepared_model_of_finest_division
 
-    on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
-    whole = _brake_of(brake)
-    whole.check_meshable()
-    return slopes(prepare_finest_division(whole, **on_mesh), whole, **stiffness)
+    on_mesh, stiffness = (
+        _options_with_values(elements=elements, kind=kind),
+        _options_with_values(penalty=penalty),
+    )
+    whole = _read_brake_if_path(brake)
+    whole.check_shoes_can_be_meshed()
+    return slopes(prepared_model_of_finest_division(whole, **on_mesh), whole, **stiffness)
 
 
 class LockingLimit(NamedTuple):
@@ -537,17 +553,17 @@ def self_locking(
     [('right',), ('left',)]
     """
     from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION
-    from drumlin.fem.analysis.self_locking import friction_limits_of_groups
-    from drumlin.fem.model import check_penalty
-    from drumlin.fem.solve import prepare_finest_division
+    from drumlin.fem.analysis.self_locking import self_locking_limits_of_shoe_groups
+    from drumlin.fem.model import require_positive_penalty
+    from drumlin.fem.solve import prepared_model_of_finest_division
 
-    on_mesh = _given(elements=elements, kind=kind)
-    check_penalty(penalty)
-    whole = _brake_of(brake)
-    whole.check_meshable()
+    on_mesh = _options_with_values(elements=elements, kind=kind)
+    require_positive_penalty(penalty)
+    whole = _read_brake_if_path(brake)
+    whole.check_shoes_can_be_meshed()
     # This function identifies shoes by their indices. The result identifies them by their names.
-    found = friction_limits_of_groups(
-        prepare_finest_division(whole, **on_mesh),
+    found = self_locking_limits_of_shoe_groups(
+        prepared_model_of_finest_division(whole, **on_mesh),
         whole,
         LARGEST_SOUGHT_FRICTION if most is None else most,
         penalty,
@@ -591,16 +607,19 @@ def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference
     >>> round(found.torque.value, 4), found.torque.uncertainty < 1e-6
     (20.0995, True)
     """
-    from drumlin.base.files import check_outputs
-    from drumlin.verification.reference import compute_reference as values_of
-    from drumlin.verification.reference_file import reference_data, write_reference
+    from drumlin.base.files import check_output_files_are_writable
+    from drumlin.verification.reference import compute_reference_values as values_of
+    from drumlin.verification.reference_file import (
+        reference_values_as_json_data,
+        write_reference_file,
+    )
 
-    source = _source_of(brake)
+    source = _brake_with_text_of_its_file(brake)
     path = None if output is None else Path(output)
-    check_outputs(path)
+    check_output_files_are_writable(path)
     found = values_of(source.brake, source.text, source.command)
     if path is not None:
-        write_reference(reference_data(found), path)
+        write_reference_file(reference_values_as_json_data(found), path)
     return found
 
 
@@ -623,15 +642,15 @@ class CheckResult(NamedTuple):
     @property
     def within(self) -> bool:
         """Whether the distances of every shoe are within the tolerance."""
-        from drumlin.verification.check import are_within_tolerance
+        from drumlin.verification.check import are_verdicts_within_tolerance
 
-        return are_within_tolerance(self.verdicts, self.tolerance)
+        return are_verdicts_within_tolerance(self.verdicts, self.tolerance)
 
     def lines(self) -> list[str]:
         """Lines of text about each shoe; the last line is the verdict on all shoes together."""
-        from drumlin.verification.check import verdict_lines
+        from drumlin.verification.check import verdict_text_lines
 
-        return verdict_lines(self.verdicts, self.tolerance, self.surface)
+        return verdict_text_lines(self.verdicts, self.tolerance, self.surface)
 
 
 def check(
@@ -640,7 +659,7 @@ def check(
     *,
     reference: Path | str | None = None,
     tolerance: float = 0.01,
-    say: Say = _unheard,
+    say: Say = _ignore_progress_line,
 ) -> CheckResult:
     """Compare pressures p(theta) from any source with reference values of the brake.
 
@@ -675,15 +694,15 @@ def check(
     --tolerance = 2: must be greater than 0 and less than 1
     """
     from drumlin.studies import REPOSITORY
-    from drumlin.verification.check import judge_curves as verdicts_on
-    from drumlin.verification.check import read_curves
-    from drumlin.verification.reference import compute_reference as values_of
-    from drumlin.verification.reference_file import read_reference, stored_reference_path
+    from drumlin.verification.check import compare_curves_with_reference as verdicts_on
+    from drumlin.verification.check import read_pressure_curves
+    from drumlin.verification.reference import compute_reference_values as values_of
+    from drumlin.verification.reference_file import read_reference_file, stored_reference_path
 
     if not 0 < tolerance < 1:
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
-    source = _source_of(brake)
-    curves = read_curves(Path(result), source.brake)
+    source = _brake_with_text_of_its_file(brake)
+    curves = read_pressure_curves(Path(result), source.brake)
     # Stored values are searched in the brake file's folder, in the reports of the current folder
     # and among drumlin's own values, in this order.
     values = Path("reports") / "reference" / "values"
@@ -693,7 +712,7 @@ def check(
         say("no stored reference: columns of high degree, then triangles")
         found, name = values_of(source.brake, source.text, source.command), "made anew"
     else:
-        found, name = read_reference(Path(known)), str(known)
+        found, name = read_reference_file(Path(known)), str(known)
     verdicts = verdicts_on(source.brake, found, curves)
     return CheckResult(tuple(verdicts), tolerance, name, source.brake.surface)
 
@@ -735,23 +754,31 @@ def fields(
     >>> right.stress.shape[1], bool(right.von_mises.max() > 0)
     (3, True)
     """
-    from drumlin.base.files import check_outputs
-    from drumlin.fem.analysis.fields import recover_all_fields, write_fields_as_vtu
+    from drumlin.base.files import check_output_files_are_writable
+    from drumlin.fem.analysis.fields import (
+        stress_and_displacement_fields_of_bodies,
+        write_fields_to_vtu_file,
+    )
     from drumlin.fem.model import solve_prepared_model
-    from drumlin.fem.solve import prepare_finest_division
+    from drumlin.fem.solve import prepared_model_of_finest_division
 
     # A wrong path is refused before the brake is solved.
     path = None if output is None else Path(output)
     if path is not None and path.suffix != ".vtu":
         raise BadInput(f"--fields = {str(path)!r}: must end in .vtu")
-    check_outputs(path)
-    on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
-    solved = _brake_of(brake)
-    solved.check_meshable()
-    scene = prepare_finest_division(solved, **on_mesh)
-    found = recover_all_fields(scene, solved, solve_prepared_model(scene, solved, **stiffness))
+    check_output_files_are_writable(path)
+    on_mesh, stiffness = (
+        _options_with_values(elements=elements, kind=kind),
+        _options_with_values(penalty=penalty),
+    )
+    solved = _read_brake_if_path(brake)
+    solved.check_shoes_can_be_meshed()
+    scene = prepared_model_of_finest_division(solved, **on_mesh)
+    found = stress_and_displacement_fields_of_bodies(
+        scene, solved, solve_prepared_model(scene, solved, **stiffness)
+    )
     if path is not None:
-        write_fields_as_vtu(path, found)
+        write_fields_to_vtu_file(path, found)
     return tuple(found)
 
 
@@ -781,10 +808,10 @@ def write_brake(brake: BrakeOrPath, output: Path | str) -> None:
     >>> drumlin.read_brake("my.toml") == brake
     True
     """
-    from drumlin.base.files import write_new
-    from drumlin.brake.writing import brake_text
+    from drumlin.base.files import write_new_text_file
+    from drumlin.brake.writing import brake_file_text
 
-    write_new(Path(output), brake_text(_brake_of(brake)))
+    write_new_text_file(Path(output), brake_file_text(_read_brake_if_path(brake)))
 
 
 def example(name: str) -> Brake:
@@ -810,8 +837,8 @@ def example(name: str) -> Brake:
     'duplex, shoes on abutments'
     """
     from drumlin.brake import read_any
-    from drumlin.studies import example as example_text
-    from drumlin.studies import examples
+    from drumlin.studies import paths_of_example_brakes
+    from drumlin.studies import text_of_example_brake as example_text
 
     text = example_text(name)
-    return read_any(examples()[name], text)
+    return read_any(paths_of_example_brakes()[name], text)

@@ -5,9 +5,9 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput
-from drumlin.base.texts import nearest
+from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.brake import Brake
-from drumlin.brake.orthotropic import isotropic_only
+from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
 from drumlin.response.response import Response
 
@@ -34,7 +34,7 @@ class Model(NamedTuple):
 # The functions below import a model only when they are called, so that `drumlin --help` is fast.
 
 
-def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
+def _solve_by_finite_elements(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
     """Solve a brake by finite elements in plane stress.
 
     With `worn_in` the linings are worn until their pressure no longer changes.
@@ -48,70 +48,89 @@ def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
     return by_elements(brake, **options)
 
 
-def _fem_why_not(brake: Brake) -> str | None:
+def _reason_why_not_finite_elements(brake: Brake) -> str | None:
     """Why the finite elements do not apply to a brake; None if they apply."""
-    from drumlin.fem.preparation.scene import reason_why_not_modelled
+    from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled
 
-    return reason_why_not_modelled(brake)
+    return reason_why_brake_is_not_modelled(brake)
 
 
-def _foundation(brake: Brake, **options: Any) -> Response:
+def _solve_by_foundation_model(brake: Brake, **options: Any) -> Response:
     """Solve a brake by the foundation model (a beam on springs)."""
-    from drumlin.foundation import solve as on_springs
+    from drumlin.foundation import solve_brake_by_foundation_model as on_springs
 
     return on_springs(brake, **options)
 
 
-def _foundation_why_not(brake: Brake) -> str | None:
+def _reason_why_not_foundation_model(brake: Brake) -> str | None:
     """Why the foundation model does not apply to a brake; None if it applies."""
-    from drumlin.foundation import why_not
+    from drumlin.foundation import reason_against_foundation_model
 
-    return why_not(brake)
+    return reason_against_foundation_model(brake)
 
 
-def _solid(brake: Brake, **options: Any) -> Response:
+def _solve_by_solid_shoes(brake: Brake, **options: Any) -> Response:
     """Solve a brake by finite elements in three dimensions, with shoes of finite width."""
     from drumlin.fem.solid import model
 
     return model.solve(brake, **options)
 
 
-def _solid_why_not(brake: Brake) -> str | None:
+def _reason_why_not_solid_shoes(brake: Brake) -> str | None:
     """Why the model of solid shoes does not apply to a brake; None if it applies."""
     from drumlin.fem.solid import model
 
     return model.why_not(brake)
 
 
-SHORT_SHOE_LAWS: Mapping[str, tuple[Any, Any]] = {
-    "drum": (hinged, LAWS["short"]),
-    "plane": (flat, flat.FLAT_SHORT),
+class ShortShoeLaw(NamedTuple):
+    """The law of the short shoe on one kind of surface.
+
+    Attributes
+    ----------
+    why_not : function that returns why the law does not apply to a brake; None if it applies
+    solve : function that solves a brake by the law
+    """
+
+    why_not: Callable[[Brake], str | None]
+    solve: Callable[[Brake], Response]
+
+
+SHORT_SHOE_LAWS: Mapping[str, ShortShoeLaw] = {
+    "drum": ShortShoeLaw(
+        partial(hinged.reason_against_hinged_shoe_law, LAWS["short"]),
+        partial(hinged.solve_brake_with_hinged_shoes_by_law, LAWS["short"]),
+    ),
+    "plane": ShortShoeLaw(
+        partial(flat.reason_against_flat_law, flat.FLAT_SHORT),
+        partial(flat.solve_brake_on_plane_by_law, flat.FLAT_SHORT),
+    ),
 }
-"""The law of the short shoe for each kind of surface, "drum" or "plane".
-
-The two values are the module with the functions `why_not` and `solve`, and the law itself.
-"""
+"""The law of the short shoe for each kind of surface, "drum" or "plane"."""
 
 
-def _short_why_not(brake: Brake) -> str | None:
+def _reason_why_not_short_shoe_law(brake: Brake) -> str | None:
     """Why the law of the short shoe does not apply to a brake; None if it applies."""
-    laws, law = SHORT_SHOE_LAWS[brake.surface.word]
-    return laws.why_not(law, brake)
+    return SHORT_SHOE_LAWS[brake.surface.word].why_not(brake)
 
 
-def _short(brake: Brake) -> Response:
+def _solve_by_short_shoe_law(brake: Brake) -> Response:
     """Solve a brake by the law of the short shoe."""
-    laws, law = SHORT_SHOE_LAWS[brake.surface.word]
-    return laws.solve(law, brake)
+    return SHORT_SHOE_LAWS[brake.surface.word].solve(brake)
 
 
-def _hinged(name: str) -> Model:
+def _make_model_of_hinged_law(name: str) -> Model:
     """Make the model of the law of hinged shoes that has this name."""
     law = LAWS[name]
-    return _law(name, law.assumes, partial(hinged.why_not, law), partial(hinged.solve, law))
+    return _make_model_of_law(
+        name,
+        law.assumes,
+        partial(hinged.reason_against_hinged_shoe_law, law),
+        partial(hinged.solve_brake_with_hinged_shoes_by_law, law),
+    )
 
 
-def _law(
+def _make_model_of_law(
     name: str, assumes: str, why_not: Callable[[Brake], str | None], solve: Callable[..., Response]
 ) -> Model:
     """Make the model of a closed-form law, which takes isotropic materials only.
@@ -125,11 +144,11 @@ def _law(
     solve : function that solves a brake
     """
 
-    def isotropic_too(brake: Brake) -> str | None:
+    def reason_why_law_does_not_apply(brake: Brake) -> str | None:
         """Why the law does not apply to a brake, or to its orthotropic materials; else None."""
-        return why_not(brake) or isotropic_only(brake, "a closed-form law")
+        return why_not(brake) or reason_if_any_part_is_orthotropic(brake, "a closed-form law")
 
-    return Model(name, assumes, isotropic_too, solve)
+    return Model(name, assumes, reason_why_law_does_not_apply, solve)
 
 
 MODELS: Mapping[str, Model] = {
@@ -138,38 +157,45 @@ MODELS: Mapping[str, Model] = {
         Model(
             "fem",
             "2D plane stress, unilateral contact, full-slip Coulomb friction",
-            _fem_why_not,
-            _fem,
+            _reason_why_not_finite_elements,
+            _solve_by_finite_elements,
         ),
-        _hinged("sine"),
+        _make_model_of_hinged_law("sine"),
         Model(
             "foundation",
             "beam on springs against an elastic ring",
-            _foundation_why_not,
-            _foundation,
+            _reason_why_not_foundation_model,
+            _solve_by_foundation_model,
         ),
-        _hinged("cosine"),
-        _hinged("block"),
-        _hinged("uniform"),
-        _law("short", LAWS["short"].assumes, _short_why_not, _short),
-        _law(
+        _make_model_of_hinged_law("cosine"),
+        _make_model_of_hinged_law("block"),
+        _make_model_of_hinged_law("uniform"),
+        _make_model_of_law(
+            "short", LAWS["short"].assumes, _reason_why_not_short_shoe_law, _solve_by_short_shoe_law
+        ),
+        _make_model_of_law(
             "pivoted",
             pivoted.PIVOTED_ASSUMES,
-            pivoted.why_not,
-            partial(rigid.solve, name="pivoted"),
+            pivoted.reason_against_pivoted_shoe_law,
+            partial(rigid.solve_brake_by_rigid_shoe_law, name="pivoted"),
         ),
-        _law(
+        _make_model_of_law(
             "linear",
             flat.LINEAR.assumes,
-            partial(flat.why_not, flat.LINEAR),
-            partial(rigid.solve, name="linear"),
+            partial(flat.reason_against_flat_law, flat.LINEAR),
+            partial(rigid.solve_brake_by_rigid_shoe_law, name="linear"),
         ),
-        _law("rigid", rigid.RIGID_ASSUMES, naming.why_not, rigid.solve),
+        _make_model_of_law(
+            "rigid",
+            rigid.RIGID_ASSUMES,
+            naming.reason_rigid_law_has_other_name,
+            rigid.solve_brake_by_rigid_shoe_law,
+        ),
         Model(
             "solid",
             "solid shoes of finite width, contact and friction as fem",
-            _solid_why_not,
-            _solid,
+            _reason_why_not_solid_shoes,
+            _solve_by_solid_shoes,
             by_name=True,
         ),
     )
@@ -177,14 +203,14 @@ MODELS: Mapping[str, Model] = {
 """All models by name, in the order in which comparisons show them."""
 
 
-def pick(name: str, brake: Brake) -> Model:
+def model_by_name(name: str, brake: Brake) -> Model:
     """The model with this name.
 
     Raises BadInput if no model has this name, or if the model does not apply to the brake.
     """
     if name not in MODELS:
         raise BadInput(
-            f"--model = {name!r}: unknown model{nearest(name, MODELS)}; "
+            f"--model = {name!r}: unknown model{did_you_mean_hint(name, MODELS)}; "
             f"allowed: {', '.join(MODELS)}"
         )
     model = MODELS[name]
@@ -199,7 +225,7 @@ def pick(name: str, brake: Brake) -> Model:
     return model
 
 
-def given_options(**options: Any) -> dict[str, Any]:
+def options_with_values(**options: Any) -> dict[str, Any]:
     """The options that the user has given, which are all that are neither None nor False.
 
     Raises BadInput if the number of `elements` is out of range.
@@ -227,7 +253,7 @@ A model without an entry has no options.
 """
 
 
-def check_options(model: str, given: Collection[str]) -> None:
+def check_options_belong_to_model(model: str, given: Collection[str]) -> None:
     """Raise BadInput if a given option belongs to other models than the chosen one.
 
     `model` is the name of the chosen model, `given` are the names of the options in Python.
@@ -246,13 +272,13 @@ def check_options(model: str, given: Collection[str]) -> None:
         raise BadInput(f"worn_in belongs to --model fem, not to {model!r}")
 
 
-def applicable(brake: Brake) -> tuple[Model, ...]:
+def applicable_models(brake: Brake) -> tuple[Model, ...]:
     """The models that apply to a brake, except those that must be given by name (`by_name`)."""
     at_once = [model for model in MODELS.values() if not model.by_name]
     return tuple(model for model in at_once if model.why_not(brake) is None)
 
 
-def refusals(brake: Brake) -> dict[str, str]:
+def reasons_why_models_do_not_apply(brake: Brake) -> dict[str, str]:
     """Why models do not apply to a brake, by the name of the model.
 
     Models that apply are left out, and so are those that must be given by name (`by_name`).

@@ -15,8 +15,8 @@ from pathlib import Path
 from types import ModuleType
 
 from drumlin.base.errors import BadInput
-from drumlin.base.journal import Journal, source_stamp
-from drumlin.base.texts import nearest
+from drumlin.base.journal import Journal, checksum_of_source_and_libraries
+from drumlin.base.texts import did_you_mean_hint
 
 CARRIED = Path(__file__).resolve().parent / "carried"
 """The folder with copies of studies/ and meshes/ in an installed drumlin."""
@@ -31,7 +31,7 @@ The results of a study depend on the source of this package, so that its journal
 """
 
 
-def examples() -> dict[str, Path]:
+def paths_of_example_brakes() -> dict[str, Path]:
     """The paths of the example brake files by the names of the examples.
 
     A file brake.toml gets the name of its folder. Another file in the same folder gets the name
@@ -50,28 +50,31 @@ def examples() -> dict[str, Path]:
     return found
 
 
-def example(name: str) -> str:
+def text_of_example_brake(name: str) -> str:
     """The text of an example brake file, in which paths of mesh files are made absolute.
 
     Raises BadInput for an unknown name of an example.
     """
-    paths = examples()
+    paths = paths_of_example_brakes()
     if name not in paths:
         raise BadInput(
-            f"NAME = {name!r}: no such example{nearest(name, paths)}; allowed: {', '.join(paths)}"
+            f"NAME = {name!r}: no such example{did_you_mean_hint(name, paths)}; "
+            f"allowed: {', '.join(paths)}"
         )
     path = paths[name]
 
-    def placed(mesh: re.Match[str]) -> str:
+    def line_with_absolute_mesh_path(mesh: re.Match[str]) -> str:
         """The line `mesh = ...` of the brake file with the absolute path of the mesh file."""
         return f'mesh = "{(path.parent / mesh[1]).as_posix()}"'
 
     # The text may be saved in any folder. Absolute paths of the mesh files stay valid there.
-    text = re.sub(r'(?m)^mesh = "([^"]+)"', placed, path.read_text(encoding="utf-8"))
+    text = re.sub(
+        r'(?m)^mesh = "([^"]+)"', line_with_absolute_mesh_path, path.read_text(encoding="utf-8")
+    )
     return re.sub(r"(?m)^#:schema .*/", "#:schema ", text)
 
 
-def load(name: str) -> tuple[ModuleType, Path]:
+def import_study(name: str) -> tuple[ModuleType, Path]:
     """Import a study; returns its module and the folder that has the folder studies/.
 
     `name` is the name of one of drumlin's own studies, or a path such as ./studies/NAME or
@@ -89,7 +92,7 @@ def load(name: str) -> tuple[ModuleType, Path]:
     is_file = file is not None and os.path.isfile(file)  # noqa: PTH113
     if file is None or not is_file or file.parents[1].name != "studies":
         raise BadInput(
-            f"NAME = {name!r}: no such study{nearest(name, own)}; "
+            f"NAME = {name!r}: no such study{did_you_mean_hint(name, own)}; "
             f"allowed: {', '.join(own) or 'none of its own here'}, "
             "or the path of another one: .../studies/NAME"
         )
@@ -100,7 +103,9 @@ def load(name: str) -> tuple[ModuleType, Path]:
     return importlib.import_module(f"studies.{file.parent.name}.study"), root
 
 
-def run(name: str, folder: Path | None, *, short: bool, say: Callable[[str], None]) -> Path:
+def run_study_and_write_report(
+    name: str, folder: Path | None, *, short: bool, say: Callable[[str], None]
+) -> Path:
     """Run a study and write its report; returns the path of the report's page.
 
     Parameters
@@ -110,7 +115,7 @@ def run(name: str, folder: Path | None, *, short: bool, say: Callable[[str], Non
     short : whether the study runs in its short form
     say : function that is called with each line about the progress
     """
-    module, root = load(name)
+    module, root = import_study(name)
     # A study without a journal computes everything again each time.
     folder = folder or Path("reports") / module.__name__.split(".")[1]
     if "journal" not in inspect.signature(module.study).parameters:
@@ -118,11 +123,11 @@ def run(name: str, folder: Path | None, *, short: bool, say: Callable[[str], Non
         return page
     # A study with a journal continues an earlier run that was stopped.
     path = folder / ("journal-short.jsonl" if short else "journal.jsonl")
-    with Journal(path, source_stamp(root / "studies", JUDGE)) as journal:
+    with Journal(path, checksum_of_source_and_libraries(root / "studies", JUDGE)) as journal:
         for line in journal.notes:
             say(line)
         if len(journal):
             say(f"going on after {len(journal)} finished cases")
         page = module.report(module.study(short=short, say=say, journal=journal), folder)
-        journal.finish()
+        journal.close_and_rename_complete_journal()
     return page

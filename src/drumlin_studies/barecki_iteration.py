@@ -16,8 +16,8 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.foundation.model import ring_of
-from drumlin.foundation.post import Post, post
+from drumlin.foundation.model import ring_displacement_per_normal_force
+from drumlin.foundation.post import SectionedShoe, divide_shoe_into_stations_and_sectors
 
 MOST_REVISIONS = 100
 """Number of revisions of the contact after which the iteration counts as not converged."""
@@ -42,7 +42,7 @@ class IterationAnswer(NamedTuple):
     rounds: int
 
 
-def solve_by_paper_iteration(brake: Brake, index: int, sections: int) -> IterationAnswer:
+def solve_post_brake_by_paper_iteration(brake: Brake, index: int, sections: int) -> IterationAnswer:
     """Solve a shoe of a post brake by the paper's iteration, with all simplifications of the paper.
 
     Parameters
@@ -60,9 +60,11 @@ def solve_by_paper_iteration(brake: Brake, index: int, sections: int) -> Iterati
         If the contact does not converge or the equations are singular.
     """
     # The beam with its sectors, and the flexibility matrix of the ring.
-    p = post(brake, brake.shoes[index], sections, tilt=False, wedge=False, plane_stress=False)
+    p = divide_shoe_into_stations_and_sectors(
+        brake, brake.shoes[index], sections, tilt=False, wedge=False, plane_stress=False
+    )
     theta = p.axis.origin + p.axis.sense * p.theta
-    c = ring_of(brake, theta, theta, frozenset())
+    c = ring_displacement_per_normal_force(brake, theta, theta, frozenset())
     # The first guess of the contact is the whole lining.
     pressed = np.ones(len(p.theta), dtype=bool)
     for rounds in range(1, MOST_REVISIONS + 1):
@@ -78,7 +80,7 @@ def solve_by_paper_iteration(brake: Brake, index: int, sections: int) -> Iterati
     )
 
 
-def _beam_and_rim_displacements(p: Post, c: Floats, k: Floats) -> tuple[Floats, Floats]:
+def _beam_and_rim_displacements(p: SectionedShoe, c: Floats, k: Floats) -> tuple[Floats, Floats]:
     """Displacements of the beam, w (m,), and of the drum's rim, z (n,) [m], for a given contact.
 
     Parameters

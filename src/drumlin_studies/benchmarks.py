@@ -21,10 +21,10 @@ import numpy as np
 
 import drumlin
 from drumlin.brake.brake import Brake
-from drumlin.fem.solve import prepare_finest_division
-from drumlin.studies import REPOSITORY, examples
+from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.studies import REPOSITORY, paths_of_example_brakes
 
-HISTORY = REPOSITORY / "reports" / "reference" / "benchmarks" / "history.jsonl"
+BENCHMARK_HISTORY = REPOSITORY / "reports" / "reference" / "benchmarks" / "history.jsonl"
 """Path of the file with the history of benchmarks: one line for each measurement, oldest first."""
 
 TIMED_SOLVES = (
@@ -41,7 +41,7 @@ They cover stiff and flexible shoes, an elastic ring, shoes with a strut between
 blocks, and shoes on a plane.
 """
 
-COUNTED = ("double_shoe", "post_brake")
+COUNTED_BRAKES = ("double_shoe", "post_brake")
 """Example brakes, without and with an elastic ring, whose unknowns and iterations are counted."""
 
 USUAL_REPEATS = 9
@@ -49,23 +49,23 @@ USUAL_REPEATS = 9
 
 The median of nine times varies by some 2 % on a busy machine."""
 
-SYSTEM_SIZE = 60
+WORKLOAD_SYSTEM_SIZE = 60
 """Number of equations of each linear system in the fixed calculation.
 
 A shoe has about as many contact nodes."""
 
-SYSTEMS = 80
+WORKLOAD_SYSTEMS = 80
 """Number of linear systems in the fixed calculation, which takes some 5 ms in all."""
 
-ADDITIONS = 100_000
+WORKLOAD_ADDITIONS = 100_000
 """Number of additions in the fixed calculation.
 
 They stand for the much time that a solve spends in the Python interpreter."""
 
-IMPORTS = "import numpy, scipy.linalg, pydantic"
+IMPORT_PROGRAM = "import numpy, scipy.linalg, pydantic"
 """Program with the imports that every command needs; times of commands are divided by its time."""
 
-COMMAND = "from drumlin.cli import main; main()"
+COMMAND_LINE_PROGRAM = "from drumlin.cli import main; main()"
 """Program that runs drumlin's command line, whether or not the command is installed."""
 
 
@@ -77,18 +77,20 @@ class Benchmark(NamedTuple):
     figures: Mapping[str, float]
 
 
-def run_reference_workload() -> float:
+def run_fixed_calculation() -> float:
     """Do the fixed calculation by whose time other times are divided.
 
     The returned number depends on every step, so that no step can be optimised away. If this
     function changes, earlier lines of the history cannot be compared with later ones.
     """
-    matrix = np.eye(SYSTEM_SIZE) + 1 / (1 + np.arange(SYSTEM_SIZE**2).reshape(SYSTEM_SIZE, -1))
-    right = np.ones(SYSTEM_SIZE)
+    matrix = np.eye(WORKLOAD_SYSTEM_SIZE) + 1 / (
+        1 + np.arange(WORKLOAD_SYSTEM_SIZE**2).reshape(WORKLOAD_SYSTEM_SIZE, -1)
+    )
+    right = np.ones(WORKLOAD_SYSTEM_SIZE)
     total = 0.0
-    for _ in range(SYSTEMS):
+    for _ in range(WORKLOAD_SYSTEMS):
         total += float(np.linalg.solve(matrix, right).sum())
-    for number in range(ADDITIONS):
+    for number in range(WORKLOAD_ADDITIONS):
         total += number
     return total
 
@@ -100,7 +102,7 @@ def measure_processor_time(call: Callable[[], object]) -> float:
     return time.process_time() - start
 
 
-def measure_child_process_time(*arguments: str) -> float:
+def measure_python_process_time(*arguments: str) -> float:
     """Run Python with these arguments in a new process; returns its processor time [s]."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run([sys.executable, *arguments], stdout=subprocess.DEVNULL, check=True)
@@ -123,19 +125,21 @@ def median_time_ratio(
     return median(ratios)
 
 
-def solve_time_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
+def solve_times_over_fixed_calculation(repeats: int = USUAL_REPEATS) -> dict[str, float]:
     """Times of solves, of the sensitivity and of holding, relative to the fixed calculation."""
     calls: dict[str, Callable[[], object]] = {}
     for name in TIMED_SOLVES:
-        calls[f"solve {name}"] = partial(drumlin.solve, drumlin.read_brake(examples()[name]))
-    first = drumlin.read_brake(examples()[TIMED_SOLVES[0]])
+        calls[f"solve {name}"] = partial(
+            drumlin.solve, drumlin.read_brake(paths_of_example_brakes()[name])
+        )
+    first = drumlin.read_brake(paths_of_example_brakes()[TIMED_SOLVES[0]])
     # Other functions of drumlin are timed on the first brake.
     calls |= {
         "sine law": partial(drumlin.solve, first, "sine"),
         "sensitivity": partial(drumlin.sensitivity, first),
         "hold": partial(drumlin.hold, first),
     }
-    compared = partial(measure_processor_time, run_reference_workload)
+    compared = partial(measure_processor_time, run_fixed_calculation)
     ratios = {}
     for name, call in calls.items():
         # The first call loads modules and is not timed.
@@ -144,11 +148,11 @@ def solve_time_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
     return ratios
 
 
-def count_unknowns(brake: Brake) -> int:
+def count_unknowns_of_default_solve(brake: Brake) -> int:
     """Number of degrees of freedom of the shoes on the finest mesh of a brake's default solve."""
     counted: dict[int, int] = {}
     # Shoes of equal shape share one model, which counts once.
-    for body in prepare_finest_division(brake).bodies:
+    for body in prepared_model_of_finest_division(brake).bodies:
         counted[id(body)] = body.unknowns
     return sum(counted.values())
 
@@ -159,21 +163,23 @@ def count_unknowns_and_iterations() -> dict[str, float]:
     They do not depend on the machine.
     """
     found: dict[str, float] = {}
-    for name in COUNTED:
-        brake = drumlin.read_brake(examples()[name])
-        found[f"unknowns {name}"] = count_unknowns(brake)
+    for name in COUNTED_BRAKES:
+        brake = drumlin.read_brake(paths_of_example_brakes()[name])
+        found[f"unknowns {name}"] = count_unknowns_of_default_solve(brake)
         found[f"iterations {name}"] = drumlin.solve(brake).iterations
     return found
 
 
-def start_time_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
+def command_times_over_import_time(repeats: int = USUAL_REPEATS) -> dict[str, float]:
     """Times of whole commands, divided by the time of a process that only does the imports."""
-    brake = str(examples()[TIMED_SOLVES[0]])
-    compared = partial(measure_child_process_time, "-c", IMPORTS)
+    brake = str(paths_of_example_brakes()[TIMED_SOLVES[0]])
+    compared = partial(measure_python_process_time, "-c", IMPORT_PROGRAM)
     commands = {
-        "command init": partial(measure_child_process_time, "-c", COMMAND, "init"),
-        "command solve": partial(measure_child_process_time, "-c", COMMAND, "solve", brake),
-        "import drumlin": partial(measure_child_process_time, "-c", "import drumlin"),
+        "command init": partial(measure_python_process_time, "-c", COMMAND_LINE_PROGRAM, "init"),
+        "command solve": partial(
+            measure_python_process_time, "-c", COMMAND_LINE_PROGRAM, "solve", brake
+        ),
+        "import drumlin": partial(measure_python_process_time, "-c", "import drumlin"),
     }
     return {name: median_time_ratio(timed, compared, repeats) for name, timed in commands.items()}
 
@@ -184,45 +190,45 @@ def git_output(*arguments: str) -> str:
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
-def commit_name() -> str:
+def short_commit_hash() -> str:
     """Short hash of the checked-out commit, with a "+" if a source file has been changed."""
     # git lists the changed files; without changes the list is empty.
     changed = git_output("status", "--porcelain", "--", "src")
     return git_output("rev-parse", "--short=7", "HEAD") + ("+" if changed else "")
 
 
-def measure_figures(repeats: int = USUAL_REPEATS) -> Benchmark:
+def measure_all_benchmarks(repeats: int = USUAL_REPEATS) -> Benchmark:
     """Measure all figures of drumlin at the checked-out commit.
 
     Raises subprocess.CalledProcessError outside of a git repository.
     """
     figures = {
-        **solve_time_ratios(repeats),
+        **solve_times_over_fixed_calculation(repeats),
         **count_unknowns_and_iterations(),
-        **start_time_ratios(repeats),
+        **command_times_over_import_time(repeats),
     }
     # More than four digits of a time would be random.
     rounded = {name: float(f"{value:.4g}") for name, value in figures.items()}
-    return Benchmark(commit_name(), f"{datetime.now(UTC):%Y-%m-%d}", rounded)
+    return Benchmark(short_commit_hash(), f"{datetime.now(UTC):%Y-%m-%d}", rounded)
 
 
-def append_to_history(path: Path, benchmark: Benchmark) -> None:
+def append_benchmark_to_history(path: Path, benchmark: Benchmark) -> None:
     """Append a measurement as a line to the history file `path`, which is created if missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a", encoding="utf-8") as file:
         file.write(json.dumps(benchmark._asdict()) + "\n")
 
 
-def read_history(path: Path = HISTORY) -> list[Benchmark]:
+def read_benchmark_history(path: Path = BENCHMARK_HISTORY) -> list[Benchmark]:
     """The measurements in a history file, the oldest first."""
     lines = path.read_text(encoding="utf-8").splitlines()
     return [Benchmark(**json.loads(line)) for line in lines]
 
 
-def main(path: str = str(HISTORY), repeats: str = str(USUAL_REPEATS)) -> None:
+def main(path: str = str(BENCHMARK_HISTORY), repeats: str = str(USUAL_REPEATS)) -> None:
     """Measure all figures, append them to the history file `path`, and print the new line."""
-    benchmark = measure_figures(int(repeats))
-    append_to_history(Path(path), benchmark)
+    benchmark = measure_all_benchmarks(int(repeats))
+    append_benchmark_to_history(Path(path), benchmark)
     sys.stdout.write(json.dumps(benchmark._asdict()) + "\n")
 
 

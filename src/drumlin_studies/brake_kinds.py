@@ -14,21 +14,21 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM, PLANE
-from drumlin.comparison import Outcome, edge_of, run
-from drumlin.fem.analysis.self_locking import friction_limits_of_groups
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.comparison import Outcome, solve_and_time_model, uncompared_edge_length
+from drumlin.fem.analysis.self_locking import self_locking_limits_of_shoe_groups
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.laws import law
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.lining_wear import worn_in
-from drumlin.models import MODELS, applicable
+from drumlin.models import MODELS, applicable_models
 from drumlin.response.merit import brake_factor
-from drumlin.response.norms import pressure_distance, relative
+from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
 from drumlin.response.response import Response
-from drumlin_studies.tables import values_of_key
+from drumlin_studies.tables import values_of_key_in_rows
 
-TRUSTED = 0.05
+TRUSTED_LAW_ERROR = 0.05
 """Relative error up to which the text says that a rigid-shoe law can be trusted."""
-ROUGH = 0.15
+ROUGH_LAW_ERROR = 0.15
 """Relative error up to which the text says that a rigid-shoe law is an estimate."""
 NO_EFFECT_ERROR = 1e-9
 """Relative error of the law's torque below which the torque follows from equilibrium alone.
@@ -64,10 +64,10 @@ class BrakeInMotion(NamedTuple):
 
 def brake_and_reversed_brake(brake: Brake) -> tuple[Brake, Brake]:
     """The brake, and a copy of it with the opposite motion of the drum or the plane."""
-    return brake, brake.reversed()
+    return brake, brake.brake_with_reversed_motion()
 
 
-def solve_by_all_models(
+def solve_brake_by_all_models(
     file: str, brake: Brake, elements: int, *, solid: bool = False
 ) -> BrakeInMotion:
     """Solve a brake by its rigid-shoe law, by finite elements and by all other models that can.
@@ -88,28 +88,28 @@ def solve_by_all_models(
     NoAnswer
         If the law or finite elements find no equilibrium.
     """
-    by_law = law(brake)
-    models = [*applicable(brake)]
+    by_law = solve_brake_by_its_rigid_shoe_law(brake)
+    models = [*applicable_models(brake)]
     if solid and MODELS["solid"].why_not(brake) is None:
         models.append(MODELS["solid"])
     others: dict[str, Outcome] = {}
     for model in models:
         # The law and the default finite elements are other attributes of the result.
         if model.name not in {"fem", by_law.model}:
-            others[model.name] = run(model.name, partial(model.solve, brake))
+            others[model.name] = solve_and_time_model(model.name, partial(model.solve, brake))
     worn = worn_in.solve_worn_in_brake(brake, elements=elements)
     return BrakeInMotion(file, brake, by_law, solve(brake), worn, others)
 
 
-def locking_friction(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
+def locking_friction_by_elements(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
     """The coefficient of friction at which the brake with elastic linings locks itself.
 
     The result is inf if the brake has an equilibrium up to the friction `most`, and nan if it has
     none even without friction. `elements` is the number of elements along a lining.
     """
     try:
-        found = friction_limits_of_groups(
-            prepare(brake, elements=elements), brake, most, penalty=1e6
+        found = self_locking_limits_of_shoe_groups(
+            make_prepared_model(brake, elements=elements), brake, most, penalty=1e6
         )
     except NoAnswer:
         return math.nan
@@ -127,11 +127,15 @@ def law_error_row(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
     brake, new = found.brake, found.new
     size = new.effect
 
-    def distance(by: Response) -> float:
+    def distance_of_law_pressure(by: Response) -> float:
         """The largest relative L2 distance of the law's pressure from `by`, over all shoes."""
         # A shoe without contact has no pressure to which a distance could be relative.
         pairs = zip(found.law.shoes, by.shoes, strict=True)
-        return max(pressure_distance(a, b, edge_of(brake)) for a, b in pairs if b.contact_arcs)
+        return max(
+            relative_distance_of_pressures(a, b, uncompared_edge_length(brake))
+            for a, b in pairs
+            if b.contact_arcs
+        )
 
     return {
         "file": found.file,
@@ -144,16 +148,16 @@ def law_error_row(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
         "peak": max(shoe.peak_pressure for shoe in new.shoes),
         "reaction": max(float(np.linalg.norm(shoe.hinge_reaction)) for shoe in new.shoes),
         "mu_lock": limit,
-        "new": relative(found.law.effect, size),
-        "worn": relative(found.law.effect, found.worn.effect),
-        "p": distance(new),
-        "p_worn": distance(found.worn),
+        "new": relative_error_of_number(found.law.effect, size),
+        "worn": relative_error_of_number(found.law.effect, found.worn.effect),
+        "p": distance_of_law_pressure(new),
+        "p_worn": distance_of_law_pressure(found.worn),
         "peak_worn": max(shoe.peak_pressure for shoe in found.worn.shoes),
         "balance": max(new.balance.force, new.balance.moment),
     }
 
 
-def other_model_rows(found: BrakeInMotion) -> list[dict[str, Any]]:
+def error_rows_of_other_models(found: BrakeInMotion) -> list[dict[str, Any]]:
     """Rows of a table, one for each other model, with the relative errors of its torque.
 
     The errors are relative to finite elements with new and with worn-in linings.
@@ -165,28 +169,31 @@ def other_model_rows(found: BrakeInMotion) -> list[dict[str, Any]]:
             rows.append(base | {"model": name, "status": outcome.failure})
             continue
         by = outcome.response.effect
-        errors = {"new": relative(by, found.new.effect), "worn": relative(by, found.worn.effect)}
+        errors = {
+            "new": relative_error_of_number(by, found.new.effect),
+            "worn": relative_error_of_number(by, found.worn.effect),
+        }
         rows.append(base | {"model": name, "effect": by} | errors | {"status": "solved"})
     return rows
 
 
-def cam_factor(brake: Brake) -> float:
+def brake_factor_of_cam_brake(brake: Brake) -> float:
     """Brake factor T/(F R) = 4 B1 B2/(B1 + B2) of an S-cam brake with rigid worn-in shoes.
 
     The cam displaces both shoe tips by the same distance. B1 and B2 are the shoe factors T/(F R)
     of the two shoes, each actuated alone.
     """
 
-    def shoe_factor(shoe: Shoe) -> float:
+    def factor_of_shoe_alone(shoe: Shoe) -> float:
         """The shoe factor T/(F R) of a shoe that is alone in the brake, under a force of 1 kN."""
         alone = brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})
-        return law(alone).torque / (1e3 * brake.size)
+        return solve_brake_by_its_rigid_shoe_law(alone).torque / (1e3 * brake.size)
 
-    one, two = map(shoe_factor, brake.shoes)
+    one, two = map(factor_of_shoe_alone, brake.shoes)
     return 4 * one * two / (one + two)
 
 
-def law_verdict(rows: list[dict[str, Any]]) -> str:
+def verdict_sentence_on_law(rows: list[dict[str, Any]]) -> str:
     """A sentence that says whether the law of a brake can be trusted.
 
     `rows` are the rows `law_error_row` of the brake in both senses of motion.
@@ -194,20 +201,20 @@ def law_verdict(rows: list[dict[str, Any]]) -> str:
     surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
     effect_ = surface.effect
 
-    def judged(key: str) -> str:
+    def verdict_on_error(key: str) -> str:
         """A verdict on the error `key` of the law, by the larger error of both rows."""
-        error = np.abs(values_of_key(rows, key)).max()
-        word = "is an estimate" if error <= ROUGH else "cannot be trusted"
-        word = "can be trusted" if error <= TRUSTED else word
+        error = np.abs(values_of_key_in_rows(rows, key)).max()
+        word = "is an estimate" if error <= ROUGH_LAW_ERROR else "cannot be trusted"
+        word = "can be trusted" if error <= TRUSTED_LAW_ERROR else word
         size = f"up to {100 * error:.2g}" if error > 1e-4 else "less than 0.01"
         return f"{word} (off by {size} %)"
 
-    if np.abs(values_of_key(rows, "new")).max() < NO_EFFECT_ERROR:
+    if np.abs(values_of_key_in_rows(rows, "new")).max() < NO_EFFECT_ERROR:
         return (
             f"The {effect_} follows from equilibrium alone, whatever the pressure. "
             f"The pressure of the law {name!r} "
-            f"{judged('p')} new, and {judged('p_worn')} worn in."
+            f"{verdict_on_error('p')} new, and {verdict_on_error('p_worn')} worn in."
         )
-    new = f"{judged('new')}, its pressure {judged('p')}"
-    worn = f"{judged('worn')}, its pressure {judged('p_worn')}"
+    new = f"{verdict_on_error('new')}, its pressure {verdict_on_error('p')}"
+    worn = f"{verdict_on_error('worn')}, its pressure {verdict_on_error('p_worn')}"
     return f"New, the {effect_} of the law {name!r} {new}; worn in, the {effect_} {worn}."

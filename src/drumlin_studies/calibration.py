@@ -1,11 +1,11 @@
 """Fits the safety factors of drumlin's error estimate on random brakes, and writes their file.
 
 drumlin solves a brake on a sequence of finer and finer hp meshes, called levels. It estimates the
-error by the change from one level to the next, multiplied by a safety factor. `observe_levels`
-records this change for a random brake, and the true error against a far finer solution.
-`fit_safety_factors` finds the smallest factors with which the stated errors are at least as large
-as the true errors, except for the small share 1 - QUANTILE. `factors_as_text` writes the factors
-together with the brakes of the fit. The command
+error by the change from one level to the next, multiplied by a safety factor.
+`level_errors_of_seed` records this change for a random brake, and the true error against a far
+finer solution. `fit_safety_factors` finds the smallest factors with which the stated errors are at
+least as large as the true errors, except for the small share 1 - QUANTILE.
+`safety_factors_as_json_text` writes the factors together with the brakes of the fit. The command
 
     make calibrate
 
@@ -24,18 +24,28 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import errors_with_singularities
-from drumlin.fem.error_control.estimate import QUANTITIES, Errors, Factors, beside, distances
-from drumlin.fem.error_control.levels import SolvedLevel, solved_levels
-from drumlin.fem.hp.corner import response_with_power_laws
+from drumlin.fem.error_control.adapt import errors_with_singular_points_included
+from drumlin.fem.error_control.estimate import (
+    QUANTITIES,
+    Errors,
+    Factors,
+    relative_differences_of_two_levels,
+    sum_of_penalty_and_round_off_errors,
+)
+from drumlin.fem.error_control.levels import SolvedLevel, solve_on_finer_and_finer_levels
+from drumlin.fem.hp.corner import response_with_power_laws_at_corners
 from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
-from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_corners import CORNER_KINDS, random_corner
+from drumlin_studies.random_brake import draw_random_brake
+from drumlin_studies.random_corners import CORNER_KINDS, draw_brake_pressing_with_corner_or_tip
 from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
-from drumlin_studies.random_kinds import draw_brake_of_holding_kind
-from drumlin_studies.stated_true import RELEVANT, Truth, true_errors
-from drumlin_studies.stored_truth import CERTAIN, solve_by_deep_triangles, solve_by_finer_divisions
+from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.stated_true import RELEVANT, Truth, true_errors_of_response
+from drumlin_studies.stored_truth import (
+    CERTAIN,
+    solve_brake_by_finer_hp_meshes,
+    solve_corner_or_tip_by_deep_triangles,
+)
 
 FIRST_SEED, FITTED_BRAKES = 300_000, 260
 """Seed of the first random brake of the fit, and number of these brakes: ten of each kind.
@@ -48,12 +58,12 @@ FIRST_CORNER, CORNER_BRAKES = 310_000, 60
 The second number is the number of these brakes: six of each kind. The factors are tested on brakes
 of other seeds, see `corner_rows.FIRST_JUDGED`."""
 
-QUANTILE = 0.995
+STATED_QUANTILE = 0.995
 """Fraction of the true errors that must not exceed the stated errors in the fit.
 
 README promises that at most twice the rest, 1 %, of the stated errors is too small."""
 
-FITTED = 5
+FITTED_LEVELS = 5
 """Number of hp meshes (levels) of each brake whose errors are fitted.
 
 A further level would be as fine as the solution from which true errors are taken."""
@@ -66,7 +76,7 @@ change that they would cause with random signs is multiplied by this weight and 
 change. `fit_safety_factors` takes the candidate with the smallest median of stated over true error.
 """
 
-HALF = 0.999
+HALF_STATED_QUANTILE = 0.999
 """Fraction of the true errors that must not exceed twice the stated errors in the fit.
 
 QUANTILE limits how many stated errors are too small; HALF limits by how much they are too small."""
@@ -102,13 +112,13 @@ def draw_calibration_brake(seed: int) -> tuple[str, Brake]:
     """
     if seed >= FIRST_CORNER:
         names = list(CORNER_KINDS)
-        return names[seed % len(names)], random_corner(seed)
+        return names[seed % len(names)], draw_brake_pressing_with_corner_or_tip(seed)
     kinds = [*KINDS, *KINDS_OF_HOLDING]
     kind = kinds[seed % len(kinds)]
-    return kind, (random_brake if kind in KINDS else draw_brake_of_holding_kind)(seed, kind)
+    return kind, (draw_random_brake if kind in KINDS else draw_brake_of_support_kind)(seed, kind)
 
 
-def observe_levels(seed: int) -> dict[str, Any]:
+def level_errors_of_seed(seed: int) -> dict[str, Any]:
     """True and estimated errors of the random brake of a seed on all its meshes, as plain data.
 
     If the brake cannot be solved, "levels" is empty and "reason" says why.
@@ -116,11 +126,15 @@ def observe_levels(seed: int) -> dict[str, Any]:
     kind = ""
     try:
         kind, brake = draw_calibration_brake(seed)
-        truth = (solve_by_deep_triangles if seed >= FIRST_CORNER else solve_by_finer_divisions)(
-            brake
-        )
-        levels = level_errors(
-            brake, truth, islice(solved_levels(brake, solve_prepared_model), FITTED)
+        truth = (
+            solve_corner_or_tip_by_deep_triangles
+            if seed >= FIRST_CORNER
+            else solve_brake_by_finer_hp_meshes
+        )(brake)
+        levels = errors_and_estimates_of_levels(
+            brake,
+            truth,
+            islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), FITTED_LEVELS),
         )
     except (NoAnswer, AssertionError) as error:
         # An AssertionError means that round-off has turned over a tiny triangle.
@@ -133,30 +147,36 @@ def observe_levels(seed: int) -> dict[str, Any]:
     }
 
 
-def level_errors(brake: Brake, truth: Truth, found: Iterable[SolvedLevel]) -> list[LevelRecord]:
+def errors_and_estimates_of_levels(
+    brake: Brake, truth: Truth, found: Iterable[SolvedLevel]
+) -> list[LevelRecord]:
     """True errors of a brake and the terms of their estimate, on each mesh from the second one on.
 
     The true error of a quantity is nan if drumlin itself says that the quantity is not known, such
     as the peak of a pressure without bound.
     """
     # With stated errors of zero, only a quantity that drumlin calls unknown gets an error above 0.
-    nothing = Errors.worst(0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes))
+    nothing = Errors.from_torque_and_shoes(0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes))
     levels: list[LevelRecord] = []
     before = None
     for _, raw in found:
-        response = response_with_power_laws(brake, raw)
+        response = response_with_power_laws_at_corners(brake, raw)
         if before is not None:
-            unknown, _ = errors_with_singularities(nothing, brake, response)
+            unknown, _ = errors_with_singular_points_included(nothing, brake, response)
             true = {
                 name: math.nan if unknown.brake[name] > 0 else value
-                for name, value in true_errors(brake, response.shoes, truth.shoes).items()
+                for name, value in true_errors_of_response(
+                    brake, response.shoes, truth.shoes
+                ).items()
             }
-            moved = distances(brake, before, response)
+            moved = relative_differences_of_two_levels(brake, before, response)
             levels.append(
                 LevelRecord(
-                    step=_largest_of_shoes(moved.steps),
-                    chance=_largest_of_shoes(moved.chance),
-                    beside=_largest_of_shoes(beside(response.shoes)),
+                    step=_largest_values_of_shoes(moved.steps),
+                    chance=_largest_values_of_shoes(moved.chance),
+                    beside=_largest_values_of_shoes(
+                        sum_of_penalty_and_round_off_errors(response.shoes)
+                    ),
                     true=true,
                     unsure=dict(truth.unsure),
                 )
@@ -165,7 +185,7 @@ def level_errors(brake: Brake, truth: Truth, found: Iterable[SolvedLevel]) -> li
     return levels
 
 
-def _largest_of_shoes(values: Floats) -> dict[str, float]:
+def _largest_values_of_shoes(values: Floats) -> dict[str, float]:
     """The largest value over all shoes for each quantity; for the torque, the value of the brake.
 
     `values` (1 + 4 shoes,) are in the order of `Distances`: the torque of the brake comes first.
@@ -187,35 +207,41 @@ class Samples(NamedTuple):
     unsure: Floats
 
     @property
-    def known(self) -> Bools:
+    def is_true_error_usable(self) -> Bools:
         """Whether each true error (m,) is large enough and certain enough to be used in the fit.
 
         A smaller one may be the error of the finer solution from which true errors are taken.
         """
         return np.asarray((self.true >= RELEVANT) & (self.true > CERTAIN * self.unsure))
 
-    def factor(self, weight: float) -> float:
+    def smallest_safety_factor(self, weight: float) -> float:
         """The smallest safety factor with which the conditions QUANTILE and HALF are satisfied.
 
         The stated error is factor * (step + weight * chance) + beside. For a true error that is not
         certain, any factor counts as large enough.
         """
         # The factor that each sample needs, so that its stated error equals its true error.
-        most = np.where(self.known, self.true - self.unsure - self.beside, 0.0)
+        most = np.where(self.is_true_error_usable, self.true - self.unsure - self.beside, 0.0)
         needed = np.maximum(most, 0.0) / np.maximum(
             self.step + weight * self.chance, np.finfo(float).tiny
         )
-        return _round_up(
-            max(float(np.quantile(needed, QUANTILE)), 0.5 * float(np.quantile(needed, HALF)))
+        return _round_up_to_significant_digits(
+            max(
+                float(np.quantile(needed, STATED_QUANTILE)),
+                0.5 * float(np.quantile(needed, HALF_STATED_QUANTILE)),
+            )
         )
 
-    def ratios(self, factor: float, weight: float) -> Floats:
-        """Ratios (k,) of the error that drumlin states to the true error, for k `known` samples."""
+    def stated_over_true_errors(self, factor: float, weight: float) -> Floats:
+        """Ratios (k,) of the stated error to the true error, of the k usable samples.
+
+        See `is_true_error_usable`.
+        """
         stated = factor * (self.step + weight * self.chance) + self.beside
-        return stated[self.known] / self.true[self.known]
+        return stated[self.is_true_error_usable] / self.true[self.is_true_error_usable]
 
 
-def samples_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
+def error_samples_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
     """The errors of one quantity on all meshes of all brakes, without those whose error is nan."""
     rows = [
         [of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])
@@ -230,39 +256,52 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     signs is that of CHANCE_WEIGHTS with the smallest median of stated over true error.
     """
     # The factor of forces depends on the weight of the change by random signs.
-    forces = [samples_of_quantity(levels, name) for name in ("torque", "reaction")]
+    forces = [error_samples_of_quantity(levels, name) for name in ("torque", "reaction")]
 
-    def force_factor(weight: float) -> float:
+    def safety_factor_of_forces(weight: float) -> float:
         """The safety factor of torque and reaction, for a given weight.
 
         The weight is that of the change by random signs.
         """
-        return max(of.factor(weight) for of in forces)
+        return max(of.smallest_safety_factor(weight) for of in forces)
 
-    def median_error_ratio(weight: float) -> float:
+    def median_stated_over_true_error(weight: float) -> float:
         """The median ratio of stated to true error of torque and reaction, for a given weight.
 
         The weight is that of the change by random signs.
         """
         return float(
-            np.median(np.concatenate([of.ratios(force_factor(weight), weight) for of in forces]))
+            np.median(
+                np.concatenate(
+                    [
+                        of.stated_over_true_errors(safety_factor_of_forces(weight), weight)
+                        for of in forces
+                    ]
+                )
+            )
         )
 
-    weight = min(CHANCE_WEIGHTS, key=median_error_ratio)
+    weight = min(CHANCE_WEIGHTS, key=median_stated_over_true_error)
     pressure, peak = (
-        samples_of_quantity(levels, name).factor(0.0) for name in ("pressure", "peak")
+        error_samples_of_quantity(levels, name).smallest_safety_factor(0.0)
+        for name in ("pressure", "peak")
     )
-    return Factors(pressure, force_factor(weight), _round_up(force_factor(weight) * weight), peak)
+    return Factors(
+        pressure,
+        safety_factor_of_forces(weight),
+        _round_up_to_significant_digits(safety_factor_of_forces(weight) * weight),
+        peak,
+    )
 
 
-def _round_up(value: float) -> float:
+def _round_up_to_significant_digits(value: float) -> float:
     """The value rounded up to SIGNIFICANT_DIGITS significant digits."""
     # The small number keeps a value that is already rounded from being rounded up again.
     scale = 10.0 ** (math.floor(math.log10(value)) - SIGNIFICANT_DIGITS + 1)
     return float(f"{math.ceil(value / scale - 1e-9) * scale:.{SIGNIFICANT_DIGITS}g}")
 
 
-MEANING = {
+FACTOR_MEANINGS = {
     "pressure": "Error of p in the L2 norm over the distance between the last two levels. "
     "If the factor is too small, stated errors of p are too small. "
     "If it is too large, solves go on to a finer level that nobody needs.",
@@ -299,14 +338,14 @@ class Provenance(NamedTuple):
     date: str
 
 
-def factors_as_text(factors: Factors, provenance: Provenance) -> str:
+def safety_factors_as_json_text(factors: Factors, provenance: Provenance) -> str:
     """The JSON text of the safety factors' file: provenance, and each factor with its meaning."""
     data = {
         "written by": "make calibrate; read by drumlin.fem.error_control.estimate; "
         "not to be edited by hand",
-        "provenance": provenance._asdict() | {"quantile": QUANTILE},
+        "provenance": provenance._asdict() | {"quantile": STATED_QUANTILE},
         **{
-            name: {"value": value, "meaning": MEANING[name]}
+            name: {"value": value, "meaning": FACTOR_MEANINGS[name]}
             for name, value in factors._asdict().items()
         },
     }

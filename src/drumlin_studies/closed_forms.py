@@ -13,7 +13,9 @@ from scipy.optimize import brentq
 from drumlin.base.arrays import Floats
 
 
-def hertz_line_contact(load: float, radius: float, modulus: float) -> tuple[float, float]:
+def hertz_half_width_and_peak_pressure(
+    load: float, radius: float, modulus: float
+) -> tuple[float, float]:
     """Half-width a [m] and peak pressure p_0 [Pa] of a line contact (Hertz 1881).
 
         a^2 = 4 P R/(pi E*),   p_0 = 2 P/(pi a)
@@ -31,7 +33,7 @@ def hertz_line_contact(load: float, radius: float, modulus: float) -> tuple[floa
     return half, 2 * load / (math.pi * half)
 
 
-def persson_clearance(b: float) -> float:
+def persson_clearance_of_disc_in_hole(b: float) -> float:
     """Dimensionless clearance E dR/Q of a loaded disc in a hole of the same material.
 
     dR is the difference of the radii and Q the force per width. b = tan(eps/2), with eps the
@@ -40,7 +42,7 @@ def persson_clearance(b: float) -> float:
     return (2 - 2 * b**4 - math.log(1 + b**2)) / (math.pi * b**2 * (1 + b**2))
 
 
-def persson_pressure(b: float, theta: Floats) -> Floats:
+def persson_pressure_of_disc_in_hole(b: float, theta: Floats) -> Floats:
     """Dimensionless pressure p R/Q (n,) of a disc in a hole, at the angles theta (n,) [rad].
 
     b = tan(eps/2), with eps the half-angle of contact. Beyond the contact the pressure is zero.
@@ -53,7 +55,7 @@ def persson_pressure(b: float, theta: Floats) -> Floats:
     return np.where(np.abs(theta) < 2 * math.atan(b), p, 0.0)
 
 
-def westergaard_pressure(mean: float, full: float, psi: Floats) -> Floats:
+def westergaard_pressure_of_wavy_surface(mean: float, full: float, psi: Floats) -> Floats:
     """Pressure [Pa] between a wavy elastic half-plane and a flat rigid one (Westergaard 1939).
 
     Parameters
@@ -73,7 +75,7 @@ def westergaard_pressure(mean: float, full: float, psi: Floats) -> Floats:
     return np.asarray(2 * mean * np.abs(np.cos(psi)) / share * root)
 
 
-def lame_displacements(
+def lame_displacements_of_ring_edges(
     inner: float, outer: float, pressure: float, E: float, nu: float
 ) -> tuple[float, float]:
     """Radial displacements [m] of the inner and the outer edge of a ring under inner pressure.
@@ -87,7 +89,9 @@ def lame_displacements(
     )
 
 
-def ring_compliance(n: int, free: float, held: float, E: float, nu: float) -> float:
+def ring_displacement_per_harmonic_pressure(
+    n: int, free: float, held: float, E: float, nu: float
+) -> float:
     """Amplitude of the radial displacement [m/Pa] of a ring's free edge under a harmonic pressure.
 
     The pressure cos(n theta) acts on the free edge; the other edge is fixed. The displacement also
@@ -114,13 +118,16 @@ def ring_compliance(n: int, free: float, held: float, E: float, nu: float) -> fl
         held_u = np.array([held, 1 / held])
         ratio = np.array([1.0, -held_u[0] / held_u[1]])
         return float(-(u @ ratio) / (s @ ratio))
-    at_free, at_held = _michell_terms(n, free, nu), _michell_terms(n, held, nu)
+    at_free, at_held = (
+        _michell_displacements_and_stresses(n, free, nu),
+        _michell_displacements_and_stresses(n, held, nu),
+    )
     # Four conditions: no displacement at the fixed edge, unit pressure and no shear at the other.
     terms = np.linalg.solve(np.vstack([at_held[:2], at_free[2:]]), [0, 0, -1, 0])
     return float(at_free[0] @ terms / two_mu)
 
 
-def _michell_terms(n: int, r: float, nu: float) -> Floats:
+def _michell_displacements_and_stresses(n: int, r: float, nu: float) -> Floats:
     """Displacements and stresses (4, 4) at a radius, for the four terms of Michell's solution.
 
     Each column is a term. The rows are 2 mu u_r, 2 mu u_theta, s_rr and s_rtheta, without the
@@ -169,7 +176,7 @@ def _michell_terms(n: int, r: float, nu: float) -> Floats:
     return np.array([first, second, third, fourth]).T
 
 
-def corner_exponent(mu: float, nu: float) -> float:
+def pressure_exponent_at_sliding_corner(mu: float, nu: float) -> float:
     """The exponent lambda of p ~ r^(lambda - 1) at a right-angled corner on a rigid sliding plane.
 
     r is the distance from the corner. The plane enters the contact at the corner, and its friction
@@ -182,7 +189,7 @@ def corner_exponent(mu: float, nu: float) -> float:
         return 1.0
     k, right = (3 - nu) / (1 + nu), math.pi / 2
 
-    def determinant(e: float) -> float:
+    def boundary_condition_determinant(e: float) -> float:
         """Determinant of the four boundary conditions for the exponent e; it is zero at a root.
 
         F is A cos((e+1) theta) + B sin((e+1) theta) + C cos((e-1) theta) + D sin((e-1) theta).
@@ -202,8 +209,11 @@ def corner_exponent(mu: float, nu: float) -> float:
     # The first change of sign of the determinant brackets the smallest root.
     exponents = np.linspace(0.25, 0.999, 400)
     for low, high in pairwise(exponents):
-        if determinant(float(low)) * determinant(float(high)) < 0:
-            return float(brentq(determinant, low, high, xtol=1e-14))
+        if (
+            boundary_condition_determinant(float(low)) * boundary_condition_determinant(float(high))
+            < 0
+        ):
+            return float(brentq(boundary_condition_determinant, low, high, xtol=1e-14))
     return 1.0
 
 
@@ -263,7 +273,7 @@ def flat_punch_pressure(load: float, half: float, x: Floats) -> Floats:
     return np.asarray(load / (math.pi * np.sqrt(half**2 - x**2)))
 
 
-def block_friction_ratio(half: float) -> float:
+def equivalent_friction_ratio_of_block(half: float) -> float:
     """Equivalent coefficient of friction of a block with p = p_0 cos phi, over the actual one.
 
         mu'/mu = 4 sin half/(2 half + sin 2 half)

@@ -13,14 +13,19 @@ import numpy as np
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_to_tolerance
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_brake_to_tolerance
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
-from drumlin_studies.random_kinds import draw_brake_of_kind
-from drumlin_studies.stated_true import JUDGED_QUANTITIES, Truth, true_errors, truth_by_hp_elements
+from drumlin_studies.random_kinds import draw_random_brake_of_kind
+from drumlin_studies.stated_true import (
+    JUDGED_QUANTITIES,
+    Truth,
+    solve_fine_reference_by_hp_elements,
+    true_errors_of_response,
+)
 
 BLOCKS_CHECK = "blocks: error stated by the default solve, error against finer levels"
 """Name of this check in tables."""
@@ -48,7 +53,7 @@ Rng = np.random.Generator
 """The type of the generators of random numbers."""
 
 
-def random_blocks(seed: int, steps: int | None = None) -> Brake:
+def draw_brake_with_blocks(seed: int, steps: int | None = None) -> Brake:
     """The random brake of a seed, with blocks on each of its linings.
 
     Parameters
@@ -71,10 +76,10 @@ def random_blocks(seed: int, steps: int | None = None) -> Brake:
         drawn = int(rng.integers(FEWEST_BLOCK_STEPS, MOST_BLOCK_STEPS + 1))
         depth = 10 ** rng.uniform(*STEP_DEPTH_DECADES)
         try:
-            brake = draw_brake_of_kind(seed + len(BLOCK_KINDS) * (attempt + 1), kind)
+            brake = draw_random_brake_of_kind(seed + len(BLOCK_KINDS) * (attempt + 1), kind)
             # The drawn number of steps must fit, so that `steps` never changes the brake.
-            found = _with_blocks(brake, rng, drawn, depth)
-            return found if steps is None else _with_blocks(brake, rng, steps, depth)
+            found = _brake_with_random_blocks(brake, rng, drawn, depth)
+            return found if steps is None else _brake_with_random_blocks(brake, rng, steps, depth)
         except (BadInput, NoAnswer):
             continue
     raise NoAnswer(
@@ -82,7 +87,7 @@ def random_blocks(seed: int, steps: int | None = None) -> Brake:
     )
 
 
-def _with_blocks(brake: Brake, rng: Rng, steps: int, depth: float) -> Brake:
+def _brake_with_random_blocks(brake: Brake, rng: Rng, steps: int, depth: float) -> Brake:
     """A copy of the brake with random steps between blocks on each lining.
 
     Parameters
@@ -106,8 +111,8 @@ def _with_blocks(brake: Brake, rng: Rng, steps: int, depth: float) -> Brake:
     fitting = solve(brake, elements=BLOCK_TRIAL_ELEMENTS)
     changes: dict[str, list[list[float]]] = {}
     for i, (shoe, found) in enumerate(zip(brake.shoes, fitting.shoes, strict=True)):
-        places = _step_places(rng, shoe, steps)
-        depths = depth * _mean_compression(brake, shoe, found) * rng.uniform(0, 1, steps)
+        places = _random_block_angles(rng, shoe, steps)
+        depths = depth * _mean_compression_of_lining(brake, shoe, found) * rng.uniform(0, 1, steps)
         changes[f"shoe[{i}].lining.misfit.blocks"] = np.column_stack([places, depths]).tolist()
     other = vary(brake, changes)
     # A shoe that does not touch the drum would have no error to compare.
@@ -116,7 +121,7 @@ def _with_blocks(brake: Brake, rng: Rng, steps: int, depth: float) -> Brake:
     return other
 
 
-def _step_places(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
+def _random_block_angles(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
     """Random angles (steps,) [rad] at which the blocks of a lining begin, far enough apart.
 
     Raises BadInput if the lining is too short for the steps.
@@ -129,7 +134,7 @@ def _step_places(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
     return lining.start + np.sort(rng.uniform(0, free, steps)) + room * np.arange(1, steps + 1)
 
 
-def _mean_compression(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
+def _mean_compression_of_lining(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
     """Compression [m] of a lining under the mean pressure on it."""
     lining = shoe.lining
     area = brake.scale_factor * (lining.end - lining.start) * lining.width
@@ -144,28 +149,28 @@ class StatedAndTrue(NamedTuple):
     errors: dict[str, float]
 
 
-def stated_and_true_errors(brake: Brake) -> StatedAndTrue:
+def solve_with_stated_and_true_errors(brake: Brake) -> StatedAndTrue:
     """Solve a brake by default and on far finer meshes, and compute the true errors.
 
     Raises NoAnswer if either solve finds no equilibrium.
     """
-    response = solve_to_tolerance(
+    response = solve_brake_to_tolerance(
         brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False
     ).response
-    true = truth_by_hp_elements(brake, BLOCKS_TRUTH_TOLERANCE)
-    return StatedAndTrue(response, true, true_errors(brake, response.shoes, true.shoes))
+    true = solve_fine_reference_by_hp_elements(brake, BLOCKS_TRUTH_TOLERANCE)
+    return StatedAndTrue(response, true, true_errors_of_response(brake, response.shoes, true.shoes))
 
 
-def block_error_rows(seed: int) -> list[Check]:
+def stated_error_rows_for_block_linings(seed: int) -> list[Check]:
     """Compare the errors that drumlin states with true errors, for the random brake of a seed.
 
     Returns a row for each quantity. The allowed error is the stated error plus the uncertainty of
     the finer solution. If drumlin calls the peak pressure unbounded, its stated error is 1.
     """
-    brake = random_blocks(seed)
+    brake = draw_brake_with_blocks(seed)
     name = f"{BLOCK_KINDS[seed % len(BLOCK_KINDS)]} {seed}"
     try:
-        response, truth, true_errors = stated_and_true_errors(brake)
+        response, truth, true_errors = solve_with_stated_and_true_errors(brake)
     except NoAnswer as error:
         return [Check(BLOCKS_CHECK, name, "p", 0.0, 0.0, str(error), refused=True)]
     assert response.error is not None

@@ -15,15 +15,15 @@ from drumlin.fem.analysis.holding import (
     LARGEST_TORQUE_DIFFERENCE,
     Hold,
     find_full_slip_rotation,
-    hold_drum_through_rotations,
+    states_of_holding_brake_at_rotations,
 )
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
-from drumlin_studies.random_kinds import draw_brake_of_kind
+from drumlin_studies.random_kinds import draw_random_brake_of_kind
 
 HOLD_CHECK = "hold's end = solve"
 """Name of this check in tables."""
@@ -41,7 +41,7 @@ TWO_ANSWERS_LINE = "more than one answer"
 """Words of the error message by which `find_full_slip_rotation` reports two different moments."""
 
 
-def hold_against_solve_rows(seed: int) -> list[Check]:
+def torque_rows_of_hold_and_solve(seed: int) -> list[Check]:
     """Compare the torques by `hold` at full slip and by `solve` for the random brake of a seed.
 
     Consecutive seeds go through all kinds of brakes, on a low-order mesh and on hp elements in
@@ -49,17 +49,21 @@ def hold_against_solve_rows(seed: int) -> list[Check]:
     """
     kind = HOLD_KINDS[seed % len(HOLD_KINDS)]
     try:
-        brake = draw_brake_of_kind(seed, kind)
+        brake = draw_random_brake_of_kind(seed, kind)
     except NoAnswer:
         return []
     if brake.friction == 0:
         return []
     on_hp_elements = seed // len(HOLD_KINDS) % 2 == 1
-    scene = prepare(brake, LEVELS[1]) if on_hp_elements else prepare(brake, elements=MESH_ELEMENTS)
-    return [_hold_row(f"{kind} {seed}", scene, brake)]
+    scene = (
+        make_prepared_model(brake, LEVELS[1])
+        if on_hp_elements
+        else make_prepared_model(brake, elements=MESH_ELEMENTS)
+    )
+    return [_torque_row_of_hold_and_solve(f"{kind} {seed}", scene, brake)]
 
 
-def _hold_row(name: str, scene: PreparedModel, brake: Brake) -> Check:
+def _torque_row_of_hold_and_solve(name: str, scene: PreparedModel, brake: Brake) -> Check:
     """Compare the torques of a brake by `hold` and by `solve`, both on the same prepared model."""
     row = Check(
         check=HOLD_CHECK,
@@ -72,7 +76,7 @@ def _hold_row(name: str, scene: PreparedModel, brake: Brake) -> Check:
     try:
         sliding = solve_prepared_model(scene, brake).torque
     except NoAnswer as error:
-        held = _state_after_rotation(scene, brake, LOCKED_ROTATION)
+        held = _holding_state_after_rotation(scene, brake, LOCKED_ROTATION)
         locked = held is None or held.sticking > 0
         return row._replace(said=str(error) if locked else "", refused=locked)
     # An error message of `hold` counts as a reason only if it states two different moments.
@@ -80,16 +84,18 @@ def _hold_row(name: str, scene: PreparedModel, brake: Brake) -> Check:
         end = find_full_slip_rotation(scene, brake)
     except NoAnswer as error:
         return row._replace(said=str(error) if TWO_ANSWERS_LINE in str(error) else "")
-    last = _state_after_rotation(scene, brake, end)
+    last = _holding_state_after_rotation(scene, brake, end)
     if last is None:
         return row
     return row._replace(difference=abs(last.torque / sliding - 1), said=" ".join(last.notes))
 
 
-def _state_after_rotation(scene: PreparedModel, brake: Brake, rotation: float) -> Hold | None:
+def _holding_state_after_rotation(
+    scene: PreparedModel, brake: Brake, rotation: float
+) -> Hold | None:
     """The holding state of the brake after a rotation of the drum [rad], or None without one."""
     try:
-        return hold_drum_through_rotations(
+        return states_of_holding_brake_at_rotations(
             scene, brake, np.linspace(0.0, rotation, HOLD_STEPS + 1)
         )[-1]
     except NoAnswer:

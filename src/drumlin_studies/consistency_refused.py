@@ -13,8 +13,8 @@ from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
-from drumlin_studies.random_kinds import draw_brake_of_kind
-from drumlin_studies.standing_off import draw_brake_with_clearances
+from drumlin_studies.random_kinds import draw_random_brake_of_kind
+from drumlin_studies.standing_off import draw_random_brake_with_clearances
 
 MESH_SIZES = 20, 40, 80
 """Number of elements along a lining of the three uniform meshes."""
@@ -23,50 +23,56 @@ SAME_FORCE = 0.05
 
 With a larger spread the meshes are too coarse for the contact, and prove nothing.
 """
-HELD_AGAINST = 10
+BRAKES_PER_MESH_CHECK = 10
 """One of this many brakes that the default solve can solve is also solved on the uniform meshes.
 
 A brake that it refuses is always solved on them. This takes about one second for each brake.
 """
 
 
-def refusal_rows(seed: int) -> list[Check]:
+def default_solve_against_mesh_rows(seed: int) -> list[Check]:
     """Compare the default solve with three uniform meshes for the random brake of a seed.
 
     Returns one row. It returns none if the default solve succeeds and the meshes are left out or
     disagree with each other.
     """
-    brake = draw_brake(seed)
+    brake = draw_brake_for_refusal_check(seed)
     found = _response_or_refusal(brake, None)
     refused = isinstance(found, str)
-    if not refused and seed // 2 % HELD_AGAINST:
+    if not refused and seed // 2 % BRAKES_PER_MESH_CHECK:
         return []
     # If the three meshes agree on the contact force, the brake has an equilibrium.
     on_meshes = [_response_or_refusal(brake, elements) for elements in MESH_SIZES]
     forces = [total_contact_force(mesh) for mesh in on_meshes if not isinstance(mesh, str)]
-    one_answer = len(forces) == len(MESH_SIZES) and relative_spread(forces) <= SAME_FORCE
+    one_answer = len(forces) == len(MESH_SIZES) and relative_spread_of_values(forces) <= SAME_FORCE
     if isinstance(found, str):
         if one_answer:
             # Elements of high degree have more round-off than a uniform mesh of low degree. This is
             # a valid reason for a refusal.
             said = found if TOO_FAR_REASON in found else ""
-            return [_check_row(brake, f"an answer, refused: {found}", 1.0, 0.0, said=said)]
-        return [_check_row(brake, "an answer", 0.0, 0.0, said=found, refused=True)]
+            return [
+                _row_of_refusal_check(brake, f"an answer, refused: {found}", 1.0, 0.0, said=said)
+            ]
+        return [_row_of_refusal_check(brake, "an answer", 0.0, 0.0, said=found, refused=True)]
     if not one_answer:
         return []
     difference = max(abs(each / total_contact_force(found) - 1) for each in forces)
     # The error of the coarsest mesh is about the spread of the forces; the factor 2 allows for slow
     # convergence.
-    return [_check_row(brake, "contact force", difference, max(2 * relative_spread(forces), 1e-3))]
+    return [
+        _row_of_refusal_check(
+            brake, "contact force", difference, max(2 * relative_spread_of_values(forces), 1e-3)
+        )
+    ]
 
 
-def draw_brake(seed: int) -> Brake:
+def draw_brake_for_refusal_check(seed: int) -> Brake:
     """The random brake of a seed: even seeds have large clearances, odd seeds are of all kinds."""
     half, odd = divmod(seed, 2)
     if not odd:
-        return draw_brake_with_clearances(half)
+        return draw_random_brake_with_clearances(half)
     kinds = [*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS]
-    return draw_brake_of_kind(half, kinds[half % len(kinds)])
+    return draw_random_brake_of_kind(half, kinds[half % len(kinds)])
 
 
 def total_contact_force(response: Response) -> float:
@@ -74,7 +80,7 @@ def total_contact_force(response: Response) -> float:
     return sum(shoe.normal_force for shoe in response.shoes)
 
 
-def relative_spread(values: list[float]) -> float:
+def relative_spread_of_values(values: list[float]) -> float:
     """The largest value minus the smallest one, divided by the last value."""
     return (max(values) - min(values)) / values[-1]
 
@@ -90,7 +96,7 @@ def _response_or_refusal(brake: Brake, elements: int | None) -> Response | str:
         return str(refusal)
 
 
-def _check_row(
+def _row_of_refusal_check(
     brake: Brake,
     quantity: str,
     difference: float,

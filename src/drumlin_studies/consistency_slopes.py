@@ -28,11 +28,11 @@ from drumlin.fem.analysis.sensitivity import (
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
-from drumlin_studies.random_kinds import draw_brake_of_kind
+from drumlin_studies.random_kinds import draw_random_brake_of_kind
 
 SLOPE_MESH_ELEMENTS = 10
 """Number of elements along a lining of the low-order meshes.
@@ -108,7 +108,7 @@ class TorqueOnDivision(NamedTuple):
     bodies: tuple[int, ...]
     touching: tuple[bytes, ...]
 
-    def alike(self, other: "TorqueOnDivision") -> bool:
+    def has_same_mesh_and_contact(self, other: "TorqueOnDivision") -> bool:
         """Whether both torques were computed with the same mesh size and the same contact set."""
         return self.bodies == other.bodies and self.touching == other.touching
 
@@ -128,15 +128,15 @@ class DivisionForSlopes:
     elements: int | None
     cache: Cache
 
-    def scene(self, own: Brake) -> PreparedModel:
+    def prepared_model(self, own: Brake) -> PreparedModel:
         """The model of a brake that is meshed and condensed, ready to be solved."""
         if self.elements is None:
-            return prepare(own, SLOPE_LEVEL, cache=self.cache)
-        return prepare(own, elements=self.elements, cache=self.cache)
+            return make_prepared_model(own, SLOPE_LEVEL, cache=self.cache)
+        return make_prepared_model(own, elements=self.elements, cache=self.cache)
 
-    def solved(self, brake: Brake) -> "TorqueOnDivision":
+    def solve_for_torque(self, brake: Brake) -> "TorqueOnDivision":
         """Solve a brake; returns its torque with mesh size and contact set. Raises as `solve`."""
-        scene = self.scene(brake)
+        scene = self.prepared_model(brake)
         response = solve_prepared_model(scene, brake)
         # Two meshes count as equal if their numbers of unknowns are equal.
         bodies = [body.unknowns for body in scene.bodies]
@@ -145,17 +145,17 @@ class DivisionForSlopes:
         touching = tuple((shoe.pressure > 0).tobytes() for shoe in response.shoes)
         return TorqueOnDivision(response.torque, tuple(bodies), touching)
 
-    def slopes(self, brake: Brake) -> Sensitivity:
+    def compute_torque_slopes(self, brake: Brake) -> Sensitivity:
         """The derivatives of a brake's torque. Raises as `compute_torque_sensitivity` does."""
-        return compute_torque_sensitivity(self.scene(brake), brake)
+        return compute_torque_sensitivity(self.prepared_model(brake), brake)
 
 
-def scaled_key_changes(key: str, value: float) -> Changes:
+def make_scaling_of_key(key: str, value: float) -> Changes:
     """A function of a step s that returns the value of a key multiplied by 1 + s."""
     return lambda s: {key: value * (1 + s)}
 
 
-def scaled_moduli_changes(key: str, material: AnyMaterial) -> Changes:
+def make_scaling_of_moduli(key: str, material: AnyMaterial) -> Changes:
     """A function of a step s that returns all moduli of a material multiplied by 1 + s, by key.
 
     `key` is the path of the part in the brake file, with a dot at its end.
@@ -165,47 +165,49 @@ def scaled_moduli_changes(key: str, material: AnyMaterial) -> Changes:
     }
 
 
-def shifted_key_changes(key: str, value: float) -> Changes:
+def make_shift_of_key(key: str, value: float) -> Changes:
     """A function of a step s that returns the value of a key plus s."""
     return lambda s: {key: value + s}
 
 
-def moved_point_changes(key: str, x: float, y: float, way: int) -> Changes:
+def make_shift_of_point(key: str, x: float, y: float, way: int) -> Changes:
     """A function of a step s that returns a point shifted by s along x (way 0) or y (way 1)."""
     return lambda s: {key: {"x": x + s * (way == 0), "y": y + s * (way == 1)}}
 
 
-def printed_slopes(brake: Brake, found: Sensitivity) -> list[Slope]:
+def printed_torque_slopes(brake: Brake, found: Sensitivity) -> list[Slope]:
     """All derivatives of the torque that `drumlin sensitivity` prints for a brake."""
     table = [
         Slope(
             "friction",
             found.friction,
-            shifted_key_changes("friction", brake.friction),
+            make_shift_of_key("friction", brake.friction),
             brake.friction,
         )
     ]
-    table += _slopes_of_drive(brake, found)
-    table += _slopes_of_ring(brake, found)
+    table += _torque_slopes_by_common_drive(brake, found)
+    table += _torque_slopes_by_ring_stiffness(brake, found)
     for i in range(len(brake.shoes)):
-        table += _slopes_of_shoe(brake, found, i)
+        table += _torque_slopes_by_shoe_quantities(brake, found, i)
     return table
 
 
-def _slopes_of_ring(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
+def _torque_slopes_by_ring_stiffness(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
     """Yield the torque's derivatives by the moduli and bending stiffness of the drum's ring."""
     ring = brake.ring
     if ring is None:
         return
     if found.ring is not None and ring.material is not None:
-        yield Slope("E of the ring", found.ring, scaled_moduli_changes("drum.ring.", ring.material))
+        yield Slope(
+            "E of the ring", found.ring, make_scaling_of_moduli("drum.ring.", ring.material)
+        )
     # A bending stiffness that follows from the modulus has no slope of its own.
     if found.ring_bending_stiffness is not None and ring.bending_stiffness is not None:
-        EI = scaled_key_changes("drum.ring.bending_stiffness", ring.bending_stiffness)
+        EI = make_scaling_of_key("drum.ring.bending_stiffness", ring.bending_stiffness)
         yield Slope("bending_stiffness of the ring", found.ring_bending_stiffness, EI)
 
 
-def _slopes_of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
+def _torque_slopes_by_common_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
     """Yield the torque's derivative by the force, pressure or torque of a common drive, if any."""
     drive = brake.actuation
     if drive is None or found.drive is None:
@@ -213,48 +215,50 @@ def _slopes_of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
     for key in ("force", "pressure", "torque"):
         value = getattr(drive, key)
         if value is not None:
-            yield Slope("actuation", found.drive, scaled_key_changes(f"actuation.{key}", value))
+            yield Slope("actuation", found.drive, make_scaling_of_key(f"actuation.{key}", value))
 
 
-def _slopes_of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
+def _torque_slopes_by_shoe_quantities(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
     """Yield the torque's derivatives by the force, stiffness, clearance and support of shoe i."""
     shoe, own, key = brake.shoes[i], found.shoes[i], f"shoe[{i}]."
     # The force on a shoe behind a strut is the reaction of another shoe, and is no key of a file.
     behind_strut = any(link.to == shoe.name for link in brake.links)
     if own.force is not None and own.torque and brake.actuation is None and not behind_strut:
         force = shoe.actuation.force
-        yield Slope("force", own.force * force, scaled_key_changes(f"{key}actuation.force", force))
-    yield from _slopes_of_stiffness(shoe, own, key)
+        yield Slope("force", own.force * force, make_scaling_of_key(f"{key}actuation.force", force))
+    yield from _torque_slopes_by_shoe_stiffness(shoe, own, key)
     clearance = shoe.lining.clearance
     if isinstance(clearance, float):
-        changes = shifted_key_changes(f"{key}lining.clearance", clearance)
-        yield Slope("clearance", own.clearance, changes, _lining_compression(brake, shoe))
+        changes = make_shift_of_key(f"{key}lining.clearance", clearance)
+        yield Slope(
+            "clearance", own.clearance, changes, _lining_compression_under_actuation(brake, shoe)
+        )
     for what, value in own.held.items():
-        yield from _slopes_of_support(brake, i, what, value)
+        yield from _torque_slopes_by_support(brake, i, what, value)
 
 
-def _slopes_of_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator[Slope]:
+def _torque_slopes_by_shoe_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator[Slope]:
     """Yield the torque's derivatives by the moduli and the bending stiffness of a shoe.
 
     `key` is the path of the shoe in the brake file, with a dot at its end.
     """
     moduli, body = own.moduli, shoe.body
-    lining = scaled_moduli_changes(f"{key}lining.", shoe.lining.material)
+    lining = make_scaling_of_moduli(f"{key}lining.", shoe.lining.material)
     yield Slope("E of the lining", moduli["lining"], lining)
     if "backing" in moduli and shoe.backing is not None:
-        backing = scaled_moduli_changes(f"{key}backing.", shoe.backing.material)
+        backing = make_scaling_of_moduli(f"{key}backing.", shoe.backing.material)
         yield Slope("E of the backing", moduli["backing"], backing)
     if body is None:
         return
     if "shoe" in moduli and body.material is not None:
-        changes = scaled_moduli_changes(f"{key}body.", body.material)
+        changes = make_scaling_of_moduli(f"{key}body.", body.material)
         yield Slope("E of the body", moduli["shoe"], changes)
     if own.bending_stiffness is not None and isinstance(body.bending_stiffness, float):
-        EI = scaled_key_changes(f"{key}body.bending_stiffness", body.bending_stiffness)
+        EI = make_scaling_of_key(f"{key}body.bending_stiffness", body.bending_stiffness)
         yield Slope("bending_stiffness of the body", own.bending_stiffness, EI)
 
 
-def _lining_compression(brake: Brake, shoe: Shoe) -> float:
+def _lining_compression_under_actuation(brake: Brake, shoe: Shoe) -> float:
     """Compression of a lining [m] under the actuation force of its shoe.
 
     For a shoe without an actuation force, the largest force of all shoes is used.
@@ -265,7 +269,7 @@ def _lining_compression(brake: Brake, shoe: Shoe) -> float:
     return force / area * lining.thickness / lining.material.E_through
 
 
-def _slopes_of_support(brake: Brake, i: int, what: str, value: Floats) -> Iterator[Slope]:
+def _torque_slopes_by_support(brake: Brake, i: int, what: str, value: Floats) -> Iterator[Slope]:
     """Yield the torque's derivatives by a number or a point of the support of shoe number i.
 
     `what` is the path of the number or the point below the shoe in the brake file. `value` holds
@@ -278,14 +282,14 @@ def _slopes_of_support(brake: Brake, i: int, what: str, value: Floats) -> Iterat
     # A number of a support has one derivative; a point has one for each coordinate.
     if len(value) == 1:
         size = at if what.endswith("friction") else 1.0
-        yield Slope(what, float(value[0]), shifted_key_changes(key, at), size)
+        yield Slope(what, float(value[0]), make_shift_of_key(key, at), size)
         return
     for way, axis in enumerate("xy"):
-        changes = moved_point_changes(key, at.x, at.y, way)
+        changes = make_shift_of_point(key, at.x, at.y, way)
         yield Slope(f"{what} along {axis}", float(value[way]), changes, brake.size)
 
 
-def largest_slope_difference(
+def largest_difference_from_central_slopes(
     brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision
 ) -> float | None:
     """The largest relative difference between a printed derivative and three central differences.
@@ -308,7 +312,7 @@ def largest_slope_difference(
     for factor in STEP_FACTORS:
         largest = 0.0
         for step in DIFFERENCE_STEPS:
-            apart = _slope_difference_at_step(
+            apart = _difference_from_central_slope_at_step(
                 brake, slope, divided, base, factor * step * slope.size
             )
             if apart is None:
@@ -319,7 +323,7 @@ def largest_slope_difference(
     return None
 
 
-def _slope_difference_at_step(
+def _difference_from_central_slope_at_step(
     brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision, step: float
 ) -> float | None:
     """The relative difference between a printed derivative and a central difference.
@@ -328,11 +332,11 @@ def _slope_difference_at_step(
     or the mesh.
     """
     try:
-        up = divided.solved(vary(brake, slope.changes(step)))
-        down = divided.solved(vary(brake, slope.changes(-step)))
+        up = divided.solve_for_torque(vary(brake, slope.changes(step)))
+        down = divided.solve_for_torque(vary(brake, slope.changes(-step)))
     except (BadInput, NoAnswer):
         return None
-    if not (up.alike(base) and down.alike(base)):
+    if not (up.has_same_mesh_and_contact(base) and down.has_same_mesh_and_contact(base)):
         return None
     central = (up.torque - down.torque) / (2 * step)
     smallest = SMALLEST_SLOPE * base.torque / slope.size
@@ -349,17 +353,17 @@ def draw_brake_with_friction(seed: int) -> tuple[str, Brake]:
     In half of the brakes the shoe's body and the ring have a bending stiffness given by number.
     """
     kind = SLOPE_KINDS[seed % len(SLOPE_KINDS)]
-    brake = draw_brake_of_kind(seed, kind)
+    brake = draw_random_brake_of_kind(seed, kind)
     # Without friction a drum brake has no torque to which slopes could be relative.
     while brake.friction == 0:
         seed += 10**6
-        brake = draw_brake_of_kind(seed, kind)
+        brake = draw_random_brake_of_kind(seed, kind)
     if seed // len(SLOPE_KINDS) % 2:
         return kind, brake
-    return kind, _with_bending_stiffness(brake, np.random.default_rng(seed))
+    return kind, _brake_with_given_bending_stiffness(brake, np.random.default_rng(seed))
 
 
-def _with_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
+def _brake_with_given_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
     """A copy of the brake whose first shoe and ring have a bending stiffness given by number.
 
     Each number is drawn near the bending stiffness that the part already has.
@@ -374,7 +378,7 @@ def _with_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
     return vary(brake, changes)
 
 
-def slope_rows_of_seed(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[Check]:
+def torque_slope_rows_of_seed(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[Check]:
     """Compare the torque's printed derivatives with central differences, for a random brake.
 
     The seed gives the brake. Returns a row for each derivative. At most `most` derivatives are
@@ -387,21 +391,21 @@ def slope_rows_of_seed(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[C
     no_slopes = Check("slopes", name, "all", math.inf, ALLOWED_SLOPE_DIFFERENCE)
     # If one of `solve` and `sensitivity` refuses the brake, the other one must refuse it, too.
     try:
-        base = divided.solved(brake)
+        base = divided.solve_for_torque(brake)
     except NoAnswer as error:
         base, refusal = None, str(error)
     try:
-        found = divided.slopes(brake)
+        found = divided.compute_torque_slopes(brake)
     except NoAnswer as error:
         return [no_slopes._replace(said=str(error), refused=base is None)]
     if base is None:
         return [no_slopes._replace(said=refusal)]
-    table = printed_slopes(brake, found)
+    table = printed_torque_slopes(brake, found)
     if most is not None:
         table = [table[k] for k in np.random.default_rng(seed).permutation(len(table))[:most]]
     rows = []
     for slope in table:
-        apart = largest_slope_difference(brake, slope, divided, base)
+        apart = largest_difference_from_central_slopes(brake, slope, divided, base)
         if apart is not None:
             rows.append(Check("slopes", name, slope.what, apart, ALLOWED_SLOPE_DIFFERENCE))
     return rows

@@ -16,22 +16,22 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_to_tolerance
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_brake_to_tolerance
 from drumlin.fem.model import REFINED_REMARK, solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solve import prepare_finest_division
+from drumlin.fem.solve import prepared_model_of_finest_division
 from drumlin.lining_wear.archard import WearLaw, WearState, wear_linings_in_given_steps
-from drumlin.lining_wear.linings import WearSetup, fem_wear_setup
+from drumlin.lining_wear.linings import WearSetup, wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
-    COEFFICIENT,
+    DEFAULT_WEAR_COEFFICIENT,
     WEAR_SETTLED,
     brake_with_worn_linings,
-    pressure_distance,
-    rigid_law_target,
-    run_in,
+    end_of_wear_by_rigid_shoe_law,
+    largest_pressure_distance_of_linings,
+    run_brake_linings_in,
 )
-from drumlin.lining_wear.worn_in import worn_in_brake
+from drumlin.lining_wear.worn_in import brake_with_worn_in_clearances
 from drumlin.response import Response
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
@@ -103,85 +103,95 @@ class _TorqueAndPressure(NamedTuple):
     said: str = ""
 
 
-def wear_rows(seed: int) -> list[Check]:
+def wear_check_rows_of_seed(seed: int) -> list[Check]:
     """Run all checks of wear on the random brake of a seed; returns a row for each quantity.
 
     Consecutive seeds go through WEAR_KINDS. There are no rows if the seed gives no brake.
     """
     kind = WEAR_KINDS[seed % len(WEAR_KINDS)]
     try:
-        brake = _draw_brake(seed, kind)
+        brake = _draw_brake_for_wear_check(seed, kind)
     except NoAnswer:
         return []
     name = f"{kind} {seed}"
-    return _rows_of_start(name, brake) + _rows_of_wear(name, brake.round())
-
-
-def _draw_brake(seed: int, kind: str) -> Brake:
-    """The random brake of a seed and of a kind, one of WEAR_KINDS."""
-    if kind.startswith("rigid "):
-        return random_kinds.draw_brake_of_holding_kind(
-            seed, kind.removeprefix("rigid "), rigid=True
-        )
-    return random_kinds.draw_brake_of_kind(seed, kind)
-
-
-def _rows_of_start(name: str, brake: Brake) -> list[Check]:
-    """Compare the start of wear with `solve`, on the finest mesh of `solve`."""
-    scene = prepare_finest_division(brake)
-    setup = fem_wear_setup(scene, brake)
-
-    def answer_by_solve() -> _TorqueAndPressure:
-        """Torque and pressure of the unworn brake by `solve`."""
-        # As in `solve`, each mesh starts from the contact set of the mesh before.
-        return _response_torque_and_pressure(
-            setup, solve_to_tolerance(brake, DEFAULT_TOLERANCE, EXACT_CONTACT, must=False).response
-        )
-
-    def answer_at_start_of_wear() -> _TorqueAndPressure:
-        """Torque and pressure of the first state of a wear run."""
-        return _state_torque_and_pressure(
-            wear_linings_in_given_steps(setup.interfaces, WearLaw(COEFFICIENT), [])[0]
-        )
-
-    return _comparison_rows(
-        name, "wear's start = solve", setup, (answer_at_start_of_wear, answer_by_solve)
+    return _check_rows_at_start_of_wear(name, brake) + _check_rows_of_worn_linings(
+        name, brake.round()
     )
 
 
-def _rows_of_wear(name: str, brake: Brake) -> list[Check]:
+def _draw_brake_for_wear_check(seed: int, kind: str) -> Brake:
+    """The random brake of a seed and of a kind, one of WEAR_KINDS."""
+    if kind.startswith("rigid "):
+        return random_kinds.draw_brake_of_support_kind(
+            seed, kind.removeprefix("rigid "), rigid=True
+        )
+    return random_kinds.draw_random_brake_of_kind(seed, kind)
+
+
+def _check_rows_at_start_of_wear(name: str, brake: Brake) -> list[Check]:
+    """Compare the start of wear with `solve`, on the finest mesh of `solve`."""
+    scene = prepared_model_of_finest_division(brake)
+    setup = wear_setup_by_finite_elements(scene, brake)
+
+    def torque_and_pressure_by_solve() -> _TorqueAndPressure:
+        """Torque and pressure of the unworn brake by `solve`."""
+        # As in `solve`, each mesh starts from the contact set of the mesh before.
+        return _torque_and_pressure_of_response(
+            setup,
+            solve_brake_to_tolerance(brake, DEFAULT_TOLERANCE, EXACT_CONTACT, must=False).response,
+        )
+
+    def torque_and_pressure_at_start() -> _TorqueAndPressure:
+        """Torque and pressure of the first state of a wear run."""
+        return _torque_and_pressure_of_wear_state(
+            wear_linings_in_given_steps(setup.interfaces, WearLaw(DEFAULT_WEAR_COEFFICIENT), [])[0]
+        )
+
+    return _torque_and_pressure_comparison_rows(
+        name,
+        "wear's start = solve",
+        setup,
+        (torque_and_pressure_at_start, torque_and_pressure_by_solve),
+    )
+
+
+def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
     """Compare worn linings with `solve` halfway, after a reversal of the drum, and at the end.
 
     The linings have a uniform mesh, and the drum is round.
     """
-    scene = prepare(brake, elements=WORN_ELEMENTS)
-    setup = fem_wear_setup(scene, brake)
+    scene = make_prepared_model(brake, elements=WORN_ELEMENTS)
+    setup = wear_setup_by_finite_elements(scene, brake)
 
-    def answer_of_worn_in_brake() -> _TorqueAndPressure:
+    def torque_and_pressure_worn_in() -> _TorqueAndPressure:
         """Torque and pressure of the brake with worn-in linings by `solve`."""
-        return _contact_torque_and_pressure(setup, scene, worn_in_brake(scene, brake))
+        return _torque_and_pressure_of_worn_brake(
+            setup, scene, brake_with_worn_in_clearances(scene, brake)
+        )
 
-    def answer_by_law() -> _TorqueAndPressure:
+    def torque_and_pressure_by_rigid_law() -> _TorqueAndPressure:
         """Torque and pressure of the rigid-shoe law on this mesh, the limit of wear."""
-        goal = rigid_law_target(setup)
+        goal = end_of_wear_by_rigid_shoe_law(setup)
         return _TorqueAndPressure(goal.torque, goal.pressure)
 
     try:
-        states = run_in(setup)
+        states = run_brake_linings_in(setup)
     except NoAnswer as error:
-        return _comparison_rows(
+        return _torque_and_pressure_comparison_rows(
             name,
             "wear's end = worn in",
             setup,
-            (partial(_raise_refusal, error), answer_of_worn_in_brake),
+            (partial(_raise_given_error, error), torque_and_pressure_worn_in),
         )
-    ends = partial(_state_torque_and_pressure, states[-1]), answer_of_worn_in_brake
-    rows = _comparison_rows(name, "wear's end = worn in", setup, ends, END_REACHED, END_REACHED)
-    rows += _comparison_rows(
+    ends = partial(_torque_and_pressure_of_wear_state, states[-1]), torque_and_pressure_worn_in
+    rows = _torque_and_pressure_comparison_rows(
+        name, "wear's end = worn in", setup, ends, END_REACHED, END_REACHED
+    )
+    rows += _torque_and_pressure_comparison_rows(
         name,
         "worn in = law",
         setup,
-        (answer_of_worn_in_brake, answer_by_law),
+        (torque_and_pressure_worn_in, torque_and_pressure_by_rigid_law),
         LAW_TORQUE,
         LAW_PRESSURE,
     )
@@ -190,15 +200,17 @@ def _rows_of_wear(name: str, brake: Brake) -> list[Check]:
     if middle.s == 0:
         return rows
     solved = partial(
-        _contact_torque_and_pressure, setup, scene, brake_with_worn_linings(setup, middle)
+        _torque_and_pressure_of_worn_brake, setup, scene, brake_with_worn_linings(setup, middle)
     )
-    middles = partial(_state_torque_and_pressure, middle), solved
-    rows += _comparison_rows(name, "wear's middle = solve of the worn linings", setup, middles)
-    backward = fem_wear_setup(scene, brake.reversed())
-    return rows + _rows_after_reversal(name, setup, backward, scene, middle.s)
+    middles = partial(_torque_and_pressure_of_wear_state, middle), solved
+    rows += _torque_and_pressure_comparison_rows(
+        name, "wear's middle = solve of the worn linings", setup, middles
+    )
+    backward = wear_setup_by_finite_elements(scene, brake.brake_with_reversed_motion())
+    return rows + _check_rows_after_drum_reversal(name, setup, backward, scene, middle.s)
 
 
-def _rows_after_reversal(
+def _check_rows_after_drum_reversal(
     name: str, setup: WearSetup, backward: WearSetup, scene: PreparedModel, s: float
 ) -> list[Check]:
     """Compare worn linings with `solve` at the moment when the drum begins to turn back.
@@ -214,40 +226,48 @@ def _rows_after_reversal(
     s : float
         Sliding distance before the drum turns back [m].
     """
-    forward = run_in(setup, distance=s)[-1]
+    forward = run_brake_linings_in(setup, distance=s)[-1]
 
-    def answer_after_reversal() -> _TorqueAndPressure:
+    def torque_and_pressure_after_reversal() -> _TorqueAndPressure:
         """Torque and pressure by the wear simulation when the drum begins to turn back."""
         # The first state with the drum turning back comes before any further wear.
-        states = run_in(setup, backward=backward, reverse=s, distance=s * (1 + 1e-9))
-        return _state_torque_and_pressure(next(state for state in states if not state.forward))
+        states = run_brake_linings_in(setup, backward=backward, reverse=s, distance=s * (1 + 1e-9))
+        return _torque_and_pressure_of_wear_state(
+            next(state for state in states if not state.forward)
+        )
 
     then = partial(
-        _contact_torque_and_pressure, backward, scene, brake_with_worn_linings(backward, forward)
+        _torque_and_pressure_of_worn_brake,
+        backward,
+        scene,
+        brake_with_worn_linings(backward, forward),
     )
-    return _comparison_rows(
-        name, "turned back = solve of the worn linings", backward, (answer_after_reversal, then)
+    return _torque_and_pressure_comparison_rows(
+        name,
+        "turned back = solve of the worn linings",
+        backward,
+        (torque_and_pressure_after_reversal, then),
     )
 
 
-def _raise_refusal(error: NoAnswer) -> _TorqueAndPressure:
+def _raise_given_error(error: NoAnswer) -> _TorqueAndPressure:
     """Raise `error`; the function stands for a path that refuses the brake."""
     raise error
 
 
-def _state_torque_and_pressure(state: WearState) -> _TorqueAndPressure:
+def _torque_and_pressure_of_wear_state(state: WearState) -> _TorqueAndPressure:
     """Torque and pressure of a state of the wear simulation."""
     return _TorqueAndPressure(state.torque, state.pressure)
 
 
-def _contact_torque_and_pressure(
+def _torque_and_pressure_of_worn_brake(
     setup: WearSetup, scene: PreparedModel, brake: Brake
 ) -> _TorqueAndPressure:
     """Torque and pressure of a brake with worn linings, solved with exact contact."""
-    return _response_torque_and_pressure(setup, EXACT_CONTACT(scene, brake))
+    return _torque_and_pressure_of_response(setup, EXACT_CONTACT(scene, brake))
 
 
-def _response_torque_and_pressure(setup: WearSetup, response: Response) -> _TorqueAndPressure:
+def _torque_and_pressure_of_response(setup: WearSetup, response: Response) -> _TorqueAndPressure:
     """Torque and pressure of a response, with the pressures in the order of the wear setup."""
     by_lining = []
     for surface in setup.surfaces:
@@ -256,7 +276,7 @@ def _response_torque_and_pressure(setup: WearSetup, response: Response) -> _Torq
     return _TorqueAndPressure(response.torque, np.concatenate(by_lining), said)
 
 
-def _comparison_rows(
+def _torque_and_pressure_comparison_rows(
     brake: str,
     check: str,
     setup: WearSetup,
@@ -293,7 +313,7 @@ def _comparison_rows(
         return [Check(check, brake, "answer", math.inf, 0.0, said, refused=both)]
     first, second = answers
     said = first.said or second.said
-    difference = pressure_distance(setup, first.pressure, second.pressure)
+    difference = largest_pressure_distance_of_linings(setup, first.pressure, second.pressure)
     rows = [Check(check, brake, "pressure", difference, pressure, said)]
     # Two zero torques, without friction, agree and have no relative difference.
     if second.torque == 0:

@@ -13,12 +13,12 @@ import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.hp.corner import unbounded_corners
+from drumlin.fem.hp.corner import corners_with_unbounded_pressure
 from drumlin.fem.solve import solve
-from drumlin_studies.random_corners import random_corner
-from drumlin_studies.stated_true import stated_and_true_row, stated_over_true
-from drumlin_studies.stored_truth import solve_by_deep_triangles
-from drumlin_studies.tables import matching_rows, values_of_key
+from drumlin_studies.random_corners import draw_brake_pressing_with_corner_or_tip
+from drumlin_studies.stated_true import row_of_stated_and_true_errors, stated_over_true_error_of_row
+from drumlin_studies.stored_truth import solve_corner_or_tip_by_deep_triangles
+from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
 
 CORNER_TOLERANCES = (5e-3, 1e-3, 1e-4)
 """Relative tolerances to which each brake is solved."""
@@ -32,51 +32,51 @@ STEEPEST_JUDGED = -0.3
 
 The limit comes from angles as floating-point numbers. The smallest element of p has 1e-12 rad
 (`corner.SMALLEST_PIECE`), which is 1e-10 of a contact of half a degree. In it, p has an error of
-about (1e-10)^(a + 1/2) (`polynomial_error_of_power`): with degree 7 the error is 0.13 % for
-a = -0.3, 0.8 % for -0.38 and 5 % for -0.45. For -0.5 p is not square-integrable. On a rigid drum
-the three exponents belong to friction coefficients of 0.31, 0.42 and 0.52, with friction that drags
-the lining away from the corner.
+about (1e-10)^(a + 1/2) (`polynomial_error_of_power_function`): with degree 7 the error is 0.13 %
+for a = -0.3, 0.8 % for -0.38 and 5 % for -0.45. For -0.5 p is not square-integrable. On a rigid
+drum the three exponents belong to friction coefficients of 0.31, 0.42 and 0.52, with friction that
+drags the lining away from the corner.
 """
 
 
-def error_rows_of_seed(seed: int) -> list[dict[str, Any]]:
+def stated_and_true_error_rows_of_seed(seed: int) -> list[dict[str, Any]]:
     """Rows of stated and true errors of the random brake of a seed, one for each tolerance.
 
-    The rows are those of `stated_true.stated_and_true_row`, with the `kind` of the brake and the
-    smallest exponent (`power`) of p at its pressed corners, 0 without a pressed corner.
+    The rows are those of `stated_true.row_of_stated_and_true_errors`, with the `kind` of the brake
+    and the smallest exponent (`power`) of p at its pressed corners, 0 without a pressed corner.
     """
     base: dict[str, Any] = {"seed": seed, "kind": "none", "power": 0.0}
     try:
-        brake = random_corner(seed)
+        brake = draw_brake_pressing_with_corner_or_tip(seed)
     except NoAnswer as error:
         return [base | {"outcome": "failed", "reason": str(error)}]
     kind = brake.title.removeprefix("random ").removesuffix(f" {seed}")
     # True errors are taken from drumlin's second solver, with triangles graded to the corners.
     failure, true = "", None
     try:
-        true = solve_by_deep_triangles(brake)
+        true = solve_corner_or_tip_by_deep_triangles(brake)
     except (NoAnswer, BadInput, AssertionError) as error:
         failure = str(error)
-    base |= {"kind": kind, "power": smallest_corner_power(brake)}
+    base |= {"kind": kind, "power": smallest_pressure_exponent_at_corners(brake)}
     return [
-        base | stated_and_true_row(brake, tolerance, solve, true, failure)
+        base | row_of_stated_and_true_errors(brake, tolerance, solve, true, failure)
         for tolerance in CORNER_TOLERANCES
     ]
 
 
-def smallest_corner_power(brake: Brake) -> float:
+def smallest_pressure_exponent_at_corners(brake: Brake) -> float:
     """The smallest exponent a of p ~ x^a at the corners of linings that press on the drum.
 
     x is the distance from the corner. The result is 0 if no corner presses on the drum.
     """
     smallest = math.inf
     for i, shoe in enumerate(solve(brake).shoes):
-        for corner in unbounded_corners(brake, i, shoe):
+        for corner in corners_with_unbounded_pressure(brake, i, shoe):
             smallest = min(smallest, corner.exponent)
     return smallest if smallest < math.inf else 0.0
 
 
-def summary_by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def error_summary_rows_by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Summarise rows of errors in a table with a row for each kind of brake and each tolerance.
 
     A row has the number of brakes, the fraction that reaches the tolerance, and the smallest and
@@ -84,17 +84,17 @@ def summary_by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     without those with an exponent below STEEPEST_JUDGED.
     """
     kinds: dict[str, list[Mapping[str, Any]]] = {}
-    for kind in sorted(set(values_of_key(rows, "kind"))):
-        kinds[kind] = matching_rows(rows, kind=kind)
+    for kind in sorted(set(values_of_key_in_rows(rows, "kind"))):
+        kinds[kind] = rows_with_given_values(rows, kind=kind)
     gentle = [one for one in rows if one["power"] >= STEEPEST_JUDGED]
     table = []
     for kind, mine in {**kinds, "all": list(rows), "all but the steepest corners": gentle}.items():
         for tolerance in CORNER_TOLERANCES:
-            own = matching_rows(mine, tolerance=tolerance)
+            own = rows_with_given_values(mine, tolerance=tolerance)
             # A brake without a solution, or without a true error, has no finite ratio.
-            ratios = np.array([stated_over_true(one, "pressure") for one in own])
+            ratios = np.array([stated_over_true_error_of_row(one, "pressure") for one in own])
             known = ratios[np.isfinite(ratios)]
-            outcomes = Counter(values_of_key(own, "outcome"))
+            outcomes = Counter(values_of_key_in_rows(own, "outcome"))
             reached = outcomes["reached"] + outcomes["no truth"]
             table.append(
                 {

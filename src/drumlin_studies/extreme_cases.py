@@ -17,9 +17,9 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.file import brake_from
-from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.grading import LiningDivision, divide_lining
+from drumlin.brake.file import make_drum_brake_from_data
+from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.grading import LiningDivision, divide_lining_into_elements
 
 HYPERCUBE_SEED = 7
 """Seed of the random numbers of the Latin hypercube sample."""
@@ -31,7 +31,7 @@ CASE_PIN = (0.125, math.radians(-75.0))  # radius [m], angle [rad]
 """Polar coordinates of the hinge of the unchanged case."""
 CASE_MODULUS = 3e8  # Pa
 """Young's modulus of the lining of the unchanged case."""
-CLEARANCES: dict[str, tuple[tuple[float, float], ...]] = {
+CLEARANCE_TABLES: dict[str, tuple[tuple[float, float], ...]] = {
     "toe": ((0, 3.0), (0.7, 1.0), (1, 0.0)),
     "heel": ((0, 0.0), (0.3, 1.0), (1, 6.0)),
     "split": ((0, 0.0), (0.4, 1.0), (0.6, 1.0), (1, 0.0)),
@@ -107,7 +107,7 @@ class KnobCase:
     pressure: float = 1.0
 
     @property
-    def changes(self) -> dict[str, Any]:
+    def changed_knobs(self) -> dict[str, Any]:
         """The parameters (knobs) of the case that differ from the unchanged case, by name."""
         base, own = dataclasses.asdict(KnobCase()), dataclasses.asdict(self)
         del own["knob"]
@@ -115,13 +115,14 @@ class KnobCase:
 
     def brake(self) -> Brake:
         """The brake of the case. Raises BadInput if the knobs give no valid brake."""
-        title = ", ".join(f"{key} {value}" for key, value in self.changes.items())
+        title = ", ".join(f"{key} {value}" for key, value in self.changed_knobs.items())
         data: dict[str, Any] = {
             "title": title[:80] or "base",
             "rotation": "counter-clockwise" if not self.assisted else "clockwise",
             "friction": self.friction,
             "drum": {"radius": CASE_RADIUS * self.size},
-            "shoe": [self._shoe(1)] + ([self._shoe(-1)] if self.shoes > 1 else []),
+            "shoe": [self._shoe_data_on_side(1)]
+            + ([self._shoe_data_on_side(-1)] if self.shoes > 1 else []),
         }
         if self.ring is not None:
             data["drum"]["ring"] = {
@@ -130,15 +131,15 @@ class KnobCase:
                 "material": {"E": CASE_MODULUS * self.ring * self.pressure, "nu": 0.25},
                 "support": self.support,
             }
-        return brake_from(data)
+        return make_drum_brake_from_data(data)
 
-    def _shoe(self, side: int) -> dict[str, Any]:
+    def _shoe_data_on_side(self, side: int) -> dict[str, Any]:
         """The data, as in a brake file, of the right shoe (side 1) or of its mirror image (-1)."""
         arc, size = math.radians(self.arc), self.size
         start = CASE_PIN[1] + math.radians(5.0)
         pin = CASE_PIN[0] * size * np.array([math.cos(CASE_PIN[1]), math.sin(CASE_PIN[1])])
 
-        def arc_on_side(a: float, b: float) -> dict[str, float]:
+        def arc_start_and_end_on_side(a: float, b: float) -> dict[str, float]:
             """The start and the end of an arc from a to b [rad], mirrored for the left shoe."""
             return (
                 {"start": a, "end": b} if side > 0 else {"start": math.pi - b, "end": math.pi - a}
@@ -147,7 +148,9 @@ class KnobCase:
         # A table of clearance becomes rows of angle [rad] and clearance [m].
         clearance: Any = self.clearance
         if isinstance(clearance, str):
-            rows = [(start + part * arc, gap * 1e-3 * size) for part, gap in CLEARANCES[clearance]]
+            rows = [
+                (start + part * arc, gap * 1e-3 * size) for part, gap in CLEARANCE_TABLES[clearance]
+            ]
             clearance = rows if side > 0 else [(math.pi - a, gap) for a, gap in reversed(rows)]
         else:
             clearance *= size
@@ -156,7 +159,7 @@ class KnobCase:
             "side": "internal",
             "hinge": {"x": side * float(pin[0]), "y": float(pin[1])},
             "lining": {
-                **arc_on_side(start, start + arc),
+                **arc_start_and_end_on_side(start, start + arc),
                 "thickness": self.thickness * CASE_RADIUS * size,
                 "width": CASE_WIDTH * size,
                 "material": {"E": CASE_MODULUS * self.pressure, "nu": self.nu},
@@ -170,56 +173,73 @@ class KnobCase:
         }
         if self.shoe is not None:
             shoe["body"] = {
-                **arc_on_side(CASE_PIN[1], start + arc + math.radians(5.0)),
+                **arc_start_and_end_on_side(CASE_PIN[1], start + arc + math.radians(5.0)),
                 "thickness": 0.024 * size,
                 "width": CASE_WIDTH * size,
                 "material": {"E": CASE_MODULUS * self.shoe * self.pressure, "nu": 0.3},
             }
         return shoe
 
-    def mesher(self) -> Callable[[Shoe, float], Any] | None:
+    def mesher_of_aspect_ratio(self) -> Callable[[Shoe, float], Any] | None:
         """The function that meshes a shoe with the aspect ratio of the case; None without one."""
-        return None if self.aspect is None else partial(_mesh_of_aspect_ratio, self)
+        return None if self.aspect is None else partial(_shoe_mesh_of_aspect_ratio, self)
 
 
-def _mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any:
+def _shoe_mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any:
     """The mesh of a shoe whose surface elements at the heel have the aspect ratio of the case.
 
     Away from the heel's surface each element is ten times as large as the element before.
     """
     # For a ratio above 1 the elements become flatter, else they become shorter.
-    division = divide_lining(shoe, radius, case.elements)
+    division = divide_lining_into_elements(shoe, radius, case.elements)
     start, end = shoe.arc
     step = (end - start) / case.elements
     assert case.aspect is not None
     if case.aspect >= 1:
         angles = np.linspace(start, end, case.elements + 1)
-        depths = _geometric_points(step * radius / case.aspect, shoe.lining.thickness)
+        depths = _points_with_tenfold_spacing(step * radius / case.aspect, shoe.lining.thickness)
     else:
         depths = np.array([0.0, shoe.lining.thickness])
-        first = start + _geometric_points(shoe.lining.thickness * case.aspect / radius, step)
+        first = start + _points_with_tenfold_spacing(
+            shoe.lining.thickness * case.aspect / radius, step
+        )
         angles = np.concatenate([first, np.linspace(start, end, case.elements + 1)[2:]])
-    return shoe_mesh(shoe, radius, LiningDivision(angles, depths, division.step), case.kind)
+    return parametric_mesh_of_shoe(
+        shoe, radius, LiningDivision(angles, depths, division.step), case.kind
+    )
 
 
-def _geometric_points(first: float, whole: float) -> Floats:
+def _points_with_tenfold_spacing(first: float, whole: float) -> Floats:
     """Points from 0 to `whole`: the second at `first`, each further one ten times as far from 0."""
     steps = max(0, math.ceil(math.log10(whole / first) - 0.5)) if first < whole else 0
     return np.array([0.0, *(first * 10.0**k for k in range(steps)), whole])
 
 
-def designed_cases(*, short: bool = False) -> list[KnobCase]:
+def all_extreme_cases(*, short: bool = False) -> list[KnobCase]:
     """The set of all cases, or a short set of some of them with coarser meshes.
 
     The short set has the two ends and the middle of each sweep, and some tenth of the other cases.
     """
-    sweeps = [_cases_of_sweep(knob, settings) for knob, settings in _sweep_settings().items()]
+    sweeps = [
+        _cases_from_knob_changes(knob, settings)
+        for knob, settings in _knob_changes_of_all_sweeps().items()
+    ]
     if not short:
-        return [*itertools.chain(*sweeps), *_corner_cases(), *_grid_cases(), *_hypercube_cases(100)]
+        return [
+            *itertools.chain(*sweeps),
+            *_cases_of_combined_knob_extremes(),
+            *_cases_on_grids_of_two_knobs(),
+            *_cases_of_latin_hypercube(100),
+        ]
     ends: list[KnobCase] = []
     for sweep in sweeps:
         ends += [sweep[i] for i in sorted({0, len(sweep) // 2, len(sweep) - 1})]
-    chosen = ends + _corner_cases()[::8] + _grid_cases()[::12] + _hypercube_cases(8)
+    chosen = (
+        ends
+        + _cases_of_combined_knob_extremes()[::8]
+        + _cases_on_grids_of_two_knobs()[::12]
+        + _cases_of_latin_hypercube(8)
+    )
     coarse = (
         dataclasses.replace(case, elements=min(case.elements, SHORT_ELEMENTS)) for case in chosen
     )
@@ -231,7 +251,7 @@ def _powers_of_ten(first: int, last: int, step: int = 1) -> list[float]:
     return [10.0**k for k in range(first, last + 1, step)]
 
 
-def _vary_knob(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]]:
+def _knob_changes_over_values(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]]:
     """Changes of parameters (knobs), one dictionary for each value of the knob `name`.
 
     `rest` are values of other knobs, the same in each dictionary.
@@ -239,7 +259,7 @@ def _vary_knob(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]
     return [{name: value, **rest} for value in values]
 
 
-def _sweep_settings() -> dict[str, list[dict[str, Any]]]:
+def _knob_changes_of_all_sweeps() -> dict[str, list[dict[str, Any]]]:
     """The changed parameters (knobs) and their values, for each case of each sweep by name."""
     # Values of the knobs that several sweeps share, in the units of KnobCase.
     arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
@@ -248,39 +268,49 @@ def _sweep_settings() -> dict[str, list[dict[str, Any]]]:
     mu += [3.0, 5.0]
     moduli = _powers_of_ten(-8, 8)
     return {
-        "shoe over lining": _vary_knob("shoe", moduli)
-        + _vary_knob("shoe", moduli, assisted=False)
+        "shoe over lining": _knob_changes_over_values("shoe", moduli)
+        + _knob_changes_over_values("shoe", moduli, assisted=False)
         + [{"shoe": None}],
-        "ring over lining": _vary_knob("ring", moduli[::2], shoes=2)
-        + _vary_knob("ring", moduli[::2], shoes=2, support="free"),
-        "penalty": _vary_knob("penalty", [*_powers_of_ten(-2, 16), math.inf])
-        + _vary_knob(
+        "ring over lining": _knob_changes_over_values("ring", moduli[::2], shoes=2)
+        + _knob_changes_over_values("ring", moduli[::2], shoes=2, support="free"),
+        "penalty": _knob_changes_over_values("penalty", [*_powers_of_ten(-2, 16), math.inf])
+        + _knob_changes_over_values(
             "penalty",
             [*_powers_of_ten(-2, 6), 1e9, 1e12, math.inf],
             clearance=1e-4,
             assisted=False,
             shoe=70.0,
         ),
-        "friction": _vary_knob("friction", mu) + _vary_knob("friction", mu[1:], assisted=False),
-        "lining thickness": _vary_knob(
+        "friction": _knob_changes_over_values("friction", mu)
+        + _knob_changes_over_values("friction", mu[1:], assisted=False),
+        "lining thickness": _knob_changes_over_values(
             "thickness", [*(1 / t for t in (1e5, 1e4, 1e3, 100, 30, 10, 5, 3))]
         )
-        + _vary_knob("thickness", [1e-5, 1e-3, 1 / 3], penalty=math.inf),
-        "arc": _vary_knob("arc", arcs) + _vary_knob("arc", arcs, assisted=False),
-        "clearance": _vary_knob("clearance", gaps),
-        "force": _vary_knob("force", [*_powers_of_ten(-9, 12), 0.0, -2000.0], clearance=1e-4),
-        "contact": _vary_knob("clearance", list(CLEARANCES))
-        + _vary_knob("clearance", list(CLEARANCES), assisted=False, penalty=math.inf)
-        + _vary_knob("clearance", list(CLEARANCES), elements=2),
-        "aspect": _vary_knob("aspect", [*_powers_of_ten(0, 4), *_powers_of_ten(-4, -1)])
-        + _vary_knob("aspect", [1e4, 1e-4], kind="tri2"),
+        + _knob_changes_over_values("thickness", [1e-5, 1e-3, 1 / 3], penalty=math.inf),
+        "arc": _knob_changes_over_values("arc", arcs)
+        + _knob_changes_over_values("arc", arcs, assisted=False),
+        "clearance": _knob_changes_over_values("clearance", gaps),
+        "force": _knob_changes_over_values(
+            "force", [*_powers_of_ten(-9, 12), 0.0, -2000.0], clearance=1e-4
+        ),
+        "contact": _knob_changes_over_values("clearance", list(CLEARANCE_TABLES))
+        + _knob_changes_over_values(
+            "clearance", list(CLEARANCE_TABLES), assisted=False, penalty=math.inf
+        )
+        + _knob_changes_over_values("clearance", list(CLEARANCE_TABLES), elements=2),
+        "aspect": _knob_changes_over_values(
+            "aspect", [*_powers_of_ten(0, 4), *_powers_of_ten(-4, -1)]
+        )
+        + _knob_changes_over_values("aspect", [1e4, 1e-4], kind="tri2"),
         "elements": [
-            *_vary_knob("elements", [1, 2, 3, 5, 10, 20, 80, 160]),
-            *_vary_knob("elements", [320, 640], shoe=None),
-            *_vary_knob("elements", [1000, 2000], shoe=None, kind="quad1"),
+            *_knob_changes_over_values("elements", [1, 2, 3, 5, 10, 20, 80, 160]),
+            *_knob_changes_over_values("elements", [320, 640], shoe=None),
+            *_knob_changes_over_values("elements", [1000, 2000], shoe=None, kind="quad1"),
         ],
-        "Poisson's ratio": _vary_knob("nu", [-0.99, -0.5, 0.0, 0.4, 0.45, 0.49, 0.499, 0.4999]),
-        "lever": _vary_knob("lever", [*_powers_of_ten(-12, -1), 0.0, -1e-6]),
+        "Poisson's ratio": _knob_changes_over_values(
+            "nu", [-0.99, -0.5, 0.0, 0.4, 0.45, 0.49, 0.499, 0.4999]
+        ),
+        "lever": _knob_changes_over_values("lever", [*_powers_of_ten(-12, -1), 0.0, -1e-6]),
         "size": [
             {"size": 1e3, "pressure": 1e-6},
             {"size": 1e3, "pressure": 1e-6, "penalty": math.inf},
@@ -290,17 +320,17 @@ def _sweep_settings() -> dict[str, list[dict[str, Any]]]:
             {"size": 1e3, "force": 2e9},
             {"size": 1e-3, "force": 2e-3, "kind": "tri2"},
         ],
-        "kind": _vary_knob("kind", ["quad1", "tri2", "tri1"])
-        + _vary_knob("kind", ["quad1", "tri2", "tri1"], shoe=1e-4),
+        "kind": _knob_changes_over_values("kind", ["quad1", "tri2", "tri1"])
+        + _knob_changes_over_values("kind", ["quad1", "tri2", "tri1"], shoe=1e-4),
     }
 
 
-def _cases_of_sweep(knob: str, settings: list[dict[str, Any]]) -> list[KnobCase]:
+def _cases_from_knob_changes(knob: str, settings: list[dict[str, Any]]) -> list[KnobCase]:
     """The cases of the sweep named `knob`; `settings` are the changed knobs of each case."""
     return [KnobCase(knob=knob, **setting) for setting in settings]
 
 
-def _corner_cases() -> list[KnobCase]:
+def _cases_of_combined_knob_extremes() -> list[KnobCase]:
     """The 32 cases in which each of five knobs has a small or a large value."""
     ends: dict[str, tuple[Any, Any]] = {
         "shoe": (1e-4, 1e6),
@@ -311,10 +341,10 @@ def _corner_cases() -> list[KnobCase]:
     }
     combinations = itertools.product(*ends.values())
     settings = [dict(zip(ends, chosen, strict=True)) for chosen in combinations]
-    return _cases_of_sweep("corners", settings)
+    return _cases_from_knob_changes("corners", settings)
 
 
-def _grid_cases() -> list[KnobCase]:
+def _cases_on_grids_of_two_knobs() -> list[KnobCase]:
     """The cases of two grids, each over the whole ranges of two knobs."""
     moduli, mu = _powers_of_ten(-8, 8, 2), [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.5, 2.5, 5.0]
     thicknesses, penalties = (
@@ -329,32 +359,32 @@ def _grid_cases() -> list[KnobCase]:
     return result
 
 
-def _hypercube_cases(count: int) -> list[KnobCase]:
+def _cases_of_latin_hypercube(count: int) -> list[KnobCase]:
     """`count` cases, a Latin hypercube sample of 13 knobs, most of them on logarithmic scales."""
     rng = np.random.default_rng(HYPERCUBE_SEED)
     # Each of the 13 columns has one number in each of `count` equal intervals of [0, 1].
     strata = np.array([rng.permutation(count) for _ in range(13)]).T
     samples = (strata + rng.random(strata.shape)) / count
-    return [_case_from_sample(row.tolist()) for row in samples]
+    return [_case_from_hypercube_sample(row.tolist()) for row in samples]
 
 
-def _case_from_sample(sample: list[float]) -> KnobCase:
+def _case_from_hypercube_sample(sample: list[float]) -> KnobCase:
     """A case of the Latin hypercube, from a sample of 13 numbers between 0 and 1."""
     u = iter(sample)
 
-    def log_uniform(low: float, high: float) -> float:
+    def next_log_uniform_number(low: float, high: float) -> float:
         """The next number of the sample, scaled logarithmically to 10^low ... 10^high."""
         return float(f"{10 ** (low + (high - low) * next(u)):.3g}")
 
     # The numbers are used up in the order of these lines.
-    shoe = log_uniform(-8, 8)
-    penalty = log_uniform(-2, 16)
-    thickness = log_uniform(-5, math.log10(1 / 3))
-    arc = log_uniform(-1, math.log10(340))
-    force = log_uniform(-9, 12)
-    lever = log_uniform(-6, math.log10(0.25))
-    elements = round(log_uniform(math.log10(2), 2))
-    gap = log_uniform(-8, -2)
+    shoe = next_log_uniform_number(-8, 8)
+    penalty = next_log_uniform_number(-2, 16)
+    thickness = next_log_uniform_number(-5, math.log10(1 / 3))
+    arc = next_log_uniform_number(-1, math.log10(340))
+    force = next_log_uniform_number(-9, 12)
+    lever = next_log_uniform_number(-6, math.log10(0.25))
+    elements = round(next_log_uniform_number(math.log10(2), 2))
+    gap = next_log_uniform_number(-8, -2)
     friction = round(5 * next(u) ** 2.5, 3)
     return KnobCase(
         knob="hypercube",

@@ -18,12 +18,12 @@ LADDER_CASES: tuple[KnownAnswer, ...] = (*LAWS, *BODIES, *CONTACT, *PADS, *FRICT
 """All cases of the benchmark ladder."""
 
 
-def case_families(cases: Sequence[KnownAnswer] = LADDER_CASES) -> tuple[str, ...]:
+def names_of_case_families(cases: Sequence[KnownAnswer] = LADDER_CASES) -> tuple[str, ...]:
     """The names of the families of cases, each name once, in the order of the cases."""
     return tuple(dict.fromkeys(case.family for case in cases))
 
 
-def is_within_tolerance(case: KnownAnswer, value: float) -> bool:
+def is_value_within_case_tolerance(case: KnownAnswer, value: float) -> bool:
     """Whether a value agrees with the expected value of a case, within the case's tolerance.
 
     The value nan never agrees.
@@ -31,7 +31,7 @@ def is_within_tolerance(case: KnownAnswer, value: float) -> bool:
     return abs(value - case.expected) <= case.tolerance * abs(case.expected)
 
 
-def case_row(case: KnownAnswer) -> dict[str, Any]:
+def row_of_ladder_case(case: KnownAnswer) -> dict[str, Any]:
     """Run a case; returns a row of a table with the expected value and drumlin's value."""
     value = case.found()
     return {
@@ -44,5 +44,5 @@ def case_row(case: KnownAnswer) -> dict[str, Any]:
         "difference": value / case.expected - 1,
         "tolerance": case.tolerance,
         "tier": case.tier,
-        "status": "within" if is_within_tolerance(case, value) else "failed: outside",
+        "status": "within" if is_value_within_case_tolerance(case, value) else "failed: outside",
     }

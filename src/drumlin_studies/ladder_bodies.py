@@ -16,19 +16,27 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
-from drumlin.fem.substructure.body import scalar_basis, stiffness
-from drumlin.fem.substructure.interface import (
-    couple_with_counterface,
-    drum_directions,
-    make_contact_line,
+from drumlin.fem.substructure.body import (
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
 )
-from drumlin.foundation.ring import two_forces
+from drumlin.fem.substructure.interface import (
+    function_for_drum_normals_and_tangents,
+    make_contact_line_of_lining,
+    weak_coupling_of_contact_line,
+)
+from drumlin.foundation.ring import deflection_series_of_two_opposite_forces
 from drumlin_studies import closed_forms
-from drumlin_studies.ladder_case import DISCRETE, EXACT, PRINTED, KnownAnswer
-from drumlin_studies.two_bodies import LADDER_STEEL, closed_ring_mesh
-from drumlin_studies.uncertainty import Index, grid_convergence
+from drumlin_studies.ladder_case import (
+    DISCRETISATION_TIER,
+    PRINTED_DIGITS_TIER,
+    ROUND_OFF_TIER,
+    KnownAnswer,
+)
+from drumlin_studies.two_bodies import LADDER_STEEL, plane_mesh_of_closed_ring
+from drumlin_studies.uncertainty import Index, grid_convergence_index_of_three_values
 
-ROACHE = (0.96178, 0.96854, 0.97050)
+ROACHE_VALUES = (0.96178, 0.96854, 0.97050)
 """Roache's example values on three meshes; each mesh is twice as fine as the mesh before."""
 ON_AXIS = 1e-9
 """Distance [m] from an axis of symmetry within which a node counts as lying on it."""
@@ -36,11 +44,13 @@ ON_AXIS = 1e-9
 
 def _roache_convergence_index() -> Index:
     """The grid convergence index of Roache's example values."""
-    coarse, medium, fine = ROACHE
-    return grid_convergence(fine, medium, coarse)
+    coarse, medium, fine = ROACHE_VALUES
+    return grid_convergence_index_of_three_values(fine, medium, coarse)
 
 
-def _rectangle(length: float, height: float, along: int, through: int) -> tuple[Any, Any]:
+def _basis_and_stiffness_of_rectangle(
+    length: float, height: float, along: int, through: int
+) -> tuple[Any, Any]:
     """The finite-element basis and stiffness of a steel rectangle of quadratic quadrilaterals.
 
     Parameters
@@ -53,17 +63,17 @@ def _rectangle(length: float, height: float, along: int, through: int) -> tuple[
     x = np.linspace(0, length, along + 1)
     y = np.linspace(-height / 2, height / 2, through + 1)
     grid = skfem.MeshQuad.init_tensor(x, y)
-    return _basis_and_stiffness(skfem.MeshQuad2.from_mesh(grid), LADDER_STEEL)
+    return _basis_and_stiffness_of_mesh(skfem.MeshQuad2.from_mesh(grid), LADDER_STEEL)
 
 
-def _basis_and_stiffness(mesh: Any, material: Material) -> tuple[Any, Any]:
+def _basis_and_stiffness_of_mesh(mesh: Any, material: Material) -> tuple[Any, Any]:
     """The finite-element basis and stiffness matrix of a body of one material and unit width."""
     mesh = mesh.with_subdomains({"body": np.arange(mesh.nelements)})
-    basis = scalar_basis(mesh)
-    return basis, stiffness(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
+    basis = scalar_finite_element_basis_of_mesh(mesh)
+    return basis, sparse_stiffness_of_body(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
 
 
-def solve_displacements(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:
+def solve_nodal_displacements(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:
     """Nodal displacements (2 nodes,) of a body under nodal forces, some of them prescribed.
 
     Parameters
@@ -85,30 +95,30 @@ def solve_displacements(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) 
     return u
 
 
-def _stretched_bar_force() -> float:
+def _end_force_of_stretched_bar() -> float:
     """End force [N] of a bar under the uniaxial strain e = 1e-3.
 
     The prescribed displacements are u = e x, v = -nu e y.
     """
-    basis, K = _rectangle(2, 1, 4, 3)
+    basis, K = _basis_and_stiffness_of_rectangle(2, 1, 4, 3)
     x, y = basis.doflocs
     u = np.column_stack([1e-3 * x, -LADDER_STEEL.nu * 1e-3 * y]).ravel()
     return float((K @ u)[0::2][x > 2 - 1e-12].sum())
 
 
-def _bent_bar_moment() -> float:
+def _end_moment_of_bent_bar() -> float:
     """End moment [N m] of a bar of height 1 m, bent to the curvature k = 1e-3 1/m.
 
     The prescribed displacements are u = -k x y, v = k (x^2 + nu y^2)/2.
     """
-    basis, K = _rectangle(2, 1, 4, 3)
+    basis, K = _basis_and_stiffness_of_rectangle(2, 1, 4, 3)
     x, y = basis.doflocs
     u = 1e-3 * np.column_stack([-x * y, 0.5 * (x**2 + LADDER_STEEL.nu * y**2)]).ravel()
     end = x > 2 - 1e-12
     return float(-((K @ u)[0::2] * y)[end].sum())
 
 
-def _cantilever_tip_force_ratio() -> float:
+def _cantilever_tip_force_over_closed_form() -> float:
     """End force of a cantilever of length 4 and height 1, relative to the closed form.
 
     The displacements of both ends are prescribed as in the closed form (Timoshenko & Goodier,
@@ -117,18 +127,18 @@ def _cantilever_tip_force_ratio() -> float:
     L, c, P = 4.0, 0.5, 1.0
     E, nu, I = LADDER_STEEL.E, LADDER_STEEL.nu, 2 * 0.5**3 / 3  # noqa: E741
     G = E / (2 * (1 + nu))
-    basis, K = _rectangle(L, 2 * c, 16, 4)
+    basis, K = _basis_and_stiffness_of_rectangle(L, 2 * c, 16, 4)
     x, y = basis.doflocs
     u = -P * x**2 * y / (2 * E * I) - nu * P * y**3 / (6 * E * I) + P * y**3 / (6 * I * G)
     v = nu * P * x * y**2 / (2 * E * I) + P * x**3 / (6 * E * I) - P * c**2 * x / (2 * I * G)
     both = np.column_stack([u, v]).ravel()
     ends = np.flatnonzero((x < 1e-12) | (x > L - 1e-12))
     held = np.concatenate([2 * ends, 2 * ends + 1])
-    displacements = solve_displacements(K, np.zeros(2 * basis.N), held, both[held])
+    displacements = solve_nodal_displacements(K, np.zeros(2 * basis.N), held, both[held])
     return abs(float((K @ displacements)[1::2][x < 1e-12].sum()))
 
 
-def _curved_bar_work() -> float:
+def _work_of_end_force_on_curved_bar() -> float:
     """Work P u_0 of the end force P on a quarter ring that is displaced by u_0 = 0.01 at this end.
 
     The ring lies between the radii 1 and 2 and has E = 1e4 and nu = 1/4.
@@ -137,14 +147,14 @@ def _curved_bar_work() -> float:
     mesh = skfem.MeshQuad2.from_mesh(grid)
     r, phi = mesh.doflocs
     curved = skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t)
-    basis, K = _basis_and_stiffness(curved, Material(E=1e4, nu=0.25))
+    basis, K = _basis_and_stiffness_of_mesh(curved, Material(E=1e4, nu=0.25))
     x, y = basis.doflocs
     # The base is fixed along x, and one node of it along y; the tip is displaced along y by 0.01.
     base, tip = np.flatnonzero(np.abs(x) < 1e-12), np.flatnonzero(np.abs(y) < 1e-12)
     pinned = base[np.argmin(np.abs(y[base] - 1))]
     held = np.concatenate([2 * base, [2 * pinned + 1], 2 * tip])
     at = np.where(np.isin(held, 2 * tip), 0.01, 0.0)
-    u = solve_displacements(K, np.zeros(2 * basis.N), held, at)
+    u = solve_nodal_displacements(K, np.zeros(2 * basis.N), held, at)
     return float(u @ (K @ u))
 
 
@@ -156,20 +166,22 @@ class EdgeDisplacements(NamedTuple):
 
 
 @cache
-def _lame_ring_displacements() -> EdgeDisplacements:
+def _edge_displacements_of_lame_ring() -> EdgeDisplacements:
     """Displacements of a steel ring between the radii 0.1 m and 0.2 m under 60 MPa inside."""
-    mesh = closed_ring_mesh(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
-    basis, K = _basis_and_stiffness(mesh, Material(E=200e9, nu=0.3))
-    line = make_contact_line(basis, mesh.boundaries["contact"], 0.0)
-    # The nodal forces of the uniform pressure on the inner edge.
-    force = couple_with_counterface(line, 1.0, drum_directions(1)).N.T @ np.full(
-        len(line.nodes), 60e6
+    mesh = plane_mesh_of_closed_ring(
+        np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1
     )
+    basis, K = _basis_and_stiffness_of_mesh(mesh, Material(E=200e9, nu=0.3))
+    line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], 0.0)
+    # The nodal forces of the uniform pressure on the inner edge.
+    force = weak_coupling_of_contact_line(
+        line, 1.0, function_for_drum_normals_and_tangents(1)
+    ).N.T @ np.full(len(line.nodes), 60e6)
     f = np.zeros((basis.N, 2))
     f[line.nodes] = force.reshape(-1, 2)
     x, y = basis.doflocs
     on_x, on_y = np.flatnonzero(np.abs(y) < ON_AXIS), np.flatnonzero(np.abs(x) < ON_AXIS)
-    u = solve_displacements(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
+    u = solve_nodal_displacements(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
     r = np.hypot(x, y)
     radial_u = (u[0::2] * x + u[1::2] * y) / r
     inner, outer = radial_u[r < 0.1 + 1e-9], radial_u[r > 0.2 - 1e-9]
@@ -184,13 +196,13 @@ class DiameterChanges(NamedTuple):
 
 
 @cache
-def _thin_ring_diameter_changes() -> DiameterChanges:
+def _diameter_changes_of_thin_ring() -> DiameterChanges:
     """Diameter changes of a thin ring, t/R = 0.02, under two opposite forces along a diameter."""
     R, t, E = 1.0, 0.02, 1e9
-    mesh = closed_ring_mesh(
+    mesh = plane_mesh_of_closed_ring(
         np.linspace(-math.pi, math.pi, 241)[:-1], np.array([0.0, t]), R - t / 2, 1
     )
-    basis, K = _basis_and_stiffness(mesh, Material(E=E, nu=0.0))
+    basis, K = _basis_and_stiffness_of_mesh(mesh, Material(E=E, nu=0.0))
     x, y = basis.doflocs
     f = np.zeros((basis.N, 2))
     # The forces act on the middle line of the ring, at its top and its bottom.
@@ -200,21 +212,23 @@ def _thin_ring_diameter_changes() -> DiameterChanges:
     right = np.flatnonzero(middle & (np.abs(y) < ON_AXIS) & (x > 0))
     f[top, 1], f[bottom, 1] = -1.0, 1.0
     on_x, on_y = np.flatnonzero(np.abs(y) < ON_AXIS), np.flatnonzero(np.abs(x) < ON_AXIS)
-    u = solve_displacements(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
+    u = solve_nodal_displacements(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
     size = E * t**3 / 12 / R**3
     closing, widening = -2 * u[2 * top[0] + 1] * size, 2 * u[2 * right[0]] * size
     return DiameterChanges(float(closing), float(widening))
 
 
-def _observed_order(kind: str) -> float:
+def _observed_order_of_convergence(kind: str) -> float:
     """Observed order of convergence of the L2 error, for elements of a kind.
 
     The kind is "quad2" or "tri1". The error is that of a manufactured solution on two meshes.
     """
-    return math.log2(_manufactured_error(kind, 8) / _manufactured_error(kind, 16))
+    return math.log2(
+        _error_of_manufactured_solution(kind, 8) / _error_of_manufactured_solution(kind, 16)
+    )
 
 
-def _manufactured_error(kind: str, n: int) -> float:
+def _error_of_manufactured_solution(kind: str, n: int) -> float:
     """L2 error of the displacements of a unit square with n elements to a side.
 
     The exact (manufactured) solution is u = (sin pi x sin pi y, x y) with the body force for it.
@@ -223,7 +237,7 @@ def _manufactured_error(kind: str, n: int) -> float:
     E, nu, pi = 1000.0, 0.3, math.pi
     lam, mu = E * nu / (1 - nu**2), E / (2 * (1 + nu))
     grid = make.init_tensor(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1))
-    basis, K = _basis_and_stiffness(
+    basis, K = _basis_and_stiffness_of_mesh(
         raised.from_mesh(grid) if raised else grid, Material(E=E, nu=nu)
     )
     points = np.asarray(basis.global_coordinates())
@@ -236,21 +250,21 @@ def _manufactured_error(kind: str, n: int) -> float:
         for c in (0, 1):
             np.add.at(f[:, c], dofs, (psi[0] * force[c] * basis.dx).sum(axis=1))
     # The displacements of the whole edge are prescribed.
-    exact = _manufactured_displacements(*basis.doflocs)
+    exact = _displacements_of_manufactured_solution(*basis.doflocs)
     edge = basis.get_dofs().flatten()
     held = np.concatenate([2 * edge, 2 * edge + 1])
-    u = solve_displacements(K, f.ravel(), held, exact.T.ravel()[held])
+    u = solve_nodal_displacements(K, f.ravel(), held, exact.T.ravel()[held])
     computed = np.array([np.asarray(basis.interpolate(u[c::2])) for c in (0, 1)])
-    error = computed - _manufactured_displacements(*points)
+    error = computed - _displacements_of_manufactured_solution(*points)
     return math.sqrt(float(((error**2).sum(axis=0) * basis.dx).sum()))
 
 
-def _manufactured_displacements(x: Floats, y: Floats) -> Floats:
+def _displacements_of_manufactured_solution(x: Floats, y: Floats) -> Floats:
     """The displacements (2, ...) of the manufactured solution, (sin pi x sin pi y, x y)."""
     return np.array([np.sin(math.pi * x) * np.sin(math.pi * y), x * y])
 
 
-def _murty_largest_pressure() -> float:
+def _largest_pressure_of_murty_problem() -> float:
     """Largest pressure of Murty's contact problem, on which a simpler active-set method cycles.
 
     The simpler method changes the state of all wrong nodes in each step, for ever.
@@ -264,7 +278,7 @@ def _murty_largest_pressure() -> float:
     )
 
 
-def _lever_spring_force() -> float:
+def _outer_spring_force_of_lever() -> float:
     """Force [N] of the outer spring of a hinged rigid lever under 3 N at 2 m.
 
     Two equal springs support the lever at 1 m and 2 m from the hinge.
@@ -274,11 +288,11 @@ def _lever_spring_force() -> float:
     return float(active_set.solve_contact_problem(problem).p[1])
 
 
-LAME_EDGES = closed_forms.lame_displacements(0.1, 0.2, 60e6, 200e9, 0.3)
-"""Displacements [m] of the inner and outer edge of `_lame_ring_displacements`, in closed form."""
+LAME_EDGES = closed_forms.lame_displacements_of_ring_edges(0.1, 0.2, 60e6, 200e9, 0.3)
+"""Displacements [m] of the inner and outer edge of a Lame ring, in closed form."""
 STEEL_MODULUS, STEEL_POISSON = LADDER_STEEL.E, LADDER_STEEL.nu
 """Young's modulus [Pa] and Poisson's ratio of the steel of the ladder."""
-ROACHE_SAYS = (
+ROACHE_SOURCE = (
     "Roache, Verification and Validation (1998): f = .97050, .96854, .96178, r = 2; "
     "in single precision"
 )
@@ -289,41 +303,41 @@ BODY_CASES = (
     KnownAnswer(
         family="grid convergence index",
         shows="Richardson extrapolation",
-        source=ROACHE_SAYS,
+        source=ROACHE_SOURCE,
         quantity="order",
         expected=1.78618479,
         tolerance=1e-5,
-        tier=PRINTED,
+        tier=PRINTED_DIGITS_TIER,
         found=lambda: _roache_convergence_index().order,
     ),
     KnownAnswer(
         family="grid convergence index",
         shows="Richardson extrapolation",
-        source=ROACHE_SAYS,
+        source=ROACHE_SOURCE,
         quantity="extrapolated",
         expected=0.971300304,
         tolerance=1e-7,
-        tier=PRINTED,
+        tier=PRINTED_DIGITS_TIER,
         found=lambda: _roache_convergence_index().extrapolated,
     ),
     KnownAnswer(
         family="grid convergence index",
         shows="uncertainty of an extrapolation",
-        source=ROACHE_SAYS,
+        source=ROACHE_SOURCE,
         quantity="GCI, fine [%]",
         expected=0.103080,
         tolerance=5e-5,
-        tier=PRINTED,
+        tier=PRINTED_DIGITS_TIER,
         found=lambda: 100 * _roache_convergence_index().fine,
     ),
     KnownAnswer(
         family="grid convergence index",
         shows="uncertainty of an extrapolation",
-        source=ROACHE_SAYS,
+        source=ROACHE_SOURCE,
         quantity="GCI, coarse [%]",
         expected=0.356244,
         tolerance=5e-5,
-        tier=PRINTED,
+        tier=PRINTED_DIGITS_TIER,
         found=lambda: 100 * _roache_convergence_index().coarse,
     ),
     KnownAnswer(
@@ -333,8 +347,8 @@ BODY_CASES = (
         quantity="end force [N]",
         expected=STEEL_MODULUS * 1e-3,
         tolerance=1e-11,
-        tier=EXACT,
-        found=_stretched_bar_force,
+        tier=ROUND_OFF_TIER,
+        found=_end_force_of_stretched_bar,
     ),
     KnownAnswer(
         family="pure bending",
@@ -343,8 +357,8 @@ BODY_CASES = (
         quantity="end moment [N m]",
         expected=STEEL_MODULUS * 1e-3 / 12,
         tolerance=1e-11,
-        tier=EXACT,
-        found=_bent_bar_moment,
+        tier=ROUND_OFF_TIER,
+        found=_end_moment_of_bent_bar,
     ),
     KnownAnswer(
         family="cantilever under end shear",
@@ -353,8 +367,8 @@ BODY_CASES = (
         quantity="end force [N]",
         expected=1.0,
         tolerance=1e-4,
-        tier=DISCRETE,
-        found=_cantilever_tip_force_ratio,
+        tier=DISCRETISATION_TIER,
+        found=_cantilever_tip_force_over_closed_form,
     ),
     KnownAnswer(
         family="curved bar under end shear",
@@ -363,8 +377,8 @@ BODY_CASES = (
         quantity="P u_0",
         expected=(math.log(2) - 0.6) / math.pi,
         tolerance=2e-5,
-        tier=DISCRETE,
-        found=_curved_bar_work,
+        tier=DISCRETISATION_TIER,
+        found=_work_of_end_force_on_curved_bar,
     ),
     KnownAnswer(
         family="ring under inner pressure",
@@ -373,8 +387,8 @@ BODY_CASES = (
         quantity="u at the inner edge [m]",
         expected=LAME_EDGES[0],
         tolerance=2e-4,
-        tier=DISCRETE,
-        found=lambda: _lame_ring_displacements().inner,
+        tier=DISCRETISATION_TIER,
+        found=lambda: _edge_displacements_of_lame_ring().inner,
     ),
     KnownAnswer(
         family="ring under inner pressure",
@@ -383,8 +397,8 @@ BODY_CASES = (
         quantity="u at the outer edge [m]",
         expected=LAME_EDGES[1],
         tolerance=2e-4,
-        tier=DISCRETE,
-        found=lambda: _lame_ring_displacements().outer,
+        tier=DISCRETISATION_TIER,
+        found=lambda: _edge_displacements_of_lame_ring().outer,
     ),
     KnownAnswer(
         family="thin ring under a diametral pair, by elements",
@@ -393,8 +407,8 @@ BODY_CASES = (
         quantity="closing E I/(F R^3)",
         expected=math.pi / 4 - 2 / math.pi,
         tolerance=3e-3,
-        tier=DISCRETE,
-        found=lambda: _thin_ring_diameter_changes().closing,
+        tier=DISCRETISATION_TIER,
+        found=lambda: _diameter_changes_of_thin_ring().closing,
     ),
     KnownAnswer(
         family="thin ring under a diametral pair, by elements",
@@ -403,8 +417,8 @@ BODY_CASES = (
         quantity="widening E I/(F R^3)",
         expected=2 / math.pi - 0.5,
         tolerance=3e-3,
-        tier=DISCRETE,
-        found=lambda: _thin_ring_diameter_changes().widening,
+        tier=DISCRETISATION_TIER,
+        found=lambda: _diameter_changes_of_thin_ring().widening,
     ),
     KnownAnswer(
         family="thin ring under a diametral pair, as a series",
@@ -413,8 +427,8 @@ BODY_CASES = (
         quantity="closing E I/(F R^3)",
         expected=math.pi / 4 - 2 / math.pi,
         tolerance=1e-12,
-        tier=EXACT,
-        found=lambda: 2 * float(two_forces(np.array(0.0))) / math.pi,
+        tier=ROUND_OFF_TIER,
+        found=lambda: 2 * float(deflection_series_of_two_opposite_forces(np.array(0.0))) / math.pi,
     ),
     KnownAnswer(
         family="thin ring under a diametral pair, as a series",
@@ -423,8 +437,10 @@ BODY_CASES = (
         quantity="widening E I/(F R^3)",
         expected=2 / math.pi - 0.5,
         tolerance=1e-12,
-        tier=EXACT,
-        found=lambda: -2 * float(two_forces(np.array(math.pi / 2))) / math.pi,
+        tier=ROUND_OFF_TIER,
+        found=lambda: (
+            -2 * float(deflection_series_of_two_opposite_forces(np.array(math.pi / 2))) / math.pi
+        ),
     ),
     KnownAnswer(
         family="manufactured solution",
@@ -433,8 +449,8 @@ BODY_CASES = (
         quantity="order",
         expected=3.0,
         tolerance=0.03,
-        tier=DISCRETE,
-        found=partial(_observed_order, "quad2"),
+        tier=DISCRETISATION_TIER,
+        found=partial(_observed_order_of_convergence, "quad2"),
     ),
     KnownAnswer(
         family="manufactured solution",
@@ -443,8 +459,8 @@ BODY_CASES = (
         quantity="order, tri1",
         expected=2.0,
         tolerance=0.03,
-        tier=DISCRETE,
-        found=partial(_observed_order, "tri1"),
+        tier=DISCRETISATION_TIER,
+        found=partial(_observed_order_of_convergence, "tri1"),
     ),
     KnownAnswer(
         family="Murty's cycle",
@@ -453,8 +469,8 @@ BODY_CASES = (
         quantity="p",
         expected=1 / 3,
         tolerance=1e-13,
-        tier=EXACT,
-        found=_murty_largest_pressure,
+        tier=ROUND_OFF_TIER,
+        found=_largest_pressure_of_murty_problem,
     ),
     KnownAnswer(
         family="lever on two springs",
@@ -463,8 +479,8 @@ BODY_CASES = (
         quantity="force of the outer spring [N]",
         expected=2.4,
         tolerance=1e-12,
-        tier=EXACT,
-        found=_lever_spring_force,
+        tier=ROUND_OFF_TIER,
+        found=_outer_spring_force_of_lever,
     ),
 )
 """The cases of the ladder on elastic bodies and numerical methods."""

@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-EXACT = "round-off"
+ROUND_OFF_TIER = "round-off"
 """Reason of a tolerance: round-off, since drumlin computes the same formula or equilibrium."""
-PRINTED = "digits given"
+PRINTED_DIGITS_TIER = "digits given"
 """Reason of a tolerance: half a unit of the last digit that the source prints."""
-DISCRETE = "discretisation"
+DISCRETISATION_TIER = "discretisation"
 """Reason of a tolerance: the discretisation error of drumlin's mesh."""
-MODEL = "limit of the model"
+MODEL_LIMIT_TIER = "limit of the model"
 """Reason of a tolerance: the closed form holds in a limit that the case does not reach."""
 
 

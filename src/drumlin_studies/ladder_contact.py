@@ -14,19 +14,19 @@ from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.mesh.grading import points_graded_to_both_ends
-from drumlin.response.resultants import integrate
+from drumlin.response.resultants import integral_of_piecewise_polynomial
 from drumlin_studies import closed_forms
-from drumlin_studies.ladder_case import DISCRETE, MODEL, KnownAnswer
+from drumlin_studies.ladder_case import DISCRETISATION_TIER, MODEL_LIMIT_TIER, KnownAnswer
 from drumlin_studies.two_bodies import (
     LADDER_STEEL,
     BodyPair,
     ContactBody,
-    closed_ring_mesh,
-    coarse_contact_set,
-    condense_contact_body,
-    growing_steps_to,
-    sector_mesh,
-    symmetric_angles,
+    angles_graded_from_middle_to_both_ends,
+    condense_body_to_contact_nodes,
+    first_contact_set_from_coarse_problem,
+    plane_mesh_of_closed_ring,
+    plane_mesh_of_ring_sector,
+    points_with_steps_growing_to_end,
 )
 
 HALF_WIDTH = 0.005
@@ -43,7 +43,9 @@ RING_WAVES = 40
 """Number of waves around the circumference of a wavy ring."""
 
 
-def half_plane_body(sign: int, per_half: int, material: Material = LADDER_STEEL) -> ContactBody:
+def condensed_half_plane_body(
+    sign: int, per_half: int, material: Material = LADDER_STEEL
+) -> ContactBody:
     """A condensed thick sector of radius 1 m as a half-plane, with equal elements at the contact.
 
     Parameters
@@ -55,24 +57,36 @@ def half_plane_body(sign: int, per_half: int, material: Material = LADDER_STEEL)
     material : Material
         Material of the body.
     """
-    angles = symmetric_angles(2 * HALF_WIDTH, 4 * per_half, 1.35, 0.5)
-    return condense_contact_body(
-        sector_mesh(angles, growing_steps_to(HALF_WIDTH / per_half, 1.3, 0.5), 1.0, sign), material
+    angles = angles_graded_from_middle_to_both_ends(2 * HALF_WIDTH, 4 * per_half, 1.35, 0.5)
+    return condense_body_to_contact_nodes(
+        plane_mesh_of_ring_sector(
+            angles, points_with_steps_growing_to_end(HALF_WIDTH / per_half, 1.3, 0.5), 1.0, sign
+        ),
+        material,
     )
 
 
-def solve_contact_pressure(problem: ContactProblem) -> Floats:
+def solve_nodal_contact_pressures(problem: ContactProblem) -> Floats:
     """The nodal pressures (n,) [Pa] that solve a contact problem by drumlin's active-set method."""
-    return active_set.solve_contact_problem(problem, coarse_contact_set(problem)).p
+    return active_set.solve_contact_problem(
+        problem, first_contact_set_from_coarse_problem(problem)
+    ).p
 
 
-def _hertz_peak_ratio() -> float:
+def _peak_pressure_over_hertz() -> float:
     """Peak pressure between two equal half-planes, relative to Hertz's closed form."""
     # Under this load Hertz's formula gives a contact of HALF_WIDTH.
     load = HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
-    pair = BodyPair.of(half_plane_body(-1, 16), half_plane_body(1, 13), motions="x")
-    p = solve_contact_pressure(pair.normal(pair.angle**2 / (2 * GAP_RADIUS), [load]))
-    return float(p.max() / closed_forms.hertz_line_contact(load, GAP_RADIUS, LADDER_STEEL.E / 2)[1])
+    pair = BodyPair.from_bodies(
+        condensed_half_plane_body(-1, 16), condensed_half_plane_body(1, 13), motions="x"
+    )
+    p = solve_nodal_contact_pressures(
+        pair.frictionless_contact_problem(pair.contact_node_angles**2 / (2 * GAP_RADIUS), [load])
+    )
+    return float(
+        p.max()
+        / closed_forms.hertz_half_width_and_peak_pressure(load, GAP_RADIUS, LADDER_STEEL.E / 2)[1]
+    )
 
 
 class PeakAndWidth(NamedTuple):
@@ -83,7 +97,7 @@ class PeakAndWidth(NamedTuple):
 
 
 @cache
-def _cylinder_peak_and_width() -> PeakAndWidth:
+def _peak_pressure_and_width_of_cylinder() -> PeakAndWidth:
     """Contact of a steel cylinder of radius 50 mm on aluminium under 35 kN for 1 mm of length.
 
     The benchmark is in plane strain, which equals plane stress with E/(1 - nu^2) and nu/(1 - nu).
@@ -93,11 +107,15 @@ def _cylinder_peak_and_width() -> PeakAndWidth:
     aluminium = Material(E=70e9 / (1 - 0.3**2), nu=0.3 / 0.7)
     scale = 6.21e-3 / HALF_WIDTH
     load = 35e3 / 1e-3 / scale
-    pair = BodyPair.of(
-        half_plane_body(-1, 16, steel), half_plane_body(1, 13, aluminium), motions="x"
+    pair = BodyPair.from_bodies(
+        condensed_half_plane_body(-1, 16, steel),
+        condensed_half_plane_body(1, 13, aluminium),
+        motions="x",
     )
-    s = pair.angle
-    p = solve_contact_pressure(pair.normal(s**2 / (2 * 0.05 / scale), [load]))
+    s = pair.contact_node_angles
+    p = solve_nodal_contact_pressures(
+        pair.frictionless_contact_problem(s**2 / (2 * 0.05 / scale), [load])
+    )
     # p^2 falls linearly with s^2 and vanishes at the half-width. A line through values away from
     # the end gives the half-width independently of the nodes there.
     near = np.abs(s) < 0.8 * HALF_WIDTH
@@ -105,14 +123,16 @@ def _cylinder_peak_and_width() -> PeakAndWidth:
     return PeakAndWidth(float(p.max() * 1e-6), math.sqrt(-top / slope) * scale * 1e3)
 
 
-def _flat_punch_pressure_ratio() -> float:
+def _punch_pressure_over_closed_form() -> float:
     """Mean pressure under the middle half of a rigid flat punch, relative to the closed form."""
-    pair = BodyPair.of(half_plane_body(-1, 24), None, motions="x")
-    s = pair.angle
+    pair = BodyPair.from_bodies(condensed_half_plane_body(-1, 24), None, motions="x")
+    s = pair.contact_node_angles
     load = 1e6
     # Beside the punch a gap of 1 m keeps the half-plane out of contact.
-    p = solve_contact_pressure(
-        pair.normal(np.where(np.abs(s) < HALF_WIDTH * (1 + 1e-9), 0.0, 1.0), [load])
+    p = solve_nodal_contact_pressures(
+        pair.frictionless_contact_problem(
+            np.where(np.abs(s) < HALF_WIDTH * (1 + 1e-9), 0.0, 1.0), [load]
+        )
     )
     inside = np.abs(s) < 0.5 * HALF_WIDTH
     return float(np.mean(p[inside] / closed_forms.flat_punch_pressure(load, HALF_WIDTH, s[inside])))
@@ -126,14 +146,14 @@ class DiscInHole(NamedTuple):
 
 
 @cache
-def _disc_in_hole_ratios(half_angle: float) -> DiscInHole:
+def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHole:
     """Results for a loaded disc in a hole of a large plate, relative to Persson's closed form.
 
     The clearance is chosen so that the closed form gives the half-angle of contact [deg].
     """
     eps, load = math.radians(half_angle), 1e6
 
-    def angles_around_contact(count: int) -> Floats:
+    def node_angles_around_circle(count: int) -> Floats:
         """Angles [rad] of nodes around the circle, closest together at the ends of the contact."""
         inner = points_graded_to_both_ends(-eps, eps, count, eps / 2, 1 / 40)
         return np.concatenate(
@@ -141,61 +161,91 @@ def _disc_in_hole_ratios(half_angle: float) -> DiscInHole:
         )
 
     # The disc and the edge of the hole have different meshes, fine at the ends of the contact.
-    disc = condense_contact_body(
-        closed_ring_mesh(angles_around_contact(30), growing_steps_to(0.01, 1.3, 0.985), 1.0, -1),
+    disc = condense_body_to_contact_nodes(
+        plane_mesh_of_closed_ring(
+            node_angles_around_circle(30),
+            points_with_steps_growing_to_end(0.01, 1.3, 0.985),
+            1.0,
+            -1,
+        ),
         LADDER_STEEL,
     )
-    plate = condense_contact_body(
-        closed_ring_mesh(angles_around_contact(36), growing_steps_to(0.01, 1.3, 39.0), 1.0, 1),
+    plate = condense_body_to_contact_nodes(
+        plane_mesh_of_closed_ring(
+            node_angles_around_circle(36), points_with_steps_growing_to_end(0.01, 1.3, 39.0), 1.0, 1
+        ),
         LADDER_STEEL,
     )
-    pair = BodyPair.of(disc, plate, motions="x")
+    pair = BodyPair.from_bodies(disc, plate, motions="x")
     b = math.tan(eps / 2)
-    gap = closed_forms.persson_clearance(b) * load / LADDER_STEEL.E * (1 - np.cos(pair.angle))
-    p = solve_contact_pressure(pair.normal(gap, [load]))
-    middle = int(np.argmin(np.abs(pair.angle)))
-    touching = pair.angle[p > 0]
-    exact = closed_forms.persson_pressure(b, pair.angle[[middle]])[0] * load
+    gap = (
+        closed_forms.persson_clearance_of_disc_in_hole(b)
+        * load
+        / LADDER_STEEL.E
+        * (1 - np.cos(pair.contact_node_angles))
+    )
+    p = solve_nodal_contact_pressures(pair.frictionless_contact_problem(gap, [load]))
+    middle = int(np.argmin(np.abs(pair.contact_node_angles)))
+    touching = pair.contact_node_angles[p > 0]
+    exact = (
+        closed_forms.persson_pressure_of_disc_in_hole(b, pair.contact_node_angles[[middle]])[0]
+        * load
+    )
     return DiscInHole(float(p[middle] / exact), float(np.ptp(touching) / (2 * eps)))
 
 
-def _wavy_ring_pressure_ratio(share: float) -> float:
+def _wavy_ring_pressure_over_westergaard(share: float) -> float:
     """Pressure at the crests of a wavy ring in another ring, relative to Westergaard's.
 
     `share` is roughly the mean pressure divided by the pressure p* of full contact.
     """
     count = 12 * RING_WAVES
     angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
-    depths = growing_steps_to(2 * math.pi / count, 1.4, 0.5)
-    inner = condense_contact_body(closed_ring_mesh(angles, depths, 1.0, -1), LADDER_STEEL)
-    outer = condense_contact_body(closed_ring_mesh(angles, depths, 1.0, 1), LADDER_STEEL)
-    pair = BodyPair.of(inner, outer)
+    depths = points_with_steps_growing_to_end(2 * math.pi / count, 1.4, 0.5)
+    inner = condense_body_to_contact_nodes(
+        plane_mesh_of_closed_ring(angles, depths, 1.0, -1), LADDER_STEEL
+    )
+    outer = condense_body_to_contact_nodes(
+        plane_mesh_of_closed_ring(angles, depths, 1.0, 1), LADDER_STEEL
+    )
+    pair = BodyPair.from_bodies(inner, outer)
     height = 1e-6
     full = math.pi * LADDER_STEEL.E / 2 * height * RING_WAVES / (2 * math.pi)
     # Radial displacement between the two rings under a uniform unit pressure [m/Pa].
     E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
-    soft = sum(abs(closed_forms.ring_compliance(0, 1.0, held, E, nu)) for held in (0.5, 1.5))
+    soft = sum(
+        abs(closed_forms.ring_displacement_per_harmonic_pressure(0, 1.0, held, E, nu))
+        for held in (0.5, 1.5)
+    )
     p = active_set.solve_contact_problem(
-        pair.normal(-height * np.cos(RING_WAVES * pair.angle) - share * full * soft)
+        pair.frictionless_contact_problem(
+            -height * np.cos(RING_WAVES * pair.contact_node_angles) - share * full * soft
+        )
     ).p
     # Westergaard's closed form is evaluated at the mean pressure of the computed solution.
-    mean = float(integrate(pair.angle, p, 2) / np.ptp(pair.angle))
-    crests = np.abs(np.cos(RING_WAVES * pair.angle) - 1) < 1e-9
-    return float(p[crests].mean() / closed_forms.westergaard_pressure(mean, full, np.array(0.0)))
+    mean = float(
+        integral_of_piecewise_polynomial(pair.contact_node_angles, p, 2)
+        / np.ptp(pair.contact_node_angles)
+    )
+    crests = np.abs(np.cos(RING_WAVES * pair.contact_node_angles) - 1) < 1e-9
+    return float(
+        p[crests].mean()
+        / closed_forms.westergaard_pressure_of_wavy_surface(mean, full, np.array(0.0))
+    )
 
 
 @cache
-def _concentric_rings() -> BodyPair:
+def _make_concentric_rings() -> BodyPair:
     """Two concentric rings, fixed at the radii 0.6 and 1.4, with nodes that do not match."""
     angles = np.linspace(-math.pi, math.pi, 49)[:-1]
-    inner = condense_contact_body(
-        closed_ring_mesh(angles, np.linspace(0, 0.4, 6), 1.0, -1), LADDER_STEEL
+    inner = condense_body_to_contact_nodes(
+        plane_mesh_of_closed_ring(angles, np.linspace(0, 0.4, 6), 1.0, -1), LADDER_STEEL
     )
     angles = np.linspace(-math.pi, math.pi, 61)[:-1]
-    outer = condense_contact_body(
-        closed_ring_mesh(angles + 0.01, np.linspace(0, 0.4, 7), 1.0, 1), LADDER_STEEL
+    outer = condense_body_to_contact_nodes(
+        plane_mesh_of_closed_ring(angles + 0.01, np.linspace(0, 0.4, 7), 1.0, 1), LADDER_STEEL
     )
-    return BodyPair.of(inner, outer)
+    return BodyPair.from_bodies(inner, outer)
 
 
 class Harmonics(NamedTuple):
@@ -206,23 +256,23 @@ class Harmonics(NamedTuple):
 
 
 @cache
-def _pressed_rings_harmonics(n: int) -> Harmonics:
+def _pressure_harmonics_of_pressed_rings(n: int) -> Harmonics:
     """Harmonics of the pressure between two rings whose exact pressure is known.
 
     The overlap of the rings is chosen so that it is 3 MPa + 1 MPa cos(n theta).
     """
-    pair = _concentric_rings()
-    angle = pair.angle
+    pair = _make_concentric_rings()
+    angle = pair.contact_node_angles
 
-    def apart(k: int) -> float:
+    def gap_amplitude_per_pressure(k: int) -> float:
         """Amplitude [m/Pa] of the gap between the rings under the pressure cos(k theta)."""
         E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
-        inner = closed_forms.ring_compliance(k, 1.0, 0.6, E, nu)
-        return inner - closed_forms.ring_compliance(k, 1.0, 1.4, E, nu)
+        inner = closed_forms.ring_displacement_per_harmonic_pressure(k, 1.0, 0.6, E, nu)
+        return inner - closed_forms.ring_displacement_per_harmonic_pressure(k, 1.0, 1.4, E, nu)
 
-    soft = [apart(0), apart(n)]
+    soft = [gap_amplitude_per_pressure(0), gap_amplitude_per_pressure(n)]
     p = active_set.solve_contact_problem(
-        pair.normal(3e6 * soft[0] + 1e6 * soft[1] * np.cos(n * angle))
+        pair.frictionless_contact_problem(3e6 * soft[0] + 1e6 * soft[1] * np.cos(n * angle))
     ).p
     # A least-squares fit of mean, cosine and sine finds the harmonics.
     columns = np.column_stack([np.ones_like(angle), np.cos(n * angle), np.sin(n * angle)])
@@ -230,49 +280,54 @@ def _pressed_rings_harmonics(n: int) -> Harmonics:
     return Harmonics(float(fit[0]), float(fit[1]))
 
 
-def _bonded_layer_stiffness() -> float:
+def _computed_bonded_layer_stiffness() -> float:
     """Pressure per indentation [Pa/m] in the middle of a thin lining on a rigid back."""
     thickness, depth = 1e-3, 1e-6
     angles = np.linspace(-0.03, 0.03, 61)
-    pair = BodyPair.of(
-        condense_contact_body(
-            sector_mesh(angles, np.linspace(0, thickness, 4), 1.0, -1), CONTACT_LINING
+    pair = BodyPair.from_bodies(
+        condense_body_to_contact_nodes(
+            plane_mesh_of_ring_sector(angles, np.linspace(0, thickness, 4), 1.0, -1), CONTACT_LINING
         ),
         None,
     )
-    p = active_set.solve_contact_problem(pair.normal(np.full(len(pair.angle), -depth))).p
+    p = active_set.solve_contact_problem(
+        pair.frictionless_contact_problem(np.full(len(pair.contact_node_angles), -depth))
+    ).p
     return float(p[len(p) // 2] / depth)
 
 
 @cache
-def _strip_on_rigid_back(nu: float) -> BodyPair:
+def _make_lining_strip_on_rigid_back(nu: float) -> BodyPair:
     """A lining with sharp edges on a rigid back, without an opposite body.
 
     The elements shrink to some 1e-7 of the lining's thickness at its ends and its face.
     """
-    fine = growing_steps_to(1e-8, 1.45, 0.1)
+    fine = points_with_steps_growing_to_end(1e-8, 1.45, 0.1)
     angles = np.concatenate([-0.1 + fine, (0.1 - fine)[::-1][1:]])
-    return BodyPair.of(
-        condense_contact_body(
-            sector_mesh(angles, growing_steps_to(1e-8, 1.45, 0.05), 1.0, -1), Material(E=3e8, nu=nu)
+    return BodyPair.from_bodies(
+        condense_body_to_contact_nodes(
+            plane_mesh_of_ring_sector(
+                angles, points_with_steps_growing_to_end(1e-8, 1.45, 0.05), 1.0, -1
+            ),
+            Material(E=3e8, nu=nu),
         ),
         None,
     )
 
 
-def _edge_exponent(mu: float, nu: float) -> float:
+def _pressure_exponent_at_sliding_edge(mu: float, nu: float) -> float:
     """The exponent lambda of p ~ r^(lambda - 1) at the edge where the drum enters the contact.
 
     r is the distance from the edge, which is sharp and belongs to a lining on a rigid back.
     """
-    pair, thickness = _strip_on_rigid_back(nu), 0.05
+    pair, thickness = _make_lining_strip_on_rigid_back(nu), 0.05
     matrix = pair.pressed.T @ (pair.pressed + mu * pair.dragged)
-    n = len(pair.angle)
+    n = len(pair.contact_node_angles)
     q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
     p = active_set.solve_contact_problem(
         ContactProblem(matrix, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
     ).p
-    r = pair.angle - pair.angle[0]
+    r = pair.contact_node_angles - pair.contact_node_angles[0]
     # The exponent is the slope of log p over log r, away from the smallest elements.
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)
     return float(1 + np.polyfit(np.log(r[near]), np.log(p[near]), 1)[0])
@@ -293,8 +348,8 @@ CONTACT_CASES = (
         quantity="p_0 over the closed form",
         expected=1.0,
         tolerance=4e-3,
-        tier=DISCRETE,
-        found=_hertz_peak_ratio,
+        tier=DISCRETISATION_TIER,
+        found=_peak_pressure_over_hertz,
     ),
     KnownAnswer(
         family="cylinder on a block",
@@ -303,8 +358,8 @@ CONTACT_CASES = (
         quantity="peak pressure [N/mm^2]",
         expected=3585.37,
         tolerance=1e-2,
-        tier=DISCRETE,
-        found=lambda: _cylinder_peak_and_width().peak,
+        tier=DISCRETISATION_TIER,
+        found=lambda: _peak_pressure_and_width_of_cylinder().peak,
     ),
     KnownAnswer(
         family="cylinder on a block",
@@ -313,8 +368,8 @@ CONTACT_CASES = (
         quantity="half-width [mm]",
         expected=6.21,
         tolerance=1e-2,
-        tier=DISCRETE,
-        found=lambda: _cylinder_peak_and_width().half_width,
+        tier=DISCRETISATION_TIER,
+        found=lambda: _peak_pressure_and_width_of_cylinder().half_width,
     ),
     KnownAnswer(
         family="rigid flat punch",
@@ -323,8 +378,8 @@ CONTACT_CASES = (
         quantity="p over the closed form, |x| < a/2",
         expected=1.0,
         tolerance=2e-2,
-        tier=DISCRETE,
-        found=_flat_punch_pressure_ratio,
+        tier=DISCRETISATION_TIER,
+        found=_punch_pressure_over_closed_form,
     ),
     *(
         KnownAnswer(
@@ -334,8 +389,8 @@ CONTACT_CASES = (
             quantity=f"p(0) over the closed form, {angle} deg",
             expected=1.0,
             tolerance=1e-2,
-            tier=DISCRETE,
-            found=partial(lambda angle: _disc_in_hole_ratios(angle).pressure, angle),
+            tier=DISCRETISATION_TIER,
+            found=partial(lambda angle: _disc_in_hole_results_over_persson(angle).pressure, angle),
         )
         for angle in (30, 75)
     ),
@@ -346,8 +401,8 @@ CONTACT_CASES = (
         quantity="half-angle of contact over the closed form, 75 deg",
         expected=1.0,
         tolerance=1e-2,
-        tier=DISCRETE,
-        found=lambda: _disc_in_hole_ratios(75).half_angle,
+        tier=DISCRETISATION_TIER,
+        found=lambda: _disc_in_hole_results_over_persson(75).half_angle,
     ),
     KnownAnswer(
         family="wavy surface, full contact",
@@ -356,8 +411,8 @@ CONTACT_CASES = (
         quantity="p at crests over the closed form",
         expected=1.0,
         tolerance=1e-2,
-        tier=DISCRETE,
-        found=partial(_wavy_ring_pressure_ratio, 1.5),
+        tier=DISCRETISATION_TIER,
+        found=partial(_wavy_ring_pressure_over_westergaard, 1.5),
     ),
     KnownAnswer(
         family="wavy surface, partial contact",
@@ -366,8 +421,8 @@ CONTACT_CASES = (
         quantity="p at crests over the closed form",
         expected=1.0,
         tolerance=3e-2,
-        tier=DISCRETE,
-        found=partial(_wavy_ring_pressure_ratio, 0.2),
+        tier=DISCRETISATION_TIER,
+        found=partial(_wavy_ring_pressure_over_westergaard, 0.2),
     ),
     KnownAnswer(
         family="ring pressed into a ring",
@@ -376,8 +431,8 @@ CONTACT_CASES = (
         quantity="mean p [Pa]",
         expected=3e6,
         tolerance=2e-4,
-        tier=DISCRETE,
-        found=lambda: _pressed_rings_harmonics(2).mean,
+        tier=DISCRETISATION_TIER,
+        found=lambda: _pressure_harmonics_of_pressed_rings(2).mean,
     ),
     KnownAnswer(
         family="rings pressed by p_0 + p_1 cos 2 theta",
@@ -386,8 +441,8 @@ CONTACT_CASES = (
         quantity="p_1 [Pa]",
         expected=1e6,
         tolerance=5e-4,
-        tier=DISCRETE,
-        found=lambda: _pressed_rings_harmonics(2).harmonic,
+        tier=DISCRETISATION_TIER,
+        found=lambda: _pressure_harmonics_of_pressed_rings(2).harmonic,
     ),
     KnownAnswer(
         family="eccentric ring in a ring",
@@ -396,8 +451,8 @@ CONTACT_CASES = (
         quantity="p_1 [Pa]",
         expected=1e6,
         tolerance=5e-4,
-        tier=DISCRETE,
-        found=lambda: _pressed_rings_harmonics(1).harmonic,
+        tier=DISCRETISATION_TIER,
+        found=lambda: _pressure_harmonics_of_pressed_rings(1).harmonic,
     ),
     KnownAnswer(
         family="thin bonded lining",
@@ -406,8 +461,8 @@ CONTACT_CASES = (
         quantity="stiffness [Pa/m]",
         expected=closed_forms.bonded_layer_stiffness(CONTACT_LINING.E, CONTACT_LINING.nu, 1e-3),
         tolerance=5e-3,
-        tier=MODEL,
-        found=_bonded_layer_stiffness,
+        tier=MODEL_LIMIT_TIER,
+        found=_computed_bonded_layer_stiffness,
     ),
     *(
         KnownAnswer(
@@ -415,10 +470,10 @@ CONTACT_CASES = (
             shows="singular pressure",
             source="eigenvalue of the corner (Williams 1952)",
             quantity=f"lambda, nu = {nu}, mu = {mu}",
-            expected=closed_forms.corner_exponent(mu, nu),
+            expected=closed_forms.pressure_exponent_at_sliding_corner(mu, nu),
             tolerance=1e-2,
-            tier=DISCRETE,
-            found=partial(_edge_exponent, mu, nu),
+            tier=DISCRETISATION_TIER,
+            found=partial(_pressure_exponent_at_sliding_edge, mu, nu),
         )
         for nu, mu in ((0.1, 0.3), (0.3, 0.3), (0.3, 0.5), (0.45, 0.3))
     ),

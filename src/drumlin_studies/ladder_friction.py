@@ -18,26 +18,35 @@ from drumlin.brake.file import vary
 from drumlin.contact import active_set, equations, self_locking, stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK, FrictionalProblem, SlipHistory
 from drumlin.fem.solve import solve
-from drumlin.fem.substructure.body import scalar_basis, stiffness
+from drumlin.fem.substructure.body import (
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
+)
 from drumlin.fem.substructure.interface import (
     ContactLine,
     Coupling,
     Directions,
-    couple_with_counterface,
-    drum_directions,
-    make_contact_line,
+    function_for_drum_normals_and_tangents,
+    make_contact_line_of_lining,
+    weak_coupling_of_contact_line,
 )
-from drumlin.laws import sine
+from drumlin.laws import solve_brake_by_sine_law
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.lining_wear.archard import WearInterface, WearLaw, WearState, wear_linings
 from drumlin.response.response import Response
 from drumlin_studies import closed_forms
-from drumlin_studies.ladder_case import DISCRETE, EXACT, MODEL, PRINTED, KnownAnswer
-from drumlin_studies.ladder_contact import GAP_RADIUS, HALF_WIDTH, half_plane_body
-from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, coarse_contact_set
+from drumlin_studies.ladder_case import (
+    DISCRETISATION_TIER,
+    MODEL_LIMIT_TIER,
+    PRINTED_DIGITS_TIER,
+    ROUND_OFF_TIER,
+    KnownAnswer,
+)
+from drumlin_studies.ladder_contact import GAP_RADIUS, HALF_WIDTH, condensed_half_plane_body
+from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, first_contact_set_from_coarse_problem
 
 
-def _node_on_springs(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
+def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
     """The frictional contact problem of one node on springs, which is pressed on a moved drum.
 
     Parameters
@@ -68,16 +77,16 @@ def _node_on_springs(push: float, shift: float, k: float = 100.0) -> FrictionalP
     )
 
 
-def _node_traction(shift: float) -> float:
+def _friction_force_on_node(shift: float) -> float:
     """Friction force [N] on one node under 10 N at mu = 0.5, after the drum moves by `shift`."""
     untouched = SlipHistory(np.zeros(1), np.zeros(1))
     answer = stick_slip.solve_load_increment(
-        _node_on_springs(10.0, shift), 0.5, untouched, np.array([STICK])
+        _problem_of_node_on_springs(10.0, shift), 0.5, untouched, np.array([STICK])
     )
     return float(answer.t[0])
 
 
-def _loop_dissipation() -> float:
+def _energy_dissipated_in_slip_loop() -> float:
     """Energy [J] that one node on springs dissipates when the drum moves once to and fro.
 
     The drum moves between -0.2 m and 0.2 m.
@@ -88,37 +97,39 @@ def _loop_dissipation() -> float:
     )
     history, state, dissipated = SlipHistory(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
     for i, shift in enumerate(path):
-        answer = stick_slip.solve_load_increment(_node_on_springs(10.0, shift), 0.5, history, state)
+        answer = stick_slip.solve_load_increment(
+            _problem_of_node_on_springs(10.0, shift), 0.5, history, state
+        )
         # The first 21 positions are the way from zero to the loop and do not count.
         if i > 20:
             dissipated += float(answer.t[0] * (answer.s[0] - history.s[0]))
-        history, state = answer.history, answer.state
+        history, state = answer.history_for_next_increment, answer.state
     return dissipated
 
 
-def _constant_directions(normal: Floats, tangent: Floats) -> Directions:
+def _constant_normal_and_tangent(normal: Floats, tangent: Floats) -> Directions:
     """A function that returns the same normal and tangent at all points of a plane contact.
 
     `normal` and `tangent` are unit vectors (2,).
     """
 
-    def directions_at(points: Floats) -> tuple[Floats, Floats]:
+    def normal_and_tangent_at_points(points: Floats) -> tuple[Floats, Floats]:
         """The normal and the tangent (2, ...) at each of the points (2, ...)."""
         shape = (2, *([1] * (points.ndim - 1)))
         ones = np.ones_like(points)
         return normal.reshape(shape) * ones, tangent.reshape(shape) * ones
 
-    return directions_at
+    return normal_and_tangent_at_points
 
 
-def _wedge_push_ratio() -> float:
+def _push_over_weight_on_wedge() -> float:
     """Horizontal push over weight of a block that slides up a wedge of slope 0.1 at mu = 0.3."""
     slope, x = math.atan(0.1), np.linspace(0, 1, 5)
     up = np.array([math.cos(slope), math.sin(slope)])
     # A straight contact line of two quadratic edges.
     line = ContactLine(np.arange(5), up[:, None] * x, x, np.array([[0, 2], [1, 3], [2, 4]]))
-    coupling = couple_with_counterface(
-        line, 1.0, _constant_directions(np.array([up[1], -up[0]]), -up)
+    coupling = weak_coupling_of_contact_line(
+        line, 1.0, _constant_normal_and_tangent(np.array([up[1], -up[0]]), -up)
     )
     # Forces on the block under a uniform pressure: the push and the weight balance them.
     p = np.full(5, 7.0)
@@ -127,28 +138,39 @@ def _wedge_push_ratio() -> float:
 
 
 @cache
-def _sticking_half_width_ratio(share: float) -> float:
+def _sticking_over_contact_half_width(share: float) -> float:
     """Half-width c of the sticking zone over half-width a of the contact of two cylinders.
 
     The tangential load is `share` times mu P. The ratio is computed from the tractions in the
     middle, (1 - t/(mu p))^2 = c^2/a^2, because the ends of the zones depend on the nodes there.
     """
     mu, load = 0.3, HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
-    pair = BodyPair.of(half_plane_body(-1, 14), half_plane_body(1, 12), motions="xy")
-    s = pair.angle
+    pair = BodyPair.from_bodies(
+        condensed_half_plane_body(-1, 14), condensed_half_plane_body(1, 12), motions="xy"
+    )
+    s = pair.contact_node_angles
     gap, n = s**2 / (2 * GAP_RADIUS), len(s)
     along = BodyPair(pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1])
-    pressing = along.normal(gap, [load])
+    pressing = along.frictionless_contact_problem(gap, [load])
     state = np.where(
-        active_set.solve_contact_problem(pressing, coarse_contact_set(pressing)).active, STICK, OPEN
+        active_set.solve_contact_problem(
+            pressing, first_contact_set_from_coarse_problem(pressing)
+        ).active,
+        STICK,
+        OPEN,
     )
     # The normal load comes first, then the tangential load in two steps.
     untouched = SlipHistory(np.zeros(n), np.zeros(n))
-    found = stick_slip.solve_load_increment(pair.frictional(gap, [load, 0.0]), mu, untouched, state)
+    found = stick_slip.solve_load_increment(
+        pair.frictional_contact_problem(gap, [load, 0.0]), mu, untouched, state
+    )
     for part in (0.5, 1.0):
         loads = [load, part * share * mu * load]
         found = stick_slip.solve_load_increment(
-            pair.frictional(gap, loads), mu, found.history, found.state
+            pair.frictional_contact_problem(gap, loads),
+            mu,
+            found.history_for_next_increment,
+            found.state,
         )
     middle = np.abs(s) < 0.2 * HALF_WIDTH
     ratio = np.abs(found.t[middle]).mean() / (mu * found.p[middle].mean())
@@ -180,7 +202,7 @@ class FlexibleBody(NamedTuple):
     free: Ints
 
     @classmethod
-    def of(
+    def elastic_body_of_mesh(
         cls, mesh: Any, material: Material, held: Ints, directions: Directions, middle: float
     ) -> "FlexibleBody":
         """The elastic body of a mesh that has the boundary "contact".
@@ -198,18 +220,18 @@ class FlexibleBody(NamedTuple):
         middle : float
             Angle of the middle of the contact [rad].
         """
-        basis = scalar_basis(mesh)
-        K = stiffness(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
-        line = make_contact_line(basis, mesh.boundaries["contact"], middle)
+        basis = scalar_finite_element_basis_of_mesh(mesh)
+        K = sparse_stiffness_of_body(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
+        line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], middle)
         free = np.setdiff1d(np.arange(2 * basis.N), held)
-        return cls(basis, K, line, couple_with_counterface(line, 1.0, directions), free)
+        return cls(basis, K, line, weak_coupling_of_contact_line(line, 1.0, directions), free)
 
     @property
-    def contact_unknowns(self) -> Ints:
+    def numbers_of_contact_displacements(self) -> Ints:
         """Numbers (2 n,) of the displacements of the contact nodes, x and y in turn."""
         return np.column_stack([2 * self.line.nodes, 2 * self.line.nodes + 1]).ravel()
 
-    def spread(self, matrix: Floats) -> Floats:
+    def nodal_forces_of_unit_tractions(self, matrix: Floats) -> Floats:
         """Nodal forces (2 nodes, n) of a unit pressure or a unit traction at each contact node.
 
         `matrix` (n, 2 n) is the coupling matrix N for pressures, or T for tractions.
@@ -218,14 +240,14 @@ class FlexibleBody(NamedTuple):
         f[self.line.nodes] = matrix.T.reshape(-1, 2, len(matrix))
         return f.reshape(2 * self.basis.N, -1)
 
-    def moved(self, forces: Floats) -> Floats:
+    def displacements_under_forces(self, forces: Floats) -> Floats:
         """Nodal displacements (2 nodes, m) of the body under m sets of nodal forces."""
         u = np.zeros_like(forces)
         u[self.free] = splu(self.K[self.free][:, self.free].tocsc()).solve(forces[self.free])
         return u
 
 
-def _quadratic_grid_mesh(grid: Any, to: Any, held: Any) -> Any:
+def _quadratic_mesh_of_mapped_grid(grid: Any, to: Any, held: Any) -> Any:
     """The quadratic mesh of a mapped tensor grid; its edge with first coordinate 0 is in contact.
 
     Parameters
@@ -250,7 +272,7 @@ def _quadratic_grid_mesh(grid: Any, to: Any, held: Any) -> Any:
     )
 
 
-def _belt_tension_ratio(mu: float, wrap: float) -> float:
+def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
     """Ratio of the tensions at the fixed and the pulled end of a belt around a rotating drum.
 
     `mu` is the coefficient of friction, `wrap` the angle of wrap [rad].
@@ -258,14 +280,18 @@ def _belt_tension_ratio(mu: float, wrap: float) -> float:
     # A belt of thickness 0.002 on a drum of radius 1, fixed at the angle `wrap`.
     t = 0.002
     grid = skfem.MeshQuad.init_tensor(np.array([0.0, t]), np.linspace(0, wrap, 161))
-    mesh = _quadratic_grid_mesh(
+    mesh = _quadratic_mesh_of_mapped_grid(
         grid,
         lambda d, phi: np.array([(1 + d) * np.cos(phi), (1 + d) * np.sin(phi)]),
         lambda d, phi: phi > wrap - 1e-9,
     )
-    at = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
-    belt = FlexibleBody.of(
-        mesh, LADDER_STEEL, np.concatenate([2 * at, 2 * at + 1]), drum_directions(-1), wrap / 2
+    at = scalar_finite_element_basis_of_mesh(mesh).get_dofs(mesh.boundaries["support"]).flatten()
+    belt = FlexibleBody.elastic_body_of_mesh(
+        mesh,
+        LADDER_STEEL,
+        np.concatenate([2 * at, 2 * at + 1]),
+        function_for_drum_normals_and_tangents(-1),
+        wrap / 2,
     )
     N, T = belt.coupling.N, belt.coupling.T
     x, y = belt.basis.doflocs
@@ -274,8 +300,16 @@ def _belt_tension_ratio(mu: float, wrap: float) -> float:
     weights = np.where(np.abs(x[pulled] - 1 - t / 2) < 1e-9, 4.0, 1.0) / 6
     # The other end is pulled by 1 N, uniformly over the thickness.
     f[pulled, 1] = -weights
-    u = belt.moved(np.column_stack([f.ravel(), belt.spread(N) + mu * belt.spread(T)]))
-    on, n = belt.contact_unknowns, len(N)
+    u = belt.displacements_under_forces(
+        np.column_stack(
+            [
+                f.ravel(),
+                belt.nodal_forces_of_unit_tractions(N)
+                + mu * belt.nodal_forces_of_unit_tractions(T),
+            ]
+        )
+    )
+    on, n = belt.numbers_of_contact_displacements, len(N)
     without_motions = np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
     problem = equations.ContactProblem(N @ u[on, 1:], -N @ u[on, 0], *without_motions)
     p = active_set.solve_contact_problem(problem).p
@@ -284,7 +318,7 @@ def _belt_tension_ratio(mu: float, wrap: float) -> float:
     return float(np.array([-math.sin(wrap), math.cos(wrap)]) @ reaction)
 
 
-def _patch_largest_pressure(turned: float) -> float:
+def _largest_pressure_in_patch_test(turned: float) -> float:
     """Largest pressure [Pa] on a strip that is pressed on an inclined plane, 0.05 m deep.
 
     The strip is 1 m high and has nu = 0, so that the exact pressure is uniform. `turned` is the
@@ -292,19 +326,24 @@ def _patch_largest_pressure(turned: float) -> float:
     """
     c, s = math.cos(turned), math.sin(turned)
     grid = skfem.MeshQuad.init_tensor(np.array([0, 0.4, 0.5, 1.0]), np.array([0, 0.3, 1.1, 2.0]))
-    mesh = _quadratic_grid_mesh(
+    mesh = _quadratic_mesh_of_mapped_grid(
         grid,
         lambda d, x: np.array([3 + c * x - s * d, 1 + s * x + c * d]),
         lambda d, x: d > 1 - 1e-9,
     )
-    top = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
-    directions = _constant_directions(np.array([s, -c]), np.array([c, s]))
+    top = scalar_finite_element_basis_of_mesh(mesh).get_dofs(mesh.boundaries["support"]).flatten()
+    directions = _constant_normal_and_tangent(np.array([s, -c]), np.array([c, s]))
     held = np.concatenate([2 * top, 2 * top + 1])
-    strip = FlexibleBody.of(mesh, Material(E=2e6, nu=0.0), held, directions, 0.3)
+    strip = FlexibleBody.elastic_body_of_mesh(mesh, Material(E=2e6, nu=0.0), held, directions, 0.3)
     N, M = strip.coupling.N, strip.coupling.M
     n = len(M)
     # Opening of the gap by unit pressures; at first the plane lies 0.05 m inside the strip.
-    closure = N @ strip.moved(strip.spread(N))[strip.contact_unknowns]
+    closure = (
+        N
+        @ strip.displacements_under_forces(strip.nodal_forces_of_unit_tractions(N))[
+            strip.numbers_of_contact_displacements
+        ]
+    )
     none = np.zeros((n, 0))
     problem = equations.ContactProblem(closure, M @ np.full(n, -0.05), none, none.T, np.zeros(0))
     return float(active_set.solve_contact_problem(problem).p.max())
@@ -326,7 +365,7 @@ class Plate(NamedTuple):
 
 
 @cache
-def press_and_push_plate() -> Plate:
+def solve_pressed_and_pushed_plate() -> Plate:
     """Press an elastic plate on a rigid plane at mu = 1 and push it from its side.
 
     The plate is that of Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa on its upper edge
@@ -336,28 +375,36 @@ def press_and_push_plate() -> Plate:
     """
     L, mu = 40.0, 1.0
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
-    mesh = _quadratic_grid_mesh(
+    mesh = _quadratic_mesh_of_mapped_grid(
         grid, lambda depth, x: np.array([x, depth]), lambda depth, x: x < 1e-9
     )
-    basis = scalar_basis(mesh)
+    basis = scalar_finite_element_basis_of_mesh(mesh)
     left = basis.get_dofs(mesh.boundaries["support"]).flatten()
     x, y = basis.doflocs
     corner = left[np.argmax(y[left])]
     held = np.concatenate([2 * left, [2 * corner + 1]])
-    plate = FlexibleBody.of(
+    plate = FlexibleBody.elastic_body_of_mesh(
         mesh,
         Material(E=130e9, nu=0.2),
         held,
-        _constant_directions(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
+        _constant_normal_and_tangent(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
         math.pi / 4,
     )
     # The loads act on the upper edge and on the side.
     f = np.zeros((basis.N, 2))
-    f[:, 1] -= 5e6 * _edge_nodal_forces(x, np.flatnonzero(y > L - 1e-9))
-    f[:, 0] -= 10e6 * _edge_nodal_forces(y, np.flatnonzero(x > L - 1e-9))
+    f[:, 1] -= 5e6 * _nodal_forces_of_unit_traction(x, np.flatnonzero(y > L - 1e-9))
+    f[:, 0] -= 10e6 * _nodal_forces_of_unit_traction(y, np.flatnonzero(x > L - 1e-9))
     N, T = plate.coupling.N, plate.coupling.T
-    on, n = plate.contact_unknowns, len(N)
-    u = plate.moved(np.column_stack([f.ravel(), plate.spread(N), plate.spread(T)]))
+    on, n = plate.numbers_of_contact_displacements, len(N)
+    u = plate.displacements_under_forces(
+        np.column_stack(
+            [
+                f.ravel(),
+                plate.nodal_forces_of_unit_tractions(N),
+                plate.nodal_forces_of_unit_tractions(T),
+            ]
+        )
+    )
     by_f, by_N, by_T = u[on, 0], u[on, 1 : 1 + n], u[on, 1 + n :]
     # The plate may also move up and down as a rigid body.
     up = np.tile([0.0, 1.0], n)
@@ -391,7 +438,7 @@ def press_and_push_plate() -> Plate:
     )
 
 
-def _edge_nodal_forces(along: Floats, nodes: Ints) -> Floats:
+def _nodal_forces_of_unit_traction(along: Floats, nodes: Ints) -> Floats:
     """Nodal forces (all nodes,) of a unit traction on a straight edge of quadratic elements.
 
     `along` (all nodes,) is the coordinate along the edge, `nodes` are the nodes on the edge.
@@ -421,17 +468,17 @@ WEAR_UNIT = 1 / (SPRING_WEAR.coefficient * SPRING_STIFFNESS)
 """Sliding distance 1/(k K) [m] over which the deviation from the sine law falls to 1/e."""
 
 
-def _winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
+def _wear_problem_of_winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
     """A hinged rigid shoe with an unevenly worn lining of springs (Winkler foundation).
 
     Returns its wear problem, and the angles (n,) [rad] of the lining's nodes.
     """
     phi = np.linspace(*SPRING_ARC, 49)
     xy = SPRING_RADIUS * np.array([np.cos(phi), np.sin(phi)])
-    coupling = couple_with_counterface(
+    coupling = weak_coupling_of_contact_line(
         ContactLine(np.arange(49), xy, phi, np.arange(0, 48, 2) + np.arange(3)[:, None]),
         SPRING_WIDTH,
-        drum_directions(1),
+        function_for_drum_normals_and_tangents(1),
     )
     # Displacements of the nodes per unit rotation of the shoe about its pin.
     turned = np.column_stack([-xy[1], xy[0] - SPRING_PIN]).ravel()
@@ -444,45 +491,53 @@ def _winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
         np.array([SPRING_MOMENT]),
     )
     interface = WearInterface(
-        problem, np.zeros(49), coupling.M, np.ones(49), coupling.area, mu * coupling.lever
+        problem,
+        np.zeros(49),
+        coupling.M,
+        np.ones(49),
+        coupling.areas_of_contact_nodes,
+        mu * coupling.lever,
     )
     return interface, phi
 
 
-def _winkler_locking_friction() -> float:
+def _locking_friction_of_winkler_shoe() -> float:
     """Coefficient of friction at which the shoe with a lining of springs locks itself."""
     # The equations are linear in friction: two problems give those at any friction.
-    still, unit = _winkler_shoe(0.0)[0].problem, _winkler_shoe(-1.0)[0].problem
-    return self_locking.find_friction_limit(
-        self_locking.FrictionDependentProblem.from_two_problems(still, unit)
+    still, unit = (
+        _wear_problem_of_winkler_shoe(0.0)[0].problem,
+        _wear_problem_of_winkler_shoe(-1.0)[0].problem,
+    )
+    return self_locking.find_friction_limit_of_contact(
+        self_locking.FrictionDependentProblem.from_problems_at_two_frictions(still, unit)
     ).friction
 
 
 @cache
-def _run_in_winkler_shoe() -> tuple[list[WearState], Floats]:
+def _wear_states_of_winkler_shoe() -> tuple[list[WearState], Floats]:
     """Wear the shoe with a lining of springs over a sliding distance of 2/(k K).
 
     Returns the states of the wear run, and the pressure (n,) of the sine law under an actuating
     moment of 1 N m.
     """
-    interface, phi = _winkler_shoe(SPRING_MU)
+    interface, phi = _wear_problem_of_winkler_shoe(SPRING_MU)
     states = wear_linings([interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4)
     # The sine law gives the shape of the pressure; the balance of moments gives its size.
     return states, np.sin(phi) / float(interface.problem.C[0] @ np.sin(phi))
 
 
-def _remaining_deviation() -> float:
+def _remaining_deviation_from_sine_law() -> float:
     """The deviation from the sine law after a sliding distance of 2/(k K), over that at first."""
-    states, law = _run_in_winkler_shoe()
+    states, law = _wear_states_of_winkler_shoe()
     first = states[0].pressure - SPRING_MOMENT * law
     last = states[-1].pressure - SPRING_MOMENT * law
     return float(first @ last / (first @ first))
 
 
-def _worn_volume_ratio() -> float:
+def _worn_volume_over_archard_volume() -> float:
     """Worn volume, divided by k times the integral of the normal force over the distance."""
-    states, _ = _run_in_winkler_shoe()
-    area = _winkler_shoe(SPRING_MU)[0].area
+    states, _ = _wear_states_of_winkler_shoe()
+    area = _wear_problem_of_winkler_shoe(SPRING_MU)[0].area
     worn_volume = area @ (states[-1].depth - states[0].depth)
     return float(worn_volume / (SPRING_WEAR.coefficient * states[-1].pressed))
 
@@ -499,20 +554,23 @@ class ThinLinings(NamedTuple):
 
 
 @cache
-def _thin_linings() -> ThinLinings:
+def _solve_brake_with_thin_linings() -> ThinLinings:
     """Solve the double-shoe brake with linings of 3 mm on rigid shoes by law and by elements."""
     rigid = vary(DoubleShoe().brake(2000.0), {"shoe.lining.thickness": 3e-3})
-    return ThinLinings(sine(rigid).torque, solve(rigid, elements=24), rigid)
+    return ThinLinings(solve_brake_by_sine_law(rigid).torque, solve(rigid, elements=24), rigid)
 
 
-def _moment_imbalance() -> float:
+def _external_moment_over_torque() -> float:
     """Moment of all actuations and hinge reactions about the drum's centre, over the torque."""
-    response, brake = _thin_linings().response, _thin_linings().brake
+    response, brake = (
+        _solve_brake_with_thin_linings().response,
+        _solve_brake_with_thin_linings().brake,
+    )
     # Moments of the actuation and of the hinge reaction of each shoe.
     moments = []
     for spec, shoe in zip(brake.shoes, response.shoes, strict=True):
         pin, force = spec.pin.xy, shoe.hinge_reaction
-        act, at = spec.actuation.vector, spec.actuation.point.xy
+        act, at = spec.actuation.force_vector, spec.actuation.point.xy
         moments.append(at[0] * act[1] - at[1] * act[0] + pin[0] * force[1] - pin[1] * force[0])
     return abs(math.fsum(moments)) / response.torque
 
@@ -526,8 +584,8 @@ FRICTION_CASES = (
             quantity=f"traction at s = {shift} m",
             expected=min(100 * shift, 5.0),
             tolerance=1e-12,
-            tier=EXACT,
-            found=partial(_node_traction, shift),
+            tier=ROUND_OFF_TIER,
+            found=partial(_friction_force_on_node, shift),
         )
         for shift in (0.02, 0.05, 0.2)
     ),
@@ -538,8 +596,8 @@ FRICTION_CASES = (
         quantity="energy [J]",
         expected=4 * 0.5 * 10 * (0.2 - 0.5 * 10 / 100),
         tolerance=1e-9,
-        tier=EXACT,
-        found=_loop_dissipation,
+        tier=ROUND_OFF_TIER,
+        found=_energy_dissipated_in_slip_loop,
     ),
     *(
         KnownAnswer(
@@ -549,8 +607,8 @@ FRICTION_CASES = (
             quantity=f"largest p [Pa], inclined by {turned} rad",
             expected=1e5,
             tolerance=1e-10,
-            tier=EXACT,
-            found=partial(_patch_largest_pressure, turned),
+            tier=ROUND_OFF_TIER,
+            found=partial(_largest_pressure_in_patch_test, turned),
         )
         for turned in (0.0, 0.4)
     ),
@@ -561,8 +619,8 @@ FRICTION_CASES = (
         quantity="push over weight",
         expected=0.412371,
         tolerance=1e-6,
-        tier=PRINTED,
-        found=_wedge_push_ratio,
+        tier=PRINTED_DIGITS_TIER,
+        found=_push_over_weight_on_wedge,
     ),
     KnownAnswer(
         family="tangentially loaded cylinders",
@@ -571,8 +629,8 @@ FRICTION_CASES = (
         quantity="c/a at Q = mu P/2",
         expected=math.sqrt(0.5),
         tolerance=1e-2,
-        tier=DISCRETE,
-        found=partial(_sticking_half_width_ratio, 0.5),
+        tier=DISCRETISATION_TIER,
+        found=partial(_sticking_over_contact_half_width, 0.5),
     ),
     KnownAnswer(
         family="belt on a drum",
@@ -581,8 +639,8 @@ FRICTION_CASES = (
         quantity="ratio of tensions, mu = .3, 120 deg",
         expected=closed_forms.capstan_tension_ratio(0.3, 2 * math.pi / 3),
         tolerance=1e-2,
-        tier=MODEL,
-        found=partial(_belt_tension_ratio, 0.3, 2 * math.pi / 3),
+        tier=MODEL_LIMIT_TIER,
+        found=partial(_tension_ratio_of_belt_on_drum, 0.3, 2 * math.pi / 3),
     ),
     KnownAnswer(
         family="plate on a rigid plane",
@@ -591,8 +649,8 @@ FRICTION_CASES = (
         quantity="moment of p over all others",
         expected=1.0,
         tolerance=1e-9,
-        tier=EXACT,
-        found=lambda: press_and_push_plate().moment,
+        tier=ROUND_OFF_TIER,
+        found=lambda: solve_pressed_and_pushed_plate().moment,
     ),
     KnownAnswer(
         family="shoe on springs, self-locking",
@@ -601,8 +659,8 @@ FRICTION_CASES = (
         quantity="mu_lock",
         expected=closed_forms.sine_shoe_locking_friction(SPRING_RADIUS, SPRING_PIN, *SPRING_ARC),
         tolerance=1e-5,
-        tier=DISCRETE,
-        found=_winkler_locking_friction,
+        tier=DISCRETISATION_TIER,
+        found=_locking_friction_of_winkler_shoe,
     ),
     KnownAnswer(
         family="shoe on springs, running in",
@@ -611,8 +669,8 @@ FRICTION_CASES = (
         quantity="deviation left at k K s = 2",
         expected=math.exp(-2),
         tolerance=1e-3,
-        tier=DISCRETE,
-        found=_remaining_deviation,
+        tier=DISCRETISATION_TIER,
+        found=_remaining_deviation_from_sine_law,
     ),
     KnownAnswer(
         family="worn volume",
@@ -621,8 +679,8 @@ FRICTION_CASES = (
         quantity="V over k Int N ds",
         expected=1.0,
         tolerance=1e-9,
-        tier=EXACT,
-        found=_worn_volume_ratio,
+        tier=ROUND_OFF_TIER,
+        found=_worn_volume_over_archard_volume,
     ),
     KnownAnswer(
         family="rigid shoe with a thin lining",
@@ -631,8 +689,11 @@ FRICTION_CASES = (
         quantity="torque over the law's",
         expected=1.0,
         tolerance=2e-2,
-        tier=MODEL,
-        found=lambda: _thin_linings().response.torque / _thin_linings().law_torque,
+        tier=MODEL_LIMIT_TIER,
+        found=lambda: (
+            _solve_brake_with_thin_linings().response.torque
+            / _solve_brake_with_thin_linings().law_torque
+        ),
     ),
     KnownAnswer(
         family="balance of a whole brake",
@@ -641,8 +702,8 @@ FRICTION_CASES = (
         quantity="moment over torque",
         expected=1.0,
         tolerance=1e-8,
-        tier=EXACT,
-        found=_moment_imbalance,
+        tier=ROUND_OFF_TIER,
+        found=_external_moment_over_torque,
     ),
 )
 """The cases of the ladder on friction and wear."""

@@ -3,21 +3,30 @@
 import math
 from functools import cache, partial
 from math import cos, radians, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.laws import locking_friction
-from drumlin.laws.shapes import LAWS, equivalent_friction, m_and_n, pivot_radius
+from drumlin.laws import self_locking_friction_of_hinged_shoe
+from drumlin.laws.shapes import (
+    LAWS,
+    pivot_radius_for_cosine_pressure,
+    ratio_of_equivalent_friction,
+    short_shoe_moments_over_torque,
+)
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
-from drumlin.response.merit import rated, sensitivity
+from drumlin.response.merit import brake_scaled_to_peak_pressure, torque_sensitivity_by_differences
 from drumlin.response.response import Response
 from drumlin_studies import closed_forms
-from drumlin_studies.ladder_case import EXACT, PRINTED, KnownAnswer
-from drumlin_studies.textbook_brakes import hinged_pad_brake, hinged_shoe_brake, lever_block_brake
+from drumlin_studies.ladder_case import PRINTED_DIGITS_TIER, ROUND_OFF_TIER, KnownAnswer
+from drumlin_studies.textbook_brakes import (
+    brake_with_block_on_lever,
+    brake_with_one_hinged_pad,
+    brake_with_one_hinged_shoe,
+)
 
 
 def _solve_by_named_law(model: str, brake: object) -> Response:
@@ -25,26 +34,28 @@ def _solve_by_named_law(model: str, brake: object) -> Response:
     return MODELS[model].solve(brake)
 
 
-def _shigley_16_2_torques() -> float:
+def _torque_of_shigley_example_16_2() -> float:
     """Torque [N m] of both shoes of Shigley's example 16-2.
 
     The force is such that the self-energising shoe has a peak pressure of 1 MPa.
     """
-    shoe = {
+    shoe: dict[str, Any] = {
         "R": 0.15,
         "a": math.hypot(0.112, 0.05),
         "arc": (0.0, radians(126)),
         "mu": 0.32,
         "width": 0.032,
     }
-    # `rated` scales the force until the peak pressure is 1 MPa; both shoes have this force.
-    helped = rated(hinged_shoe_brake(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6)  # type: ignore[arg-type]
-    opposed = hinged_shoe_brake(**shoe, moment=helped.shoes[0].actuation.force, spin=1)  # type: ignore[arg-type]
+    # The force is scaled until the peak pressure is 1 MPa; both shoes have this force.
+    helped = brake_scaled_to_peak_pressure(
+        brake_with_one_hinged_shoe(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6
+    )
+    opposed = brake_with_one_hinged_shoe(**shoe, moment=helped.shoes[0].actuation.force, spin=1)
     return _solve_by_named_law("sine", helped).torque + _solve_by_named_law("sine", opposed).torque
 
 
 @cache
-def _shigley_p16_1_answer() -> Response:
+def _response_of_shigley_problem_16_1() -> Response:
     """Response of the two internal shoes of Shigley's problem 16-1, under 2.2 kN each."""
     block = DoubleShoe(
         r_D=0.15,
@@ -59,10 +70,10 @@ def _shigley_p16_1_answer() -> Response:
 
 
 @cache
-def _bhandari_12_7_answer() -> Response:
+def _response_of_bhandari_example_12_7() -> Response:
     """Response of the block on a lever's pivot of Bhandari's example 12.7, at a peak of 0.5 MPa."""
-    h = float(pivot_radius(0.25, radians(50)))
-    lever = hinged_shoe_brake(
+    h = float(pivot_radius_for_cosine_pressure(0.25, radians(50)))
+    lever = brake_with_one_hinged_shoe(
         R=0.25,
         a=0.45,
         arc=(radians(30), radians(130)),
@@ -72,7 +83,9 @@ def _bhandari_12_7_answer() -> Response:
         width=0.1,
         pivot=(h, radians(80)),
     )
-    return _solve_by_named_law("pivoted", rated(lever, MODELS["pivoted"].solve, 0.5e6))
+    return _solve_by_named_law(
+        "pivoted", brake_scaled_to_peak_pressure(lever, MODELS["pivoted"].solve, 0.5e6)
+    )
 
 
 class ForceAndTorque(NamedTuple):
@@ -83,22 +96,24 @@ class ForceAndTorque(NamedTuple):
 
 
 @cache
-def _bhandari_12_8_force_and_torque() -> ForceAndTorque:
+def _force_and_torque_of_bhandari_12_8() -> ForceAndTorque:
     """Force and torque of the two internal shoes of Bhandari's example 12.8.
 
     The force is such that the self-energising shoe has a peak pressure of 1 MPa.
     """
-    shoe = {
+    shoe: dict[str, Any] = {
         "R": 0.125,
         "a": math.hypot(0.0866, 0.05),
         "arc": (0.0, radians(120)),
         "mu": 0.32,
         "width": 0.04,
     }
-    helped = rated(hinged_shoe_brake(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6)  # type: ignore[arg-type]
-    # The shoe of `hinged_shoe_brake` has a unit arm, so that its force is the moment.
+    helped = brake_scaled_to_peak_pressure(
+        brake_with_one_hinged_shoe(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6
+    )
+    # The shoe of `brake_with_one_hinged_shoe` has a unit arm, so that its force is the moment.
     moment = helped.shoes[0].actuation.force
-    opposed = hinged_shoe_brake(**shoe, moment=moment, spin=1)  # type: ignore[arg-type]
+    opposed = brake_with_one_hinged_shoe(**shoe, moment=moment, spin=1)
     arm = 0.1875
     torque = (
         _solve_by_named_law("sine", helped).torque + _solve_by_named_law("sine", opposed).torque
@@ -106,38 +121,40 @@ def _bhandari_12_8_force_and_torque() -> ForceAndTorque:
     return ForceAndTorque(moment / arm, torque)
 
 
-def _block_on_lever(a: float = 0.05, spin: int = 1, mu: float = 0.35, x: float = 0.2) -> Brake:
+def _brake_with_block_on_lever(
+    a: float = 0.05, spin: int = 1, mu: float = 0.35, x: float = 0.2
+) -> Brake:
     """A brake with a block on a lever, with a half-arc of 45 degrees.
 
-    `lever_block_brake` explains the lengths a and x [m].
+    `brake_with_block_on_lever` explains the lengths a and x [m].
     """
-    return lever_block_brake(
+    return brake_with_block_on_lever(
         R=0.125, arm=0.45, x=x, a=a, P=700.0, mu=mu, half=radians(45), spin=spin
     )
 
 
-def _block_torque_by_statics() -> float:
-    """Torque [N m] of the block of `_block_on_lever` from equilibrium.
+def _torque_of_block_by_statics() -> float:
+    """Torque [N m] of the block of `_brake_with_block_on_lever` from equilibrium.
 
     Under the pressure p_0 cos phi the friction acts at a distance psi R from the drum's centre.
     """
-    psi = closed_forms.block_friction_ratio(radians(45))
+    psi = closed_forms.equivalent_friction_ratio_of_block(radians(45))
     # Moments about the pin of the lever give the normal force.
     normal = 700.0 * 0.45 / (0.2 - 0.35 * (0.125 + 0.05 - psi * 0.125))
     return 0.35 * psi * 0.125 * normal
 
 
-def _block_locking_friction() -> float:
+def _locking_friction_of_block() -> float:
     """Coefficient of friction at which a block on a lever with a high pin locks itself."""
-    brake = lever_block_brake(
+    brake = brake_with_block_on_lever(
         R=0.125, arm=0.45, x=0.03, a=0.15, P=700.0, mu=0.1, half=radians(20), spin=1
     )
-    return float(locking_friction(brake, brake.shoes[0], LAWS["block"]))
+    return float(self_locking_friction_of_hinged_shoe(brake, brake.shoes[0], LAWS["block"]))
 
 
-def _double_block_torque_ratio() -> float:
+def _two_block_torque_over_one_block() -> float:
     """Torque of a brake with two opposite blocks, over that of a brake with one block."""
-    one = lever_block_brake(
+    one = brake_with_block_on_lever(
         R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1
     )
     # The second block is the mirror image of the first about the x axis; its force acts upwards.
@@ -150,24 +167,30 @@ def _double_block_torque_ratio() -> float:
     return _solve_by_named_law("block", both).torque / _solve_by_named_law("block", one).torque
 
 
-def _short_shoe_on_lever() -> Response:
+def _response_of_short_shoe_on_lever() -> Response:
     """Response of a brake with a short shoe on a lever of 1 m."""
     return _solve_by_named_law(
         "short",
-        lever_block_brake(
+        brake_with_block_on_lever(
             R=0.25, arm=1.0, x=0.5, a=0.2, P=100.0, mu=0.35, half=radians(10), spin=1
         ),
     )
 
 
-def _two_short_shoes_torque() -> float:
+def _torque_of_two_short_shoes() -> float:
     """Torque [N m] of two short shoes opposite each other, at 90 degrees from their pins.
 
     With a = R the normal forces are N = M/(R (1 -+ mu)): 400 N and 160 N.
     """
-    shoe = {"R": 0.2, "a": 0.2, "arc": (radians(88), radians(92)), "mu": 0.25, "side": "external"}
-    first = hinged_shoe_brake(**shoe, moment=60.0, hand=1, turned=-math.pi / 2)  # type: ignore[arg-type]
-    second = hinged_shoe_brake(**shoe, moment=40.0, hand=-1, turned=-math.pi / 2)  # type: ignore[arg-type]
+    shoe: dict[str, Any] = {
+        "R": 0.2,
+        "a": 0.2,
+        "arc": (radians(88), radians(92)),
+        "mu": 0.25,
+        "side": "external",
+    }
+    first = brake_with_one_hinged_shoe(**shoe, moment=60.0, hand=1, turned=-math.pi / 2)
+    second = brake_with_one_hinged_shoe(**shoe, moment=40.0, hand=-1, turned=-math.pi / 2)
     return _solve_by_named_law("short", first).torque + _solve_by_named_law("short", second).torque
 
 
@@ -181,14 +204,16 @@ PAD_MU = 0.4
 """Coefficient of friction of the flat shoes."""
 
 
-def _long_pad_peak_pressure() -> float:
+def _peak_pressure_of_long_pad_by_law() -> float:
     """Peak pressure [Pa] of the long flat shoe by drumlin's linear law."""
     span = (PAD_START, PAD_END)
-    brake = hinged_pad_brake(h=PIN_HEIGHT, span=span, moment=PAD_MOMENT, mu=PAD_MU, width=0.03)
+    brake = brake_with_one_hinged_pad(
+        h=PIN_HEIGHT, span=span, moment=PAD_MOMENT, mu=PAD_MU, width=0.03
+    )
     return _solve_by_named_law("linear", brake).shoes[0].peak_pressure
 
 
-def _long_pad_peak_by_statics() -> float:
+def _peak_pressure_of_long_pad_by_statics() -> float:
     """Peak pressure [Pa] of the long flat shoe from equilibrium.
 
     The pressure grows linearly with the distance from the pin. The moments of pressure and friction
@@ -199,13 +224,13 @@ def _long_pad_peak_by_statics() -> float:
     return PAD_MOMENT * PAD_END / 0.03 / (normal + friction)
 
 
-def _short_pad_normal_force() -> float:
+def _normal_force_of_short_pad() -> float:
     """Normal force [N] of a short flat shoe by drumlin's short-shoe law."""
-    brake = hinged_pad_brake(h=PIN_HEIGHT, span=(0.1, 0.16), moment=PAD_MOMENT, mu=PAD_MU)
+    brake = brake_with_one_hinged_pad(h=PIN_HEIGHT, span=(0.1, 0.16), moment=PAD_MOMENT, mu=PAD_MU)
     return _solve_by_named_law("short", brake).shoes[0].normal_force
 
 
-NPTEL_SHOE = {
+NPTEL_SHOE: dict[str, Any] = {
     "R": 0.2,
     "a": 0.23,
     "arc": (radians(20), radians(130)),
@@ -216,7 +241,7 @@ NPTEL_SHOE = {
 """Dimensions of the external long shoe of the NPTEL lesson; lengths in m, angles in rad."""
 
 
-def _nptel_actuating_moment() -> float:
+def _actuating_moment_of_nptel_shoe() -> float:
     """Actuating moment [N m] of the NPTEL long shoe for a peak pressure of 0.8 MPa.
 
     It is the moment M_p of the pressure minus the moment M_f of friction about the hinge.
@@ -228,14 +253,14 @@ def _nptel_actuating_moment() -> float:
     return M_p - M_f
 
 
-def _nptel_long_shoe_torque() -> float:
+def _torque_of_nptel_long_shoe() -> float:
     """Torque [N m] of the NPTEL long shoe at a peak pressure of 0.8 MPa, by the sine law."""
-    moment = _nptel_actuating_moment()
-    brake = hinged_shoe_brake(**NPTEL_SHOE, moment=moment, spin=1)  # type: ignore[arg-type]
+    moment = _actuating_moment_of_nptel_shoe()
+    brake = brake_with_one_hinged_shoe(**NPTEL_SHOE, moment=moment, spin=1)
     return _solve_by_named_law("sine", brake).torque
 
 
-SHORT_SHOE = {
+SHORT_SHOE: dict[str, Any] = {
     "R": 0.2,
     "a": 0.25,
     "arc": (radians(75) - 0.05, radians(75) + 0.05),
@@ -245,19 +270,21 @@ SHORT_SHOE = {
 """Dimensions of a short external shoe; lengths in m, angles in rad."""
 
 
-def _torque_sensitivity() -> float:
+def _friction_sensitivity_by_differences() -> float:
     """Relative change of a short shoe's torque per relative change of friction, by differences."""
-    return sensitivity(hinged_shoe_brake(**SHORT_SHOE, moment=50.0), MODELS["short"].solve)  # type: ignore[arg-type]
+    return torque_sensitivity_by_differences(
+        brake_with_one_hinged_shoe(**SHORT_SHOE, moment=50.0), MODELS["short"].solve
+    )
 
 
-def _torque_sensitivity_by_formula() -> float:
+def _friction_sensitivity_by_formula() -> float:
     """Relative change of a short shoe's torque per relative change of friction, m/(m - n)."""
     m, n = 0.25 * sin(radians(75)) / (0.3 * 0.2), 1 - 0.25 * cos(radians(75)) / 0.2
-    assert np.allclose(m_and_n(0.3, radians(75), 0.2, 0.25), (m, n))
+    assert np.allclose(short_shoe_moments_over_torque(0.3, radians(75), 0.2, 0.25), (m, n))
     return m / (m - n)
 
 
-def _simscape_double_shoe(what: str) -> float:
+def _result_of_simscape_double_shoe(what: str) -> float:
     """A result of Simscape's double-shoe brake block with its default parameters.
 
     It is the torque over the force [m] for `what` = "T/F", else the friction that locks the brake.
@@ -281,8 +308,8 @@ LAW_CASES = (
         quantity="torque [N m]",
         expected=527.761,
         tolerance=1e-6,
-        tier=PRINTED,
-        found=_shigley_16_2_torques,
+        tier=PRINTED_DIGITS_TIER,
+        found=_torque_of_shigley_example_16_2,
     ),
     KnownAnswer(
         family="internal shoes under a force",
@@ -291,8 +318,8 @@ LAW_CASES = (
         quantity="peak pressure [kPa]",
         expected=734.0,
         tolerance=7e-4,
-        tier=PRINTED,
-        found=lambda: _shigley_p16_1_answer().shoes[0].peak_pressure * 1e-3,
+        tier=PRINTED_DIGITS_TIER,
+        found=lambda: _response_of_shigley_problem_16_1().shoes[0].peak_pressure * 1e-3,
     ),
     KnownAnswer(
         family="internal shoes under a force",
@@ -301,8 +328,8 @@ LAW_CASES = (
         quantity="torque [N m]",
         expected=422.004,
         tolerance=1.2e-6,
-        tier=PRINTED,
-        found=lambda: _shigley_p16_1_answer().torque,
+        tier=PRINTED_DIGITS_TIER,
+        found=lambda: _response_of_shigley_problem_16_1().torque,
     ),
     KnownAnswer(
         family="pivoted block",
@@ -311,8 +338,8 @@ LAW_CASES = (
         quantity="torque [N mm]",
         expected=957555.554,
         tolerance=1e-9,
-        tier=PRINTED,
-        found=lambda: _bhandari_12_7_answer().torque * 1e3,
+        tier=PRINTED_DIGITS_TIER,
+        found=lambda: _response_of_bhandari_example_12_7().torque * 1e3,
     ),
     KnownAnswer(
         family="internal shoes of a car",
@@ -321,8 +348,8 @@ LAW_CASES = (
         quantity="force [N]",
         expected=2089.795894,
         tolerance=1e-9,
-        tier=PRINTED,
-        found=lambda: _bhandari_12_8_force_and_torque().force,
+        tier=PRINTED_DIGITS_TIER,
+        found=lambda: _force_and_torque_of_bhandari_12_8().force,
     ),
     KnownAnswer(
         family="internal shoes of a car",
@@ -331,8 +358,8 @@ LAW_CASES = (
         quantity="torque [N mm]",
         expected=434831.0515,
         tolerance=1e-9,
-        tier=PRINTED,
-        found=lambda: _bhandari_12_8_force_and_torque().torque * 1e3,
+        tier=PRINTED_DIGITS_TIER,
+        found=lambda: _force_and_torque_of_bhandari_12_8().torque * 1e3,
     ),
     KnownAnswer(
         family="block on a lever",
@@ -341,18 +368,18 @@ LAW_CASES = (
         quantity="torque [N m]",
         expected=83.87,
         tolerance=5e-4,
-        tier=PRINTED,
-        found=lambda: _solve_by_named_law("block", _block_on_lever()).torque,
+        tier=PRINTED_DIGITS_TIER,
+        found=lambda: _solve_by_named_law("block", _brake_with_block_on_lever()).torque,
     ),
     KnownAnswer(
         family="block on a lever, exact statics",
         shows="cosine law",
         source="statics of p_0 cos, mu N at psi R",
         quantity="torque [N m]",
-        expected=_block_torque_by_statics(),
+        expected=_torque_of_block_by_statics(),
         tolerance=1e-11,
-        tier=EXACT,
-        found=lambda: _solve_by_named_law("cosine", _block_on_lever()).torque,
+        tier=ROUND_OFF_TIER,
+        found=lambda: _solve_by_named_law("cosine", _brake_with_block_on_lever()).torque,
     ),
     *(
         KnownAnswer(
@@ -360,10 +387,10 @@ LAW_CASES = (
             shows="block law",
             source=LESSON,
             quantity=f"mu'/mu, half-arc {angle} deg",
-            expected=closed_forms.block_friction_ratio(radians(angle)),
+            expected=closed_forms.equivalent_friction_ratio_of_block(radians(angle)),
             tolerance=1e-13,
-            tier=EXACT,
-            found=partial(lambda half: float(equivalent_friction(half)), radians(angle)),
+            tier=ROUND_OFF_TIER,
+            found=partial(lambda half: float(ratio_of_equivalent_friction(half)), radians(angle)),
         )
         for angle in (30, 90)
     ),
@@ -372,10 +399,10 @@ LAW_CASES = (
         shows="self-locking of a block",
         source=f"{LESSON}: mu' = x/a",
         quantity="mu_lock",
-        expected=0.03 / 0.15 / closed_forms.block_friction_ratio(radians(20)),
+        expected=0.03 / 0.15 / closed_forms.equivalent_friction_ratio_of_block(radians(20)),
         tolerance=1e-9,
-        tier=EXACT,
-        found=_block_locking_friction,
+        tier=ROUND_OFF_TIER,
+        found=_locking_friction_of_block,
     ),
     KnownAnswer(
         family="double block",
@@ -384,8 +411,8 @@ LAW_CASES = (
         quantity="torque over that of one block",
         expected=2.0,
         tolerance=1e-12,
-        tier=EXACT,
-        found=_double_block_torque_ratio,
+        tier=ROUND_OFF_TIER,
+        found=_two_block_torque_over_one_block,
     ),
     KnownAnswer(
         family="short shoe on a lever",
@@ -394,8 +421,8 @@ LAW_CASES = (
         quantity="normal force [N]",
         expected=232.558,
         tolerance=2e-6,
-        tier=PRINTED,
-        found=lambda: _short_shoe_on_lever().shoes[0].normal_force,
+        tier=PRINTED_DIGITS_TIER,
+        found=lambda: _response_of_short_shoe_on_lever().shoes[0].normal_force,
     ),
     KnownAnswer(
         family="short shoe on a lever",
@@ -404,8 +431,8 @@ LAW_CASES = (
         quantity="torque [N m]",
         expected=20.35,
         tolerance=2.5e-4,
-        tier=PRINTED,
-        found=lambda: _short_shoe_on_lever().torque,
+        tier=PRINTED_DIGITS_TIER,
+        found=lambda: _response_of_short_shoe_on_lever().torque,
     ),
     KnownAnswer(
         family="two short shoes",
@@ -414,18 +441,18 @@ LAW_CASES = (
         quantity="torque [N m]",
         expected=28.0,
         tolerance=1e-9,
-        tier=EXACT,
-        found=_two_short_shoes_torque,
+        tier=ROUND_OFF_TIER,
+        found=_torque_of_two_short_shoes,
     ),
     KnownAnswer(
         family="long shoe on a plane",
         shows="linear law",
         source=f"{UWA}, eq. iv",
         quantity="peak pressure [Pa]",
-        expected=_long_pad_peak_by_statics(),
+        expected=_peak_pressure_of_long_pad_by_statics(),
         tolerance=1e-12,
-        tier=EXACT,
-        found=_long_pad_peak_pressure,
+        tier=ROUND_OFF_TIER,
+        found=_peak_pressure_of_long_pad_by_law,
     ),
     KnownAnswer(
         family="short shoe on a plane",
@@ -434,8 +461,8 @@ LAW_CASES = (
         quantity="normal force [N]",
         expected=PAD_MOMENT / (0.13 + PAD_MU * PIN_HEIGHT),
         tolerance=1e-12,
-        tier=EXACT,
-        found=_short_pad_normal_force,
+        tier=ROUND_OFF_TIER,
+        found=_normal_force_of_short_pad,
     ),
     KnownAnswer(
         family="external long shoe",
@@ -444,18 +471,18 @@ LAW_CASES = (
         quantity="torque [N m]",
         expected=0.3 * 0.8e6 * 0.05 * 0.2**2 * (cos(radians(20)) - cos(radians(130))),
         tolerance=1e-12,
-        tier=EXACT,
-        found=_nptel_long_shoe_torque,
+        tier=ROUND_OFF_TIER,
+        found=_torque_of_nptel_long_shoe,
     ),
     KnownAnswer(
         family="sensitivity to friction",
         shows="S by differences",
         source=f"{UWA}, S = m/(m - n)",
         quantity="S",
-        expected=_torque_sensitivity_by_formula(),
+        expected=_friction_sensitivity_by_formula(),
         tolerance=1e-6,
-        tier=EXACT,
-        found=_torque_sensitivity,
+        tier=ROUND_OFF_TIER,
+        found=_friction_sensitivity_by_differences,
     ),
     KnownAnswer(
         family="double-shoe block of Simscape",
@@ -464,8 +491,8 @@ LAW_CASES = (
         quantity="T/F [m]",
         expected=0.2176081,
         tolerance=5e-7,
-        tier=PRINTED,
-        found=partial(_simscape_double_shoe, "T/F"),
+        tier=PRINTED_DIGITS_TIER,
+        found=partial(_result_of_simscape_double_shoe, "T/F"),
     ),
     KnownAnswer(
         family="double-shoe block of Simscape",
@@ -474,8 +501,8 @@ LAW_CASES = (
         quantity="mu_lock",
         expected=0.823082,
         tolerance=1e-6,
-        tier=PRINTED,
-        found=partial(_simscape_double_shoe, "mu_lock"),
+        tier=PRINTED_DIGITS_TIER,
+        found=partial(_result_of_simscape_double_shoe, "mu_lock"),
     ),
 )
 """The cases of the ladder on rigid-shoe laws."""

@@ -11,13 +11,13 @@ import numpy as np
 
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
-from drumlin.brake.plane_brake import any_from
+from drumlin.brake.plane_brake import make_brake_from_data
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin_studies import closed_forms
-from drumlin_studies.ladder_case import DISCRETE, KnownAnswer
+from drumlin_studies.ladder_case import DISCRETISATION_TIER, KnownAnswer
 
 PAD_LENGTH, PAD_WIDTH = 0.12, 0.04  # m
 """Length and width of the pad."""
@@ -27,7 +27,7 @@ SOFT_LINING = Material(E=3e8, nu=0.25)
 """Material of the thin lining of the pad."""
 
 
-def pad_on_guide(thickness: float, mu: float, lining: Material) -> Brake:
+def brake_with_pad_on_guide(thickness: float, mu: float, lining: Material) -> Brake:
     """A brake with one pad on a plane; the pad has a rigid back and a guide normal to the plane.
 
     Parameters
@@ -56,10 +56,10 @@ def pad_on_guide(thickness: float, mu: float, lining: Material) -> Brake:
         },
     }
     data = {"title": "pad", "friction": mu, "plane": {"sliding": "+x"}, "shoe": [shoe]}
-    return any_from(data)
+    return make_brake_from_data(data)
 
 
-def _compression_ratio() -> float:
+def _lining_compression_over_closed_form() -> float:
     """The compression of a thin lining, relative to the closed form p (1 - nu^2) t/E.
 
     The closed form neglects the ends of the lining. Their effect is in proportion to the thickness
@@ -68,7 +68,7 @@ def _compression_ratio() -> float:
     pressure = PAD_FORCE / (PAD_LENGTH * PAD_WIDTH)
     ratios = []
     for t in (1e-3, 5e-4):
-        (pad,) = solve(pad_on_guide(t, 0.0, SOFT_LINING), penalty=math.inf).shoes
+        (pad,) = solve(brake_with_pad_on_guide(t, 0.0, SOFT_LINING), penalty=math.inf).shoes
         assert pad.motion is not None
         closed_form = pressure * t * (1 - SOFT_LINING.nu**2) / SOFT_LINING.E
         ratios.append(-pad.motion[1] / closed_form)
@@ -76,13 +76,13 @@ def _compression_ratio() -> float:
     return 2 * ratios[1] - ratios[0]
 
 
-def _leading_edge_exponent(mu: float, nu: float) -> float:
+def _pressure_exponent_at_leading_edge(mu: float, nu: float) -> float:
     """The exponent lambda of p ~ r^(lambda - 1) at the leading edge of a pad on a plane.
 
     r is the distance from the edge.
     """
-    brake = pad_on_guide(0.02, mu, Material(E=3e8, nu=nu))
-    (pad,) = solve_prepared_model(prepare(brake, LEVELS[5]), brake).shoes
+    brake = brake_with_pad_on_guide(0.02, mu, Material(E=3e8, nu=nu))
+    (pad,) = solve_prepared_model(make_prepared_model(brake, LEVELS[5]), brake).shoes
     # Distances [m] from the edge that are far below the thickness of 20 mm.
     r = np.geomspace(2e-6, 4e-5, 12)
     return float(1 + np.polyfit(np.log(r), np.log(pad.pressure_at(r)), 1)[0])
@@ -96,8 +96,8 @@ PAD_CASES = (
         quantity="yielding over the closed form, ends extrapolated",
         expected=1.0,
         tolerance=1e-3,
-        tier=DISCRETE,
-        found=_compression_ratio,
+        tier=DISCRETISATION_TIER,
+        found=_lining_compression_over_closed_form,
     ),
     *(
         KnownAnswer(
@@ -105,10 +105,10 @@ PAD_CASES = (
             shows="singular pressure of a brake",
             source="eigenvalue of the corner (Williams 1952)",
             quantity=f"lambda, nu = 0.3, mu = {mu}",
-            expected=closed_forms.corner_exponent(mu, 0.3),
+            expected=closed_forms.pressure_exponent_at_sliding_corner(mu, 0.3),
             tolerance=1e-2,
-            tier=DISCRETE,
-            found=partial(_leading_edge_exponent, mu, 0.3),
+            tier=DISCRETISATION_TIER,
+            found=partial(_pressure_exponent_at_leading_edge, mu, 0.3),
         )
         for mu in (0.1, 0.3, 0.5)
     ),

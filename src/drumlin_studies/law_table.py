@@ -38,11 +38,11 @@ def law_rows(brake: Brake, file: str) -> list[Row]:
             rows.append({**base, "reason": str(error), "status": "no answer"})
             continue
         for i in range(len(response.shoes)):
-            rows.append({**base, **shoe_row(response, i)})
+            rows.append({**base, **row_of_shoe_results(response, i)})
     return rows
 
 
-def shoe_row(response: Response, index: int) -> Row:
+def row_of_shoe_results(response: Response, index: int) -> Row:
     """The results of one shoe of a response as a row of a table."""
     shoe, merit = response.shoes[index], response.merits[index]
     row = {
@@ -65,7 +65,7 @@ def shoe_row(response: Response, index: int) -> Row:
     }
 
 
-def refusal_rows(rows: Sequence[Row]) -> list[Row]:
+def rows_of_refusing_laws(rows: Sequence[Row]) -> list[Row]:
     """A row for each brake file and reason, with the laws that could not solve the brake.
 
     `rows` are those of `law_rows`.
@@ -98,7 +98,7 @@ def shoe_factor_rows(brake: Brake) -> list[Row]:
             )
             R = brake.size
             # Eq. 26 uses lengths relative to the drum's radius, and the angle from the hinge.
-            arm = abs(data.actuation.moment_about(data.pin) / data.actuation.force)
+            arm = abs(data.actuation.moment_of_force_about_point(data.pin) / data.actuation.force)
             angle = data.frame.phi(np.array(merit.resultant_angle))
             S = barecki_shoe_factor(
                 brake.friction,
@@ -122,7 +122,7 @@ def shoe_factor_rows(brake: Brake) -> list[Row]:
     return rows
 
 
-def first_shoe_by_law(block: Brake, pad: Brake) -> dict[str, ShoeResponse]:
+def first_shoe_responses_by_law(block: Brake, pad: Brake) -> dict[str, ShoeResponse]:
     """The response of one shoe by every law, by the names of the laws.
 
     Laws for drum brakes solve the first shoe of the brake `block`. For the law "pivoted" this shoe

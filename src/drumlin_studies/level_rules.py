@@ -29,20 +29,25 @@ import numpy as np
 
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
-from drumlin.fem.error_control.levels import LEVEL_RULE, LevelRule, SolvedLevel, solved_levels
+from drumlin.fem.error_control.levels import (
+    LEVEL_RULE,
+    LevelRule,
+    SolvedLevel,
+    solve_on_finer_and_finer_levels,
+)
 from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.calibration import (
     FIRST_SEED,
     FITTED_BRAKES,
     LevelRecord,
     draw_calibration_brake,
+    errors_and_estimates_of_levels,
     fit_safety_factors,
-    level_errors,
 )
 from drumlin_studies.sharpness import ASKED
 from drumlin_studies.side_by_side import PROCESSES
 from drumlin_studies.stated_true import Truth
-from drumlin_studies.stored_truth import CERTAIN, solve_by_finer_divisions
+from drumlin_studies.stored_truth import CERTAIN, solve_brake_by_finer_hp_meshes
 
 LEVELS_TRIED = 4
 """Number of levels on which the brakes are solved for each rule.
@@ -63,15 +68,17 @@ class LevelsOfRule(NamedTuple):
     seconds: list[float]
 
 
-def solve_true_solution(seed: int) -> Truth | None:
+def solve_far_finer_solution(seed: int) -> Truth | None:
     """The far finer solution of the random brake of a seed, or None if it has no equilibrium."""
     try:
-        return solve_by_finer_divisions(draw_calibration_brake(seed)[1])
+        return solve_brake_by_finer_hp_meshes(draw_calibration_brake(seed)[1])
     except NoAnswer:
         return None
 
 
-def try_rule_on_brake(seed: int, truth: Truth | None, rule: LevelRule) -> LevelsOfRule | None:
+def solve_brake_with_level_rule(
+    seed: int, truth: Truth | None, rule: LevelRule
+) -> LevelsOfRule | None:
     """Solve the random brake of a seed on meshes by a refinement rule; returns errors and times.
 
     Returns None if the brake has no equilibrium, or if `truth`, the far finer solution, is None.
@@ -84,15 +91,17 @@ def try_rule_on_brake(seed: int, truth: Truth | None, rule: LevelRule) -> Levels
     seconds: list[float] = []
     begin = time.process_time()
     try:
-        for step in solved_levels(
-            brake, solve_prepared_model, levels=[rule.level(k + 1) for k in range(LEVELS_TRIED)]
+        for step in solve_on_finer_and_finer_levels(
+            brake,
+            solve_prepared_model,
+            levels=[rule.level_with_number(k + 1) for k in range(LEVELS_TRIED)],
         ):
             seconds.append(time.process_time() - begin)
             found.append(step)
             begin = time.process_time()
     except NoAnswer:
         return None
-    return LevelsOfRule(level_errors(brake, truth, found), seconds)
+    return LevelsOfRule(errors_and_estimates_of_levels(brake, truth, found), seconds)
 
 
 class StoppingLevel(NamedTuple):
@@ -117,14 +126,14 @@ def find_stopping_level(
 ) -> StoppingLevel:
     """The mesh (level) at which a solve stops, for relative tolerances of p and of the torque."""
     for k, level in enumerate(brake.levels, 2):
-        stated = _stated_errors(level, factors)
+        stated = _stated_errors_of_level(level, factors)
         reached = stated["pressure"] <= pressure and stated["torque"] <= torque
         if reached or k == len(brake.seconds):
             return StoppingLevel(sum(brake.seconds[:k]), reached, stated, level)
     raise ValueError("a brake that was tried on one level alone")
 
 
-def _stated_errors(level: LevelRecord, factors: Factors) -> dict[str, float]:
+def _stated_errors_of_level(level: LevelRecord, factors: Factors) -> dict[str, float]:
     """The errors that drumlin would state on a mesh (level) with given safety factors."""
     # Pressure and peak have factors of their own; torque and reaction share that of forces.
     factor = {"pressure": factors.pressure, "peak": factors.peak}
@@ -136,7 +145,7 @@ def _stated_errors(level: LevelRecord, factors: Factors) -> dict[str, float]:
     return stated
 
 
-def report_lines(brakes: Sequence[LevelsOfRule]) -> str:
+def report_text_of_level_rule(brakes: Sequence[LevelsOfRule]) -> str:
     """The text that `main` prints for the brakes solved with one rule."""
     factors = fit_safety_factors([level for brake in brakes for level in brake.levels])
     lines = [f"  {factors}"]
@@ -145,11 +154,11 @@ def report_lines(brakes: Sequence[LevelsOfRule]) -> str:
         seconds = sum(each.seconds for each in stops)
         share = sum(each.reached for each in stops) / len(stops)
         lines.append(f"  {asked}: {seconds:.1f} s, {100 * share:.1f} % reached")
-        lines += [f"    {name}: {_ratio_text(stops, name)}" for name in QUANTITIES]
+        lines += [f"    {name}: {_error_ratio_text(stops, name)}" for name in QUANTITIES]
     return "\n".join(lines)
 
 
-def _ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
+def _error_ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
     """Text with the median ratio of stated to true error, and the number of too small ratios."""
     # True errors that are uncertain do not count.
     certain = [
@@ -161,7 +170,7 @@ def _ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
     return f"median {np.median(certain):.1f}, {small} of {len(certain)} too small"
 
 
-def changed_rule(words: Sequence[str]) -> LevelRule:
+def level_rule_with_changes(words: Sequence[str]) -> LevelRule:
     """A copy of LEVEL_RULE with the numbers changed that words such as `fall=6` give.
 
     Raises ValueError for a word of another form.
@@ -176,13 +185,16 @@ def changed_rule(words: Sequence[str]) -> LevelRule:
 def main(words: Sequence[str]) -> int:
     """Try LEVEL_RULE and, if there are words, the changed rule; returns the exit status."""
     seeds = range(FIRST_SEED, FIRST_SEED + FITTED_BRAKES)
-    rules = {"as it is": LEVEL_RULE} | ({" ".join(words): changed_rule(words)} if words else {})
+    rules = {"as it is": LEVEL_RULE} | (
+        {" ".join(words): level_rule_with_changes(words)} if words else {}
+    )
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
-        truths = list(pool.map(solve_true_solution, seeds))
+        truths = list(pool.map(solve_far_finer_solution, seeds))
         for name, rule in rules.items():
             print(f"{name}: {rule}", flush=True)  # noqa: T201
-            found = pool.map(try_rule_on_brake, seeds, truths, [rule] * len(seeds))
-            print(report_lines([brake for brake in found if brake is not None]), flush=True)  # noqa: T201
+            found = pool.map(solve_brake_with_level_rule, seeds, truths, [rule] * len(seeds))
+            answered = [brake for brake in found if brake is not None]
+            print(report_text_of_level_rule(answered), flush=True)  # noqa: T201
     return 0
 
 

@@ -7,11 +7,13 @@ from collections.abc import Iterator
 
 from drumlin.brake.brake import Brake
 from drumlin.fem.mesh.arc import MESH_KINDS
-from drumlin.models import refusals
+from drumlin.models import reasons_why_models_do_not_apply
 from drumlin_studies.work_precision import Method
 
 
-def all_methods(brake: Brake, *, peers: bool = False, short: bool = False) -> list[Method]:
+def list_compared_methods(
+    brake: Brake, *, peers: bool = False, short: bool = False
+) -> list[Method]:
     """The list of all methods that are compared on a brake.
 
     The list holds the laws, the foundation model, finite elements on meshes of all element kinds
@@ -29,15 +31,15 @@ def all_methods(brake: Brake, *, peers: bool = False, short: bool = False) -> li
         Whether the list has fewer element kinds and fewer mesh sizes, for a quick run.
     """
     result = [Method("law", law, {"model": law}) for law in ("sine", "cosine", "uniform")]
-    if "foundation" not in refusals(brake):
-        result += _foundation_methods()
-    result += _mesh_methods(brake, short=short)
-    result += _level_methods(short=short)
-    result += _penalty_methods(short=short)
-    return result + (list(_peer_methods()) if peers else [])
+    if "foundation" not in reasons_why_models_do_not_apply(brake):
+        result += _list_foundation_methods()
+    result += _list_fixed_mesh_methods(brake, short=short)
+    result += _list_hp_element_methods(short=short)
+    result += _list_penalty_contact_methods(short=short)
+    return result + (list(_list_methods_of_peer_programs()) if peers else [])
 
 
-def _foundation_methods() -> Iterator[Method]:
+def _list_foundation_methods() -> Iterator[Method]:
     """Methods that solve a brake by the foundation model, with 20 to 180 sections along a lining.
 
     Each number of sections gives two methods: the model as published, and the model that includes
@@ -49,7 +51,7 @@ def _foundation_methods() -> Iterator[Method]:
         yield Method("foundation", f"{sections} sections, lifted", options | {"lift": ["all"]})
 
 
-def _mesh_methods(brake: Brake, *, short: bool) -> Iterator[Method]:
+def _list_fixed_mesh_methods(brake: Brake, *, short: bool) -> Iterator[Method]:
     """Methods that solve a brake by finite elements with a fixed number of elements per lining.
 
     The meshes have elements of equal length ("even mesh") or elements that shrink towards the
@@ -61,13 +63,13 @@ def _mesh_methods(brake: Brake, *, short: bool) -> Iterator[Method]:
         sizes = (*sizes, 160)
     for kind in ("quad2", "tri1"):
         for elements in sizes:
-            yield _mesh_method("even mesh", kind, elements, even=True)
+            yield _method_on_one_mesh("even mesh", kind, elements, even=True)
     for kind in ("quad2", "tri1") if short else tuple(MESH_KINDS):
         for elements in sizes:
-            yield _mesh_method("graded mesh", kind, elements)
+            yield _method_on_one_mesh("graded mesh", kind, elements)
 
 
-def _level_methods(*, short: bool) -> Iterator[Method]:
+def _list_hp_element_methods(*, short: bool) -> Iterator[Method]:
     """Methods that solve a brake by hp elements, which are of high degree and graded.
 
     Some methods use one fixed level of refinement. The others refine until the estimated error is
@@ -80,7 +82,7 @@ def _level_methods(*, short: bool) -> Iterator[Method]:
         yield Method("columns, error stated", f"tolerance {tolerance:g}", options)
 
 
-def _penalty_methods(*, short: bool) -> Iterator[Method]:
+def _list_penalty_contact_methods(*, short: bool) -> Iterator[Method]:
     """Methods that solve a brake with penalty contact, for several penalty stiffnesses.
 
     The penalty acts on the nodes of the lining ("weak penalty") or on the quadrature points of its
@@ -94,18 +96,18 @@ def _penalty_methods(*, short: bool) -> Iterator[Method]:
             yield Method(family, f"{penalty:g} E/t, {elements} elements", options)
 
 
-def _peer_methods() -> Iterator[Method]:
+def _list_methods_of_peer_programs() -> Iterator[Method]:
     """Methods that solve a brake by the programs GetFEM and CalculiX on several meshes.
 
     Two methods solve the brake by drumlin on the same meshes.
     """
     # The two methods of drumlin: on both meshes the pressure p has an error of half a percent.
-    yield _mesh_method("graded mesh", "quad2", 56)
-    yield _mesh_method("graded mesh", "quad1", 112)
+    yield _method_on_one_mesh("graded mesh", "quad2", 56)
+    yield _method_on_one_mesh("graded mesh", "quad1", 112)
     for elements in (20, 40, 56, 80, 112):
-        yield _mesh_method("GetFEM", "quad2", elements)
+        yield _method_on_one_mesh("GetFEM", "quad2", elements)
     for elements in (40, 80, 112):
-        yield _mesh_method("GetFEM", "quad1", elements)
+        yield _method_on_one_mesh("GetFEM", "quad1", elements)
     # On these four refined meshes the error of the pressure p falls from 0.5 % to 0.01 %.
     for elements, layers in ((42, 5), (62, 6), (81, 7), (144, 9)):
         options = {"kind": "quad2", "elements": elements, "layers": layers}
@@ -114,10 +116,10 @@ def _peer_methods() -> Iterator[Method]:
         options = {"kind": "quad2", "elements": elements, "even": True}
         yield Method("GetFEM", f"even, quad2, {elements} elements", options)
     for elements in (40, 56, 112):
-        yield _mesh_method("CalculiX", "quad2", elements)
+        yield _method_on_one_mesh("CalculiX", "quad2", elements)
 
 
-def _mesh_method(family: str, kind: str, elements: int, **more: bool) -> Method:
+def _method_on_one_mesh(family: str, kind: str, elements: int, **more: bool) -> Method:
     """The method that solves a brake on one mesh.
 
     Parameters

@@ -13,17 +13,20 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake
-from drumlin.brake.clearance import ground_to, set_off
+from drumlin.brake.clearance import (
+    changes_displacing_lining_circles,
+    changes_grinding_linings_to_radius,
+)
 from drumlin.brake.file import vary
-from drumlin.response.norms import relative
+from drumlin.response.norms import relative_error_of_number
 from drumlin.response.response import Response
-from drumlin.sweeps.cases import Row, response_row
+from drumlin.sweeps.cases import Row, results_of_response_by_name
 from drumlin.sweeps.tolerances import (
     PERCENTILES,
     ManufacturingTolerance,
     SobolIndices,
-    sample_spread,
-    values_of_rows,
+    mean_and_percentiles_of_sample,
+    one_result_of_all_cases,
 )
 
 DRAWN_QUANTITIES = {
@@ -41,7 +44,7 @@ EXPANSION, WARMING = 11e-6, 100.0
 shoes [K]."""
 
 
-def single_rows(
+def rows_of_single_misfits(
     brake: Brake, law: Response, solve: Callable[[Brake], Response]
 ) -> list[dict[str, Any]]:
     """A row for each single misfit, with the changes of torque and peak pressure that it causes.
@@ -58,33 +61,35 @@ def single_rows(
         Returns the response of a brake.
     """
     fits = solve(brake)
-    law_peak = _peak_pressure(law)
+    law_peak = _largest_peak_pressure_of_shoes(law)
     rows = []
-    for name, changes in _single_misfits(brake).items():
+    for name, changes in _brake_changes_by_misfit_name(brake).items():
         response = solve(vary(brake, changes))
         row = {
             "misfit": name,
             "torque": response.torque,
-            "from_fit": relative(response.torque, fits.torque),
-            "from_law": relative(response.torque, law.torque),
-            "peak": _peak_pressure(response),
-            "peak_from_law": relative(_peak_pressure(response), law_peak),
-            "touching": contact_fraction(brake, response),
+            "from_fit": relative_error_of_number(response.torque, fits.torque),
+            "from_law": relative_error_of_number(response.torque, law.torque),
+            "peak": _largest_peak_pressure_of_shoes(response),
+            "peak_from_law": relative_error_of_number(
+                _largest_peak_pressure_of_shoes(response), law_peak
+            ),
+            "touching": fraction_of_linings_in_contact(brake, response),
         }
         rows.append(row)
     return rows
 
 
-def _peak_pressure(response: Response) -> float:
+def _largest_peak_pressure_of_shoes(response: Response) -> float:
     """The largest peak pressure of all shoes [Pa]."""
     return max(shoe.peak_pressure for shoe in response.shoes)
 
 
-def _single_misfits(brake: Brake) -> Mapping[str, Mapping[str, Any]]:
+def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any]]:
     """The changes of the brake file that cause each misfit, by the misfit's name in the table."""
-    growth = clearance.thermal_growth(brake.size, EXPANSION, WARMING)
+    growth = clearance.thermal_growth_of_drum_radius(brake.size, EXPANSION, WARMING)
 
-    def stepped(depth: float) -> dict[str, Any]:
+    def brake_changes_for_lining_step(depth: float) -> dict[str, Any]:
         """The changes of the brake file that give each lining a step of `depth` [m] in its middle.
 
         A positive depth lowers the half of the lining that lies away from the pin.
@@ -99,19 +104,23 @@ def _single_misfits(brake: Brake) -> Mapping[str, Mapping[str, Any]]:
     hot = {"drum.out_of_round": [{"order": 0, "amplitude": growth}]}
     return {
         "fits": {},
-        "linings 50 µm larger in radius": ground_to(brake, 50e-6),
-        "linings 50 µm smaller in radius": ground_to(brake, -50e-6),
-        "linings moved 50 µm along the pin's radius, outwards": set_off(brake, 50e-6),
-        "linings moved 50 µm along the pin's radius, inwards": set_off(brake, -50e-6),
+        "linings 50 µm larger in radius": changes_grinding_linings_to_radius(brake, 50e-6),
+        "linings 50 µm smaller in radius": changes_grinding_linings_to_radius(brake, -50e-6),
+        "linings moved 50 µm along the pin's radius, outwards": changes_displacing_lining_circles(
+            brake, 50e-6
+        ),
+        "linings moved 50 µm along the pin's radius, inwards": changes_displacing_lining_circles(
+            brake, -50e-6
+        ),
         "taper: 50 µm thinner away from the pin": {"shoe.lining.misfit.taper": 50e-6},
         "taper: 50 µm thicker away from the pin": {"shoe.lining.misfit.taper": -50e-6},
-        "two blocks: the one away from the pin 20 µm lower": stepped(20e-6),
-        "two blocks: the one away from the pin 20 µm higher": stepped(-20e-6),
+        "two blocks: the one away from the pin 20 µm lower": brake_changes_for_lining_step(20e-6),
+        "two blocks: the one away from the pin 20 µm higher": brake_changes_for_lining_step(-20e-6),
         f"drum {WARMING:g} K hotter than the shoes: {growth * 1e6:.0f} µm larger": hot,
     }
 
 
-def contact_fraction(brake: Brake, response: Response) -> float:
+def fraction_of_linings_in_contact(brake: Brake, response: Response) -> float:
     """Contact arcs of all shoes in a response over the arcs of all linings, from 0 to 1."""
     arcs: float = 0
     for shoe in response.shoes:
@@ -120,7 +129,7 @@ def contact_fraction(brake: Brake, response: Response) -> float:
     return arcs / sum(shoe.lining.end - shoe.lining.start for shoe in brake.shoes)
 
 
-def torques_over_turn(
+def torques_over_turn_of_lobed_drum(
     brake: Brake, solve: Callable[[Brake], Response], amplitude: float, angles: Sequence[float]
 ) -> dict[str, Floats]:
     """Torque of a brake at several angles of its out-of-round drum, for each entry of LOBES.
@@ -144,17 +153,17 @@ def torques_over_turn(
     found = {}
     for name, order in LOBES.items():
         lobed = vary(brake, {"drum.out_of_round": [{"order": order, "amplitude": amplitude}]})
-        responses = clearance.one_turn(lobed, solve, angles)
+        responses = clearance.solve_at_drum_positions(lobed, solve, angles)
         found[name] = np.array([response.torque for response in responses])
     return found
 
 
-def relative_torque_ranges(torques: Mapping[str, Floats]) -> dict[str, float]:
+def torque_ranges_over_mean_torque(torques: Mapping[str, Floats]) -> dict[str, float]:
     """Largest minus smallest torque over the mean torque, by the keys of `torques`."""
     return {name: float(np.ptp(torque) / np.mean(torque)) for name, torque in torques.items()}
 
 
-def error_maps_of_law(
+def maps_of_deviation_from_law(
     rows: Sequence[Row], brake: Brake, law: Response, shape: tuple[int, int]
 ) -> dict[str, Floats]:
     """Maps of torque and peak pressure of a sweep, over their values by the law, minus 1.
@@ -176,10 +185,10 @@ def error_maps_of_law(
         The arrays of the given shape under the keys "torque" and "peak_pressure".
     """
     # A map holds the relative difference of a quantity from its value by the law.
-    nominal = response_row(brake, law)
+    nominal = results_of_response_by_name(brake, law)
     maps = {}
     for name in ("torque", "peak_pressure"):
-        maps[name] = values_of_rows(rows, name).reshape(shape) / nominal[name] - 1
+        maps[name] = one_result_of_all_cases(rows, name).reshape(shape) / nominal[name] - 1
     return maps
 
 
@@ -192,7 +201,7 @@ class DrawnBrakes:
     rows : mapping
         The rows of the brakes by state: "new" and "worn in" were solved by finite elements, "law"
         by the sine law. The first 2 n rows of each state are the two independent samples A and B of
-        `tolerances.draw_deviates`.
+        `tolerances.draw_random_deviations`.
     n : int
         Number of brakes in each of the two samples.
     """
@@ -200,65 +209,71 @@ class DrawnBrakes:
     rows: Mapping[str, Sequence[Row]]
     n: int
 
-    def sample(self, state: str, name: str) -> Floats:
+    def sample_of_quantity(self, state: str, name: str) -> Floats:
         """The values (2 n,) of a quantity of the random brakes.
 
         The peak pressure is in MPa, the other quantities are in SI units.
 
         state : a key of `rows`, for example "new"; name : a key of DRAWN_QUANTITIES.
         """
-        values = values_of_rows(self.rows[state][: 2 * self.n], name)
+        values = one_result_of_all_cases(self.rows[state][: 2 * self.n], name)
         return values * 1e-6 if name == "peak_pressure" else values
 
-    def off_law(self, state: str) -> Floats:
+    def torque_over_torque_by_law(self, state: str) -> Floats:
         """Torque of each random brake over its torque by the sine law (2 n,).
 
         state : "new" or "worn in", the state of the linings.
         """
-        ratio: Floats = self.sample(state, "torque") / self.sample("law", "torque")
+        ratio: Floats = self.sample_of_quantity(state, "torque") / self.sample_of_quantity(
+            "law", "torque"
+        )
         return ratio
 
-    def law_error(self, state: str) -> tuple[float, float]:
+    def percentiles_of_law_torque_error(self, state: str) -> tuple[float, float]:
         """5th and 95th percentile of the relative error of the torque by the sine law.
 
         state : "new" or "worn in", the state of the linings of the random brakes.
         """
-        low, high = np.percentile(1 / self.off_law(state), (5, 95))
+        low, high = np.percentile(1 / self.torque_over_torque_by_law(state), (5, 95))
         return low - 1, high - 1
 
-    def relative_spread(self, state: str) -> float:
+    def relative_torque_deviation(self, state: str) -> float:
         """Standard deviation of the torque of the random brakes over their mean torque.
 
         state : a key of `rows`, for example "new" for new linings.
         """
-        return sample_spread(self.sample(state, "torque")).relative
+        return mean_and_percentiles_of_sample(
+            self.sample_of_quantity(state, "torque")
+        ).relative_standard_deviation
 
-    def peaks_over(self, pressure: float) -> tuple[float, float]:
+    def peak_pressures_over_pressure(self, pressure: float) -> tuple[float, float]:
         """Mean and 95th percentile of the peak pressures of new brakes, over `pressure` [MPa]."""
-        peaks = self.sample("new", "peak_pressure") / pressure
+        peaks = self.sample_of_quantity("new", "peak_pressure") / pressure
         return float(peaks.mean()), float(np.percentile(peaks, 95))
 
-    def healed_variance(self) -> float:
+    def variance_removed_by_run_in(self) -> float:
         """Fraction of the torque's variance that disappears as the linings run in.
 
         The variance that remains comes from tolerances of friction, force, levers and drum.
         """
-        new = sample_spread(self.sample("new", "torque")).deviation
-        worn = sample_spread(self.sample("worn in", "torque")).deviation
+        new = mean_and_percentiles_of_sample(self.sample_of_quantity("new", "torque")).deviation
+        worn = mean_and_percentiles_of_sample(
+            self.sample_of_quantity("worn in", "torque")
+        ).deviation
         return 1 - (worn / new) ** 2
 
 
-def nominal_quantities(brake: Brake, law: Response) -> dict[str, float]:
+def quantities_of_nominal_brake_by_law(brake: Brake, law: Response) -> dict[str, float]:
     """The values of DRAWN_QUANTITIES by the law, for the brake without tolerances.
 
     The peak pressure is in MPa, the other quantities are in SI units.
     """
-    row = response_row(brake, law)
+    row = results_of_response_by_name(brake, law)
     row["peak_pressure"] *= 1e-6
     return {name: row[name] for name in DRAWN_QUANTITIES}
 
 
-def spread_rows(drawn: DrawnBrakes) -> list[dict[str, Any]]:
+def rows_of_quantity_distributions(drawn: DrawnBrakes) -> list[dict[str, Any]]:
     """A row for each quantity in each state: mean, standard deviation and percentiles.
 
     The last rows treat the ratio of the torque to the torque by the sine law of the same brake.
@@ -266,25 +281,31 @@ def spread_rows(drawn: DrawnBrakes) -> list[dict[str, Any]]:
     values: dict[tuple[str, str], Floats] = {}
     for name, title in DRAWN_QUANTITIES.items():
         for state in (*STATES, "law"):
-            values[title, state] = drawn.sample(state, name)
+            values[title, state] = drawn.sample_of_quantity(state, name)
     for state in STATES:
-        values["torque over the sine law's of the same brake", state] = drawn.off_law(state)
+        values["torque over the sine law's of the same brake", state] = (
+            drawn.torque_over_torque_by_law(state)
+        )
     # A row for each sample: mean, standard deviation, their ratio, and the percentiles.
     rows = []
     for (quantity, state), sample in values.items():
-        found = sample_spread(sample)
+        found = mean_and_percentiles_of_sample(sample)
         row: dict[str, Any] = {
             "quantity": quantity,
             "state": state if state != "law" else "sine law",
         }
-        row |= {"mean": found.mean, "deviation": found.deviation, "relative": found.relative}
+        row |= {
+            "mean": found.mean,
+            "deviation": found.deviation,
+            "relative": found.relative_standard_deviation,
+        }
         for k, value in zip(PERCENTILES, found.percentiles, strict=True):
             row[f"p{k}"] = value
         rows.append(row)
     return rows
 
 
-def share_rows(
+def rows_of_sobol_indices_by_tolerance(
     tolerances: Sequence[ManufacturingTolerance],
     shares: Mapping[str, Mapping[str, Sequence[SobolIndices]]],
 ) -> list[dict[str, Any]]:
@@ -305,7 +326,9 @@ def share_rows(
     return rows
 
 
-def torque_settling_distance(distances: Sequence[float], torque: Floats, within: float) -> float:
+def sliding_distance_until_torque_settles(
+    distances: Sequence[float], torque: Floats, within: float
+) -> float:
     """The sliding distance [m] after which the distribution of the torque has settled.
 
     The distribution has settled where its 5th, 50th and 95th percentile keep their last values.

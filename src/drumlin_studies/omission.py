@@ -1,11 +1,12 @@
 """Omissions: parts of a brake that a simpler model neglects, and the change of the answer by this.
 
-An omission replaces for example the elastic drum ring by a rigid drum. `omission_change` compares
-the answers of the simpler and of the whole brake. `predict_omission_change` predicts the same
-change on two surrogates, which are coarse models of the whole and of the simpler brake (`reduced`).
-To first order the change is the response of the pressure p to the gap F p that the neglected
-flexibility F would open. The change grows with the ratio of the stiffnesses. Contact may open or
-close in the surrogates as well, and no factor is calibrated.
+An omission replaces for example the elastic drum ring by a rigid drum.
+`change_of_answer_by_omission` compares the answers of the simpler and of the whole brake.
+`predict_change_of_answer_by_omission` predicts the same change on two surrogates, which are coarse
+models of the whole and of the simpler brake (`reduced`). To first order the change is the response
+of the pressure p to the gap F p that the neglected flexibility F would open. The change grows with
+the ratio of the stiffnesses. Contact may open or close in the surrogates as well, and no factor is
+calibrated.
 
 A solve of drumlin neglects nothing: with hp elements the whole brake takes no longer than the
 decision on an omission.
@@ -21,13 +22,13 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
 from drumlin.fem.error_control.levels import ResponseFunction
-from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import ShoeSubstructure
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.response.norms import pressure_distance
+from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import Response, ShoeResponse
-from drumlin_studies.reduced import surrogate_maker
+from drumlin_studies.reduced import make_function_that_prepares_surrogates
 
 Make = Callable[[Brake], PreparedModel]
 """A function that returns the prepared model of a brake: meshed and condensed, not yet solved."""
@@ -48,22 +49,26 @@ class Omission(NamedTuple):
     in_brake: Callable[[Brake], bool]
 
 
-def _body_follows_drum(shoe: Shoe) -> bool:
+def _is_body_an_arc_along_drum(shoe: Shoe) -> bool:
     """Whether the body of a shoe is an arc along the drum, no straight beam and no user's mesh."""
     return shoe.mesh is None and not isinstance(shoe.body, Beam)
 
 
-def _has_elastic_bar(brake: Brake) -> bool:
+def _has_shoe_with_elastic_arc_body(brake: Brake) -> bool:
     """Whether a shoe of the brake has an elastic body in the form of an arc along the drum."""
-    return any(isinstance(shoe.body, Bar) and _body_follows_drum(shoe) for shoe in brake.shoes)
+    return any(
+        isinstance(shoe.body, Bar) and _is_body_an_arc_along_drum(shoe) for shoe in brake.shoes
+    )
 
 
-def _has_backing(brake: Brake) -> bool:
+def _has_shoe_with_backing(brake: Brake) -> bool:
     """Whether a shoe of the brake has a backing behind its lining and no straight beam.
 
     Shoes on a mesh of the user do not count.
     """
-    return any(shoe.backing is not None and _body_follows_drum(shoe) for shoe in brake.shoes)
+    return any(
+        shoe.backing is not None and _is_body_an_arc_along_drum(shoe) for shoe in brake.shoes
+    )
 
 
 OMISSIONS = {
@@ -72,8 +77,10 @@ OMISSIONS = {
         "each shoe presses on the ring as if it were the only shoe",
         lambda brake: brake.ring is not None and len(brake.shoes) > 1,
     ),
-    "shoe": Omission("a rigid arc of the shoe", _has_elastic_bar),
-    "backing": Omission("no backing; the shoe begins directly behind the lining", _has_backing),
+    "shoe": Omission("a rigid arc of the shoe", _has_shoe_with_elastic_arc_body),
+    "backing": Omission(
+        "no backing; the shoe begins directly behind the lining", _has_shoe_with_backing
+    ),
     "drag": Omission(
         "friction only in the balance of moments; friction shears no elastic body",
         lambda brake: brake.friction > 0,
@@ -118,7 +125,7 @@ class OmissionChange(NamedTuple):
     each: float
 
 
-def omission_change(simple: Response, whole: Response) -> OmissionChange:
+def change_of_answer_by_omission(simple: Response, whole: Response) -> OmissionChange:
     """The relative changes from the response of the whole brake to that of the simpler brake."""
     torques, pressures, reactions, peaks, each = [], [], [], [], []
     # A change is not divided by zero: where the whole brake has no torque, peak or reaction, the
@@ -126,7 +133,7 @@ def omission_change(simple: Response, whole: Response) -> OmissionChange:
     for a, b in zip(simple.shoes, whole.shoes, strict=True):
         torques.append(a.torque - b.torque)
         each.append(abs(a.torque - b.torque) / (b.torque or 1.0))
-        pressures.append(_pressure_change(a, b))
+        pressures.append(_relative_pressure_change_of_shoe(a, b))
         reaction = float(np.linalg.norm(b.hinge_reaction)) or 1.0
         reactions.append(float(np.linalg.norm(a.hinge_reaction - b.hinge_reaction)) / reaction)
         peaks.append(abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0))
@@ -141,24 +148,24 @@ def omission_change(simple: Response, whole: Response) -> OmissionChange:
     )
 
 
-def _pressure_change(a: ShoeResponse, b: ShoeResponse) -> float:
+def _relative_pressure_change_of_shoe(a: ShoeResponse, b: ShoeResponse) -> float:
     """L2 distance between the pressures of responses a and b of a shoe, relative to b.
 
     The result is 1 where the shoe presses in response a only.
     """
-    return pressure_distance(a, b) if b.pressure.any() else float(a.pressure.any())
+    return relative_distance_of_pressures(a, b) if b.pressure.any() else float(a.pressure.any())
 
 
-def parts_present(brake: Brake) -> list[str]:
+def names_of_omissions_possible_for_brake(brake: Brake) -> list[str]:
     """The names of those OMISSIONS whose part or effect a brake has."""
     return [name for name, part in OMISSIONS.items() if part.in_brake(brake)]
 
 
-def simplified_brake(brake: Brake, names: Iterable[str]) -> Brake:
+def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
     """The brake without those of the parts "ring", "shoe" and "backing" that `names` contains.
 
-    The other names of OMISSIONS change no brake file; `scene_without` takes them into account.
-    Raises BadInput where OMISSIONS does not have a name.
+    The other names of OMISSIONS change no brake file; `prepared_model_without_parts` takes them
+    into account. Raises BadInput where OMISSIONS does not have a name.
     """
     names = set(names)
     if unknown := sorted(names - set(OMISSIONS)):
@@ -171,13 +178,13 @@ def simplified_brake(brake: Brake, names: Iterable[str]) -> Brake:
     shoes = []
     for shoe in brake.shoes:
         # A shoe on a mesh of the user or with a straight beam keeps its body and its backing.
-        shoes.append(shoe.model_copy(update=gone) if _body_follows_drum(shoe) else shoe)
-    left = brake.without_ring() if "ring" in names else brake
+        shoes.append(shoe.model_copy(update=gone) if _is_body_an_arc_along_drum(shoe) else shoe)
+    left = brake.brake_without_ring() if "ring" in names else brake
     return left.model_copy(update={"shoes": tuple(shoes)})
 
 
-def scene_without(
-    brake: Brake, names: Iterable[str], make: Make = prepare
+def prepared_model_without_parts(
+    brake: Brake, names: Iterable[str], make: Make = make_prepared_model
 ) -> tuple[PreparedModel, Brake]:
     """The prepared model of a brake without some parts, and the simpler brake itself.
 
@@ -187,22 +194,24 @@ def scene_without(
         The whole brake.
     names : iterable of str
         Names of OMISSIONS. The name "curvature" has no effect here: `make` must be
-        `prepare_straight` for elements with straight edges.
+        `prepare_with_straight_element_edges` for elements with straight edges.
     make : function
         Returns the prepared model of a brake.
     """
     names = set(names)
-    simple = simplified_brake(brake, names)
+    simple = brake_without_neglected_parts(brake, names)
     # Without "drag" friction deforms no body: the model is prepared without friction, and friction
     # is added to the balance of moments alone.
     if "drag" in names and brake.friction > 0:
-        scene = _scene_without_friction(make(simple.model_copy(update={"friction": 0.0})), simple)
+        scene = _model_without_friction_deformation(
+            make(simple.model_copy(update={"friction": 0.0})), simple
+        )
     else:
         scene = make(simple)
     return replace(scene, apart="coupling" in names), simple
 
 
-def _scene_without_friction(scene: PreparedModel, brake: Brake) -> PreparedModel:
+def _model_without_friction_deformation(scene: PreparedModel, brake: Brake) -> PreparedModel:
     """A prepared model for a brake with friction in which friction causes no deformation.
 
     Friction acts on the balance of forces and moments of each shoe only.
@@ -213,7 +222,7 @@ def _scene_without_friction(scene: PreparedModel, brake: Brake) -> PreparedModel
     bodies = []
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
-            x, y = body.line.xy - shoe.own_pin[:, None]
+            x, y = body.line.xy - shoe.pin_in_shoe_frame[:, None]
             # Rigid-body modes of the contact nodes: along x, along y, and turn about the pin.
             modes = np.stack([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
             rigid = modes.transpose(0, 2, 1).reshape(3, -1)
@@ -233,7 +242,7 @@ def _scene_without_friction(scene: PreparedModel, brake: Brake) -> PreparedModel
     return replace(scene, brake=brake, bodies=tuple(bodies), ring=ring)
 
 
-def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:
+def prepare_with_straight_element_edges(brake: Brake, *, elements: int) -> PreparedModel:
     """The prepared model of a brake whose quadratic elements have straight edges.
 
     elements : number of elements along each lining.
@@ -242,17 +251,17 @@ def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:
 
     def mesh_with_straight_edges(shoe: Shoe, radius: float) -> Any:
         """The mesh of a shoe with straight lines between the corners of each element."""
-        mesh = shoe_mesh(shoe, radius, elements)
+        mesh = parametric_mesh_of_shoe(shoe, radius, elements)
         corners = skfem.MeshQuad(
             np.ascontiguousarray(mesh.p[:, : mesh.nvertices]), mesh.t, validate=False
         )
         straight = skfem.MeshQuad2.from_mesh(corners)
         return replace(straight, _subdomains=mesh.subdomains, _boundaries=mesh.boundaries)
 
-    return prepare(brake, elements=elements, mesher=mesh_with_straight_edges)
+    return make_prepared_model(brake, elements=elements, mesher=mesh_with_straight_edges)
 
 
-def predict_omission_change(
+def predict_change_of_answer_by_omission(
     brake: Brake, names: Sequence[str], respond: ResponseFunction, sketch: Make | None = None
 ) -> OmissionChange:
     """The change of the answer by an omission, predicted on two surrogates in some milliseconds.
@@ -266,14 +275,17 @@ def predict_omission_change(
     respond : function
         Returns the response of a prepared model and a brake.
     sketch : function, optional
-        Returns the surrogate of a brake, as a function of `reduced.surrogate_maker`. A function
-        that is used again keeps the meshes of its linings.
+        Returns the surrogate of a brake, as a function of
+        `reduced.make_function_that_prepares_surrogates`. A function that is used again keeps the
+        meshes of its linings.
 
     Raises
     ------
     NoAnswer
         The surrogate of the whole or of the simpler brake has no equilibrium.
     """
-    sketch = sketch or surrogate_maker()
+    sketch = sketch or make_function_that_prepares_surrogates()
     whole = respond(sketch(brake), brake)
-    return omission_change(respond(*scene_without(brake, names, sketch)), whole)
+    return change_of_answer_by_omission(
+        respond(*prepared_model_without_parts(brake, names, sketch)), whole
+    )

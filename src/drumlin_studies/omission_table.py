@@ -19,25 +19,25 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.fem.analysis.fields import recover_shoe_fields
-from drumlin.fem.mesh.grading import divide_lining
+from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
+from drumlin.fem.mesh.grading import divide_lining_into_elements
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import shape_key_of_shoe
 from drumlin.fem.preparation.meshes import ELEMENTS
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies.omission import (
     OMISSIONS,
     OmissionChange,
-    omission_change,
-    parts_present,
-    predict_omission_change,
-    prepare_straight,
-    scene_without,
+    change_of_answer_by_omission,
+    names_of_omissions_possible_for_brake,
+    predict_change_of_answer_by_omission,
+    prepare_with_straight_element_edges,
+    prepared_model_without_parts,
 )
-from drumlin_studies.reduced import surrogate_maker
-from drumlin_studies.tables import matching_rows
+from drumlin_studies.reduced import make_function_that_prepares_surrogates
+from drumlin_studies.tables import rows_with_given_values
 
 EXACT_OMISSIONS = {
     "interior fields": "not recovered",
@@ -61,7 +61,7 @@ class WholeAndSimple(NamedTuple):
     simple: Callable[[], Response]
 
 
-def omission_rows(
+def rows_of_omissions_for_brake(
     brake: Brake, name: str, *, elements: int = ELEMENTS, repeats: int = 5
 ) -> list[dict[str, Any]]:
     """A row for each omission that a brake allows.
@@ -85,22 +85,26 @@ def omission_rows(
         no `memory`.
     """
     rows: list[dict[str, Any]] = []
-    for part, instead, names in _omission_rows(brake):
+    for part, instead, names in _list_omissions_to_compute(brake):
         exact = names is None
         pair = (
-            _exact_omission_solves(brake, part, elements)
+            _solvers_with_and_without_exact_omission(brake, part, elements)
             if names is None
-            else _whole_and_simple_solves(brake, names, elements)
+            else _solvers_with_and_without_parts(brake, names, elements)
         )
         if pair is None:
             continue
         row: dict[str, Any] = {"brake": name, "part": part, "instead": instead}
         row["exact"] = "yes" if exact else "no"
         try:
-            row |= _change_row(omission_change(pair.simple(), pair.whole()), "")
+            row |= _omission_change_as_row(
+                change_of_answer_by_omission(pair.simple(), pair.whole()), ""
+            )
             if names is not None:
-                row |= _change_row(_predicted_change(brake, names, elements), "predicted_")
-            row |= (saved_time_and_memory(pair, repeats) if repeats else {}) | {
+                row |= _omission_change_as_row(
+                    _predict_change_with_straight_edges(brake, names, elements), "predicted_"
+                )
+            row |= (fractions_of_time_and_memory_saved(pair, repeats) if repeats else {}) | {
                 "status": "converged"
             }
         except NoAnswer as error:
@@ -109,12 +113,13 @@ def omission_rows(
     return rows
 
 
-def prediction_ratios(rows: Sequence[Mapping[str, Any]], key: str) -> list[float]:
+def predicted_over_true_changes(rows: Sequence[Mapping[str, Any]], key: str) -> list[float]:
     """Predicted change over true change, for each row whose true change lies in 0.01 % to 30 %.
 
     Exact omissions, the curvature of the elements, and all omissions with curvature are left out.
 
-    rows : rows of `omission_rows`; key : attribute of `OmissionChange` that is compared.
+    rows : rows of `rows_of_omissions_for_brake`; key : attribute of `OmissionChange` that is
+        compared.
     """
     ratios = []
     for row in rows:
@@ -124,13 +129,13 @@ def prediction_ratios(rows: Sequence[Mapping[str, Any]], key: str) -> list[float
     return ratios
 
 
-def saved_time_range(
+def saved_time_ranges_by_omission(
     rows: Sequence[Mapping[str, Any]], least: float
 ) -> dict[str, tuple[float, float]]:
     """Smallest and largest fraction of the time that each omission alone saves, by its name.
 
-    rows : rows of `omission_rows`; least : fraction of the time that an omission must save on at
-    least one brake. Other omissions are left out of the result.
+    rows : rows of `rows_of_omissions_for_brake`; least : fraction of the time that an omission must
+    save on at least one brake. Other omissions are left out of the result.
     """
     saving: dict[str, list[float]] = {}
     for row in rows:
@@ -143,12 +148,14 @@ def saved_time_range(
     return ranges
 
 
-def row_of_worst_straight_edges(rows: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
+def row_of_largest_straight_edge_effect(
+    rows: Sequence[Mapping[str, Any]],
+) -> Mapping[str, Any] | None:
     """The row in which elements with straight edges change the pressure most.
 
     The result is None where no row has such a change.
     """
-    straight = matching_rows(rows, part="curvature")
+    straight = rows_with_given_values(rows, part="curvature")
     # A row whose solve failed has no key "pressure" and counts as no change.
     worst = max(straight, key=lambda row: row.get("pressure") or 0.0, default=None)
     return worst if worst and worst.get("pressure") else None
@@ -170,13 +177,13 @@ class _OmissionRow(NamedTuple):
     names: list[str] | None
 
 
-def _omission_rows(brake: Brake) -> list[_OmissionRow]:
+def _list_omissions_to_compute(brake: Brake) -> list[_OmissionRow]:
     """The omissions for which a brake gets a row in the table, in the order of the rows.
 
     First stand the EXACT_OMISSIONS, then each of OMISSIONS alone, then the OMISSIONS together.
     """
     rows = [_OmissionRow(part, instead, None) for part, instead in EXACT_OMISSIONS.items()]
-    names = parts_present(brake)
+    names = names_of_omissions_possible_for_brake(brake)
     together = []
     for part in names:
         rows.append(_OmissionRow(part, OMISSIONS[part].instead, [part]))
@@ -191,7 +198,7 @@ def _omission_rows(brake: Brake) -> list[_OmissionRow]:
     return rows
 
 
-def _change_row(found: OmissionChange, prefix: str) -> dict[str, float]:
+def _omission_change_as_row(found: OmissionChange, prefix: str) -> dict[str, float]:
     """The attributes of `found`, relative changes by an omission, as keys and values of a row.
 
     prefix : text before each key.
@@ -199,28 +206,32 @@ def _change_row(found: OmissionChange, prefix: str) -> dict[str, float]:
     return {prefix + key: value for key, value in found._asdict().items()}
 
 
-def saved_time_and_memory(pair: WholeAndSimple, repeats: int) -> dict[str, float]:
+def fractions_of_time_and_memory_saved(pair: WholeAndSimple, repeats: int) -> dict[str, float]:
     """Fractions of the time and of the peak memory of the whole solve that the simpler solve saves.
 
     Simpler and whole solves alternate. The saved time follows from the median ratio of the pairs.
 
     pair : functions that run the two solves; repeats : number of timed pairs.
     """
-    ratios = [_solve_seconds(pair.simple) / _solve_seconds(pair.whole) for _ in range(repeats)]
+    ratios = [
+        _processor_seconds_of_solve(pair.simple) / _processor_seconds_of_solve(pair.whole)
+        for _ in range(repeats)
+    ]
     return {
         "seconds": 1 - median(ratios),
-        "memory": 1 - _solve_peak_memory(pair.simple) / _solve_peak_memory(pair.whole),
+        "memory": 1
+        - _peak_memory_of_one_solve(pair.simple) / _peak_memory_of_one_solve(pair.whole),
     }
 
 
-def _solve_seconds(solve: Callable[[], object]) -> float:
+def _processor_seconds_of_solve(solve: Callable[[], object]) -> float:
     """The processor time of one call of a function that solves a brake [s]."""
     start = time.process_time()
     solve()
     return time.process_time() - start
 
 
-def _solve_peak_memory(solve: Callable[[], object]) -> int:
+def _peak_memory_of_one_solve(solve: Callable[[], object]) -> int:
     """The peak memory [bytes] of Python and NumPy in one call of a function that solves a brake."""
     tracemalloc.start()
     try:
@@ -230,43 +241,51 @@ def _solve_peak_memory(solve: Callable[[], object]) -> int:
         tracemalloc.stop()
 
 
-def _whole_and_simple_solves(brake: Brake, names: list[str], elements: int) -> WholeAndSimple:
+def _solvers_with_and_without_parts(
+    brake: Brake, names: list[str], elements: int
+) -> WholeAndSimple:
     """Functions that solve the whole brake and the brake without the OMISSIONS in `names`.
 
     elements : number of elements along each lining.
     """
-    whole = partial(prepare, elements=elements)
-    make = partial(prepare_straight, elements=elements) if "curvature" in names else whole
+    whole = partial(make_prepared_model, elements=elements)
+    make = (
+        partial(prepare_with_straight_element_edges, elements=elements)
+        if "curvature" in names
+        else whole
+    )
     return WholeAndSimple(
         lambda: solve_prepared_model(whole(brake), brake),
-        lambda: solve_prepared_model(*scene_without(brake, names, make)),
+        lambda: solve_prepared_model(*prepared_model_without_parts(brake, names, make)),
     )
 
 
-def _exact_omission_solves(brake: Brake, part: str, elements: int) -> WholeAndSimple | None:
+def _solvers_with_and_without_exact_omission(
+    brake: Brake, part: str, elements: int
+) -> WholeAndSimple | None:
     """Functions that solve a brake with and without one of EXACT_OMISSIONS.
 
     The result is None where the omission does not apply to the brake.
 
     part : a key of EXACT_OMISSIONS; elements : number of elements along each lining.
     """
-    make = partial(prepare, elements=elements)
+    make = partial(make_prepared_model, elements=elements)
 
-    def solve_without_part() -> Response:
+    def solve_as_usual() -> Response:
         """The response by the usual solve, which leaves out the computation `part`."""
         return solve_prepared_model(make(brake), brake)
 
     if part == "interior fields":
 
-        def solve_with_fields() -> Response:
+        def solve_and_recover_stresses() -> Response:
             """The response after the stresses inside all shoes have been computed as well."""
             scene = make(brake)
             response = solve_prepared_model(scene, brake)
             for i in range(len(brake.shoes)):
-                recover_shoe_fields(scene, brake, response, i)
+                stress_and_displacement_fields_of_shoe(scene, brake, response, i)
             return response
 
-        return WholeAndSimple(solve_with_fields, solve_without_part)
+        return WholeAndSimple(solve_and_recover_stresses, solve_as_usual)
     if part == "second of equal shoes":
         shapes = {shape_key_of_shoe(brake, shoe) for shoe in brake.shoes}
         # The omission does not apply where all shoes differ. Neither is it shown on an elastic
@@ -274,16 +293,16 @@ def _exact_omission_solves(brake: Brake, part: str, elements: int) -> WholeAndSi
         if len(shapes) == len(brake.shoes) or brake.ring is not None:
             return None
         return WholeAndSimple(
-            lambda: solve_prepared_model(_scene_without_shared_bodies(brake, make), brake),
-            solve_without_part,
+            lambda: solve_prepared_model(_prepare_each_shoe_separately(brake, make), brake),
+            solve_as_usual,
         )
     if brake.friction > 0:
         return None
     rubbing = vary(brake, {"friction": 0.3})
-    return WholeAndSimple(lambda: solve_prepared_model(make(rubbing), brake), solve_without_part)
+    return WholeAndSimple(lambda: solve_prepared_model(make(rubbing), brake), solve_as_usual)
 
 
-def _scene_without_shared_bodies(
+def _prepare_each_shoe_separately(
     brake: Brake, make: Callable[[Brake], PreparedModel]
 ) -> PreparedModel:
     """The prepared model of a brake in which each shoe is condensed by itself.
@@ -297,7 +316,9 @@ def _scene_without_shared_bodies(
     return replace(alone, brake=brake, bodies=tuple(bodies))
 
 
-def _predicted_change(brake: Brake, names: Iterable[str], elements: int) -> OmissionChange:
+def _predict_change_with_straight_edges(
+    brake: Brake, names: Iterable[str], elements: int
+) -> OmissionChange:
     """The predicted change of the answer by some of OMISSIONS.
 
     The surrogate predicts all omissions but "curvature". The effect of straight edges depends on
@@ -305,48 +326,54 @@ def _predicted_change(brake: Brake, names: Iterable[str], elements: int) -> Omis
     """
     names = list(names)
     if "curvature" not in names:
-        return predict_omission_change(brake, names, solve_prepared_model)
-    sketch = surrogate_maker()
+        return predict_change_of_answer_by_omission(brake, names, solve_prepared_model)
+    sketch = make_function_that_prepares_surrogates()
     whole = solve_prepared_model(sketch(brake), brake)
     # The other omissions are predicted on a surrogate. The mean gap between the chords of the
     # elements and the arc of the drum is added to the surrogate as a clearance.
-    scene, simple = scene_without(brake, set(names) - {"curvature"}, sketch)
+    scene, simple = prepared_model_without_parts(brake, set(names) - {"curvature"}, sketch)
     rest = solve_prepared_model(scene, simple)
-    straightened = tuple(_shoe_with_chord_gap(brake, shoe, elements) for shoe in simple.shoes)
+    straightened = tuple(
+        _shoe_with_mean_chord_gap_as_clearance(brake, shoe, elements) for shoe in simple.shoes
+    )
     straight = simple.model_copy(update={"shoes": straightened})
-    found = omission_change(solve_prepared_model(scene, straight), whole)
+    found = change_of_answer_by_omission(solve_prepared_model(scene, straight), whole)
     # The mean gap leaves out the waves of the pressure within an element: a closed form adds them.
     waves = []
     for shoe, answer in zip(brake.shoes, rest.shoes, strict=True):
-        size = _root_mean_square(answer.theta, answer.pressure)
-        waves.append(straight_edge_pressure(brake, shoe, elements) / size if size else 0.0)
+        size = _root_mean_square_of_pressure(answer.theta, answer.pressure)
+        waves.append(
+            rms_pressure_waves_by_straight_edges(brake, shoe, elements) / size if size else 0.0
+        )
     return found._replace(pressure=math.hypot(found.pressure, max(waves)))
 
 
-def _sagittas(brake: Brake, shoe: Shoe, elements: int) -> tuple[Floats, Floats]:
+def _element_angles_and_chord_sagittas(
+    brake: Brake, shoe: Shoe, elements: int
+) -> tuple[Floats, Floats]:
     """Ends (m + 1,) [rad] of the elements along a lining, and sagittas (m,) [m] of their chords.
 
     A sagitta is the largest distance of the straight edge of an element from the arc.
     """
-    angles = divide_lining(shoe, brake.size, elements).angles
+    angles = divide_lining_into_elements(shoe, brake.size, elements).angles
     return angles, brake.size * (1 - np.cos(np.diff(angles) / 2))
 
 
-def _shoe_with_chord_gap(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
+def _shoe_with_mean_chord_gap_as_clearance(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
     """The shoe with a clearance like the mean gap between straight element edges and the arc.
 
     The mean gap of an element is 2/3 of its sagitta.
     """
-    angles, height = _sagittas(brake, shoe, elements)
+    angles, height = _element_angles_and_chord_sagittas(brake, shoe, elements)
     # In a mirrored frame the shoe's own angles fall as the brake's angles theta grow.
     middle = np.sort(shoe.frame.theta((angles[:-1] + angles[1:]) / 2))
     height = height[:: shoe.frame.sense]
-    gap = shoe.sign * 2 / 3 * height + shoe.lining.clearance_at(middle)
+    gap = shoe.sign * 2 / 3 * height + shoe.lining.clearance_at_coordinates(middle)
     table = tuple(zip(middle.tolist(), gap.tolist(), strict=True))
     return shoe.model_copy(update={"lining": shoe.lining.model_copy(update={"clearance": table})})
 
 
-def straight_edge_pressure(brake: Brake, shoe: Shoe, elements: int) -> float:
+def rms_pressure_waves_by_straight_edges(brake: Brake, shoe: Shoe, elements: int) -> float:
     """Root mean square over the lining of the pressure waves [Pa] by straight element edges.
 
     A straight edge is a chord of length h with the sagitta s = R (1 - cos(dphi/2)). It leaves the
@@ -358,7 +385,7 @@ def straight_edge_pressure(brake: Brake, shoe: Shoe, elements: int) -> float:
 
         p = w 4 G k/(kappa + 1) (2 kappa cosh 2kt + 1 + kappa^2 + (2kt)^2)/(2 kappa sinh 2kt - 4kt).
     """
-    angles, height = _sagittas(brake, shoe, elements)
+    angles, height = _element_angles_and_chord_sagittas(brake, shoe, elements)
     lining = shoe.lining
     E, nu = lining.material.E_through, lining.material.nu_along_through
     kappa, G = (3 - nu) / (1 + nu), E / (2 * (1 + nu))
@@ -373,6 +400,6 @@ def straight_edge_pressure(brake: Brake, shoe: Shoe, elements: int) -> float:
     )
 
 
-def _root_mean_square(theta: Floats, p: Floats) -> float:
+def _root_mean_square_of_pressure(theta: Floats, p: Floats) -> float:
     """Root mean square of the pressures p at the angles theta, by the trapezoidal rule."""
     return math.sqrt(float(np.trapezoid(p**2, theta)) / float(theta[-1] - theta[0]))

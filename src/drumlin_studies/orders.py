@@ -17,16 +17,16 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.comparison import Convergence
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.laws import sine
-from drumlin.response.norms import pressure_distance, relative
+from drumlin.laws import solve_brake_by_sine_law
+from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.verification.reference import Refinement, solve_reference_responses
-from drumlin_studies.tables import values_of_key
+from drumlin.verification.reference import Refinement, solve_brake_for_reference_values
+from drumlin_studies.tables import values_of_key_in_rows
 
 RIGID_CHANGES = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}
 """Changes of a brake file that make a shoe nearly rigid.
@@ -38,16 +38,16 @@ Row = dict[str, Any]
 """A row of a table: its values by key."""
 
 
-def largest_pressure_distance(response: Response, reference: Response) -> float:
+def largest_pressure_distance_of_shoes(response: Response, reference: Response) -> float:
     """Relative L2 distance of the pressures of a response from a reference.
 
     The largest distance of all shoes counts. The zones at the ends of the linings, in which the
     pressure is singular, are left out.
     """
-    return max(map(pressure_distance, response.shoes, reference.shoes))
+    return max(map(relative_distance_of_pressures, response.shoes, reference.shoes))
 
 
-def order_rows(
+def convergence_order_rows_of_meshes(
     brake: Brake, case: str, kind: str, sizes: Sequence[int], reference: Response
 ) -> list[Row]:
     """A row for each of several meshes: the errors of pressure and torque, with exact contact.
@@ -75,8 +75,8 @@ def order_rows(
             "case": case,
             "kind": kind,
             "elements": n,
-            "pressure": largest_pressure_distance(response, reference),
-            "torque": abs(relative(response.torque, reference.torque)),
+            "pressure": largest_pressure_distance_of_shoes(response, reference),
+            "torque": abs(relative_error_of_number(response.torque, reference.torque)),
             "steps": response.iterations,
         }
         if rows:
@@ -87,7 +87,8 @@ def order_rows(
 
 
 COARSE_LEVEL = Level(2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1)
-"""The first and coarsest hp mesh of `level_rows`. The errors on it are some percent."""
+"""The first and coarsest hp mesh of `error_rows_of_hp_levels`. The errors on it are some percent.
+"""
 
 LEVEL_REFERENCE = Refinement(
     3,
@@ -97,13 +98,13 @@ LEVEL_REFERENCE = Refinement(
     ),
     (),
 )
-"""Two fine hp meshes on which the reference of `level_rows` is solved.
+"""Two fine hp meshes on which the reference of `error_rows_of_hp_levels` is solved.
 
 They are fine enough that the errors of four coarser levels are known to within a half.
 """
 
 
-def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[Row]:
+def error_rows_of_hp_levels(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[Row]:
     """A row for each level of hp elements: the errors of pressure and torque, with exact contact.
 
     The elements are refined towards the ends of the contact in the reference. `root` is the cube
@@ -112,17 +113,17 @@ def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[R
     where the error falls below twice the distance between the two hp meshes of the reference. Above
     this floor an error is known to within a half.
     """
-    reference = solve_reference_responses(brake, refinement)
-    true, places = reference.value, singular_points_of(brake, reference.value)
-    floor = 2 * largest_pressure_distance(reference.before, true)
+    reference = solve_brake_for_reference_values(brake, refinement)
+    true, places = reference.value, singular_points_of_all_linings(brake, reference.value)
+    floor = 2 * largest_pressure_distance_of_shoes(reference.before, true)
     rows = []
     for level in (COARSE_LEVEL, *LEVELS):
-        made = prepare(brake, level, places)
+        made = make_prepared_model(brake, level, places)
         # An infinite penalty asks for exact contact; the contact set of the reference is the start.
         response = solve_prepared_model(made, brake, penalty=math.inf, start=true)
         unknowns = max(body.unknowns for body in made.bodies)
-        error = largest_pressure_distance(response, true)
-        torque = abs(relative(response.torque, true.torque))
+        error = largest_pressure_distance_of_shoes(response, true)
+        torque = abs(relative_error_of_number(response.torque, true.torque))
         # Below the floor the error of the reference is too large a part of the difference.
         if error < floor:
             break
@@ -156,16 +157,16 @@ class FittedLine(NamedTuple):
     decades: float
 
 
-def fit_error_line(rows: Sequence[Row]) -> FittedLine:
-    """The straight line through the errors of the pressure in the rows of `level_rows`."""
-    x = np.array(values_of_key(rows, "root"))
-    y = np.array(list(map(math.log10, values_of_key(rows, "pressure"))))
+def fit_line_to_log_errors(rows: Sequence[Row]) -> FittedLine:
+    """The straight line through the errors of p in the rows of `error_rows_of_hp_levels`."""
+    x = np.array(values_of_key_in_rows(rows, "root"))
+    y = np.array(list(map(math.log10, values_of_key_in_rows(rows, "pressure"))))
     return FittedLine(
         -float(np.polyfit(x, y, 1)[0]), -float(np.corrcoef(x, y)[0, 1]), float(np.ptp(y))
     )
 
 
-def estimate_row(
+def estimated_and_true_error_row(
     brake: Brake, case: str, tolerance: float, reference: Response, floor: float
 ) -> Row:
     """A row with the estimated and the true errors of a solve to a tolerance, and the wall time.
@@ -193,7 +194,7 @@ def estimate_row(
     seconds = time.perf_counter() - start
     # A solve to a tolerance always estimates its errors.
     assert response.error is not None
-    true = largest_pressure_distance(response, reference)
+    true = largest_pressure_distance_of_shoes(response, reference)
     below = "converged; truth below what the reference knows"
     return {
         **row,
@@ -201,13 +202,13 @@ def estimate_row(
         "true": true,
         "ratio": response.error["pressure"] / true,
         "torque_estimate": response.error["torque"],
-        "torque_true": abs(relative(response.torque, reference.torque)),
+        "torque_true": abs(relative_error_of_number(response.torque, reference.torque)),
         "seconds": seconds,
         "status": "converged" if true > floor else below,
     }
 
 
-def convergence_rows(convergence: Convergence) -> list[Row]:
+def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[Row]:
     """A row for each of several meshes, each twice as fine as the one before.
 
     A row has the torque [N m], the relative distance of the torque from its limit, and under the
@@ -220,12 +221,12 @@ def convergence_rows(convergence: Convergence) -> list[Row]:
         row: Row = {
             "elements": n,
             "unknowns_torque": response.torque,
-            "torque_error": relative(response.torque, limit),
+            "torque_error": relative_error_of_number(response.torque, limit),
         }
         rows.append(row)
     for i, shoe in enumerate(convergence.responses[0].shoes):
         # Changes of the pressure from one mesh to the next; the finest mesh has no next mesh.
-        steps: list[float | None] = [*convergence.pressure_steps(i), None]
+        steps: list[float | None] = [*convergence.pressure_distances_between_meshes(i), None]
         for row, change in zip(rows, steps, strict=True):
             row[shoe.name] = change
     for row, response in zip(rows, convergence.responses, strict=True):
@@ -233,7 +234,7 @@ def convergence_rows(convergence: Convergence) -> list[Row]:
     return rows
 
 
-def rigid_limit_rows(brake: Brake, elements: int) -> list[Row]:
+def rows_of_sine_law_and_rigid_shoes(brake: Brake, elements: int) -> list[Row]:
     """Rows that compare the sine law with finite elements on nearly rigid shoes with thin linings.
 
     A row has the torques of a shoe [N m], the last row the torques of the whole brake. `spread` is
@@ -243,19 +244,19 @@ def rigid_limit_rows(brake: Brake, elements: int) -> list[Row]:
     brake : the brake, before RIGID_CHANGES; elements : number of elements along each lining.
     """
     rigid = vary(brake, RIGID_CHANGES)
-    law, fem = sine(rigid), solve(rigid, elements=elements)
+    law, fem = solve_brake_by_sine_law(rigid), solve(rigid, elements=elements)
     rows: list[Row] = []
     for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):
         # The ends of an elastic lining disturb its pressure up to some five thicknesses inwards.
         edge = 5 * spec.lining.thickness / rigid.size
-        ratio = sine_amplitude(spec.frame.phi(b.theta), b, edge)
+        ratio = pressure_over_sine_of_hinge_angle(spec.frame.phi(b.theta), b, edge)
         rows.append(
             {
                 "rotation": brake.direction,
                 "shoe": spec.name,
                 "law": a.torque,
                 "fem": b.torque,
-                "difference": relative(b.torque, a.torque),
+                "difference": relative_error_of_number(b.torque, a.torque),
                 "spread": float(np.ptp(ratio) / np.mean(ratio)),
             }
         )
@@ -265,13 +266,13 @@ def rigid_limit_rows(brake: Brake, elements: int) -> list[Row]:
             "shoe": "all",
             "law": law.torque,
             "fem": fem.torque,
-            "difference": relative(fem.torque, law.torque),
+            "difference": relative_error_of_number(fem.torque, law.torque),
         }
     )
     return rows
 
 
-def sine_amplitude(phi: Floats, shoe: ShoeResponse, edge: float) -> Floats:
+def pressure_over_sine_of_hinge_angle(phi: Floats, shoe: ShoeResponse, edge: float) -> Floats:
     """The ratio p/sin(phi) [Pa] at the nodes in the inner part of a lining.
 
     By the sine law the ratio is the same at all nodes.
@@ -283,7 +284,7 @@ def sine_amplitude(phi: Floats, shoe: ShoeResponse, edge: float) -> Floats:
     return np.asarray(shoe.pressure[inside] / np.sin(phi[inside]))
 
 
-def largest_residual(responses: Sequence[Response]) -> float:
+def largest_balance_residual_of_responses(responses: Sequence[Response]) -> float:
     """The largest relative residual in the balances of forces and moments of several responses.
 
     Responses without a balance, whose residual is nan, are left out.

@@ -10,7 +10,11 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from drumlin_studies.tables import matching_rows, rows_with_value, values_of_key
+from drumlin_studies.tables import (
+    rows_that_have_value_of_key,
+    rows_with_given_values,
+    values_of_key_in_rows,
+)
 from drumlin_studies.trial import TRIAL_FAULTS
 
 Row = dict[str, Any]
@@ -33,17 +37,19 @@ TIME_KEYS = ("seconds", "seconds_whole", "pointwise_seconds", "steps", "pointwis
 """Keys of a row that hold times [s] and numbers of iterations."""
 
 
-def fault_rows(rows: Sequence[Row]) -> list[Row]:
+def rows_with_faults(rows: Sequence[Row]) -> list[Row]:
     """The rows whose outcome is a fault: neither a right answer nor a refusal with a reason."""
     return [row for row in rows if row["outcome"] in TRIAL_FAULTS]
 
 
-def rows_of_fewest_digits(rows: Sequence[Row], count: int = 10) -> list[Row]:
+def rows_with_fewest_correct_digits(rows: Sequence[Row], count: int = 10) -> list[Row]:
     """The `count` rows whose torques have the fewest correct digits, fewest first."""
-    return sorted(rows_with_value(rows, "digits"), key=lambda row: row["digits"])[:count]
+    return sorted(rows_that_have_value_of_key(rows, "digits"), key=lambda row: row["digits"])[
+        :count
+    ]
 
 
-def _rows_by_knob(rows: Sequence[Row]) -> dict[str, list[Row]]:
+def _group_rows_by_varied_quantity(rows: Sequence[Row]) -> dict[str, list[Row]]:
     """The rows in groups: those of each varied quantity (knob) under its name, all under "all"."""
     groups: dict[str, list[Row]] = {}
     for row in rows:
@@ -51,7 +57,9 @@ def _rows_by_knob(rows: Sequence[Row]) -> dict[str, list[Row]]:
     return groups | {"all": list(rows)}
 
 
-def count_values_by_knob(rows: Sequence[Row], key: str, names: Sequence[str]) -> list[Row]:
+def count_row_values_by_varied_quantity(
+    rows: Sequence[Row], key: str, names: Sequence[str]
+) -> list[Row]:
     """A row for each varied quantity (knob) with counts of the values of a key.
 
     The last row counts over all trials.
@@ -61,7 +69,7 @@ def count_values_by_knob(rows: Sequence[Row], key: str, names: Sequence[str]) ->
     rows : the rows of the trials; key : key of these rows; names : the values that are counted.
     """
     table = []
-    for knob, own in _rows_by_knob(rows).items():
+    for knob, own in _group_rows_by_varied_quantity(rows).items():
         count = Counter(row.get(key) for row in own)
         line: Row = {"knob": knob, "cases": len(own)}
         for name in names:
@@ -70,31 +78,31 @@ def count_values_by_knob(rows: Sequence[Row], key: str, names: Sequence[str]) ->
     return table
 
 
-def time_rows_by_knob(rows: Sequence[Row]) -> list[Row]:
+def solve_time_rows_by_varied_quantity(rows: Sequence[Row]) -> list[Row]:
     """A row for each varied quantity (knob) with median and largest value of each of TIME_KEYS.
 
     The last row is for all trials.
     """
     table = []
-    for knob, own in _rows_by_knob(rows).items():
+    for knob, own in _group_rows_by_varied_quantity(rows).items():
         line: Row = {"knob": knob, "cases": len(own)}
         for key in TIME_KEYS:
             # A trial that is refused before its solve has no times and is left out here.
-            values = values_of_key(rows_with_value(own, key), key)
+            values = values_of_key_in_rows(rows_that_have_value_of_key(own, key), key)
             line[key] = statistics.median(values) if values else None
             line[f"most_{key}"] = max(values) if values else None
         table.append(line)
     return table
 
 
-def torque_change_by_penalty(rows: Sequence[Row]) -> dict[str, list[tuple[float, float]]]:
+def relative_torque_change_by_penalty(rows: Sequence[Row]) -> dict[str, list[tuple[float, float]]]:
     """The relative change of the torque that a finite penalty causes.
 
     The result has a list of pairs (penalty factor, change) for each of two brakes: one with its
     whole lining in contact, the other with a part of it.
     """
     found: dict[str, list[tuple[float, float]]] = {}
-    swept = matching_rows(rows, knob="penalty", outcome="answer")
+    swept = rows_with_given_values(rows, knob="penalty", outcome="answer")
     for clearance, name in (
         (0.0, "whole lining in contact, stiff shoe"),
         (1e-4, "partial contact, soft shoe"),
@@ -111,23 +119,23 @@ def torque_change_by_penalty(rows: Sequence[Row]) -> dict[str, list[tuple[float,
     return found
 
 
-def penalty_rows(rows: Sequence[Row]) -> list[Row]:
+def trial_rows_with_varied_penalty(rows: Sequence[Row]) -> list[Row]:
     """The rows of the trials in which the penalty varies and the whole lining is in contact.
 
     To each row the penalty factor is added as `penalty`, and as `change` the relative change of the
     torque against exact contact.
     """
     swept = []
-    for row in matching_rows(rows, knob="penalty"):
+    for row in rows_with_given_values(rows, knob="penalty"):
         if row["knobs"]["clearance"] == 0:
             swept.append({**row, "penalty": row["knobs"]["penalty"]})
-    exact = matching_rows(swept, penalty=math.inf)[0]["torque"]
+    exact = rows_with_given_values(swept, penalty=math.inf)[0]["torque"]
     for row in swept:
         row["change"] = row["torque"] / exact - 1
     return swept
 
 
-def penalty_error_slope(
+def log_slope_of_error_over_penalty(
     values: Sequence[tuple[float, float]], low: float = 1e2, high: float = 1e6
 ) -> float:
     """Slope of the logarithm of the error over the logarithm of the penalty factor.

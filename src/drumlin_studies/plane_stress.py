@@ -14,23 +14,37 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.texts import formatted
+from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.face import ContactFace
 from drumlin.fem.solve import solve as by_elements
 from drumlin.fem.width.correction import correct_for_widths
 from drumlin.foundation import model as foundation
-from drumlin.laws import LAWS, hinged, sine
+from drumlin.laws import LAWS, hinged, solve_brake_by_sine_law
 from drumlin.lining_wear.archard import WearLaw, wear_linings_in_given_steps
-from drumlin.lining_wear.linings import fem_wear_setup
-from drumlin.response.norms import pressure_distance, relative, vector_distance
-from drumlin.response.response import PressureOverWidth, Response, ShoeResponse, edge_zone
-from drumlin_studies.tables import values_of_key
-from drumlin_studies.uncertainty import Index, Validation, compare_with_data, grid_convergence
+from drumlin.lining_wear.linings import wear_setup_by_finite_elements
+from drumlin.response.norms import (
+    relative_distance_of_pressures,
+    relative_distance_of_vectors,
+    relative_error_of_number,
+)
+from drumlin.response.response import (
+    PressureOverWidth,
+    Response,
+    ShoeResponse,
+    length_of_edge_zone_without_peak,
+)
+from drumlin_studies.tables import values_of_key_in_rows
+from drumlin_studies.uncertainty import (
+    Index,
+    Validation,
+    compare_simulation_with_data,
+    grid_convergence_index_of_three_values,
+)
 
 WIDTH_QUANTITIES = {
     "torque": "torque",
@@ -41,7 +55,7 @@ WIDTH_QUANTITIES = {
     "corrected_torque": "torque, corrected",
     "corrected_pressure": "mean p, corrected",
 }
-"""Errors in a row of `plane_error_rows`: key of the row, name in tables.
+"""Errors in a row of `plane_stress_error_rows_of_shoes`: key of the row, name in tables.
 
 "corrected" stands for plane stress with the correction for the finite width of the shoe.
 """
@@ -63,7 +77,9 @@ class SolidAndPlane(NamedTuple):
     corrected: Response
 
 
-def solve_by_three_models(brake: Brake, elements: int, across: int | None = None) -> SolidAndPlane:
+def solve_by_solid_and_plane_stress(
+    brake: Brake, elements: int, across: int | None = None
+) -> SolidAndPlane:
     """The responses of a brake by the three models of `SolidAndPlane`, on one mesh of the section.
 
     Parameters
@@ -75,12 +91,12 @@ def solve_by_three_models(brake: Brake, elements: int, across: int | None = None
     across : int, optional
         Elements across half the width of the solid shoes; by default the solid model chooses.
     """
-    plane = _solve_plane_stress(brake, elements)
-    true = _solve_solid(brake, elements, across)
+    plane = _solve_in_plane_stress(brake, elements)
+    true = _solve_with_solid_shoes(brake, elements, across)
     return SolidAndPlane(brake, true, plane, correct_for_widths(brake, plane))
 
 
-def pressure_unevenness(shoe: ShoeResponse, zone: float) -> float:
+def pressure_deviation_across_width(shoe: ShoeResponse, zone: float) -> float:
     """Standard deviation of the pressure of a solid shoe across the width, over its mean.
 
     Both are taken as root mean squares along the lining. 0 means an even pressure across the width.
@@ -88,7 +104,7 @@ def pressure_unevenness(shoe: ShoeResponse, zone: float) -> float:
     shoe : the response of a solid shoe; zone : angle [rad] at each end of the lining that is left
     out.
     """
-    theta, surface = shoe.theta, solid_face_pressure(shoe)
+    theta, surface = shoe.theta, pressure_on_solid_face(shoe)
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
     weights = np.gradient(theta)[inside]
     z = surface.z
@@ -103,29 +119,29 @@ def pressure_unevenness(shoe: ShoeResponse, zone: float) -> float:
     return float(np.sqrt(variance / size)) if size > 0 else 0.0
 
 
-def solid_face_pressure(shoe: ShoeResponse) -> PressureOverWidth:
+def pressure_on_solid_face(shoe: ShoeResponse) -> PressureOverWidth:
     """The pressure on the whole friction face of a solid shoe, along and across."""
     assert shoe.surface is not None
     return shoe.surface
 
 
-def largest_face_pressure(shoe: ShoeResponse, zone: float) -> float:
+def largest_pressure_on_solid_face(shoe: ShoeResponse, zone: float) -> float:
     """The largest pressure on the friction face of a solid shoe [Pa].
 
     zone : angle [rad] at each end of the lining that is left out.
     """
     inside = (shoe.theta > shoe.theta[0] + zone) & (shoe.theta < shoe.theta[-1] - zone)
-    return float(solid_face_pressure(shoe).pressure[inside].max())
+    return float(pressure_on_solid_face(shoe).pressure[inside].max())
 
 
-def plane_error_rows(three: SolidAndPlane, case: str = "") -> list[dict[str, Any]]:
+def plane_stress_error_rows_of_shoes(three: SolidAndPlane, case: str = "") -> list[dict[str, Any]]:
     """A row for each shoe with the relative errors of plane stress against the solid shoe.
 
     Keys: `torque`; `pressure`, the L2 error of the mean pressure over the width; `peak`, the peak
     pressure by plane stress against the largest pressure on the face; `reaction`, the hinge
     reaction. The same four keys with "corrected_" before them are for plane stress with the
-    correction for the width. `uneven` is the result of `pressure_unevenness`, `mid_over_side` of
-    `middle_over_side_pressure`.
+    correction for the width. `uneven` is the result of `pressure_deviation_across_width`,
+    `mid_over_side` of `mid_plane_over_side_pressure`.
 
     three : the responses of the brake; case : name of the brake in the rows.
     """
@@ -134,32 +150,36 @@ def plane_error_rows(three: SolidAndPlane, case: str = "") -> list[dict[str, Any
     for i, (true, plane, other) in enumerate(
         zip(three.solid.shoes, three.plane.shoes, three.corrected.shoes, strict=True)
     ):
-        zone = edge_zone(three.brake.shoes[i], three.brake.scale_factor)
+        zone = length_of_edge_zone_without_peak(three.brake.shoes[i], three.brake.scale_factor)
         row: dict[str, Any] = {
             "case": case,
             "shoe": true.name,
             "friction": "assists" if true.self_energising else "opposes",
             "solid_torque": true.torque,
-            "uneven": pressure_unevenness(true, zone),
-            "mid_over_side": middle_over_side_pressure(true),
+            "uneven": pressure_deviation_across_width(true, zone),
+            "mid_over_side": mid_plane_over_side_pressure(true),
         }
         for name, found in (("", plane), ("corrected_", other)):
             row |= {
-                f"{name}torque": relative(found.torque, true.torque),
-                f"{name}pressure": pressure_distance(found, true, zone),
-                f"{name}peak": relative(found.peak_pressure, largest_face_pressure(true, zone)),
-                f"{name}reaction": vector_distance(found.hinge_reaction, true.hinge_reaction),
+                f"{name}torque": relative_error_of_number(found.torque, true.torque),
+                f"{name}pressure": relative_distance_of_pressures(found, true, zone),
+                f"{name}peak": relative_error_of_number(
+                    found.peak_pressure, largest_pressure_on_solid_face(true, zone)
+                ),
+                f"{name}reaction": relative_distance_of_vectors(
+                    found.hinge_reaction, true.hinge_reaction
+                ),
             }
         table.append(row)
     return table
 
 
-def middle_over_side_pressure(shoe: ShoeResponse) -> float:
+def mid_plane_over_side_pressure(shoe: ShoeResponse) -> float:
     """Pressure of a solid shoe in its mid-plane over the pressure at its side.
 
     It is taken at the middle of the contact; inf where no row of nodes touches over its width.
     """
-    p = solid_face_pressure(shoe).pressure
+    p = pressure_on_solid_face(shoe).pressure
     # Indices of the rows of nodes across the width whose nodes all touch the drum.
     pressed = np.flatnonzero((p > 0).all(axis=1))
     if not len(pressed):
@@ -168,9 +188,9 @@ def middle_over_side_pressure(shoe: ShoeResponse) -> float:
     return float(row[len(row) // 2] / row[-1])
 
 
-def largest_of_shoes(table: Sequence[dict[str, Any]], key: str) -> float:
+def value_of_largest_size_in_rows(table: Sequence[dict[str, Any]], key: str) -> float:
     """The value of a key with the largest absolute value among the rows, with its sign."""
-    return float(max(values_of_key(table, key), key=abs))
+    return float(max(values_of_key_in_rows(table, key), key=abs))
 
 
 @dataclass(frozen=True)
@@ -186,8 +206,8 @@ class PlaneErrorMap:
     x, y : array (n,), array (m,)
         Values of the first and of the second quantity.
     errors : dict
-        Arrays (m, n) of errors, by key of `plane_error_rows`. The shoe with the largest error
-        counts.
+        Arrays (m, n) of errors, by key of `plane_stress_error_rows_of_shoes`. The shoe with the
+        largest error counts.
     """
 
     name: str
@@ -196,11 +216,11 @@ class PlaneErrorMap:
     y: Floats
     errors: dict[str, Floats]
 
-    def share_within(self, limit: float, key: str = "torque") -> float:
+    def fraction_of_brakes_within_error(self, limit: float, key: str = "torque") -> float:
         """Fraction of the brakes of the map whose error `key` is at most `limit` in size."""
         return float(np.mean(np.abs(self.errors[key]) <= limit))
 
-    def where_within(self, limit: float, key: str = "torque") -> str:
+    def describe_range_within_error(self, limit: float, key: str = "torque") -> str:
         """The range of each quantity in which all errors `key` are at most `limit`, in words."""
         within = np.abs(self.errors[key]) <= limit
         if within.all():
@@ -218,7 +238,7 @@ class PlaneErrorMap:
         return " or ".join(found) or "for no whole row or column of the map"
 
 
-def map_plane_errors(
+def map_plane_stress_errors(
     name: str,
     axes: tuple[str, str],
     brake_at: Callable[[float, float], Brake],
@@ -247,13 +267,15 @@ def map_plane_errors(
     for j, b in enumerate(y):
         for i, a in enumerate(x):
             say(f"{name}: {j * len(x) + i} of {len(x) * len(y)}")
-            table = plane_error_rows(solve_by_three_models(brake_at(a, b), elements))
+            table = plane_stress_error_rows_of_shoes(
+                solve_by_solid_and_plane_stress(brake_at(a, b), elements)
+            )
             for key in keys:
-                errors[key][j, i] = largest_of_shoes(table, key)
+                errors[key][j, i] = value_of_largest_size_in_rows(table, key)
     return PlaneErrorMap(name, axes, np.asarray(x), np.asarray(y), errors)
 
 
-def share_rows(charts: Sequence[PlaneErrorMap]) -> list[dict[str, Any]]:
+def rows_of_shares_within_error_limits(charts: Sequence[PlaneErrorMap]) -> list[dict[str, Any]]:
     """A row for each map and quantity: the largest error, and the shares within READER_LIMITS.
 
     A share is the fraction of the brakes of the map whose error is within a limit.
@@ -264,7 +286,7 @@ def share_rows(charts: Sequence[PlaneErrorMap]) -> list[dict[str, Any]]:
             row: dict[str, Any] = {"map": chart.name, "quantity": name}
             row["largest"] = float(np.abs(chart.errors[key]).max())
             for limit in READER_LIMITS:
-                row[f"within_{limit:g}"] = chart.share_within(limit, key)
+                row[f"within_{limit:g}"] = chart.fraction_of_brakes_within_error(limit, key)
             table.append(row)
     return table
 
@@ -288,7 +310,7 @@ class TorqueOnThreeMeshes(NamedTuple):
     found: Index | None
 
     @property
-    def uncertainty(self) -> float:
+    def uncertainty_of_finest_torque(self) -> float:
         """Uncertainty of the torque on the finest mesh [N m].
 
         It follows from the grid convergence index; without an index it is the range of the values.
@@ -297,7 +319,7 @@ class TorqueOnThreeMeshes(NamedTuple):
         return self.found.fine * abs(fine) if self.found else float(np.ptp(self.values))
 
 
-def torque_on_three_meshes(
+def solve_torque_on_three_meshes(
     torque: Callable[[int], float], elements: Sequence[int]
 ) -> TorqueOnThreeMeshes:
     """The torque of a brake on three meshes with its grid convergence index.
@@ -308,21 +330,26 @@ def torque_on_three_meshes(
     values = tuple(map(torque, elements))
     # The three torques may show no order of convergence; they then have no index.
     try:
-        index = grid_convergence(*values[::-1])
+        index = grid_convergence_index_of_three_values(*values[::-1])
     except ValueError:
         index = None
     return TorqueOnThreeMeshes(tuple(elements), values, index)
 
 
-def validate_plane_stress(plane: TorqueOnThreeMeshes, true: TorqueOnThreeMeshes) -> Validation:
+def compare_plane_stress_torque_with_solid(
+    plane: TorqueOnThreeMeshes, true: TorqueOnThreeMeshes
+) -> Validation:
     """The error of the torque by plane stress against the solid shoe, with its uncertainty.
 
     The uncertainty is due to the meshes of both models.
 
     plane, true : torque by plane stress and by solid shoes, each on three meshes.
     """
-    return compare_with_data(
-        plane.values[-1], true.values[-1], numerical=plane.uncertainty, of_data=true.uncertainty
+    return compare_simulation_with_data(
+        plane.values[-1],
+        true.values[-1],
+        numerical=plane.uncertainty_of_finest_torque,
+        of_data=true.uncertainty_of_finest_torque,
     )
 
 
@@ -361,7 +388,7 @@ class ModelOnBrake(NamedTuple):
     solve: Callable[[], Response]
 
 
-def time_and_errors_of_models(
+def measure_time_and_errors_of_models(
     brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]
 ) -> list[TimeAndErrors]:
     """Time and errors of laws, foundation model, plane stress and solid shoes on a brake.
@@ -381,9 +408,9 @@ def time_and_errors_of_models(
     solids : sequence of int
         Elements along a lining of each timed solve with solid shoes.
     """
-    truths = _solve_solid(brake, fine), by_elements(brake)
+    truths = _solve_with_solid_shoes(brake, fine), by_elements(brake)
     rungs = []
-    for method, setting, solve_once in _models_on(brake, meshes, solids):
+    for method, setting, solve_once in _list_models_with_solvers(brake, meshes, solids):
         seconds = []
         # The first of four calls loads modules and fills caches and is not counted. Solid shoes
         # take so long that their only call counts.
@@ -393,53 +420,71 @@ def time_and_errors_of_models(
             seconds.append(time.process_time() - start)
         errors: list[float] = []
         for truth in truths:
-            errors += _largest_errors(brake, response, truth)
+            errors += _largest_torque_and_pressure_error(brake, response, truth)
         rungs.append(
             TimeAndErrors(method, setting, float(np.median(seconds[1:] or seconds)), *errors)
         )
     return rungs
 
 
-def _models_on(brake: Brake, meshes: Sequence[int], solids: Sequence[int]) -> list[ModelOnBrake]:
-    """The models of `time_and_errors_of_models`, from the laws to the finest solid shoes."""
+def _list_models_with_solvers(
+    brake: Brake, meshes: Sequence[int], solids: Sequence[int]
+) -> list[ModelOnBrake]:
+    """The models that are measured, from the laws to the finest solid shoes."""
     models = []
     for name in ("sine", "cosine", "uniform"):
-        models.append(ModelOnBrake(name, "", partial(hinged.solve, LAWS[name], brake)))
-    if foundation.why_not(brake) is None:
-        models.append(ModelOnBrake("foundation", "", partial(foundation.solve, brake, lift=())))
-        lifted = partial(foundation.solve, brake, lift=("all",))
+        models.append(
+            ModelOnBrake(
+                name, "", partial(hinged.solve_brake_with_hinged_shoes_by_law, LAWS[name], brake)
+            )
+        )
+    if foundation.reason_against_foundation_model(brake) is None:
+        models.append(
+            ModelOnBrake(
+                "foundation",
+                "",
+                partial(foundation.solve_brake_by_foundation_model, brake, lift=()),
+            )
+        )
+        lifted = partial(foundation.solve_brake_by_foundation_model, brake, lift=("all",))
         models.append(ModelOnBrake("lifted", "all", lifted))
     for n in meshes:
         setting = f"{n} elements"
-        models.append(ModelOnBrake("plane stress", setting, partial(_solve_plane_stress, brake, n)))
+        models.append(
+            ModelOnBrake("plane stress", setting, partial(_solve_in_plane_stress, brake, n))
+        )
         by_corrected = partial(_solve_corrected, brake, n)
         models.append(ModelOnBrake("plane stress, corrected", setting, by_corrected))
     for n in solids:
-        models.append(ModelOnBrake("solid", f"{n} elements", partial(_solve_solid, brake, n)))
+        models.append(
+            ModelOnBrake("solid", f"{n} elements", partial(_solve_with_solid_shoes, brake, n))
+        )
     return models
 
 
-def _largest_errors(brake: Brake, response: Response, truth: Response) -> tuple[float, float]:
+def _largest_torque_and_pressure_error(
+    brake: Brake, response: Response, truth: Response
+) -> tuple[float, float]:
     """The largest relative error of the shoes' torques, and the largest of their pressures."""
     torque, pressure = 0.0, 0.0
     for found, true, shoe in zip(response.shoes, truth.shoes, brake.shoes, strict=True):
-        torque = max(torque, abs(relative(found.torque, true.torque)))
-        zone = edge_zone(shoe, brake.scale_factor)
-        pressure = max(pressure, abs(pressure_distance(found, true, zone)))
+        torque = max(torque, abs(relative_error_of_number(found.torque, true.torque)))
+        zone = length_of_edge_zone_without_peak(shoe, brake.scale_factor)
+        pressure = max(pressure, abs(relative_distance_of_pressures(found, true, zone)))
     return torque, pressure
 
 
-def _solve_plane_stress(brake: Brake, elements: int) -> Response:
+def _solve_in_plane_stress(brake: Brake, elements: int) -> Response:
     """The response of a brake in plane stress, with `elements` elements along each lining."""
-    return solve_prepared_model(prepare(brake, elements=elements), brake)
+    return solve_prepared_model(make_prepared_model(brake, elements=elements), brake)
 
 
 def _solve_corrected(brake: Brake, elements: int) -> Response:
     """The response of a brake in plane stress on a mesh, corrected for the widths of the shoes."""
-    return correct_for_widths(brake, _solve_plane_stress(brake, elements))
+    return correct_for_widths(brake, _solve_in_plane_stress(brake, elements))
 
 
-def _solve_solid(brake: Brake, elements: int, across: int | None = None) -> Response:
+def _solve_with_solid_shoes(brake: Brake, elements: int, across: int | None = None) -> Response:
     """The response of a brake with solid shoes.
 
     elements, across : number of elements along each lining and across half its width.
@@ -456,7 +501,7 @@ class WornSolid(NamedTuple):
         Sliding distances in units of 1/(k K), with the wear coefficient k and the stiffness K of
         the lining.
     uneven : tuple of tuples
-        For each shoe and distance the `pressure_unevenness` across the width.
+        For each shoe and distance the `pressure_deviation_across_width` across the width.
     from_law : tuple of tuples
         For each shoe and distance the relative L2 distance of the pressure from the sine law. The
         pressure is the mean over the width.
@@ -487,10 +532,10 @@ def wear_solid_linings(
         Elements across half the width; by default the solid model chooses.
     """
     scene = solid.prepare(brake, elements=elements, across=across)
-    start, law = solve_prepared_model(scene, brake), sine(brake)
-    setup = fem_wear_setup(scene, brake)
+    start, law = solve_prepared_model(scene, brake), solve_brake_by_sine_law(brake)
+    setup = wear_setup_by_finite_elements(scene, brake)
     # The sliding distance 1/(k K) for a wear coefficient k of 1/Pa.
-    unit = 1 / setup.stiffness
+    unit = 1 / setup.lining_stiffness_per_area
     states = wear_linings_in_given_steps(
         setup.interfaces, WearLaw(1.0), [s * unit for s in distances[1:]]
     )
@@ -500,16 +545,22 @@ def wear_solid_linings(
         shoes = []
         for state in states:
             pressure = state.pressure[surface.part]
-            shoes.append(_worn_shoe_response(line, first, surface.forward, pressure))
-        zone = edge_zone(brake.shoes[surface.shoe], brake.scale_factor)
+            shoes.append(
+                _response_with_worn_lining_pressure(line, first, surface.forward, pressure)
+            )
+        zone = length_of_edge_zone_without_peak(brake.shoes[surface.shoe], brake.scale_factor)
         by_law = law.shoes[surface.shoe]
-        all_uneven.append(tuple(pressure_unevenness(shoe, zone) for shoe in shoes))
-        all_from_law.append(tuple(pressure_distance(shoe, by_law, zone) for shoe in shoes))
+        all_uneven.append(tuple(pressure_deviation_across_width(shoe, zone) for shoe in shoes))
+        all_from_law.append(
+            tuple(relative_distance_of_pressures(shoe, by_law, zone) for shoe in shoes)
+        )
         last.append(shoes[-1])
     return WornSolid(tuple(distances), tuple(all_uneven), tuple(all_from_law), tuple(last))
 
 
-def _worn_shoe_response(line: Any, first: ShoeResponse, forward: slice, p: Floats) -> ShoeResponse:
+def _response_with_worn_lining_pressure(
+    line: Any, first: ShoeResponse, forward: slice, p: Floats
+) -> ShoeResponse:
     """The response of a shoe before wear, with the pressure of the worn lining in its place.
 
     Parameters
@@ -524,13 +575,13 @@ def _worn_shoe_response(line: Any, first: ShoeResponse, forward: slice, p: Float
         Pressures at the nodes of the worn lining's face [Pa].
     """
     assert isinstance(line, ContactFace)
-    _, mean = line.along(p)
-    face = line.surface(p)
+    _, mean = line.angles_and_mean_pressures(p)
+    face = line.pressure_over_arc_and_width(p)
     surface = face._replace(pressure=face.pressure[forward])
     return replace(first, pressure=mean[forward], surface=surface)
 
 
-def plain_brake(brake: Brake, width: float, modulus: float) -> Brake:
+def brake_with_width_and_lining_modulus(brake: Brake, width: float, modulus: float) -> Brake:
     """The brake with shoes of one width, without backing, and with another lining modulus.
 
     width : width of linings and bodies [m]; modulus : Young's modulus of the linings [Pa].
@@ -546,48 +597,50 @@ def plain_brake(brake: Brake, width: float, modulus: float) -> Brake:
     )
 
 
-def sentences_on_curves(
+def sentences_on_largest_plane_stress_errors(
     curves: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]],
 ) -> list[str]:
     """A sentence for each varied quantity: the largest errors of plane stress and where they occur.
 
     curves : for the name of each quantity a sequence of its values, each with the rows of
-    `plane_error_rows` for the brake.
+    `plane_stress_error_rows_of_shoes` for the brake.
     """
     lines = []
     for name, points in curves.items():
         largest = []
         for key, said in SAID.items():
             # `max` compares errors first; of equal errors it takes the largest value `at`.
-            error, at = max((abs(largest_of_shoes(table, key)), at) for at, table in points)
-            largest.append(f"{said} by {formatted(error, '.1%')} (at {at:g})")
+            error, at = max(
+                (abs(value_of_largest_size_in_rows(table, key)), at) for at, table in points
+            )
+            largest.append(f"{said} by {number_as_text(error, '.1%')} (at {at:g})")
         values = f"{name} from {points[0][0]:g} to {points[-1][0]:g}"
         lines.append(f"T-section over {values}, off at most: {', '.join(largest)}")
     return lines
 
 
-def sentences_on_maps(charts: Sequence[PlaneErrorMap]) -> list[str]:
+def sentences_on_error_maps(charts: Sequence[PlaneErrorMap]) -> list[str]:
     """Sentences on each map: the ranges in which the errors are within READER_LIMITS."""
     lines = []
     for chart in charts:
         torque = chart.errors["torque"]
         worst_of = torque.ravel()[np.abs(torque).argmax()]
         for key, said in SAID.items():
-            end = f" (at worst {formatted(worst_of, '+.1%')})" if key == "torque" else ""
-            parts = "; ".join(_range_within_limits(chart, key))
+            end = f" (at worst {number_as_text(worst_of, '+.1%')})" if key == "torque" else ""
+            parts = "; ".join(_describe_map_ranges_within_limits(chart, key))
             lines.append(f"{chart.name}: plane stress has {said}{end} within {parts}")
     return lines
 
 
-def _range_within_limits(chart: PlaneErrorMap, key: str) -> list[str]:
+def _describe_map_ranges_within_limits(chart: PlaneErrorMap, key: str) -> list[str]:
     """For each of READER_LIMITS the range of a map in which the errors are within it, in words.
 
     The list ends with the first limit that holds on the whole map.
     """
     parts = []
     for limit in READER_LIMITS:
-        where = chart.where_within(limit, key)
-        parts.append(f"{formatted(limit, '.0%')}: {where}")
+        where = chart.describe_range_within_error(limit, key)
+        parts.append(f"{number_as_text(limit, '.0%')}: {where}")
         if where == "everywhere":
             break
     return parts

@@ -25,17 +25,32 @@ from scipy.sparse.linalg import splu
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.state import unloaded_gaps_at
-from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.preparation.bodies import actuation_load_factors, contact_stiffness
-from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, assemble_shoe
+from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
+from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
+from drumlin.fem.preparation.bodies import (
+    contact_stiffness_by_penalty,
+    load_factors_and_pin_moment_per_newton,
+)
+from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, mesh_and_assemble_shoe
 from drumlin.fem.preparation.scene import Seconds, add_elapsed_time
 from drumlin.fem.substructure.body import FRAME
-from drumlin.fem.substructure.interface import drum_directions, edge_quadrature_points
+from drumlin.fem.substructure.interface import (
+    edge_quadrature_points,
+    function_for_drum_normals_and_tangents,
+)
 from drumlin.fem.substructure.loads import ACTUATION
-from drumlin.response.balance import relative_balance, worst
-from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
-from drumlin.response.resultants import cross
+from drumlin.response.balance import (
+    largest_imbalance_among_shoes,
+    relative_sums_of_forces_and_moments,
+)
+from drumlin.response.response import (
+    Balance,
+    Response,
+    ShoeResponse,
+    response_of_pressed_elastic_shoe,
+    response_of_shoe_without_contact,
+)
+from drumlin.response.resultants import planar_cross_product
 
 POINTWISE_PENALTY = 1e3
 """Default penalty factor alpha in the penalty stiffness eps = alpha E/t [Pa/m].
@@ -87,17 +102,17 @@ def solve_by_pointwise_penalty(
     if brake.ring is not None:
         raise BadInput("drum.ring: the pointwise penalty has a rigid drum only")
     seconds: Seconds = {}
-    mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
+    mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
     shoes, balances, steps = [], [], []
     for shoe in brake.shoes:
-        answer = _solve_shoe(brake, shoe, mesher, penalty, seconds)
+        answer = _solve_one_shoe_by_penalty(brake, shoe, mesher, penalty, seconds)
         shoes.append(answer.response)
         balances.append(answer.balance)
         steps.append(answer.steps)
     return Response(
         model="pointwise",
         shoes=tuple(shoes),
-        balance=worst(balances),
+        balance=largest_imbalance_among_shoes(balances),
         iterations=max(steps),
         seconds=seconds,
     )
@@ -135,7 +150,7 @@ class PointwiseAnswer(NamedTuple):
     steps: int
 
 
-def _solve_shoe(
+def _solve_one_shoe_by_penalty(
     brake: Brake, shoe: Shoe, mesher: Mesher, penalty: float, seconds: Seconds
 ) -> PointwiseAnswer:
     """The response of one shoe with its balance and number of Newton steps.
@@ -151,64 +166,76 @@ def _solve_shoe(
     seconds : dict
         Times [s] of the steps of the solve, by name; the times of this shoe are added.
     """
-    parts = assemble_shoe(brake, shoe, mesher, seconds)
-    drag = brake.drag_on(shoe)
-    unit, moment = actuation_load_factors(parts, shoe)
+    parts = mesh_and_assemble_shoe(brake, shoe, mesher, seconds)
+    drag = brake.friction_per_pressure_on_shoe(shoe)
+    unit, moment = load_factors_and_pin_moment_per_newton(parts, shoe)
     force = abs(shoe.actuation.force)
     with add_elapsed_time(seconds, "contact"):
         A = (parts.constraints.matrix.T @ parts.K @ parts.constraints.matrix).tocsc()
-        points = _contact_points(parts, brake, shoe, drag)
+        points = _quadrature_points_of_contact(parts, brake, shoe, drag)
         # Displacements of all unknowns while the shoe turns as a rigid body about its pin by 1 rad.
         turned = np.zeros(A.shape[0])
-        turned[2 * -len(parts.line.nodes) - FRAME : -FRAME] = _displacement_per_turn(parts, shoe)
+        turned[2 * -len(parts.line.nodes) - FRAME : -FRAME] = (
+            _nodal_displacements_per_turn_about_pin(parts, shoe)
+        )
         turned[-1] = 1.0
         if force == 0 or not (moment * (points.closing @ turned) > 0).any():
-            return PointwiseAnswer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0)
+            return PointwiseAnswer(
+                response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector),
+                Balance(0.0, 0.0),
+                0,
+            )
         # The pin fixes the two displacements of the shoe's frame; all other unknowns are free.
         free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])
-        load = force * (parts.loads[ACTUATION] @ parts.columns.factors_of(ACTUATION, unit))
-        stiffness = contact_stiffness(shoe, penalty)
-        contact_state = _find_states_by_newton(A, load, points, stiffness, free, shoe.name)
+        load = force * (
+            parts.loads[ACTUATION] @ parts.load_columns.factors_of_load_with_name(ACTUATION, unit)
+        )
+        stiffness = contact_stiffness_by_penalty(shoe, penalty)
+        contact_state = _find_touching_points_by_newton(A, load, points, stiffness, free, shoe.name)
         u, on = contact_state.u, contact_state.touching
         p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
         nodal = points.pushing.T @ (points.weight * p)
         # The hinge reaction is the residual of the equations of these two fixed displacements.
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
-    given = force * parts.columns.factors_of(ACTUATION, unit)
-    balance = relative_balance(
+    given = force * parts.load_columns.factors_of_load_with_name(ACTUATION, unit)
+    balance = relative_sums_of_forces_and_moments(
         [contact.sum(axis=0), reaction, given[:2]],
         [
-            float(cross(parts.line.xy.T, contact).sum()),
-            float(cross(shoe.own_pin, reaction)),
+            float(planar_cross_product(parts.line.xy.T, contact).sum()),
+            float(planar_cross_product(shoe.pin_in_shoe_frame, reaction)),
             force * moment,
-            float(cross(shoe.own_pin, given[:2])),
+            float(planar_cross_product(shoe.pin_in_shoe_frame, given[:2])),
         ],
     )
     # `pushing` has normal and friction forces, `closing` the normal forces with the other sign, so
     # that their sum is friction. Friction assists where its work on a turn has the moment's sign.
     friction_work = float((points.weight * p) @ ((points.pushing + points.closing) @ turned))
-    to_brake, turn = shoe.frame.to_brake(reaction), float(u[-1])
+    to_brake, turn = shoe.frame.convert_to_brake_frame(reaction), float(u[-1])
     assists = friction_work * moment > 0
-    response = _shoe_response(shoe, points, p, abs(drag), to_brake, assists, turn)
+    response = _shoe_response_from_point_pressures(
+        shoe, points, p, abs(drag), to_brake, assists, turn
+    )
     return PointwiseAnswer(response, balance, contact_state.steps)
 
 
-def _contact_points(parts: AssembledShoe, brake: Brake, shoe: Shoe, drag: float) -> _ContactPoints:
+def _quadrature_points_of_contact(
+    parts: AssembledShoe, brake: Brake, shoe: Shoe, drag: float
+) -> _ContactPoints:
     """The quadrature points of a shoe's friction face.
 
     drag : friction force over normal force, positive where the drum drags towards growing angles.
     """
     line = parts.line
-    at, weights = np.polynomial.legendre.leggauss(line.order + 1)
+    at, weights = np.polynomial.legendre.leggauss(line.interpolation_degree + 1)
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces], at, weights)
-    normal, tangent = drum_directions(shoe.sign)(x)
+    normal, tangent = function_for_drum_normals_and_tangents(shoe.sign)(x)
     radius = np.hypot(*x)
-    phi = shoe.phi_of(x, brake.size)
+    phi = shoe.phi_of_points_in_shoe_frame(x, brake.size)
     unknowns = parts.constraints.matrix.shape[1]
     first = unknowns - FRAME - 2 * len(line.nodes)
 
-    def spread(vectors: Floats) -> Any:
+    def nodal_forces_of_point_vectors(vectors: Floats) -> Any:
         """The nodal forces of a vector at each point, as a sparse matrix (points, unknowns).
 
         vectors : array (2, edges, points on an edge) of unit forces at the points.
@@ -228,15 +255,15 @@ def _contact_points(parts: AssembledShoe, brake: Brake, shoe: Shoe, drag: float)
         weight=(shoe.lining.width * ds).ravel(),
         phi=phi.ravel(),
         radius=radius.ravel(),
-        gap=unloaded_gaps_at(x, phi, brake, shoe).ravel(),
-        closing=spread(normal),
-        pushing=spread(drag * tangent - normal),
+        gap=unloaded_lining_gaps_at_points(x, phi, brake, shoe).ravel(),
+        closing=nodal_forces_of_point_vectors(normal),
+        pushing=nodal_forces_of_point_vectors(drag * tangent - normal),
     )
 
 
-def _displacement_per_turn(parts: AssembledShoe, shoe: Shoe) -> Floats:
+def _nodal_displacements_per_turn_about_pin(parts: AssembledShoe, shoe: Shoe) -> Floats:
     """Displacements (2 n,) of the n contact nodes per angle of a turn about the pin [m/rad]."""
-    x, y = parts.line.xy - shoe.own_pin[:, None]
+    x, y = parts.line.xy - shoe.pin_in_shoe_frame[:, None]
     return np.column_stack([-y, x]).ravel()
 
 
@@ -251,7 +278,7 @@ class _PointContact(NamedTuple):
     steps: int
 
 
-def _find_states_by_newton(
+def _find_touching_points_by_newton(
     A: Any, load: Floats, points: _ContactPoints, stiffness: float, free: Ints, name: str
 ) -> _PointContact:
     """The contact state of a shoe by Newton's method, which starts with all points touching.
@@ -306,7 +333,7 @@ def _find_states_by_newton(
     )
 
 
-def _shoe_response(
+def _shoe_response_from_point_pressures(
     shoe: Shoe,
     points: _ContactPoints,
     p: Floats,
@@ -342,7 +369,7 @@ def _shoe_response(
     phi, q = np.concatenate([[shoe.arc[0]], phi, [shoe.arc[1]]]), np.concatenate([q[:1], q, q[-1:]])
     forces = points.weight * p
     normal = [float(forces @ np.cos(points.phi)), float(forces @ np.sin(points.phi))]
-    return pressed_shoe(
+    return response_of_pressed_elastic_shoe(
         shoe,
         float(points.radius.mean()),
         frame.theta(phi),

@@ -16,18 +16,21 @@ import numpy as np
 from drumlin import foundation
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
-from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.comparison import run as timed
-from drumlin.fem.analysis.deflection import deflection_along_beam, inward_displacement_of_rim
+from drumlin.comparison import solve_and_time_model as timed
+from drumlin.fem.analysis.deflection import (
+    inward_displacement_of_ring_surface,
+    stations_and_deflections_of_beam,
+)
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
-from drumlin.laws import sine
-from drumlin.lining_wear.worn_in import worn_in_foundation_brake
-from drumlin.response.merit import with_merits
-from drumlin.response.norms import relative
+from drumlin.laws import solve_brake_by_sine_law
+from drumlin.lining_wear.worn_in import post_brake_with_worn_in_clearances
+from drumlin.response.merit import response_with_figures_of_merit
+from drumlin.response.norms import relative_error_of_number
 from drumlin.response.response import Merit, Response
 
 ALL_LIFTS = ("all",)
@@ -42,13 +45,13 @@ Merits = dict[str, dict[str, list[tuple[float, Merit]]]]
 Curve = tuple[Floats, Floats]
 """Abscissas (n,) and ordinates (n,) of a curve."""
 POST_MODELS: dict[str, Solver] = {
-    "foundation": foundation.solve,
-    "lifted": partial(foundation.solve, lift=ALL_LIFTS),
-    "sine": sine,
+    "foundation": foundation.solve_brake_by_foundation_model,
+    "lifted": partial(foundation.solve_brake_by_foundation_model, lift=ALL_LIFTS),
+    "sine": solve_brake_by_sine_law,
 }
 """Solvers of a post brake by name. "lifted" is the foundation model with all neglected effects."""
 TILT_AND_MODELS: dict[str, Solver] = {
-    "tilt": partial(foundation.solve, lift=("tilt",)),
+    "tilt": partial(foundation.solve_brake_by_foundation_model, lift=("tilt",)),
     **POST_MODELS,
 }
 """Solvers of a post brake by name: POST_MODELS and a further foundation model.
@@ -88,7 +91,8 @@ class ErrorMap:
     title : str
         Title of the map.
     x, y : array (n,), array (m,)
-        Values of the group k R^4/EI of the beam and of the ring, as in `dimensionless_groups`.
+        Values of the group k R^4/EI of the beam and of the ring, as in
+        `stiffness_groups_of_beam_and_ring`.
     error : array (m, n)
         Relative errors, nan where the model or the finite elements have no answer.
     """
@@ -99,21 +103,21 @@ class ErrorMap:
     error: Floats
 
 
-def shoe_torques(response: Response) -> Floats:
+def torques_of_shoes(response: Response) -> Floats:
     """The torques (shoes,) of all shoes of a response [N m]."""
     return np.array([shoe.torque for shoe in response.shoes])
 
 
-def largest_torque_error(response: Response, true: Response) -> float:
+def largest_relative_torque_error_of_shoes(response: Response, true: Response) -> float:
     """The relative error, with its sign, of the shoe whose torque has the largest error.
 
     response : the response that is judged; true : the response that serves as the truth.
     """
-    errors = shoe_torques(response) / shoe_torques(true) - 1
+    errors = torques_of_shoes(response) / torques_of_shoes(true) - 1
     return float(errors[np.argmax(np.abs(errors))])
 
 
-def lift_rows(brake: Brake, fem: Response) -> list[dict[str, Any]]:
+def error_rows_of_foundation_model_effects(brake: Brake, fem: Response) -> list[dict[str, Any]]:
     """Rows with the relative errors of the foundation model's torque against finite elements.
 
     The first row has the model of the paper. In each further row the model includes one more effect
@@ -123,15 +127,15 @@ def lift_rows(brake: Brake, fem: Response) -> list[dict[str, Any]]:
     """
     rows = []
     for lift in ((), *((name,) for name in foundation.LIFTS), ALL_LIFTS):
-        response = foundation.solve(brake, lift=lift)
+        response = foundation.solve_brake_by_foundation_model(brake, lift=lift)
         row = {"lift": ", ".join(lift) or "none (the paper)", "torque": response.torque}
         for shoe, true in zip(response.shoes, fem.shoes, strict=True):
-            row[f"error_{shoe.name}"] = relative(shoe.torque, true.torque)
-        rows.append(row | {"error": relative(response.torque, fem.torque)})
+            row[f"error_{shoe.name}"] = relative_error_of_number(shoe.torque, true.torque)
+        rows.append(row | {"error": relative_error_of_number(response.torque, fem.torque)})
     return rows
 
 
-def brake_with_clearance(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
+def brake_with_clearance_function(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
     """The brake with a table of clearances on every lining.
 
     gap : returns the clearances [m] at angles [rad] from the normal of the beam.
@@ -140,7 +144,7 @@ def brake_with_clearance(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake
     changes = {}
     for i, shoe in enumerate(brake.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 181)
-        axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
+        axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
         table = np.column_stack([theta, gap(axis.angle(theta))])
         changes[f"shoe[{i}].lining.clearance"] = table.tolist()
     return vary(brake, changes)
@@ -157,10 +161,10 @@ def brake_with_other_lining_radius(brake: Brake, larger: float) -> Brake:
     # The gap is zero in the middle of a larger lining, at the ends of a smaller one.
     end = math.cos(0.5 * (brake.shoes[0].lining.end - brake.shoes[0].lining.start))
     zero_at = 1.0 if larger > 0 else end
-    return brake_with_clearance(brake, lambda theta: larger * (zero_at - np.cos(theta)))
+    return brake_with_clearance_function(brake, lambda theta: larger * (zero_at - np.cos(theta)))
 
 
-def clearance_rows(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
+def rows_of_post_brake_clearances(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
     """A row for each clearance, model and shoe: torque, peak pressure, figures of merit, contact.
 
     The clearances are those of linings that fit, have another radius, are displaced or worn in.
@@ -171,15 +175,15 @@ def clearance_rows(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
         "fits": brake,
         "new lining, radius 1 mm larger": brake_with_other_lining_radius(brake, 1e-3),
         "new lining, radius 1 mm smaller": brake_with_other_lining_radius(brake, -1e-3),
-        "set 1 mm towards the loaded end": brake_with_clearance(
+        "set 1 mm towards the loaded end": brake_with_clearance_function(
             brake, lambda theta: 1e-3 * (np.sin(theta) - np.sin(theta).min())
         ),
-        "set 1 mm towards the hinge": brake_with_clearance(
+        "set 1 mm towards the hinge": brake_with_clearance_function(
             brake, lambda theta: 1e-3 * (np.sin(theta).max() - np.sin(theta))
         ),
-        "worn in": worn_in_foundation_brake(brake, lift=ALL_LIFTS),
+        "worn in": post_brake_with_worn_in_clearances(brake, lift=ALL_LIFTS),
     }
-    nominal, rows = sine(brake), []
+    nominal, rows = solve_brake_by_sine_law(brake), []
     for case, varied in cases.items():
         answers = {
             "fem": solve_prepared_model(scene, varied),
@@ -187,13 +191,11 @@ def clearance_rows(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
         }
         for model, response in answers.items():
             base = {"case": case, "model": MODEL_NAMES[model]}
-            rows += [base | row for row in _shoe_rows_of_clearance(varied, response, nominal)]
+            rows += [base | row for row in _shoe_rows_of_response(varied, response, nominal)]
     return rows
 
 
-def _shoe_rows_of_clearance(
-    brake: Brake, response: Response, law: Response
-) -> list[dict[str, Any]]:
+def _shoe_rows_of_response(brake: Brake, response: Response, law: Response) -> list[dict[str, Any]]:
     """A row for each shoe of a response.
 
     `from_nominal` is the relative difference of the torque from that by the sine law.
@@ -202,14 +204,14 @@ def _shoe_rows_of_clearance(
     of the brake with linings that fit.
     """
     rows = []
-    merits = with_merits(brake, response).merits
+    merits = response_with_figures_of_merit(brake, response).merits
     for shoe, merit, by_law in zip(response.shoes, merits, law.shoes, strict=True):
         assert isinstance(merit, Merit)
         arcs = (f"{math.degrees(a):.0f} to {math.degrees(b):.0f}" for a, b in shoe.contact_arcs)
         row: dict[str, Any] = {
             "shoe": shoe.name,
             "torque": shoe.torque,
-            "from_nominal": relative(shoe.torque, by_law.torque),
+            "from_nominal": relative_error_of_number(shoe.torque, by_law.torque),
             "peak": shoe.peak_pressure,
             "psi": merit.friction_radius,
             "angle": merit.resultant_angle,
@@ -220,7 +222,7 @@ def _shoe_rows_of_clearance(
     return rows
 
 
-def torque_over_radius_error(brake: Brake, scene: PreparedModel, errors: Floats) -> Offsets:
+def torques_over_lining_radius_error(brake: Brake, scene: PreparedModel, errors: Floats) -> Offsets:
     """Torques of each shoe and model for linings of another radius.
 
     The torques are divided by the torque of the sine law, minus 1.
@@ -234,7 +236,7 @@ def torque_over_radius_error(brake: Brake, scene: PreparedModel, errors: Floats)
     errors : array (n,)
         Radius of the lining less that of the drum [m].
     """
-    nominal = shoe_torques(sine(brake))
+    nominal = torques_of_shoes(solve_brake_by_sine_law(brake))
     found: Offsets = {}
     # The sine law does not depend on clearances. Its torque is the reference of all models.
     solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(solve_prepared_model, scene)}
@@ -242,14 +244,14 @@ def torque_over_radius_error(brake: Brake, scene: PreparedModel, errors: Floats)
     for larger in errors.tolist():
         varied = brake_with_other_lining_radius(brake, larger)
         for name, solver in solvers.items():
-            off = shoe_torques(solver(varied)) / nominal - 1
+            off = torques_of_shoes(solver(varied)) / nominal - 1
             for shoe, error in zip(brake.shoes, off.tolist(), strict=True):
                 of_shoe = found.setdefault(shoe.name, {})
                 of_shoe.setdefault(name, []).append((larger, error))
     return found
 
 
-def merits_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -> Merits:
+def figures_of_merit_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -> Merits:
     """Figures of merit of each shoe and model over the coefficient of friction.
 
     The list of a model ends before the first friction at which the model has no answer, because
@@ -268,14 +270,16 @@ def merits_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -
                 response = solver(varied)
             except NoAnswer:
                 break
-            for shoe, merit in zip(brake.shoes, with_merits(varied, response).merits, strict=True):
+            for shoe, merit in zip(
+                brake.shoes, response_with_figures_of_merit(varied, response).merits, strict=True
+            ):
                 assert isinstance(merit, Merit)
                 of_shoe = found.setdefault(shoe.name, {})
                 of_shoe.setdefault(name, []).append((mu, merit))
     return found
 
 
-def lining_arc_changes(brake: Brake, half: float) -> dict[str, float]:
+def brake_changes_for_lining_arc(brake: Brake, half: float) -> dict[str, float]:
     """The changes of a brake file that give each lining an arc of +-`half` [deg] at its middle."""
     changes = {}
     for i, shoe in enumerate(brake.shoes):
@@ -285,7 +289,7 @@ def lining_arc_changes(brake: Brake, half: float) -> dict[str, float]:
     return changes
 
 
-def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
+def error_rows_of_violated_assumptions(brake: Brake, elements: int) -> list[dict[str, Any]]:
     """A row for each of several brakes that violate assumptions of the foundation model.
 
     The first brake meets all assumptions, the last is the brake itself. A row has the relative
@@ -294,25 +298,26 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
 
     brake : the post brake; elements : number of elements along each lining.
     """
-    base = vary(brake, MATCHED_ASSUMPTIONS | lining_arc_changes(brake, 15))
+    base = vary(brake, MATCHED_ASSUMPTIONS | brake_changes_for_lining_arc(brake, 15))
     ring = brake.ring
     assert ring is not None
     cases: dict[str, dict[str, Any]] = {
         "all met: 30 deg of arc, E/t of lining 1/36 of the block's, nu = 0": {},
-        "60 deg of arc": lining_arc_changes(brake, 30),
-        "80 deg of arc": lining_arc_changes(brake, 40),
+        "60 deg of arc": brake_changes_for_lining_arc(brake, 30),
+        "80 deg of arc": brake_changes_for_lining_arc(brake, 40),
         "nu = 0.45 in lining and block": {
             "shoe.lining.material.nu": 0.45,
             "shoe.backing.material.nu": 0.45,
         },
         "lining 100 times stiffer: the block is the spring": {"shoe.lining.material.E": 2e8},
-        "the same, 80 deg of arc": {"shoe.lining.material.E": 2e8} | lining_arc_changes(brake, 40),
+        "the same, 80 deg of arc": {"shoe.lining.material.E": 2e8}
+        | brake_changes_for_lining_arc(brake, 40),
         "beam 10 times softer": {"shoe.body.bending_stiffness": 4.5e7},
         "beam 10 times softer, 80 deg of arc": {"shoe.body.bending_stiffness": 4.5e7}
-        | lining_arc_changes(brake, 40),
+        | brake_changes_for_lining_arc(brake, 40),
         "elastic ring": {"drum.ring": ring.model_dump()},
         "elastic ring, 80 deg of arc": {"drum.ring": ring.model_dump()}
-        | lining_arc_changes(brake, 40),
+        | brake_changes_for_lining_arc(brake, 40),
         "the brake of this study": brake.model_dump(by_alias=True),
     }
     # Each brake is solved by finite elements, against which the models are judged.
@@ -322,12 +327,12 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
         fem = solve(varied, elements=elements)
         row: dict[str, Any] = {"case": case}
         for name in COMPARED_MODELS:
-            row[name] = largest_torque_error(TILT_AND_MODELS[name](varied), fem)
+            row[name] = largest_relative_torque_error_of_shoes(TILT_AND_MODELS[name](varied), fem)
         rows.append(row)
     return rows
 
 
-def dimensionless_groups(brake: Brake) -> tuple[float, float]:
+def stiffness_groups_of_beam_and_ring(brake: Brake) -> tuple[float, float]:
     """The dimensionless groups k R^4/EI of the beam and of the ring of a post brake.
 
     k is the stiffness of lining and block in series per length of the arc, R the radius of the
@@ -343,7 +348,7 @@ def dimensionless_groups(brake: Brake) -> tuple[float, float]:
     return k * R**4 / shoe.body.plates["shoe"].bending_stiffness, k * R**4 / ring.EI
 
 
-def error_maps(
+def torque_error_maps_of_models(
     brake: Brake, points: int, elements: int
 ) -> tuple[list[list[ErrorMap]], list[tuple[float, float]]]:
     """Maps of the torque's error over the groups of beam and ring, for each of MAPPED_MODELS.
@@ -366,16 +371,18 @@ def error_maps(
     rows, places = [], []
     for said, layers in (("soft lining", soft_lining), ("wooden block", {})):
         varied = vary(brake, layers)
-        error = _errors_over_groups(varied, x, y, elements)
+        error = _torque_errors_over_stiffness_groups(varied, x, y, elements)
         maps = []
         for name in MAPPED_MODELS:
             maps.append(ErrorMap(f"{MODEL_NAMES[name]}, {said}", x, y, error[name]))
         rows.append(maps)
-        places.append(dimensionless_groups(varied))
+        places.append(stiffness_groups_of_beam_and_ring(varied))
     return rows, places
 
 
-def _errors_over_groups(brake: Brake, x: Floats, y: Floats, elements: int) -> dict[str, Floats]:
+def _torque_errors_over_stiffness_groups(
+    brake: Brake, x: Floats, y: Floats, elements: int
+) -> dict[str, Floats]:
     """Relative errors (m, n) of the torque by each of POST_MODELS, over two dimensionless groups.
 
     An error is nan where a model or the finite elements have no answer.
@@ -383,7 +390,7 @@ def _errors_over_groups(brake: Brake, x: Floats, y: Floats, elements: int) -> di
     x, y : values (n,) of the group of the beam and (m,) of the group of the ring; elements : number
     of elements along each lining.
     """
-    beam, ring = dimensionless_groups(brake)
+    beam, ring = stiffness_groups_of_beam_and_ring(brake)
     body = brake.shoes[0].body
     assert brake.ring is not None and body is not None
     # Bending stiffnesses [N m^2] of the beam and of the ring for which the groups are 1.
@@ -399,13 +406,13 @@ def _errors_over_groups(brake: Brake, x: Floats, y: Floats, elements: int) -> di
             try:
                 fem = solve(varied, elements=elements)
                 for name, model in POST_MODELS.items():
-                    error[name][i, j] = largest_torque_error(model(varied), fem)
+                    error[name][i, j] = largest_relative_torque_error_of_shoes(model(varied), fem)
             except NoAnswer:
                 continue
     return error
 
 
-def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
+def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dict[str, Any]]:
     """A row for each of several grids of the foundation model: errors, iterations and time.
 
     The errors of torque, normal force and friction radius are against a grid of 2880 sections. They
@@ -424,7 +431,7 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
         },
     )
 
-    def numbers(response: Response) -> Floats:
+    def torque_normal_force_friction_radius(response: Response) -> Floats:
         """The torque of the brake, and the normal force and friction radius of its first shoe."""
         merit = response.merits[0]
         assert isinstance(merit, Merit)
@@ -432,10 +439,26 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
             [response.torque, response.shoes[0].normal_force, merit.friction_radius or 0.0]
         )
 
-    fine, rows, before = numbers(foundation.solve(fixed, sections=2880)), [], np.full(3, np.nan)
+    fine, rows, before = (
+        torque_normal_force_friction_radius(
+            foundation.solve_brake_by_foundation_model(fixed, sections=2880)
+        ),
+        [],
+        np.full(3, np.nan),
+    )
     for n in (45, 90, 180, 360, 720, 1440):
-        errors = np.abs(numbers(foundation.solve(fixed, sections=n)) / fine - 1)
-        outcome = timed("foundation", partial(foundation.solve, brake, sections=n), repeats)
+        errors = np.abs(
+            torque_normal_force_friction_radius(
+                foundation.solve_brake_by_foundation_model(fixed, sections=n)
+            )
+            / fine
+            - 1
+        )
+        outcome = timed(
+            "foundation",
+            partial(foundation.solve_brake_by_foundation_model, brake, sections=n),
+            repeats,
+        )
         assert outcome.response is not None
         row: dict[str, Any] = {
             "n": n,
@@ -453,7 +476,7 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
     return rows
 
 
-def beam_deflections(
+def beam_deflections_by_model(
     scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> list[dict[str, Curve]]:
     """For each shoe the deflection of its beam [m] over the length of the beam [m], by model.
@@ -472,7 +495,7 @@ def beam_deflections(
     # The line through both ends of the beam is subtracted from the deflection by finite elements.
     made, fem = [], solve_prepared_model(scene, brake)
     for i in range(len(brake.shoes)):
-        x, w = deflection_along_beam(scene, brake, fem, i)
+        x, w = stations_and_deflections_of_beam(scene, brake, fem, i)
         models: dict[str, Curve] = {"fem": (x, w - w[-1] * x / x[-1])}
         for name in ("foundation", "lifted"):
             deformation = responses[name].shoes[i].deformation
@@ -482,7 +505,7 @@ def beam_deflections(
     return made
 
 
-def rim_displacements(
+def rim_displacements_by_model(
     scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> tuple[dict[str, Curve], dict[str, Curve]]:
     """Radial displacement [m] of the drum's rim over the angle [rad].
@@ -501,9 +524,11 @@ def rim_displacements(
         Responses by the models "foundation" and "lifted".
     """
     turn = np.linspace(0, 2 * np.pi, 400)
-    printed = foundation.rim(brake, responses["foundation"], turn)
-    lifted = foundation.rim(brake, responses["lifted"], turn, ALL_LIFTS).sum(axis=0)
-    theta, z = inward_displacement_of_rim(scene, brake, solve_prepared_model(scene, brake))
+    printed = foundation.ring_displacement_under_each_shoe(brake, responses["foundation"], turn)
+    lifted = foundation.ring_displacement_under_each_shoe(
+        brake, responses["lifted"], turn, ALL_LIFTS
+    ).sum(axis=0)
+    theta, z = inward_displacement_of_ring_surface(scene, brake, solve_prepared_model(scene, brake))
     # The first point of the curve by finite elements is repeated at its end, to close the curve.
     fem = np.append(theta, theta[0]), np.append(z, z[0])
     own = {shoe.name: (turn, z) for shoe, z in zip(brake.shoes, printed, strict=True)}

@@ -15,9 +15,9 @@ import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.file import brake_from, vary
+from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.fem.solve import solve
-from drumlin.laws import locking_friction, sine
+from drumlin.laws import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
 
 FRICTIONLESS_ELEMENTS = 4
 """Elements along a lining of the mesh on which a draw is tested for contact without friction."""
@@ -47,7 +47,7 @@ Draw = Callable[[np.random.Generator], dict[str, Any]]
 """A function that draws the data of a brake file, without title, rotation and friction."""
 
 
-def random_brake(seed: int, kind: str | None = None) -> Brake:
+def draw_random_brake(seed: int, kind: str | None = None) -> Brake:
     """The random brake of a seed.
 
     All shoes of a brake of SHAPE_KINDS press on the drum, and its friction is zero or below the
@@ -69,18 +69,18 @@ def random_brake(seed: int, kind: str | None = None) -> Brake:
         No brake of the kind passes in SHAPE_ATTEMPTS draws.
     """
     if kind in LOCKING_KINDS:
-        return _draw_near_locking_brake(seed, str(kind))
+        return _draw_self_locking_or_opposed_brake(seed, str(kind))
     names = list(SHAPE_KINDS)
     kind = names[seed % len(names)] if kind is None else kind
     for attempt in range(SHAPE_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
-        brake = _try_drawing_brake(rng, kind, f"random {kind} {seed}")
+        brake = _draw_brake_or_none(rng, kind, f"random {kind} {seed}")
         if brake is not None:
             return brake
     raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {SHAPE_ATTEMPTS} attempts")
 
 
-def _try_drawing_brake(rng: np.random.Generator, kind: str, title: str) -> Brake | None:
+def _draw_brake_or_none(rng: np.random.Generator, kind: str, title: str) -> Brake | None:
     """A random brake of a kind, or None if it is impossible or one of its shoes does not press.
 
     rng : generator of the random numbers; kind : one of SHAPE_KINDS; title : title of the brake.
@@ -90,33 +90,36 @@ def _try_drawing_brake(rng: np.random.Generator, kind: str, title: str) -> Brake
     data |= {"title": title, "rotation": rotation, "friction": 0.1}
     without_friction = rng.random() < 0.12
     try:
-        brake = brake_from(data)
-        locking = min(locking_friction(brake, shoe) for shoe in brake.shoes)
+        brake = make_drum_brake_from_data(data)
+        locking = min(self_locking_friction_of_hinged_shoe(brake, shoe) for shoe in brake.shoes)
         friction = 0.0 if without_friction else min(drawn_friction, BELOW_LOCKING * locking)
         brake = vary(brake, {"friction": float(f"{friction:.4g}")})
-        presses = _do_all_shoes_press(brake, SHAPE_FRICTION_MARGIN) and _do_all_shoes_press(
-            brake, 1.0
-        )
+        presses = _has_all_shoes_in_contact(
+            brake, SHAPE_FRICTION_MARGIN
+        ) and _has_all_shoes_in_contact(brake, 1.0)
     except (BadInput, NoAnswer):
         return None
     return brake if presses else None
 
 
-def _do_all_shoes_press(brake: Brake, factor: float) -> bool:
+def _has_all_shoes_in_contact(brake: Brake, factor: float) -> bool:
     """Whether all shoes of a brake touch the drum if its friction is multiplied by a factor."""
     varied = vary(brake, {"friction": factor * brake.friction})
     response = solve(varied, elements=SHAPE_TRIAL_ELEMENTS)
     return all(shoe.contact_arcs for shoe in response.shoes)
 
 
-def _draw_log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+def _draw_number_between_powers_of_ten(rng: np.random.Generator, low: float, high: float) -> float:
     """A random number between 10^low and 10^high, uniform in its logarithm, of four digits."""
     return float(f"{10 ** rng.uniform(low, high):.4g}")
 
 
-def _draw_material(rng: np.random.Generator, low: float, high: float) -> dict[str, float]:
+def _draw_material_data(rng: np.random.Generator, low: float, high: float) -> dict[str, float]:
     """A random material whose Young's modulus lies between 10^low and 10^high Pa."""
-    return {"E": _draw_log_uniform(rng, low, high), "nu": round(float(rng.uniform(0.0, 0.45)), 3)}
+    return {
+        "E": _draw_number_between_powers_of_ten(rng, low, high),
+        "nu": round(float(rng.uniform(0.0, 0.45)), 3),
+    }
 
 
 class ShoeOnArc(NamedTuple):
@@ -147,7 +150,7 @@ class ShoeOnArc(NamedTuple):
     largest_angle: float = 2.9
 
 
-def _draw_arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dict[str, Any]:
+def _draw_arc_shoe_data(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dict[str, Any]:
     """The data of a random hinged shoe whose body is an arc along the drum.
 
     R : radius of the drum [m]; ranges : ranges of the shoe's sizes.
@@ -163,8 +166,8 @@ def _draw_arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dic
     start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + span)])
     far = hinge_angle + hand * (gap + span)
     # Width and thickness of the lining are random fractions of the drum's radius.
-    width = R * _draw_log_uniform(rng, -0.9, -0.2)
-    thickness = R * _draw_log_uniform(rng, *ranges.thickness)
+    width = R * _draw_number_between_powers_of_ten(rng, -0.9, -0.2)
+    thickness = R * _draw_number_between_powers_of_ten(rng, *ranges.thickness)
     shoe: dict[str, Any] = {
         "name": "shoe",
         "side": "internal" if inside else "external",
@@ -174,7 +177,7 @@ def _draw_arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dic
             "end": end,
             "thickness": thickness,
             "width": width,
-            "material": _draw_material(rng, *ranges.modulus),
+            "material": _draw_material_data(rng, *ranges.modulus),
         },
         "actuation": {
             "direction": far + (0 if inside else math.pi) + u(-0.6, 0.6),
@@ -186,36 +189,36 @@ def _draw_arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dic
     }
     if ranges.backing:
         shoe["backing"] = {
-            "thickness": R * _draw_log_uniform(rng, -2.3, -1.0),
-            "material": _draw_material(rng, 8.7, 11.3),
+            "thickness": R * _draw_number_between_powers_of_ten(rng, -2.3, -1.0),
+            "material": _draw_material_data(rng, 8.7, 11.3),
         }
     if ranges.body:
         # The body is longer than the lining at both ends. Towards the hinge it covers a random part
         # of the angle between hinge and lining.
         overhang = [gap * u(0.1, 0.9), u(0.005, 0.12)][::hand]
         shoe["body"] = {
-            "thickness": R * _draw_log_uniform(rng, *ranges.body_thickness),
-            "width": width * _draw_log_uniform(rng, -0.8, 0.2),
+            "thickness": R * _draw_number_between_powers_of_ten(rng, *ranges.body_thickness),
+            "width": width * _draw_number_between_powers_of_ten(rng, -0.8, 0.2),
             "start": start - overhang[0],
             "end": end + overhang[1],
-            "material": _draw_material(rng, *ranges.body_modulus),
+            "material": _draw_material_data(rng, *ranges.body_modulus),
         }
-    shoe["actuation"]["force"] = _draw_force(rng, shoe, R)
+    shoe["actuation"]["force"] = _draw_actuation_force(rng, shoe, R)
     return shoe
 
 
-def _draw_force(rng: np.random.Generator, shoe: dict[str, Any], R: float) -> float:
+def _draw_actuation_force(rng: np.random.Generator, shoe: dict[str, Any], R: float) -> float:
     """A random actuation force [N] for the data of a shoe on a drum of radius R [m].
 
     On a third of the lining the force would cause a mean pressure of 1e-4 to 1e-2 of the lining's
     modulus.
     """
     lining = shoe["lining"]
-    pressure = lining["material"]["E"] * _draw_log_uniform(rng, -4, -2)
+    pressure = lining["material"]["E"] * _draw_number_between_powers_of_ten(rng, -4, -2)
     return float(f"{pressure * R * (lining['end'] - lining['start']) * lining['width'] / 3:.4g}")
 
 
-def _mean_lining_compression(shoe: dict[str, Any], R: float) -> float:
+def _mean_lining_compression_by_force(shoe: dict[str, Any], R: float) -> float:
     """The mean compression [m] of a lining of thickness t by the actuation force F: F t/(E area).
 
     shoe : data of the shoe; R : radius of the drum [m].
@@ -225,7 +228,7 @@ def _mean_lining_compression(shoe: dict[str, Any], R: float) -> float:
     return shoe["actuation"]["force"] / area * lining["thickness"] / lining["material"]["E"]
 
 
-def _draw_post(rng: np.random.Generator, R: float) -> dict[str, Any]:
+def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[str, Any]:
     """The data of a random post: a straight beam outside the drum, with a block on the lining.
 
     R : radius of the drum [m].
@@ -235,8 +238,8 @@ def _draw_post(rng: np.random.Generator, R: float) -> dict[str, Any]:
     # beam are taken from the foot of this normal: hinge at -foot, actuation at far.
     turn, hand = u(-math.pi, math.pi), int(rng.choice([-1, 1]))
     thickness, depth = (
-        R * _draw_log_uniform(rng, -2.2, -1.1),
-        R * _draw_log_uniform(rng, -0.9, -0.35),
+        R * _draw_number_between_powers_of_ten(rng, -2.2, -1.1),
+        R * _draw_number_between_powers_of_ten(rng, -0.9, -0.35),
     )
     back = R + thickness
     distance = back + R * u(0.04, 0.3) + depth / 2
@@ -245,52 +248,52 @@ def _draw_post(rng: np.random.Generator, R: float) -> dict[str, Any]:
     foot = back * math.sin(-first) + R * u(0.15, 0.8)
     far = back * math.sin(last) + R * u(0.15, 0.8)
 
-    def point(along: float) -> dict[str, float]:
+    def point_on_beam_axis(along: float) -> dict[str, float]:
         """The point of the beam at a distance [m] from the foot of the normal."""
         c, s = math.cos(turn), math.sin(turn)
         return {"x": distance * c - hand * along * s, "y": distance * s + hand * along * c}
 
     # The arc of the lining contains the angle of the beam's normal.
     start, end = sorted([turn + hand * first, turn + hand * last])
-    width = R * _draw_log_uniform(rng, -0.9, -0.3)
+    width = R * _draw_number_between_powers_of_ten(rng, -0.9, -0.3)
     shoe: dict[str, Any] = {
         "name": "shoe",
         "side": "external",
-        "hinge": point(-foot),
+        "hinge": point_on_beam_axis(-foot),
         "lining": {
             "start": start,
             "end": end,
             "thickness": thickness,
             "width": width,
-            "material": _draw_material(rng, 7.7, 9.3),
+            "material": _draw_material_data(rng, 7.7, 9.3),
         },
-        "backing": {"thickness": 0.2 * R, "material": _draw_material(rng, 8.5, 11.0)},
+        "backing": {"thickness": 0.2 * R, "material": _draw_material_data(rng, 8.5, 11.0)},
         "body": {
             "shape": "beam",
             "thickness": depth,
-            "width": width * _draw_log_uniform(rng, -0.9, 0.2),
-            "material": _draw_material(rng, 9.8, 11.4),
+            "width": width * _draw_number_between_powers_of_ten(rng, -0.9, 0.2),
+            "material": _draw_material_data(rng, 9.8, 11.4),
         },
-        "actuation": {"direction": turn + math.pi + u(-0.4, 0.4), "point": point(far)},
+        "actuation": {"direction": turn + math.pi + u(-0.4, 0.4), "point": point_on_beam_axis(far)},
     }
-    shoe["actuation"]["force"] = _draw_force(rng, shoe, R)
+    shoe["actuation"]["force"] = _draw_actuation_force(rng, shoe, R)
     return shoe
 
 
-def _mirror_shoe(shoe: dict[str, Any], about: float) -> dict[str, Any]:
+def _mirror_shoe_data(shoe: dict[str, Any], about: float) -> dict[str, Any]:
     """The data of the mirror image of a shoe.
 
     about : angle [rad] of the mirror line, which goes through the centre of the drum.
     """
     c, s = math.cos(2 * about), math.sin(2 * about)
 
-    def mirrored_point(point: dict[str, float]) -> dict[str, float]:
+    def mirror_point(point: dict[str, float]) -> dict[str, float]:
         """The mirror image of a point, in polar or in Cartesian coordinates as the point."""
         if "radius" in point:
             return {"radius": point["radius"], "angle": 2 * about - point["angle"]}
         return {"x": c * point["x"] + s * point["y"], "y": s * point["x"] - c * point["y"]}
 
-    def mirrored_arc(part: dict[str, Any]) -> dict[str, Any]:
+    def mirror_arc_of_part(part: dict[str, Any]) -> dict[str, Any]:
         """The data of a lining or body with its start and end angles mirrored."""
         if "start" not in part:
             return part
@@ -299,108 +302,112 @@ def _mirror_shoe(shoe: dict[str, Any], about: float) -> dict[str, Any]:
     actuation = shoe["actuation"]
     other = shoe | {
         "name": "other",
-        "hinge": mirrored_point(shoe["hinge"]),
-        "lining": mirrored_arc(shoe["lining"]),
+        "hinge": mirror_point(shoe["hinge"]),
+        "lining": mirror_arc_of_part(shoe["lining"]),
         "actuation": actuation
         | {
             "direction": 2 * about - actuation["direction"],
-            "point": mirrored_point(actuation["point"]),
+            "point": mirror_point(actuation["point"]),
         },
     }
-    return other | ({"body": mirrored_arc(shoe["body"])} if "body" in shoe else {})
+    return other | ({"body": mirror_arc_of_part(shoe["body"])} if "body" in shoe else {})
 
 
-def _draw_ring(rng: np.random.Generator, R: float, width: float) -> dict[str, Any]:
+def _draw_drum_ring_data(rng: np.random.Generator, R: float, width: float) -> dict[str, Any]:
     """The data of a random elastic drum ring, for a drum radius R [m] and a lining width [m]."""
     return {
-        "thickness": R * _draw_log_uniform(rng, -1.5, -0.7),
-        "width": width * _draw_log_uniform(rng, -0.2, 0.3),
-        "material": _draw_material(rng, 10.0, 11.4),
+        "thickness": R * _draw_number_between_powers_of_ten(rng, -1.5, -0.7),
+        "width": width * _draw_number_between_powers_of_ten(rng, -0.2, 0.3),
+        "material": _draw_material_data(rng, 10.0, 11.4),
         "support": str(rng.choice(["fixed", "free"])),
     }
 
 
-def _draw_radius(rng: np.random.Generator) -> float:
+def _draw_drum_radius(rng: np.random.Generator) -> float:
     """A random radius of a drum [m], between 20 mm and 2.8 m."""
-    return _draw_log_uniform(rng, -1.7, 0.45)
+    return _draw_number_between_powers_of_ten(rng, -1.7, 0.45)
 
 
-def _draw_arc_brake(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_brake_with_elastic_arc_shoe(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one hinged shoe whose elastic body is an arc along the drum."""
-    R = _draw_radius(rng)
-    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ShoeOnArc())]}
+    R = _draw_drum_radius(rng)
+    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ShoeOnArc())]}
 
 
-def _draw_backed_brake(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_brake_with_backed_shoe(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one shoe that has a backing and an elastic body along the drum."""
-    R = _draw_radius(rng)
-    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ShoeOnArc(backing=True))]}
+    R = _draw_drum_radius(rng)
+    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ShoeOnArc(backing=True))]}
 
 
-def _draw_rigid_brake(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_brake_with_rigid_shoe(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one rigid shoe; half of the shoes have a backing."""
-    R = _draw_radius(rng)
+    R = _draw_drum_radius(rng)
     ranges = ShoeOnArc(body=False, backing=rng.random() < 0.5)
-    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ranges)]}
+    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ranges)]}
 
 
-def _draw_post_brake(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_brake_with_straight_beam(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one post, a straight beam with a block."""
-    R = _draw_radius(rng)
-    return {"drum": {"radius": R}, "shoe": [_draw_post(rng, R)]}
+    R = _draw_drum_radius(rng)
+    return {"drum": {"radius": R}, "shoe": [_draw_straight_beam_shoe_data(rng, R)]}
 
 
-def _draw_posts_on_ring(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_brake_with_beams_on_elastic_ring(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one post, or two opposite posts, on an elastic drum ring."""
-    R = _draw_radius(rng)
-    shoe = _draw_post(rng, R)
+    R = _draw_drum_radius(rng)
+    shoe = _draw_straight_beam_shoe_data(rng, R)
     middle = 0.5 * (shoe["lining"]["start"] + shoe["lining"]["end"])
-    shoes = [shoe, _mirror_shoe(shoe, middle + math.pi / 2)] if rng.random() < 0.4 else [shoe]
+    shoes = [shoe, _mirror_shoe_data(shoe, middle + math.pi / 2)] if rng.random() < 0.4 else [shoe]
     return {
-        "drum": {"radius": R, "ring": _draw_ring(rng, R, shoe["lining"]["width"])},
+        "drum": {"radius": R, "ring": _draw_drum_ring_data(rng, R, shoe["lining"]["width"])},
         "shoe": shoes,
     }
 
 
-def _draw_arc_shoe_on_ring(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_brake_with_shoe_on_elastic_ring(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one elastic shoe along an elastic drum ring."""
-    R = _draw_radius(rng)
-    shoe = _draw_arc_shoe(rng, R, ShoeOnArc())
+    R = _draw_drum_radius(rng)
+    shoe = _draw_arc_shoe_data(rng, R, ShoeOnArc())
     return {
-        "drum": {"radius": R, "ring": _draw_ring(rng, R, shoe["lining"]["width"])},
+        "drum": {"radius": R, "ring": _draw_drum_ring_data(rng, R, shoe["lining"]["width"])},
         "shoe": [shoe],
     }
 
 
-def _draw_two_shoes_on_ring(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_brake_with_two_shoes_on_elastic_ring(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with two shoes on an elastic drum ring.
 
     The shoes share their hinge and are mirror images of each other.
     """
-    R = _draw_radius(rng)
-    shoe = _draw_arc_shoe(rng, R, ShoeOnArc(arc=(0.3, 2.2), largest_angle=2.6))
-    shoes = [shoe, _mirror_shoe(shoe, shoe["hinge"]["angle"])]
+    R = _draw_drum_radius(rng)
+    shoe = _draw_arc_shoe_data(rng, R, ShoeOnArc(arc=(0.3, 2.2), largest_angle=2.6))
+    shoes = [shoe, _mirror_shoe_data(shoe, shoe["hinge"]["angle"])]
     return {
-        "drum": {"radius": R, "ring": _draw_ring(rng, R, shoe["lining"]["width"])},
+        "drum": {"radius": R, "ring": _draw_drum_ring_data(rng, R, shoe["lining"]["width"])},
         "shoe": shoes,
     }
 
 
-def _draw_maybe_backed_shoe(rng: np.random.Generator, R: float) -> dict[str, Any]:
+def _draw_shoe_data_sometimes_with_backing(rng: np.random.Generator, R: float) -> dict[str, Any]:
     """The data of a shoe along a drum of radius R [m]; three of ten shoes have a backing."""
-    return _draw_arc_shoe(rng, R, ShoeOnArc(backing=rng.random() < 0.3))
+    return _draw_arc_shoe_data(rng, R, ShoeOnArc(backing=rng.random() < 0.3))
 
 
-def _draw_misfitted_brake(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_brake_with_lining_misfit(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake whose lining does not fit the drum.
 
     The lining has one of: a clearance, a table of clearances, a taper, another radius, or blocks of
     different heights.
     """
-    R, u = _draw_radius(rng), rng.uniform
+    R, u = _draw_drum_radius(rng), rng.uniform
     on_post = rng.random() < 0.25
-    shoe = _draw_post(rng, R) if on_post else _draw_maybe_backed_shoe(rng, R)
-    lining, size = shoe["lining"], _mean_lining_compression(shoe, R)
+    shoe = (
+        _draw_straight_beam_shoe_data(rng, R)
+        if on_post
+        else _draw_shoe_data_sometimes_with_backing(rng, R)
+    )
+    lining, size = shoe["lining"], _mean_lining_compression_by_force(shoe, R)
     how = rng.integers(5)
     if how == 0:
         lining["clearance"] = size * u(0.0, 2.0)
@@ -420,11 +427,11 @@ def _draw_misfitted_brake(rng: np.random.Generator) -> dict[str, Any]:
     return {"drum": {"radius": R}, "shoe": [shoe]}
 
 
-def _draw_out_of_round_brake(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_brake_with_drum_out_of_round(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake whose drum is out of round, with one to three lobes of random orders."""
-    R, u = _draw_radius(rng), rng.uniform
-    shoe = _draw_maybe_backed_shoe(rng, R)
-    size = _mean_lining_compression(shoe, R)
+    R, u = _draw_drum_radius(rng), rng.uniform
+    shoe = _draw_shoe_data_sometimes_with_backing(rng, R)
+    size = _mean_lining_compression_by_force(shoe, R)
     lobes = []
     for _ in range(int(rng.integers(1, 4))):
         lobe = {
@@ -436,31 +443,31 @@ def _draw_out_of_round_brake(rng: np.random.Generator) -> dict[str, Any]:
     return {"drum": {"radius": R, "out_of_round": lobes, "angle": float(u(0, 6))}, "shoe": [shoe]}
 
 
-def _draw_small_contact_brake(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_brake_with_short_contact(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with a short contact: 0.5 to 8 degrees by Hertz's formula.
 
     The lining has another radius than the drum.
     """
-    R, u = _draw_radius(rng), rng.uniform
+    R, u = _draw_drum_radius(rng), rng.uniform
     ranges = ShoeOnArc(arc=(0.35, 1.2), thickness=(-1.3, -0.6), body=rng.random() < 0.6)
-    shoe = _draw_arc_shoe(rng, R, ranges)
+    shoe = _draw_arc_shoe_data(rng, R, ranges)
     lining, inside = shoe["lining"], shoe["side"] == "internal"
     r = R * (1 - u(0.003, 0.04)) if inside else R * (1 + u(0.003, 0.04))
     lining["misfit"] = {"radius": float(r)}
     # Half of the contact's length [m], and the force that causes it by Hertz's formula.
-    half = R * math.radians(0.5 * _draw_log_uniform(rng, -0.3, 0.9))
+    half = R * math.radians(0.5 * _draw_number_between_powers_of_ten(rng, -0.3, 0.9))
     E = lining["material"]["E"]
     load = math.pi / 4 * half**2 * E * abs(1 / r - 1 / R) * lining["width"]
     shoe["actuation"]["force"] = float(f"{load * u(0.5, 1.0):.4g}")
     return {"drum": {"radius": R}, "shoe": [shoe]}
 
 
-def _draw_extreme_brake(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_brake_with_extreme_dimensions(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake whose shoe is drawn from very wide ranges.
 
     Stiffnesses, thicknesses and arcs may be extremely small or large.
     """
-    R = _draw_radius(rng)
+    R = _draw_drum_radius(rng)
     ranges = ShoeOnArc(
         backing=rng.random() < 0.4,
         arc=(0.02, 2.85),
@@ -469,21 +476,21 @@ def _draw_extreme_brake(rng: np.random.Generator) -> dict[str, Any]:
         body_modulus=(7.0, 13.0),
         body_thickness=(-2.5, -0.5),
     )
-    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ranges)]}
+    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ranges)]}
 
 
 SHAPE_KINDS: dict[str, Draw] = {
-    "arc": _draw_arc_brake,
-    "backed": _draw_backed_brake,
-    "rigid": _draw_rigid_brake,
-    "post": _draw_post_brake,
-    "post on ring": _draw_posts_on_ring,
-    "arc on ring": _draw_arc_shoe_on_ring,
-    "linings on ring": _draw_two_shoes_on_ring,
-    "misfit": _draw_misfitted_brake,
-    "out of round": _draw_out_of_round_brake,
-    "small contact": _draw_small_contact_brake,
-    "extreme": _draw_extreme_brake,
+    "arc": _draw_brake_with_elastic_arc_shoe,
+    "backed": _draw_brake_with_backed_shoe,
+    "rigid": _draw_brake_with_rigid_shoe,
+    "post": _draw_brake_with_straight_beam,
+    "post on ring": _draw_brake_with_beams_on_elastic_ring,
+    "arc on ring": _draw_brake_with_shoe_on_elastic_ring,
+    "linings on ring": _draw_brake_with_two_shoes_on_elastic_ring,
+    "misfit": _draw_brake_with_lining_misfit,
+    "out of round": _draw_brake_with_drum_out_of_round,
+    "small contact": _draw_brake_with_short_contact,
+    "extreme": _draw_brake_with_extreme_dimensions,
 }
 """Function that draws the data of a brake, by the kind of the brake.
 
@@ -493,7 +500,7 @@ LOCKING_KINDS = ("locking", "opposed")
 """Kinds of brakes with one shoe: the shoe locks itself as friction grows, or it never does."""
 
 
-def _draw_near_locking_brake(seed: int, kind: str, attempt: int = 0) -> Brake:
+def _draw_self_locking_or_opposed_brake(seed: int, kind: str, attempt: int = 0) -> Brake:
     """A random brake of one of LOCKING_KINDS.
 
     The brake is drawn again until in one of the senses of rotation it is of the kind.
@@ -501,33 +508,33 @@ def _draw_near_locking_brake(seed: int, kind: str, attempt: int = 0) -> Brake:
     attempt : number of draws so far.
     """
     rng = np.random.default_rng([seed, attempt])
-    data = _draw_one_shoe_data(rng, seed)
+    data = _draw_brake_data_with_one_shoe(rng, seed)
     try:
         for rotation in SENSES:
-            brake = brake_from(data | {"rotation": rotation})
-            locking = locking_friction(brake, brake.shoes[0])
+            brake = make_drum_brake_from_data(data | {"rotation": rotation})
+            locking = self_locking_friction_of_hinged_shoe(brake, brake.shoes[0])
             is_of_kind = locking < 1.5 if kind == "locking" else math.isinf(locking)
-            if is_of_kind and _does_press_without_friction(brake, locking):
+            if is_of_kind and _has_contact_without_friction(brake, locking):
                 return brake
     except (BadInput, NoAnswer):
         pass
-    return _draw_near_locking_brake(seed, kind, attempt + 1)
+    return _draw_self_locking_or_opposed_brake(seed, kind, attempt + 1)
 
 
-def _does_press_without_friction(brake: Brake, locking: float) -> bool:
+def _has_contact_without_friction(brake: Brake, locking: float) -> bool:
     """Whether the shoe of a brake touches the drum without friction, by finite elements.
 
     locking : friction at which the brake locks itself by the sine law. Raises NoAnswer where the
     sine law has no answer.
     """
     # The sine law raises NoAnswer where the shoe is not pressed or the clearance is uneven.
-    sine(vary(brake, {"friction": 0.1 * min(locking, 1.0)}))
+    solve_brake_by_sine_law(vary(brake, {"friction": 0.1 * min(locking, 1.0)}))
     frictionless = brake.model_copy(update={"friction": 0.0})
     response = solve(frictionless, elements=FRICTIONLESS_ELEMENTS)
     return bool(response.shoes[0].contact_arcs)
 
 
-def _draw_one_shoe_data(rng: np.random.Generator, seed: int) -> dict[str, Any]:
+def _draw_brake_data_with_one_shoe(rng: np.random.Generator, seed: int) -> dict[str, Any]:
     """The data of a random brake with one shoe on a drum of radius 150 mm.
 
     The data have no sense of rotation.

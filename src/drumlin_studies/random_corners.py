@@ -21,8 +21,8 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.file import brake_from, vary
-from drumlin.fem.error_control.levels import solved_levels
+from drumlin.brake.file import make_drum_brake_from_data, vary
+from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
@@ -102,7 +102,7 @@ CORNER_KINDS: dict[str, CornerKind] = {
 """The kinds of brakes of this module, and how each is drawn."""
 
 
-def random_corner(seed: int, kind: str | None = None) -> Brake:
+def draw_brake_pressing_with_corner_or_tip(seed: int, kind: str | None = None) -> Brake:
     """The random brake of a seed, in which one shoe presses with a corner or under a tip.
 
     All shoes press, also with MORE_FRICTION times the friction of the brake. The first FEW_LEVELS
@@ -126,8 +126,10 @@ def random_corner(seed: int, kind: str | None = None) -> Brake:
     for attempt in range(MOST_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
         try:
-            brake = _scale_to_contact_length(
-                rng, _draw_scalable_brake(rng, kind, seed), CORNER_KINDS[kind].presses
+            brake = _scale_gaps_to_random_contact_length(
+                rng,
+                _draw_brake_as_function_of_gap_factor(rng, kind, seed),
+                CORNER_KINDS[kind].presses,
             )
         except (BadInput, NoAnswer):
             continue
@@ -136,7 +138,9 @@ def random_corner(seed: int, kind: str | None = None) -> Brake:
     raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {MOST_ATTEMPTS} attempts")
 
 
-def _draw_scalable_brake(rng: Rng, kind: str, seed: int) -> Callable[[float], Brake]:
+def _draw_brake_as_function_of_gap_factor(
+    rng: Rng, kind: str, seed: int
+) -> Callable[[float], Brake]:
     """A random brake whose gaps are not scaled yet: a function from a factor to the brake.
 
     The function returns the brake with all gaps between linings and drum multiplied by the factor.
@@ -149,27 +153,27 @@ def _draw_scalable_brake(rng: Rng, kind: str, seed: int) -> Callable[[float], Br
     rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
     friction = 0.0 if rng.random() < 0.12 else float(f"{rng.uniform(0.01, 0.6):.4g}")
     data |= {"title": f"random {kind} {seed}", "rotation": rotation, "friction": friction}
-    data["shoe"] = [_turn_force_randomly(rng, shoe) for shoe in data["shoe"]]
+    data["shoe"] = [_shoe_data_with_randomly_turned_force(rng, shoe) for shoe in data["shoe"]]
     radius, presses = data["drum"]["radius"], CORNER_KINDS[kind].presses
-    gaps = [_draw_gap(rng, shoe, radius, presses) for shoe in data["shoe"]]
+    gaps = [_draw_gap_as_function_of_factor(rng, shoe, radius, presses) for shoe in data["shoe"]]
 
     def brake_with_scaled_gaps(factor: float) -> Brake:
         """The brake with the gaps of all linings multiplied by a factor."""
         shoes = []
         for shoe, gap in zip(data["shoe"], gaps, strict=True):
             shoes.append(shoe | {"lining": shoe["lining"] | gap(factor)})
-        return brake_from(data | {"shoe": shoes})
+        return make_drum_brake_from_data(data | {"shoe": shoes})
 
     return brake_with_scaled_gaps
 
 
-def _turn_force_randomly(rng: Rng, shoe: dict[str, Any]) -> dict[str, Any]:
+def _shoe_data_with_randomly_turned_force(rng: Rng, shoe: dict[str, Any]) -> dict[str, Any]:
     """The data of a shoe with the direction of its force turned by a random angle up to +-1 rad."""
     push = shoe["actuation"]
     return shoe | {"actuation": push | {"direction": push["direction"] + rng.uniform(-1.0, 1.0)}}
 
 
-def _draw_gap(
+def _draw_gap_as_function_of_factor(
     rng: Rng, shoe: Mapping[str, Any], radius: float, presses: str
 ) -> Callable[[float], Gap]:
     """A random gap of a lining that is not scaled yet: a function from a factor to the gap.
@@ -192,13 +196,13 @@ def _draw_gap(
     area = radius * (lining["end"] - lining["start"]) * lining["width"]
     size = shoe["actuation"]["force"] / area * lining["thickness"] / lining["material"]["E"]
     if presses == "corner":
-        return _draw_gap_to_corner(rng, lining, radius, size)
+        return _draw_gap_that_is_smallest_at_corner(rng, lining, radius, size)
     if presses == "tip":
-        return _draw_gap_to_tip(rng, lining, size)
-    return _draw_gap_of_rows(rng, lining, size)
+        return _draw_gap_with_one_tip(rng, lining, size)
+    return _draw_gap_by_clearance_table(rng, lining, size)
 
 
-def _draw_gap_to_corner(
+def _draw_gap_that_is_smallest_at_corner(
     rng: Rng, lining: Mapping[str, Any], radius: float, size: float
 ) -> Callable[[float], Gap]:
     """A random gap that is smallest at a corner of the lining, as a function of a factor on it.
@@ -218,10 +222,14 @@ def _draw_gap_to_corner(
     # In the other cases the gap is a table of clearances that grow from one corner to the other.
     rises = np.cumsum([0.0, *rng.uniform(0.2, 1.0, int(rng.integers(1, 4)))])
     rises = rises[:: int(sign)] / rises.max()
-    return lambda factor: {"clearance": _clearance_table(lining, factor * size * rises)}
+    return lambda factor: {
+        "clearance": _clearance_table_at_even_angles(lining, factor * size * rises)
+    }
 
 
-def _draw_gap_to_tip(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
+def _draw_gap_with_one_tip(
+    rng: Rng, lining: Mapping[str, Any], size: float
+) -> Callable[[float], Gap]:
     """A random gap with a tip, as a function of a factor on the gap.
 
     At the tip the gap is zero; it opens to both sides. The function returns data of a lining.
@@ -236,7 +244,9 @@ def _draw_gap_to_tip(rng: Rng, lining: Mapping[str, Any], size: float) -> Callab
     }
 
 
-def _draw_gap_of_rows(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
+def _draw_gap_by_clearance_table(
+    rng: Rng, lining: Mapping[str, Any], size: float
+) -> Callable[[float], Gap]:
     """A random gap by a table of three to seven clearances, as a function of a factor on the gap.
 
     The function returns data of a lining.
@@ -244,10 +254,12 @@ def _draw_gap_of_rows(rng: Rng, lining: Mapping[str, Any], size: float) -> Calla
     lining : data of the lining; size : largest gap at a factor of 1 [m].
     """
     rows = rng.uniform(0.0, 1.0, int(rng.integers(3, 8)))
-    return lambda factor: {"clearance": _clearance_table(lining, factor * size * rows)}
+    return lambda factor: {
+        "clearance": _clearance_table_at_even_angles(lining, factor * size * rows)
+    }
 
 
-def _clearance_table(lining: Mapping[str, Any], gaps: Floats) -> list[list[float]]:
+def _clearance_table_at_even_angles(lining: Mapping[str, Any], gaps: Floats) -> list[list[float]]:
     """A table of clearances: rows of an angle [rad] and a gap [m].
 
     lining : data of the lining; gaps : clearances [m] at even distances from its start to its end.
@@ -256,7 +268,7 @@ def _clearance_table(lining: Mapping[str, Any], gaps: Floats) -> list[list[float
     return np.stack([angles, gaps], axis=1).tolist()
 
 
-def _scale_to_contact_length(
+def _scale_gaps_to_random_contact_length(
     rng: Rng, drawn: Callable[[float], Brake], presses: str
 ) -> Brake | None:
     """The brake whose gaps are scaled so that its shortest contact has a random length.
@@ -281,31 +293,31 @@ def _scale_to_contact_length(
     for _ in range(MOST_SCALINGS):
         factor = float(f"{factor:.{FACTOR_DIGITS}g}")
         brake = drawn(factor)
-        found = _solve_first_levels(brake)
-        length = min((_contact_length(shoe) for shoe in found.shoes), default=0.0)
+        found = _solve_on_first_refinement_levels(brake)
+        length = min((_total_contact_length_of_shoe(shoe) for shoe in found.shoes), default=0.0)
         if not length > 0:
             return None
         if 1 / LENGTH_TOLERANCE_FACTOR < length / wanted < LENGTH_TOLERANCE_FACTOR:
-            return brake if _does_press_as_drawn(brake, found, presses) else None
+            return brake if _is_contact_at_drawn_lining_part(brake, found, presses) else None
         factor *= min(max(length / wanted, 0.1), 10.0) ** 0.8
     return None
 
 
-def _solve_first_levels(brake: Brake) -> Response:
+def _solve_on_first_refinement_levels(brake: Brake) -> Response:
     """The response of a brake on the last of the first FEW_LEVELS levels of a solve.
 
     Raises NoAnswer where a level has no answer.
     """
-    *_, last = islice(solved_levels(brake, solve_prepared_model), FEW_LEVELS)
+    *_, last = islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), FEW_LEVELS)
     return last.response
 
 
-def _contact_length(shoe: ShoeResponse) -> float:
+def _total_contact_length_of_shoe(shoe: ShoeResponse) -> float:
     """The sum of the lengths of all contact arcs of a shoe [rad]."""
     return math.fsum(end - start for start, end in shoe.contact_arcs)
 
 
-def _does_press_as_drawn(brake: Brake, found: Response, presses: str) -> bool:
+def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str) -> bool:
     """Whether all shoes press, and at least one with the part of its lining that was drawn.
 
     The shoes must press with MORE_FRICTION times the friction as well.
@@ -317,12 +329,12 @@ def _does_press_as_drawn(brake: Brake, found: Response, presses: str) -> bool:
         return False
     # At least one shoe must press with its corner or under its tip, as its kind says.
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
-    corner = any(touches_corner(shoe, response) for shoe, response in pairs)
-    tip = any(touches_tip(shoe, response) for shoe, response in pairs)
+    corner = any(is_lining_corner_in_contact(shoe, response) for shoe, response in pairs)
+    tip = any(is_gap_tip_in_contact(shoe, response) for shoe, response in pairs)
     return {"corner": corner, "tip": tip, "table": corner or tip}[presses]
 
 
-def touches_corner(shoe: Shoe, found: ShoeResponse) -> bool:
+def is_lining_corner_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether the contact of a shoe reaches an end of its lining."""
     # Distances of all ends of contact arcs from both ends of the lining.
     ends = np.array(found.contact_arcs).ravel()
@@ -331,9 +343,9 @@ def touches_corner(shoe: Shoe, found: ShoeResponse) -> bool:
     return bool((distances < END_ANGLE).any())
 
 
-def touches_tip(shoe: Shoe, found: ShoeResponse) -> bool:
+def is_gap_tip_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether a tip of the shoe's gap lies inside one of its contact arcs."""
-    for angle, _ in clearance.tips(shoe.lining):
+    for angle, _ in clearance.gap_kinks_that_point_to_drum(shoe.lining):
         if any(start < angle < end for start, end in found.contact_arcs):
             return True
     return False

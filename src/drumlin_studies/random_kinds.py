@@ -2,8 +2,9 @@
 
 A seed determines a brake. A shoe is drawn about the x axis; the brake is then turned and mirrored
 at random. Linings, bodies and forces have the sizes of real brakes: drums of radius R = 60 mm to
-1.2 m, linings with thicknesses of R/60 to R/8, moduli from 1e8 to 1e9 Pa. `place_brake` and
-`scale_brake` turn, mirror, shift and scale a given brake.
+1.2 m, linings with thicknesses of R/60 to R/8, moduli from 1e8 to 1e9 Pa.
+`mirror_turn_and_shift_brake` and `brake_with_scaled_lengths_and_moduli` turn, mirror, shift and
+scale a given brake.
 """
 
 import math
@@ -15,11 +16,11 @@ import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.file import validated, vary
-from drumlin.brake.plane_brake import any_from
+from drumlin.brake.file import make_validated_part, vary
+from drumlin.brake.plane_brake import make_brake_from_data
 from drumlin.fem.solve import solve
-from drumlin.laws import law
-from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
+from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 
 HOLDING_ATTEMPTS = 200
 """Number of draws for one seed after which NoAnswer is raised."""
@@ -36,7 +37,7 @@ Draw = Callable[[Rng], dict[str, Any]]
 """A function that draws the data of a brake file, without title and friction."""
 
 
-def draw_brake_of_holding_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> Brake:
+def draw_brake_of_support_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> Brake:
     """The random brake of a seed and a kind of support and actuation.
 
     All shoes press, also with HOLDING_FRICTION_MARGIN times the friction of the brake.
@@ -63,37 +64,37 @@ def draw_brake_of_holding_kind(seed: int, kind: str | None = None, *, rigid: boo
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
-            brake = any_from(_rigid_brake_data(data) if rigid else data)
-            brake = place_brake(
+            brake = make_brake_from_data(_brake_data_with_rigid_shoes(data) if rigid else data)
+            brake = mirror_turn_and_shift_brake(
                 brake, turn=0.0 if brake.surface.straight else turn, mirrored=mirrored
             )
             for friction in (brake.friction, HOLDING_FRICTION_MARGIN * brake.friction):
-                _check_all_press(vary(brake, {"friction": friction}))
+                _require_contact_of_all_shoes(vary(brake, {"friction": friction}))
             return brake
         except (BadInput, NoAnswer):
             continue
     raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
 
 
-def draw_brake_of_kind(seed: int, kind: str) -> Brake:
+def draw_random_brake_of_kind(seed: int, kind: str) -> Brake:
     """The random brake of a seed and a kind, which is one of SHAPE_KINDS or of HOLDING_KINDS.
 
     Raises NoAnswer where the generator of the kind has no brake of the seed.
     """
     if kind in SHAPE_KINDS:
-        return random_brake(seed, kind)
-    return draw_brake_of_holding_kind(seed, kind)
+        return draw_random_brake(seed, kind)
+    return draw_brake_of_support_kind(seed, kind)
 
 
-def _check_all_press(brake: Brake) -> None:
+def _require_contact_of_all_shoes(brake: Brake) -> None:
     """Raise NoAnswer unless all shoes touch the drum by the brake's law and by finite elements."""
-    by_law = law(brake)
+    by_law = solve_brake_by_its_rigid_shoe_law(brake)
     by_elements = solve(brake, elements=HOLDING_TRIAL_ELEMENTS)
     if not all(shoe.contact_arcs for shoe in (*by_law.shoes, *by_elements.shoes)):
         raise NoAnswer("a shoe does not press")
 
 
-def _rigid_brake_data(data: dict[str, Any]) -> dict[str, Any]:
+def _brake_data_with_rigid_shoes(data: dict[str, Any]) -> dict[str, Any]:
     """The data of a brake, changed to rigid shoes with thin linings that fit the drum."""
     size = data.get("drum", {"radius": 0.1})["radius"]
     # All linings get one thickness and one material, as the law of a cam asks for.
@@ -106,12 +107,12 @@ def _rigid_brake_data(data: dict[str, Any]) -> dict[str, Any]:
     return data | {"shoe": shoes}
 
 
-def draw_log_uniform(rng: Rng, low: float, high: float) -> float:
+def draw_number_uniform_in_logarithm(rng: Rng, low: float, high: float) -> float:
     """A random number between low and high, uniform in its logarithm, of four digits."""
     return float(f"{math.exp(rng.uniform(math.log(low), math.log(high))):.4g}")
 
 
-def _drum_brake_data(
+def _draw_drum_brake_data(
     rng: Rng, shoes: Callable[[Rng, float], list[dict[str, Any]]], **more: Any
 ) -> dict[str, Any]:
     """The data of a brake with a drum of random radius and a random sense of rotation.
@@ -125,12 +126,12 @@ def _drum_brake_data(
     **more
         Further keys of the brake file.
     """
-    R = draw_log_uniform(rng, 0.06, 1.2)
+    R = draw_number_uniform_in_logarithm(rng, 0.06, 1.2)
     rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
     return {"rotation": rotation, "drum": {"radius": R}, "shoe": shoes(rng, R)} | more
 
 
-def _draw_lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
+def _draw_unsupported_shoe_data(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
     """The data of a random shoe about the x axis, without support and actuation.
 
     Seven of ten shoes have an elastic body, the others are rigid.
@@ -139,8 +140,11 @@ def _draw_lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
     """
     u = rng.uniform
     half, middle, width = u(0.45, 1.0), u(-0.1, 0.1), R * u(0.2, 0.6)
-    thickness = R * draw_log_uniform(rng, 1 / 60, 1 / 8)
-    material = {"E": draw_log_uniform(rng, 1e8, 1e9), "nu": round(float(u(0.1, 0.4)), 3)}
+    thickness = R * draw_number_uniform_in_logarithm(rng, 1 / 60, 1 / 8)
+    material = {
+        "E": draw_number_uniform_in_logarithm(rng, 1e8, 1e9),
+        "nu": round(float(u(0.1, 0.4)), 3),
+    }
     shoe: dict[str, Any] = {
         "name": "first",
         "side": "internal" if inside else "external",
@@ -158,12 +162,12 @@ def _draw_lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
             "width": width,
             "start": middle - half - u(0.03, 0.2),
             "end": middle + half + u(0.03, 0.2),
-            "material": {"E": draw_log_uniform(rng, 7e10, 2.1e11), "nu": 0.3},
+            "material": {"E": draw_number_uniform_in_logarithm(rng, 7e10, 2.1e11), "nu": 0.3},
         }
     return shoe
 
 
-def _draw_actuation(
+def _draw_actuation_data(
     rng: Rng, shoe: dict[str, Any], R: float, direction: float, at: tuple[float, float]
 ) -> dict[str, Any]:
     """The data of a random actuation force, with a strain of the lining of 1e-4 to 3e-3.
@@ -183,104 +187,120 @@ def _draw_actuation(
     """
     lining = shoe["lining"]
     area = R * (lining["end"] - lining["start"]) * lining["width"]
-    force = float(f"{lining['material']['E'] * area * draw_log_uniform(rng, 1e-4, 3e-3):.4g}")
+    force = float(
+        f"{lining['material']['E'] * area * draw_number_uniform_in_logarithm(rng, 1e-4, 3e-3):.4g}"
+    )
     return {"force": force, "direction": direction, "point": {"x": R * at[0], "y": R * at[1]}}
 
 
-def _scaled_point(R: float, x: float, y: float) -> dict[str, float]:
+def _point_at_fractions_of_drum_radius(R: float, x: float, y: float) -> dict[str, float]:
     """The data of the point (R x, R y), for coordinates x and y over the drum's radius R [m]."""
     return {"x": R * x, "y": R * y}
 
 
-def _draw_shoe_on_abutment(rng: Rng, R: float, *, rough: bool) -> dict[str, Any]:
+def _draw_data_of_shoe_on_abutment(rng: Rng, R: float, *, rough: bool) -> dict[str, Any]:
     """The data of a random internal shoe whose foot slides on a flat abutment.
 
     R : radius of the drum [m]; rough : whether the abutment has friction.
     """
-    u, shoe = rng.uniform, _draw_lining(rng, R)
-    face = {"point": _scaled_point(R, u(0.1, 0.4), -u(0.65, 0.85)), "direction": u(-0.3, 0.3)}
+    u, shoe = rng.uniform, _draw_unsupported_shoe_data(rng, R)
+    face = {
+        "point": _point_at_fractions_of_drum_radius(R, u(0.1, 0.4), -u(0.65, 0.85)),
+        "direction": u(-0.3, 0.3),
+    }
     face |= {"friction": round(float(u(0.05, 0.4)), 3)} if rough else {}
-    push = _draw_actuation(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
+    push = _draw_actuation_data(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
     return shoe | {"abutment": face, "actuation": push}
 
 
-def _draw_hinged_shoe(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_data_of_hinged_shoe(rng: Rng, R: float) -> dict[str, Any]:
     """The data of a random internal shoe on a hinge; R : radius of the drum [m]."""
-    u, shoe = rng.uniform, _draw_lining(rng, R)
-    push = _draw_actuation(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
-    return shoe | {"hinge": _scaled_point(R, u(0.05, 0.3), -u(0.65, 0.85)), "actuation": push}
+    u, shoe = rng.uniform, _draw_unsupported_shoe_data(rng, R)
+    push = _draw_actuation_data(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
+    return shoe | {
+        "hinge": _point_at_fractions_of_drum_radius(R, u(0.05, 0.3), -u(0.65, 0.85)),
+        "actuation": push,
+    }
 
 
-def _draw_pivoted_shoe(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_data_of_pivoted_shoe(rng: Rng, R: float) -> dict[str, Any]:
     """The data of a random shoe on the pivot of a hinged lever; R : radius of the drum [m]."""
     u, inside = rng.uniform, bool(rng.random() < 0.3)
-    shoe = _draw_lining(rng, R, inside=inside)
+    shoe = _draw_unsupported_shoe_data(rng, R, inside=inside)
     if inside:
-        lever = _scaled_point(R, u(-0.3, 0.3), -u(0.6, 0.9))
-        pivot = _scaled_point(R, u(0.55, 0.85), u(-0.1, 0.1))
-        push = _draw_actuation(rng, shoe, R, u(-0.2, 0.2), (u(0.0, 0.3), u(0.6, 0.85)))
+        lever = _point_at_fractions_of_drum_radius(R, u(-0.3, 0.3), -u(0.6, 0.9))
+        pivot = _point_at_fractions_of_drum_radius(R, u(0.55, 0.85), u(-0.1, 0.1))
+        push = _draw_actuation_data(rng, shoe, R, u(-0.2, 0.2), (u(0.0, 0.3), u(0.6, 0.85)))
     else:
-        lever = _scaled_point(R, u(1.1, 1.3), -u(1.1, 1.5))
-        pivot = _scaled_point(R, u(1.1, 1.3), u(-0.1, 0.1))
-        push = _draw_actuation(rng, shoe, R, math.pi + u(-0.2, 0.2), (u(1.1, 1.4), u(1.2, 1.7)))
+        lever = _point_at_fractions_of_drum_radius(R, u(1.1, 1.3), -u(1.1, 1.5))
+        pivot = _point_at_fractions_of_drum_radius(R, u(1.1, 1.3), u(-0.1, 0.1))
+        push = _draw_actuation_data(
+            rng, shoe, R, math.pi + u(-0.2, 0.2), (u(1.1, 1.4), u(1.2, 1.7))
+        )
     return shoe | {"hinge": lever, "pivot": pivot, "actuation": push}
 
 
-def _draw_guided_shoe(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_data_of_guided_shoe(rng: Rng, R: float) -> dict[str, Any]:
     """The data of a random shoe that can only move along a guide and is pushed nearly along it.
 
     R : radius of the drum [m].
     """
     u, inside = rng.uniform, bool(rng.random() < 0.5)
-    shoe = _draw_lining(rng, R, inside=inside)
+    shoe = _draw_unsupported_shoe_data(rng, R, inside=inside)
     guide = (0.0 if inside else math.pi) + u(-0.3, 0.3)
     direction = guide + u(-0.2, 0.2)
     at = u(0.7, 0.9) if inside else u(1.1, 1.3), u(-0.15, 0.15)
-    push = _draw_actuation(rng, shoe, R, direction, at)
+    push = _draw_actuation_data(rng, shoe, R, direction, at)
     return shoe | {"guide": {"direction": guide}, "actuation": push}
 
 
-def _remove_force(shoe: dict[str, Any]) -> dict[str, Any]:
+def _shoe_data_without_actuation_force(shoe: dict[str, Any]) -> dict[str, Any]:
     """The data of a shoe without its actuation force; point and direction of the force stay."""
     actuation = {key: value for key, value in shoe["actuation"].items() if key != "force"}
     return shoe | {"actuation": actuation}
 
 
-def mirror_to_other_side(shoe: dict[str, Any]) -> dict[str, Any]:
+def mirror_shoe_data_to_other_drum_side(shoe: dict[str, Any]) -> dict[str, Any]:
     """The data of a shoe of this module after it is mirrored about the y axis of the drum.
 
     The new shoe is named "second".
     """
-    return _place_shoe_data(shoe | {"name": "second"}, math.pi, mirrored=True)
+    return _mirror_turn_and_shift_shoe_data(shoe | {"name": "second"}, math.pi, mirrored=True)
 
 
-def _draw_cam_brake(rng: Rng) -> dict[str, Any]:
+def _draw_data_of_cam_brake(rng: Rng) -> dict[str, Any]:
     """The data of a brake whose two shoes a cam spreads, both on hinges or both on abutments."""
     on_hinges = rng.random() < 0.6
 
-    def make(rng: Rng, R: float) -> dict[str, Any]:
+    def draw_hinged_or_abutting_shoe(rng: Rng, R: float) -> dict[str, Any]:
         """The data of one shoe, for the radius R of the drum [m]."""
         if on_hinges:
-            return _draw_hinged_shoe(rng, R)
-        return _draw_shoe_on_abutment(rng, R, rough=bool(rng.random() < 0.5))
+            return _draw_data_of_hinged_shoe(rng, R)
+        return _draw_data_of_shoe_on_abutment(rng, R, rough=bool(rng.random() < 0.5))
 
-    data = _drum_brake_data(rng, lambda rng, R: [make(rng, R), mirror_to_other_side(make(rng, R))])
+    data = _draw_drum_brake_data(
+        rng,
+        lambda rng, R: [
+            draw_hinged_or_abutting_shoe(rng, R),
+            mirror_shoe_data_to_other_drum_side(draw_hinged_or_abutting_shoe(rng, R)),
+        ],
+    )
     # The force of the cam replaces the forces that were drawn for the shoes.
     force = 2 * min(shoe["actuation"]["force"] for shoe in data["shoe"])
-    shoes = [_remove_force(shoe) for shoe in data["shoe"]]
+    shoes = [_shoe_data_without_actuation_force(shoe) for shoe in data["shoe"]]
     return data | {"shoe": shoes, "actuation": {"force": force}}
 
 
-def _draw_cylinder_brake(rng: Rng) -> dict[str, Any]:
+def _draw_data_of_cylinder_brake(rng: Rng) -> dict[str, Any]:
     """The data of a brake whose two shoes a hydraulic cylinder spreads.
 
     One shoe slides on an abutment with friction, the other has a hinge.
     """
-    data = _drum_brake_data(
+    data = _draw_drum_brake_data(
         rng,
         lambda rng, R: [
-            _draw_shoe_on_abutment(rng, R, rough=True),
-            mirror_to_other_side(_draw_hinged_shoe(rng, R)),
+            _draw_data_of_shoe_on_abutment(rng, R, rough=True),
+            mirror_shoe_data_to_other_drum_side(_draw_data_of_hinged_shoe(rng, R)),
         ],
     )
     # The pressure in the cylinder gives both shoes the smaller of the forces that were drawn.
@@ -291,28 +311,31 @@ def _draw_cylinder_brake(rng: Rng) -> dict[str, Any]:
         "diameter": bore,
         "efficiency": efficiency,
     }
-    return data | {"shoe": [_remove_force(shoe) for shoe in data["shoe"]], "actuation": drive}
+    return data | {
+        "shoe": [_shoe_data_without_actuation_force(shoe) for shoe in data["shoe"]],
+        "actuation": drive,
+    }
 
 
-def _draw_strut_brake(rng: Rng) -> dict[str, Any]:
+def _draw_data_of_strut_brake(rng: Rng) -> dict[str, Any]:
     """The data of a brake whose first shoe pushes the second, hinged shoe through a strut."""
 
-    def shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
+    def draw_both_shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
         """The data of both shoes, for the radius R of the drum [m]."""
         # The actuation that is drawn for the second shoe is removed again: the strut pushes it.
-        u, second = rng.uniform, _draw_lining(rng, R)
+        u, second = rng.uniform, _draw_unsupported_shoe_data(rng, R)
         second |= {
-            "hinge": _scaled_point(R, u(0.05, 0.3), u(0.65, 0.85)),
-            "actuation": _draw_actuation(rng, second, R, 0.0, (0.0, 0.0)),
+            "hinge": _point_at_fractions_of_drum_radius(R, u(0.05, 0.3), u(0.65, 0.85)),
+            "actuation": _draw_actuation_data(rng, second, R, 0.0, (0.0, 0.0)),
         }
-        other = mirror_to_other_side(second)
+        other = mirror_shoe_data_to_other_drum_side(second)
         del other["actuation"]
-        return [_draw_shoe_on_abutment(rng, R, rough=False), other]
+        return [_draw_data_of_shoe_on_abutment(rng, R, rough=False), other]
 
-    return _drum_brake_data(rng, shoes, link=[{"from": "first", "to": "second"}])
+    return _draw_drum_brake_data(rng, draw_both_shoes, link=[{"from": "first", "to": "second"}])
 
 
-def _draw_elastic_shoe(
+def _draw_until_shoe_has_elastic_body(
     rng: Rng, R: float, makes: Sequence[Callable[[Rng, float], dict[str, Any]]]
 ) -> dict[str, Any]:
     """The data of a shoe that is drawn again until it has an elastic body.
@@ -325,22 +348,22 @@ def _draw_elastic_shoe(
     return shoe
 
 
-def _draw_shoe_on_rough_abutment(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_data_of_shoe_on_rough_abutment(rng: Rng, R: float) -> dict[str, Any]:
     """The data of a shoe on an abutment with friction; R : radius of the drum [m]."""
-    return _draw_shoe_on_abutment(rng, R, rough=True)
+    return _draw_data_of_shoe_on_abutment(rng, R, rough=True)
 
 
-def _draw_tee_shoe(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_data_of_t_section_shoe(rng: Rng, R: float) -> dict[str, Any]:
     """The data of a shoe whose body has a T-section, a web under a table; R : drum radius [m]."""
     shoe, u = (
-        _draw_elastic_shoe(
+        _draw_until_shoe_has_elastic_body(
             rng,
             R,
             (
-                _draw_hinged_shoe,
-                _draw_shoe_on_rough_abutment,
-                _draw_pivoted_shoe,
-                _draw_guided_shoe,
+                _draw_data_of_hinged_shoe,
+                _draw_data_of_shoe_on_rough_abutment,
+                _draw_data_of_pivoted_shoe,
+                _draw_data_of_guided_shoe,
             ),
         ),
         rng.uniform,
@@ -350,41 +373,47 @@ def _draw_tee_shoe(rng: Rng, R: float) -> dict[str, Any]:
     return shoe | {"body": body | {"width": u(0.1, 0.6) * width, "table": table}}
 
 
-def _draw_gripped_shoe(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_data_of_gripped_shoe(rng: Rng, R: float) -> dict[str, Any]:
     """The data of a shoe that is fixed over a length ("grip") of its body's back.
 
     R : radius of the drum [m].
     """
-    shoe = _draw_elastic_shoe(rng, R, (_draw_hinged_shoe, _draw_pivoted_shoe, _draw_guided_shoe))
+    shoe = _draw_until_shoe_has_elastic_body(
+        rng, R, (_draw_data_of_hinged_shoe, _draw_data_of_pivoted_shoe, _draw_data_of_guided_shoe)
+    )
     return shoe | {"body": shoe["body"] | {"grip": R * rng.uniform(0.05, 0.4)}}
 
 
-def _draw_chain_of_blocks(rng: Rng) -> dict[str, Any]:
+def _draw_data_of_linked_blocks_brake(rng: Rng) -> dict[str, Any]:
     """The data of a brake with two to four blocks outside the drum.
 
     A strap links each block to the next one.
     """
     names = ("first", "second", "third", "fourth")[: int(rng.integers(2, 5))]
 
-    def shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
+    def draw_all_blocks(rng: Rng, R: float) -> list[dict[str, Any]]:
         """The data of all blocks, for the radius R of the drum [m]; only the first is pushed."""
         strap, angle = rng.uniform(1.05, 1.15), float(rng.uniform(-1.5, -0.5))
         blocks: list[dict[str, Any]] = []
         for name in names:
-            block, end = _draw_block_of_chain(rng, R, name, angle, strap)
+            block, end = _draw_linked_block_and_its_end_angle(rng, R, name, angle, strap)
             # The first block is pulled at its start by a force along the strap.
             if not blocks:
                 pulled = angle
                 point = strap * math.cos(pulled), strap * math.sin(pulled)
-                block["actuation"] = _draw_actuation(rng, block, R, pulled - math.pi / 2, point)
+                block["actuation"] = _draw_actuation_data(
+                    rng, block, R, pulled - math.pi / 2, point
+                )
             blocks.append(block)
             angle = end
         return blocks
 
-    return _drum_brake_data(rng, shoes, link=[{"from": a, "to": b} for a, b in pairwise(names)])
+    return _draw_drum_brake_data(
+        rng, draw_all_blocks, link=[{"from": a, "to": b} for a, b in pairwise(names)]
+    )
 
 
-def _draw_block_of_chain(
+def _draw_linked_block_and_its_end_angle(
     rng: Rng, R: float, name: str, angle: float, strap: float
 ) -> tuple[dict[str, Any], float]:
     """The data of a random block of a chain, and the angle of its end [rad].
@@ -404,29 +433,34 @@ def _draw_block_of_chain(
     strap : float
         Radius of the strap, on which the abutment lies, over the drum's radius.
     """
-    block, half = _draw_lining(rng, R, inside=False), rng.uniform(0.15, 0.35)
+    block, half = _draw_unsupported_shoe_data(rng, R, inside=False), rng.uniform(0.15, 0.35)
     ends = {"start": angle + 0.05, "end": angle + 0.05 + 2 * half}
     block |= {"name": name, "lining": block["lining"] | ends}
     if "body" in block:
         block["body"] |= {"start": ends["start"] - 0.03, "end": ends["end"] + 0.03}
     end = ends["end"] + 0.05
     block["abutment"] = {
-        "point": _scaled_point(R, strap * math.cos(end), strap * math.sin(end)),
+        "point": _point_at_fractions_of_drum_radius(
+            R, strap * math.cos(end), strap * math.sin(end)
+        ),
         "direction": end + math.pi / 2,
     }
     return block, end
 
 
-def _draw_pad(rng: Rng, support: str) -> dict[str, Any]:
+def _draw_data_of_pad_brake(rng: Rng, support: str) -> dict[str, Any]:
     """The data of a brake with one random pad, which is a flat shoe on a sliding plane.
 
     support : "hinge", "pivot", "guide" or "abutment".
     """
     u = rng.uniform
-    length, start = draw_log_uniform(rng, 0.04, 0.3), float(u(-0.3, 0.3))
+    length, start = draw_number_uniform_in_logarithm(rng, 0.04, 0.3), float(u(-0.3, 0.3))
     middle, width = start + length / 2, length * u(0.2, 0.8)
-    thickness = length * draw_log_uniform(rng, 1 / 40, 1 / 8)
-    material = {"E": draw_log_uniform(rng, 1e8, 1e10), "nu": round(float(u(0.1, 0.4)), 3)}
+    thickness = length * draw_number_uniform_in_logarithm(rng, 1 / 40, 1 / 8)
+    material = {
+        "E": draw_number_uniform_in_logarithm(rng, 1e8, 1e10),
+        "nu": round(float(u(0.1, 0.4)), 3),
+    }
     lining = {
         "start": start,
         "end": start + length,
@@ -465,15 +499,19 @@ def _draw_pad(rng: Rng, support: str) -> dict[str, Any]:
             shoe |= {"guide": {"direction": -math.pi / 2 + u(-0.2, 0.2)}}
         else:
             shoe |= {"abutment": abutment}
-    force = float(f"{material['E'] * length * width * draw_log_uniform(rng, 1e-4, 3e-3):.4g}")
+    force = float(
+        f"{material['E'] * length * width * draw_number_uniform_in_logarithm(rng, 1e-4, 3e-3):.4g}"
+    )
     shoe["actuation"] = {"force": force, "direction": direction, "point": at}
     compression = force / (material["E"] * length * width) * thickness
     # Misfits have a generator of their own, so that they change no other random number of the pad.
-    lining |= _draw_pad_misfit(rng.spawn(1)[0], lining, compression)
+    lining |= _draw_clearance_and_misfit_of_pad(rng.spawn(1)[0], lining, compression)
     return {"plane": {"sliding": str(rng.choice(["+x", "-x"]))}, "shoe": [shoe]}
 
 
-def _draw_pad_misfit(rng: Rng, lining: dict[str, Any], size: float) -> dict[str, Any]:
+def _draw_clearance_and_misfit_of_pad(
+    rng: Rng, lining: dict[str, Any], size: float
+) -> dict[str, Any]:
     """The keys `clearance` and `misfit` of a pad's lining; seven of ten pads have none of them.
 
     lining : data of the lining; size : compression of the lining by the pad's force [m], which is
@@ -494,25 +532,35 @@ def _draw_pad_misfit(rng: Rng, lining: dict[str, Any], size: float) -> dict[str,
 
 
 HOLDING_KINDS: dict[str, Draw] = {
-    "hinge": lambda rng: _drum_brake_data(rng, lambda rng, R: [_draw_hinged_shoe(rng, R)]),
-    "abutment": lambda rng: _drum_brake_data(
-        rng, lambda rng, R: [_draw_shoe_on_abutment(rng, R, rough=False)]
+    "hinge": lambda rng: _draw_drum_brake_data(
+        rng, lambda rng, R: [_draw_data_of_hinged_shoe(rng, R)]
     ),
-    "rough abutment": lambda rng: _drum_brake_data(
-        rng, lambda rng, R: [_draw_shoe_on_abutment(rng, R, rough=True)]
+    "abutment": lambda rng: _draw_drum_brake_data(
+        rng, lambda rng, R: [_draw_data_of_shoe_on_abutment(rng, R, rough=False)]
     ),
-    "pivot": lambda rng: _drum_brake_data(rng, lambda rng, R: [_draw_pivoted_shoe(rng, R)]),
-    "guide": lambda rng: _drum_brake_data(rng, lambda rng, R: [_draw_guided_shoe(rng, R)]),
-    "cylinder": _draw_cylinder_brake,
-    "cam": _draw_cam_brake,
-    "strut": _draw_strut_brake,
-    "pad on a hinge": lambda rng: _draw_pad(rng, "hinge"),
-    "pad on a pivot": lambda rng: _draw_pad(rng, "pivot"),
-    "pad on a guide": lambda rng: _draw_pad(rng, "guide"),
-    "pad on an abutment": lambda rng: _draw_pad(rng, "abutment"),
-    "table": lambda rng: _drum_brake_data(rng, lambda rng, R: [_draw_tee_shoe(rng, R)]),
-    "grip": lambda rng: _drum_brake_data(rng, lambda rng, R: [_draw_gripped_shoe(rng, R)]),
-    "chain": _draw_chain_of_blocks,
+    "rough abutment": lambda rng: _draw_drum_brake_data(
+        rng, lambda rng, R: [_draw_data_of_shoe_on_abutment(rng, R, rough=True)]
+    ),
+    "pivot": lambda rng: _draw_drum_brake_data(
+        rng, lambda rng, R: [_draw_data_of_pivoted_shoe(rng, R)]
+    ),
+    "guide": lambda rng: _draw_drum_brake_data(
+        rng, lambda rng, R: [_draw_data_of_guided_shoe(rng, R)]
+    ),
+    "cylinder": _draw_data_of_cylinder_brake,
+    "cam": _draw_data_of_cam_brake,
+    "strut": _draw_data_of_strut_brake,
+    "pad on a hinge": lambda rng: _draw_data_of_pad_brake(rng, "hinge"),
+    "pad on a pivot": lambda rng: _draw_data_of_pad_brake(rng, "pivot"),
+    "pad on a guide": lambda rng: _draw_data_of_pad_brake(rng, "guide"),
+    "pad on an abutment": lambda rng: _draw_data_of_pad_brake(rng, "abutment"),
+    "table": lambda rng: _draw_drum_brake_data(
+        rng, lambda rng, R: [_draw_data_of_t_section_shoe(rng, R)]
+    ),
+    "grip": lambda rng: _draw_drum_brake_data(
+        rng, lambda rng, R: [_draw_data_of_gripped_shoe(rng, R)]
+    ),
+    "chain": _draw_data_of_linked_blocks_brake,
 }
 """Function that draws the data of a brake, by the kind of support or actuation.
 
@@ -520,7 +568,7 @@ The order of the kinds decides which seed draws which kind.
 """
 
 
-def _place_shoe_data(
+def _mirror_turn_and_shift_shoe_data(
     shoe: dict[str, Any], turn: float, *, mirrored: bool, shift: float = 0.0
 ) -> dict[str, Any]:
     """The data of a shoe after it is mirrored, turned and shifted, in this order.
@@ -539,31 +587,31 @@ def _place_shoe_data(
     sign = -1 if mirrored else 1
     c, s = math.cos(turn), math.sin(turn)
 
-    def placed_point(point: dict[str, float]) -> dict[str, float]:
+    def move_point(point: dict[str, float]) -> dict[str, float]:
         """The point after mirroring, turning and shifting."""
         x, y = point["x"], sign * point["y"]
         return {"x": c * x - s * y + shift, "y": s * x + c * y}
 
-    def placed_direction(part: dict[str, Any]) -> dict[str, Any]:
+    def move_direction_and_point(part: dict[str, Any]) -> dict[str, Any]:
         """The data of a support or actuation with its direction and its point moved likewise."""
         moved = part | {"direction": turn + sign * part["direction"]}
-        return moved | ({"point": placed_point(part["point"])} if "point" in part else {})
+        return moved | ({"point": move_point(part["point"])} if "point" in part else {})
 
-    def placed_end(lining: float) -> float:
+    def move_lining_end(lining: float) -> float:
         """The end of a lining, an angle or a length x, after mirroring, turning and shifting."""
         # On a plane `mirrored` comes with a turn of 180 degrees: together they mirror about the
         # y axis.
         return turn + sign * lining if "side" in shoe else c * lining + shift
 
-    def placed_ends(part: dict[str, Any]) -> dict[str, Any]:
+    def move_ends_of_part(part: dict[str, Any]) -> dict[str, Any]:
         """The data of a lining or body with start, end, clearances and misfit moved likewise.
 
         A mirror exchanges start and end.
         """
-        start, end = sorted(placed_end(part[key]) for key in ("start", "end"))
+        start, end = sorted(move_lining_end(part[key]) for key in ("start", "end"))
         moved = part | {"start": start, "end": end}
         if isinstance(part.get("clearance"), list | tuple):
-            moved["clearance"] = sorted([placed_end(x), gap] for x, gap in part["clearance"])
+            moved["clearance"] = sorted([move_lining_end(x), gap] for x, gap in part["clearance"])
         if "misfit" in part:
             x, y = (part["misfit"]["offset"][key] for key in "xy")
             offset = {"x": c * x - s * sign * y, "y": s * x + c * sign * y}
@@ -572,13 +620,13 @@ def _place_shoe_data(
 
     # How each part of a shoe is moved: as a point, as a direction with a point, or as an arc.
     moves = {
-        "hinge": placed_point,
-        "pivot": placed_point,
-        "abutment": placed_direction,
-        "guide": placed_direction,
-        "actuation": placed_direction,
-        "lining": placed_ends,
-        "body": placed_ends,
+        "hinge": move_point,
+        "pivot": move_point,
+        "abutment": move_direction_and_point,
+        "guide": move_direction_and_point,
+        "actuation": move_direction_and_point,
+        "lining": move_ends_of_part,
+        "body": move_ends_of_part,
     }
     result = dict(shoe)
     for key, move in moves.items():
@@ -587,7 +635,7 @@ def _place_shoe_data(
     return result
 
 
-def place_brake(
+def mirror_turn_and_shift_brake(
     brake: Brake, *, turn: float = 0.0, mirrored: bool = False, shift: float = 0.0
 ) -> Brake:
     """The brake after it is mirrored, turned and shifted, in this order.
@@ -606,13 +654,14 @@ def place_brake(
     shift : float
         Distance along x [m] by which a brake on a plane is shifted.
     """
-    data = (brake.reversed() if mirrored else brake).model_dump(by_alias=True)
+    data = (brake.brake_with_reversed_motion() if mirrored else brake).model_dump(by_alias=True)
     if brake.surface.straight:
         turn = math.pi if mirrored else 0.0
     data["shoe"] = [
-        _place_shoe_data(shoe, turn, mirrored=mirrored, shift=shift) for shoe in data["shoe"]
+        _mirror_turn_and_shift_shoe_data(shoe, turn, mirrored=mirrored, shift=shift)
+        for shoe in data["shoe"]
     ]
-    return validated(type(brake), data)
+    return make_validated_part(type(brake), data)
 
 
 LENGTH_KEYS = {"x", "y", "radius", "thickness", "width", "grip", "clearance", "diameter", "taper"}
@@ -621,7 +670,7 @@ FORCE_KEYS = {"force"}
 """Keys of a brake file whose numbers are forces [N]."""
 
 
-def scale_brake(brake: Brake, length: float, modulus: float) -> Brake:
+def brake_with_scaled_lengths_and_moduli(brake: Brake, length: float, modulus: float) -> Brake:
     """The brake with all lengths and all moduli multiplied by factors, at unchanged strains.
 
     Forces are multiplied by `modulus` times `length` squared, torques by `modulus` times `length`
@@ -640,22 +689,24 @@ def scale_brake(brake: Brake, length: float, modulus: float) -> Brake:
     lengths = LENGTH_KEYS | ({"start", "end"} if on_plane else set())
     along = length if on_plane else 1.0
 
-    def scaled_part(value: Any) -> Any:
+    def scale_all_values(value: Any) -> Any:
         """A value of the brake's data in which all lengths, moduli and forces are scaled.
 
         The value may be a table, a list or a single number or text.
         """
         if isinstance(value, dict):
-            return {key: scaled_value(key, each) for key, each in value.items()}
-        return [scaled_part(each) for each in value] if isinstance(value, list | tuple) else value
+            return {key: scale_value_of_key(key, each) for key, each in value.items()}
+        return (
+            [scale_all_values(each) for each in value] if isinstance(value, list | tuple) else value
+        )
 
-    def scaled_value(key: str, value: Any) -> Any:
+    def scale_value_of_key(key: str, value: Any) -> Any:
         """The value of a key, multiplied by the factor that belongs to the key's unit."""
         # Rows of a table have an angle, on a plane a length, and a clearance or depth.
         if key in {"clearance", "blocks"} and isinstance(value, list | tuple):
             return [[place * along, size * length] for place, size in value]
         if isinstance(value, bool | str) or value is None or not isinstance(value, int | float):
-            return scaled_part(value)
+            return scale_all_values(value)
         if key in lengths:
             return value * length
         if key in {"E", "pressure"}:
@@ -664,4 +715,4 @@ def scale_brake(brake: Brake, length: float, modulus: float) -> Brake:
             return value * modulus * length**2
         return value * modulus * length**3 if key == "torque" else value
 
-    return validated(type(brake), scaled_part(brake.model_dump(by_alias=True)))
+    return make_validated_part(type(brake), scale_all_values(brake.model_dump(by_alias=True)))

@@ -9,7 +9,7 @@ uncertainty of its reference: no method is said to be more exact.
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from drumlin_studies.work_precision import PEER_FAMILIES, rows_within_error
+from drumlin_studies.work_precision import PEER_FAMILIES, fastest_rows_within_error
 
 TARGETS = {
     "torque_error": (0.1, 0.05, 0.01, 1e-3, 1e-4),
@@ -36,12 +36,12 @@ Floors = Mapping[str, float]
 """Relative uncertainty of a brake's reference, by the error's key in a row."""
 
 
-def rows_of_brake(rows: Iterable[Row], name: str) -> list[Row]:
+def rows_of_named_brake(rows: Iterable[Row], name: str) -> list[Row]:
     """The rows of the brake with a name."""
     return [row for row in rows if row["brake"] == name]
 
 
-def rows_to_recommend(rows: Iterable[Row]) -> list[Row]:
+def rows_of_recommendable_methods(rows: Iterable[Row]) -> list[Row]:
     """The rows whose methods may be recommended.
 
     The rows of peers and of penalty contact are left out. Penalty contact takes at least as long as
@@ -51,22 +51,27 @@ def rows_to_recommend(rows: Iterable[Row]) -> list[Row]:
     return [row for row in rows if row["family"] not in left_out]
 
 
-def fastest_rows(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[dict[str, Any]]:
+def rows_of_fastest_methods_by_target(
+    rows: Sequence[Row], floors: Mapping[str, Floors]
+) -> list[dict[str, Any]]:
     """A row for each brake and target with the fastest method whose error is below the target.
 
     rows : rows of all methods and brakes; floors : floors of each brake, by its name.
     """
     best = []
     for name in floors:
-        candidates = rows_to_recommend(rows_of_brake(rows, name))
+        candidates = rows_of_recommendable_methods(rows_of_named_brake(rows, name))
         for key, targets in TARGETS.items():
             for target in targets:
                 row = {"brake": name, "quantity": TARGET_NAMES[key], "target": target}
-                best.append(row | _fastest_row_or_reason(candidates, key, target, floors[name]))
+                best.append(
+                    row
+                    | _fastest_method_within_error_or_reason(candidates, key, target, floors[name])
+                )
     return best
 
 
-def _fastest_row_or_reason(
+def _fastest_method_within_error_or_reason(
     rows: Sequence[Row], key: str, target: float, floors: Floors
 ) -> dict[str, Any]:
     """The fastest method on a brake whose error is below a target, as a part of a row.
@@ -75,7 +80,7 @@ def _fastest_row_or_reason(
 
     rows : rows of the brake; key : key of the error; floors : floors of the brake.
     """
-    fit = rows_within_error(rows, key, target, floors)
+    fit = fastest_rows_within_error(rows, key, target, floors)
     if not fit:
         below = target < floors[key]
         reason = "not claimed: below what the reference knows" if below else "none of those tried"
@@ -99,7 +104,7 @@ class Cell(NamedTuple):
     sort : str
         "law", "foundation", "elastic" or "none": the CSS class of the cell on the report's page.
     row : mapping
-        The row of `fastest_rows`.
+        The row of `rows_of_fastest_methods_by_target`.
     """
 
     what: str
@@ -128,14 +133,14 @@ class Matrix(NamedTuple):
     by_law: list[int]
 
 
-def recommendation_matrices(best: Sequence[Row]) -> list[Matrix]:
-    """A matrix of brakes and targets for each quantity, made from the rows of `fastest_rows`."""
+def recommended_methods_by_brake_and_target(best: Sequence[Row]) -> list[Matrix]:
+    """A matrix of brakes and targets for each quantity, from the rows of fastest methods."""
     found = []
     for key, targets in TARGETS.items():
         lines: dict[str, list[Cell]] = {}
         for row in best:
             if row["quantity"] == TARGET_NAMES[key]:
-                lines.setdefault(row["brake"], []).append(_matrix_cell(row))
+                lines.setdefault(row["brake"], []).append(_recommendation_cell_of_row(row))
         # Number of brakes for each target on which a law is recommended.
         by_law = []
         for k in range(len(targets)):
@@ -144,8 +149,8 @@ def recommendation_matrices(best: Sequence[Row]) -> list[Matrix]:
     return found
 
 
-def _matrix_cell(row: Row) -> Cell:
-    """The cell of a `Matrix` with the recommended method in a row of `fastest_rows`."""
+def _recommendation_cell_of_row(row: Row) -> Cell:
+    """The cell of a `Matrix` with the recommended method in a row of fastest methods."""
     family, method = row["family"], row.get("method")
     if method is None:
         return Cell(family, "none", row)
@@ -154,7 +159,7 @@ def _matrix_cell(row: Row) -> Cell:
     return Cell(f"{family}: {method}", "foundation" if family == "foundation" else "elastic", row)
 
 
-def fastest_seconds(
+def fastest_solve_times_within_error(
     rows: Sequence[Row], floors: Mapping[str, Floors], target: float
 ) -> list[float]:
     """Times [s] of the fastest method on each brake whose error of the pressure is below a target.
@@ -165,7 +170,9 @@ def fastest_seconds(
     """
     seconds = []
     for name, known in floors.items():
-        fastest = _fastest_within_error(rows_to_recommend(rows_of_brake(rows, name)), target, known)
+        fastest = _fastest_row_within_pressure_error(
+            rows_of_recommendable_methods(rows_of_named_brake(rows, name)), target, known
+        )
         if fastest is not None:
             seconds.append(fastest["seconds"])
     return seconds
@@ -217,7 +224,9 @@ class AgainstPeers(NamedTuple):
     even: tuple[Row, Row] | None
 
 
-def compare_with_peers(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[AgainstPeers]:
+def compare_times_with_peer_programs(
+    rows: Sequence[Row], floors: Mapping[str, Floors]
+) -> list[AgainstPeers]:
     """The comparison of drumlin with the peers for each brake that a peer has solved.
 
     rows : rows of all methods and brakes; floors : floors of each brake, by its name.
@@ -225,37 +234,45 @@ def compare_with_peers(rows: Sequence[Row], floors: Mapping[str, Floors]) -> lis
     names = dict.fromkeys(row["brake"] for row in rows if row["family"] in PEER_FAMILIES)
     comparisons = []
     for name in names:
-        own = rows_of_brake(rows, name)
-        comparisons.append(_compare_with_peers_on_brake(name, own, floors[name]))
+        own = rows_of_named_brake(rows, name)
+        comparisons.append(_compare_times_with_peers_on_brake(name, own, floors[name]))
     return comparisons
 
 
-def _compare_with_peers_on_brake(name: str, rows: Sequence[Row], floors: Floors) -> AgainstPeers:
+def _compare_times_with_peers_on_brake(
+    name: str, rows: Sequence[Row], floors: Floors
+) -> AgainstPeers:
     """The comparison of drumlin with the peers, other finite element programs, on one brake.
 
     name : name of the brake; rows : rows of the brake; floors : floors of the brake.
     """
-    own = rows_to_recommend(rows)
+    own = rows_of_recommendable_methods(rows)
     # The fastest solve of each peer and of drumlin for each error; uniform meshes are left out.
     times = []
     for peer, aims in AIMS.items():
         theirs = [row for row in rows if row["family"] == peer and not row.get("even")]
         for target, aim in aims.items():
-            best = _fastest_within_error(theirs, target, floors)
+            best = _fastest_row_within_pressure_error(theirs, target, floors)
             times.append(
-                PeerTimes(peer, target, best, _fastest_within_error(own, target, floors), aim)
+                PeerTimes(
+                    peer, target, best, _fastest_row_within_pressure_error(own, target, floors), aim
+                )
             )
     # The finest solve of a peer on a uniform mesh stands beside the fastest solve of drumlin.
     of_peers = [row for row in rows if row["family"] in PEER_FAMILIES]
     of_peers = [row for row in of_peers if row["status"] == "converged"]
     even = [row for row in of_peers if row.get("even")]
     finest = max(even, key=lambda row: row["elements"], default=None)
-    fastest = _fastest_within_error(own, HALF_PERCENT, floors)
+    fastest = _fastest_row_within_pressure_error(own, HALF_PERCENT, floors)
     finest_and_own = (finest, fastest) if finest and fastest else None
-    return AgainstPeers(name, times, _pairs_on_same_mesh(of_peers, own), finest_and_own)
+    return AgainstPeers(
+        name, times, _row_pairs_of_peer_and_drumlin_on_mesh(of_peers, own), finest_and_own
+    )
 
 
-def _pairs_on_same_mesh(of_peers: Sequence[Row], own: Sequence[Row]) -> list[tuple[Row, Row]]:
+def _row_pairs_of_peer_and_drumlin_on_mesh(
+    of_peers: Sequence[Row], own: Sequence[Row]
+) -> list[tuple[Row, Row]]:
     """Pairs of a peer's row and of drumlin's row on the same graded mesh.
 
     Rows of peers with an error of the pressure above HALF_PERCENT are left out.
@@ -271,6 +288,8 @@ def _pairs_on_same_mesh(of_peers: Sequence[Row], own: Sequence[Row]) -> list[tup
     return pairs
 
 
-def _fastest_within_error(rows: Sequence[Row], target: float, floors: Floors) -> Row | None:
+def _fastest_row_within_pressure_error(
+    rows: Sequence[Row], target: float, floors: Floors
+) -> Row | None:
     """The row of the fastest solve with an error of the pressure below a target, or None."""
-    return next(iter(rows_within_error(rows, "pressure_error", target, floors)), None)
+    return next(iter(fastest_rows_within_error(rows, "pressure_error", target, floors)), None)

@@ -26,17 +26,25 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Backing, Bar, Beam, Lining, Ring, Section, bonded
+from drumlin.brake.components import (
+    Backing,
+    Bar,
+    Beam,
+    Lining,
+    Ring,
+    Section,
+    stiffnesses_of_bonded_plates,
+)
 from drumlin.brake.fields import Material
-from drumlin.brake.orthotropic import isotropic_only
-from drumlin.brake.ring_support import plain_ring_only
+from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
+from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.cache import shape_key_of_shoe
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import PreparedModel, reason_why_not_modelled
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.preparation.scene import PreparedModel, reason_why_brake_is_not_modelled
 from drumlin.fem.substructure.interface import edge_quadrature_points
 from drumlin.fem.substructure.ring import RingSubstructure
 
@@ -76,7 +84,9 @@ SECTION_SHEAR_FACTOR = 6 / 5
 """Shear coefficient kappa of a rectangular section."""
 
 
-def surrogate_maker(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], PreparedModel]:
+def make_function_that_prepares_surrogates(
+    elements: int = SKETCH_ELEMENTS,
+) -> Callable[[Brake], PreparedModel]:
     """A function that returns the surrogate of a brake, a coarse model that is solved quickly.
 
     The function keeps its meshes: brakes that differ only in shoes and ring share one mesh of the
@@ -86,28 +96,30 @@ def surrogate_maker(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], Prepar
     """
     meshed: dict[Brake, PreparedModel] = {}
 
-    def prepare_surrogate(brake: Brake) -> PreparedModel:
+    def prepare_surrogate_of_brake(brake: Brake) -> PreparedModel:
         """The surrogate of a brake: a coarse prepared model with shoes and ring as formulas.
 
         The linings are meshed once for all brakes with the same linings.
         """
         reason = (
-            reason_why_not_modelled(brake)
-            or isotropic_only(brake, "a sketch")
-            or plain_ring_only(brake, "a sketch")
+            reason_why_brake_is_not_modelled(brake)
+            or reason_if_any_part_is_orthotropic(brake, "a sketch")
+            or reason_if_ring_support_is_not_plain(brake, "a sketch")
         )
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
-        bare = _rigid_brake(brake)
+        bare = _brake_with_rigid_shoes_and_drum(brake)
         if bare not in meshed:
-            meshed[bare] = prepare(bare, elements=elements, kind=DEFAULT_KIND)
+            meshed[bare] = make_prepared_model(bare, elements=elements, kind=DEFAULT_KIND)
         shortest_arc = min(shoe.arc[1] - shoe.arc[0] for shoe in brake.shoes)
-        return _with_closed_forms(meshed[bare], brake, shortest_arc)
+        return _model_with_shoe_and_ring_flexibility(meshed[bare], brake, shortest_arc)
 
-    return prepare_surrogate
+    return prepare_surrogate_of_brake
 
 
-def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> PreparedModel:
+def _model_with_shoe_and_ring_flexibility(
+    scene: PreparedModel, brake: Brake, shortest: float
+) -> PreparedModel:
     """The prepared model of rigid shoes, to which the flexibilities of shoes and ring are added.
 
     Parameters
@@ -130,7 +142,9 @@ def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> P
         key = shape_key_of_shoe(brake, shoe)
         if key not in made:
             made[key] = (
-                body if shoe.body == bare.body else _add_shoe_flexibility(body, shoe, brake.size)
+                body
+                if shoe.body == bare.body
+                else _body_with_shoe_flexibility(body, shoe, brake.size)
             )
         bodies.append(made[key])
     ring = scene.ring
@@ -138,18 +152,18 @@ def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> P
         count = max(LEAST_RING_MODES, math.ceil(2 * math.pi * CONTACT_WAVES / max(shortest, 1e-9)))
         if count > MOST_RING_MODES:
             raise NoAnswer(f"a contact of {shortest:.1e} rad is too short for the waves of a ring")
-        ring = _ring_flexibility_roots(brake, brake.ring, tuple(bodies), count)
+        ring = _ring_with_closed_form_flexibility(brake, brake.ring, tuple(bodies), count)
     return replace(scene, brake=brake, bodies=tuple(bodies), ring=ring)
 
 
-def _rigid_brake(brake: Brake) -> Brake:
+def _brake_with_rigid_shoes_and_drum(brake: Brake) -> Brake:
     """The brake with a rigid drum and rigid shoes.
 
     A straight beam stays, because the block of a post begins at the beam. Its modulus is multiplied
     by RIGID_FACTOR.
     """
 
-    def rigid_shoe(shoe: Shoe) -> Shoe:
+    def shoe_with_rigid_body(shoe: Shoe) -> Shoe:
         """The shoe without its elastic body, or with a stiff straight beam."""
         if not isinstance(shoe.body, Beam):
             return shoe.model_copy(update={"body": None}) if shoe.mesh is None else shoe
@@ -163,20 +177,24 @@ def _rigid_brake(brake: Brake) -> Brake:
         )
         return shoe.model_copy(update={"body": body})
 
-    return brake.without_ring().model_copy(
-        update={"shoes": tuple(rigid_shoe(shoe) for shoe in brake.shoes)}
+    return brake.brake_without_ring().model_copy(
+        update={"shoes": tuple(shoe_with_rigid_body(shoe) for shoe in brake.shoes)}
     )
 
 
-def _add_shoe_flexibility(body: ShoeSubstructure, shoe: Shoe, radius: float) -> ShoeSubstructure:
+def _body_with_shoe_flexibility(
+    body: ShoeSubstructure, shoe: Shoe, radius: float
+) -> ShoeSubstructure:
     """The condensed body of a rigid shoe, to which the flexibility of the elastic shoe is added.
 
     body : condensed lining on the rigid shoe; shoe : the elastic shoe; radius : of the drum [m].
     """
-    bar, coupling = _shoe_as_bar(shoe, radius), body.coupling
-    nodal = bar.half(body.line.xy)
+    bar, coupling = _bar_that_replaces_shoe(shoe, radius), body.coupling
+    nodal = bar.square_root_of_flexibility(body.line.xy)
     pressed, dragged = -nodal @ coupling.N.T, nodal @ coupling.T.T
-    load = bar.half(body.load_centre[:, None], beyond=np.ones((len(bar.along), 1)))
+    load = bar.square_root_of_flexibility(
+        body.load_centre[:, None], beyond=np.ones((len(bar.along), 1))
+    )
     couple = np.concatenate([bar.bending, np.zeros(2 * len(bar.along))])[:, None]
     loaded = np.hstack([load, couple])
     return replace(
@@ -219,7 +237,7 @@ class _Bar(NamedTuple):
     shearing: Floats
     round: bool
 
-    def half(self, xy: Floats, beyond: Floats | None = None) -> Floats:
+    def square_root_of_flexibility(self, xy: Floats, beyond: Floats | None = None) -> Floats:
         """The square root S of the bar's flexibility S^T S under forces at n points.
 
         S has the shape (3 m, 2 n): for each of the m sections bending, stretching and shearing, for
@@ -245,7 +263,7 @@ class _Bar(NamedTuple):
         normal = np.broadcast_to(self.tangent[:, None], arm.shape)
         shear = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
 
-        def weighted_rows(part: Floats, root: Floats) -> Floats:
+        def rows_of_flexibility_square_root(part: Floats, root: Floats) -> Floats:
             """Rows of S from a section force per unit load (m, n, 2) and `root` (m,).
 
             part : moment, normal or shear force; root : square root of the section's compliance.
@@ -254,12 +272,14 @@ class _Bar(NamedTuple):
             scaled = part * (beyond * root[:, None])[..., None]
             return np.asarray(scaled.reshape(len(root), -1))
 
-        bending = weighted_rows(moment, self.bending)
-        stretching = weighted_rows(normal, self.stretching)
-        return np.concatenate([bending, stretching, weighted_rows(shear, self.shearing)])
+        bending = rows_of_flexibility_square_root(moment, self.bending)
+        stretching = rows_of_flexibility_square_root(normal, self.stretching)
+        return np.concatenate(
+            [bending, stretching, rows_of_flexibility_square_root(shear, self.shearing)]
+        )
 
 
-def _shoe_as_bar(shoe: Shoe, radius: float) -> _Bar:
+def _bar_that_replaces_shoe(shoe: Shoe, radius: float) -> _Bar:
     """The bar that stands for the elastic body of a shoe.
 
     Where an arc carries lining and backing, these bend with it as one bonded section.
@@ -271,13 +291,18 @@ def _shoe_as_bar(shoe: Shoe, radius: float) -> _Bar:
     plates = list(body.plates.values())[::-1]
     middle = (np.arange(SKETCH_SECTIONS) + 0.5) / SKETCH_SECTIONS
     if isinstance(body, Bar):
-        near, far = sorted(shoe.frame.phis((body.start, body.end)), key=abs)
+        near, far = sorted(shoe.frame.phi_coordinates_as_list((body.start, body.end)), key=abs)
         phi = near + (far - near) * middle
         start, end = shoe.arc
         over = [
-            _layer_of_bar(shoe, layer) for layer in (shoe.backing, shoe.lining) if layer is not None
+            _lining_or_backing_as_bar_layer(shoe, layer)
+            for layer in (shoe.backing, shoe.lining)
+            if layer is not None
         ]
-        alone, together = bonded(plates), bonded([*plates, *over])
+        alone, together = (
+            stiffnesses_of_bonded_plates(plates),
+            stiffnesses_of_bonded_plates([*plates, *over]),
+        )
         lined = (phi > start) & (phi < end)
         depth, EI, EA, GA = np.where(lined, np.array(together)[:, None], np.array(alone)[:, None])
         axis = radius - shoe.sign * (shoe.depth - depth)
@@ -286,12 +311,15 @@ def _shoe_as_bar(shoe: Shoe, radius: float) -> _Bar:
         tangent = math.copysign(1.0, far - near) * np.column_stack([-np.sin(phi), np.cos(phi)])
         ds = axis * abs(far - near) / SKETCH_SECTIONS
     else:
-        hinge, end_ = shoe.frame.to_shoe(shoe.pin.xy), shoe.frame.to_shoe(shoe.actuation.point.xy)
-        line = axis_of(hinge, end_)
+        hinge, end_ = (
+            shoe.frame.convert_to_shoe_frame(shoe.pin.xy),
+            shoe.frame.convert_to_shoe_frame(shoe.actuation.point.xy),
+        )
+        line = make_beam_axis(hinge, end_)
         along, foot = line.length * middle, hinge
         at, tangent = hinge + along[:, None] * line.along, np.tile(line.along, (SKETCH_SECTIONS, 1))
         ds = np.full(SKETCH_SECTIONS, line.length / SKETCH_SECTIONS)
-        _, EI, EA, GA = np.array(bonded(plates))[:, None]
+        _, EI, EA, GA = np.array(stiffnesses_of_bonded_plates(plates))[:, None]
     return _Bar(
         at=at,
         tangent=tangent,
@@ -304,12 +332,12 @@ def _shoe_as_bar(shoe: Shoe, radius: float) -> _Bar:
     )
 
 
-def _layer_of_bar(shoe: Shoe, layer: Lining | Backing) -> Section:
+def _lining_or_backing_as_bar_layer(shoe: Shoe, layer: Lining | Backing) -> Section:
     """The lining or backing of a shoe as a layer of the bar's section, as wide as the lining."""
     return Section(layer.thickness, shoe.lining.width, layer.material)
 
 
-def _ring_flexibility_roots(
+def _ring_with_closed_form_flexibility(
     brake: Brake, ring: Ring, bodies: tuple[ShoeSubstructure, ...], count: int
 ) -> RingSubstructure:
     """The elastic drum ring of a surrogate: the square roots of its flexibility under each lining.
@@ -328,14 +356,14 @@ def _ring_flexibility_roots(
     sign, radius, section = brake.shoes[0].sign, brake.size, ring.section
     assert section is not None
     k = np.arange(count + 1)
-    radial, shear = ring_mode_compliances(ring, radius, sign, k)
+    radial, shear = radial_ring_compliances_by_mode(ring, radius, sign, k)
     # Factors that turn the integrals of a nodal pressure over the waves into Fourier coefficients.
     share = np.where(k == 0, 0.5, 1.0) / (math.pi * radius * section.width)
     root = np.sqrt(share * radial)
     turned = np.where(k == 0, 0.0, sign * share * shear / root)
     pressed, dragged = [], []
     for body, shoe in zip(bodies, brake.shoes, strict=True):
-        c, s = _wave_integrals(body, shoe, k)
+        c, s = _integrals_of_waves_over_lining(body, shoe, k)
         pressed.append(np.vstack([root[:, None] * c, root[:, None] * s]))
         dragged.append(np.vstack([-turned[:, None] * s, turned[:, None] * c]))
     return RingSubstructure(
@@ -351,7 +379,9 @@ def _ring_flexibility_roots(
     )
 
 
-def _wave_integrals(body: ShoeSubstructure, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
+def _integrals_of_waves_over_lining(
+    body: ShoeSubstructure, shoe: Shoe, k: Ints
+) -> tuple[Floats, Floats]:
     """Integrals b Int psi_i cos k theta ds and b Int psi_i sin k theta ds over a lining [m^2].
 
     Both are arrays (modes, n). b is the width of the lining, psi_i are the shape functions of its n
@@ -359,7 +389,9 @@ def _wave_integrals(body: ShoeSubstructure, shoe: Shoe, k: Ints) -> tuple[Floats
     """
     line = body.line
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces])
-    wave = np.exp(1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of(x, 1.0)))
+    wave = np.exp(
+        1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of_points_in_shoe_frame(x, 1.0))
+    )
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
     # A row of the pieces has each node at most once; indexed += would add repeated nodes only once.
     for value, nodes in zip(psi, line.pieces, strict=True):
@@ -367,7 +399,7 @@ def _wave_integrals(body: ShoeSubstructure, shoe: Shoe, k: Ints) -> tuple[Floats
     return found.real, found.imag
 
 
-def ring_mode_compliances(
+def radial_ring_compliances_by_mode(
     ring: Ring, radius: float, sign: int, modes: Ints
 ) -> tuple[Floats, Floats]:
     """Radial displacements of a ring's friction surface under two tractions, for each mode.
@@ -395,7 +427,7 @@ def ring_mode_compliances(
     long = modes * section.thickness <= HALF_PLANE_WAVE * radius
     if not long.all():
         over = radius / (E * modes[~long])
-        found = ring_mode_compliances(ring, radius, sign, modes[long])
+        found = radial_ring_compliances_by_mode(ring, radius, sign, modes[long])
         return np.append(found[0], 2 * over), np.append(found[1], (1 - nu) * over)
     # Shape functions through the thickness and their derivatives at the Gauss points: Lagrange
     # polynomials on Chebyshev points, written as sums of Legendre polynomials.
@@ -418,14 +450,14 @@ def ring_mode_compliances(
     g = np.concatenate([-n * over, d - over + 0 * n], axis=2)
     weight = (w * abs(half) * r)[:, None] * E / (1 - nu**2)
 
-    def weighted_product(a: Floats, b: Floats) -> Floats:
+    def integrate_strain_products(a: Floats, b: Floats) -> Floats:
         """Integrals through the thickness of the products of two strains, for each mode."""
         return np.asarray(a.transpose(0, 2, 1) @ (weight * b))
 
     K = (
-        weighted_product(e_r, e_r + nu * e_t)
-        + weighted_product(e_t, e_t + nu * e_r)
-        + (1 - nu) / 2 * weighted_product(g, g)
+        integrate_strain_products(e_r, e_r + nu * e_t)
+        + integrate_strain_products(e_t, e_t + nu * e_r)
+        + (1 - nu) / 2 * integrate_strain_products(g, g)
     )
     # Constraints at the rim: a fixed rim does not move; of a free rim the rigid-body modes k = 0
     # (rotation) and k = 1 (translation) are suppressed.

@@ -1,10 +1,12 @@
 """Table rows on running in, the wear of new linings until their pressure no longer changes.
 
 The rows show whether brakes end at the law of their rigid shoes, and how exact the computed wear
-is. They treat brakes that run in from new (`brake_row`, `ratio_row`), wear in steps of half the
-size (`half_row`), wear laws with exponents of the pressure (`exponent_row`), a drum that turns both
-ways (`run_with_reversals`), and implicit against explicit steps (`step_rows`). Sliding distances
-are in units of 1/(k K), with the stiffness K = E/t of the lining and the wear coefficient k.
+is. They treat brakes that run in from new (`run_in_row_of_brake`, `run_in_row_of_modulus_ratio`),
+wear in steps of half the size (`row_of_run_with_halved_steps`), wear laws with exponents of the
+pressure (`run_in_row_of_pressure_exponent`), a drum that turns both ways
+(`wear_brake_with_drum_reversals`), and implicit against explicit steps
+(`rows_of_runs_in_equal_steps`). Sliding distances are in units of 1/(k K), with the stiffness K =
+E/t of the lining and the wear coefficient k.
 """
 
 import math
@@ -22,41 +24,41 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.fem.analysis.fields import Fields, recover_shoe_fields
+from drumlin.fem.analysis.fields import Fields, stress_and_displacement_fields_of_shoe
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import PreparedModel, reason_why_not_modelled
-from drumlin.laws import hinged, law
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.preparation.scene import PreparedModel, reason_why_brake_is_not_modelled
+from drumlin.laws import hinged, solve_brake_by_its_rigid_shoe_law
 from drumlin.lining_wear.archard import (
-    TOLERANCE,
+    DEFAULT_WEAR_STEP_ERROR,
     WearLaw,
     WearState,
     checkerboard_amplitude,
-    interpolate_state,
+    interpolate_wear_state_at_distance,
     wear_linings_by_explicit_euler,
     wear_linings_in_given_steps,
 )
 from drumlin.lining_wear.linings import (
     WearSetup,
-    fem_wear_setup,
-    foundation_wear_setup,
-    put_shoes_on_guides,
+    brake_with_shoes_on_guides,
+    wear_setup_by_finite_elements,
+    wear_setup_by_foundation_model,
 )
 from drumlin.lining_wear.run_in import (
-    COEFFICIENT,
+    DEFAULT_WEAR_COEFFICIENT,
     WearTarget,
     brake_with_worn_linings,
-    compute_run_checks,
-    distance_from_target,
-    lining_life,
-    lining_pressure_norm,
-    rigid_law_target,
-    run_in,
-    unit_sliding_distance,
+    compute_checks_of_wear_run,
+    compute_life_of_linings,
+    end_of_wear_by_rigid_shoe_law,
+    norm_of_pressure_on_lining,
+    relative_distance_from_end_of_wear,
+    run_brake_linings_in,
+    unit_of_sliding_distance,
 )
-from drumlin.response.norms import relative
+from drumlin.response.norms import relative_error_of_number
 
-ARCHARD = WearLaw(COEFFICIENT)
+ARCHARD = WearLaw(DEFAULT_WEAR_COEFFICIENT)
 """Archard's law with wear proportional to pressure and distance; all brakes of this module wear by
 it unless an exponent is given."""
 SPENT_WITHIN = 0.01
@@ -92,17 +94,18 @@ class Run:
     goal: WearTarget
     unit: float
 
-    def distances(self) -> list[float]:
+    def sliding_distances(self) -> list[float]:
         """The sliding distances of the states, in units of 1/(k K)."""
         return [state.s / self.unit for state in self.states]
 
-    def ripple(self, state: WearState) -> float:
+    def alternation_of_nodal_pressures(self, state: WearState) -> float:
         """The largest amplitude on any lining by which the pressure alternates from node to node.
 
         The amplitude is relative to the pressure of the lining in the state.
         """
         return max(
-            checkerboard_amplitude(surface.along(state.pressure)) for surface in self.setup.surfaces
+            checkerboard_amplitude(surface.own_values_by_growing_angle(state.pressure))
+            for surface in self.setup.surfaces
         )
 
 
@@ -118,14 +121,14 @@ def run_until_settled(name: str, setup: WearSetup, law: WearLaw = ARCHARD, **opt
     law : WearLaw
         The law of wear.
     **options
-        Further arguments of `run_in`.
+        Further arguments of `run_brake_linings_in`.
     """
-    states = run_in(setup, law, **options)
-    goal = rigid_law_target(setup, law, options.get("torque"))
-    return Run(name, setup, states, goal, unit_sliding_distance(setup, law))
+    states = run_brake_linings_in(setup, law, **options)
+    goal = end_of_wear_by_rigid_shoe_law(setup, law, options.get("torque"))
+    return Run(name, setup, states, goal, unit_of_sliding_distance(setup, law))
 
 
-def wearing_models_of(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
+def list_wear_models_of_brake(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
     """The models by which a brake can run in, and the reason why finite elements cannot.
 
     Each model comes as a suffix to the brake's name, the name of the model, and the brake. The
@@ -133,50 +136,52 @@ def wearing_models_of(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str |
     in with the opposite rotation. With two shoes this is not needed: in one rotation the one shoe
     leads and the other trails. Rigid external shoes also run in on a guide.
     """
-    found, reason = list[tuple[str, str, Brake]](), reason_why_not_modelled(brake)
+    found, reason = list[tuple[str, str, Brake]](), reason_why_brake_is_not_modelled(brake)
     if reason is None:
         found.append(("", "fem", brake))
         if len(brake.shoes) == 1:
-            found.append((", turned back", "fem", reversed_brake(brake)))
+            found.append((", turned back", "fem", brake_with_opposite_rotation(brake)))
         rigid = all(shoe.body is None and shoe.pivot is None for shoe in brake.shoes)
         if rigid and brake.shoes[0].side == "external":
             found.append((", guided", "guided", brake))
-    if foundation.why_not(brake) is None:
+    if foundation.reason_against_foundation_model(brake) is None:
         found += [("", model, brake) for model in ("foundation", "foundation, lifted")]
     return found, reason
 
 
-def reversed_brake(brake: Brake) -> Brake:
+def brake_with_opposite_rotation(brake: Brake) -> Brake:
     """The brake with the opposite rotation."""
-    return vary(brake, {"rotation": "clockwise" if brake.spin > 0 else "counter-clockwise"})
+    return vary(
+        brake, {"rotation": "clockwise" if brake.sign_of_motion > 0 else "counter-clockwise"}
+    )
 
 
-def wear_setup_by_model(model: str, brake: Brake, elements: int) -> WearSetup:
-    """The linings of a brake before wear, by one of the models of `wearing_models_of`.
+def prepare_wear_setup_by_model(model: str, brake: Brake, elements: int) -> WearSetup:
+    """The linings of a brake before wear, by one of the models of `list_wear_models_of_brake`.
 
     elements : number of elements along each lining, for models by finite elements.
     """
     if model.startswith("foundation"):
-        return foundation_wear_setup(brake, lift=("all",) if "lifted" in model else ())
-    own = put_shoes_on_guides(brake) if model == "guided" else brake
-    return fem_wear_setup(prepare(own, elements=elements), own)
+        return wear_setup_by_foundation_model(brake, lift=("all",) if "lifted" in model else ())
+    own = brake_with_shoes_on_guides(brake) if model == "guided" else brake
+    return wear_setup_by_finite_elements(make_prepared_model(own, elements=elements), own)
 
 
-def law_and_torque_of_model(model: str, brake: Brake) -> tuple[str, float]:
+def limit_pressure_form_and_law_torque(model: str, brake: Brake) -> tuple[str, float]:
     """The form of the pressure to which the wear of a model tends, and the law's torque [N m].
 
     The form is a formula in words, for example "sin" for p ~ sin(phi) with the angle phi from the
-    hinge. model : one of the models of `wearing_models_of`.
+    hinge. model : one of the models of `list_wear_models_of_brake`.
     """
     if model == "guided":
-        return "cos", hinged.guided_torque(brake)
-    if model == "fem" and brake.unhinged():
-        return "A cos + B sin", law(brake).torque
+        return "cos", hinged.torque_of_brake_with_guided_shoes(brake)
+    if model == "fem" and brake.reason_why_not_all_shoes_hinged():
+        return "A cos + B sin", solve_brake_by_its_rigid_shoe_law(brake).torque
     # In the published foundation model the beam's sections do not tilt, which leads to "x cos".
-    return "x cos" if model == "foundation" else "sin", hinged.sine(brake).torque
+    return "x cos" if model == "foundation" else "sin", hinged.solve_brake_by_sine_law(brake).torque
 
 
-def brake_row(
+def run_in_row_of_brake(
     name: str, model: str, brake: Brake, elements: int
 ) -> tuple[dict[str, Any], Run | None]:
     """The table row of a brake that runs in, and its run.
@@ -188,7 +193,7 @@ def brake_row(
     name : str
         Name of the brake.
     model : str
-        A model of `wearing_models_of`.
+        A model of `list_wear_models_of_brake`.
     brake : Brake
         The brake.
     elements : int
@@ -197,14 +202,14 @@ def brake_row(
     row: dict[str, Any] = {"brake": name, "model": model}
     begin = time.perf_counter()
     try:
-        setup = wear_setup_by_model(model, brake, elements)
+        setup = prepare_wear_setup_by_model(model, brake, elements)
         one = run_until_settled(f"{name}, {model}", setup)
-        row["law"], torque = law_and_torque_of_model(model, brake)
+        row["law"], torque = limit_pressure_form_and_law_torque(model, brake)
     except NoAnswer as error:
         return {**row, "status": f"failed: {error}"}, None
     row |= {
-        "target": relative(one.goal.torque, torque),
-        **run_row(one),
+        "target": relative_error_of_number(one.goal.torque, torque),
+        **row_of_run_in(one),
         "seconds": time.perf_counter() - begin,
     }
     if row["status"] == AT_LAW and abs(row["target"]) > TORQUE_AT_LAW:
@@ -212,7 +217,7 @@ def brake_row(
     return row, one
 
 
-def run_row(one: Run) -> dict[str, Any]:
+def row_of_run_in(one: Run) -> dict[str, Any]:
     """The table row of a run, in which a brake wears until its pressure no longer changes.
 
     The row has the distances of pressure and torque from the law for new linings ("new_") and after
@@ -222,18 +227,20 @@ def run_row(one: Run) -> dict[str, Any]:
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
     # Distances of pressure and torque from the law, with new linings and after the last state.
     new, end = (
-        distance_from_target(setup, states[0], goal),
-        distance_from_target(setup, states[-1], goal),
+        relative_distance_from_end_of_wear(setup, states[0], goal),
+        relative_distance_from_end_of_wear(setup, states[-1], goal),
     )
     # Shares of the lining's life that are spent more than 1 %, and more than 0.1 %, off the law.
-    spent = lining_life(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
-    close = lining_life(setup, states, goal, ARCHARD, within=TORQUE_AT_LAW)
-    balance = compute_run_checks(setup, states, ARCHARD)
+    spent = compute_life_of_linings(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
+    close = compute_life_of_linings(setup, states, goal, ARCHARD, within=TORQUE_AT_LAW)
+    balance = compute_checks_of_wear_run(setup, states, ARCHARD)
     holds = end.pressure <= PRESSURE_AT_LAW and abs(end.torque) <= TORQUE_AT_LAW
     return {
         "new_pressure": new.pressure,
         "new_torque": new.torque,
-        "least_torque": min(distance_from_target(setup, state, goal).torque for state in states),
+        "least_torque": min(
+            relative_distance_from_end_of_wear(setup, state, goal).torque for state in states
+        ),
         "pressure_distance": spent.pressure * spent.distance / unit,
         "torque_distance": spent.torque * spent.distance / unit,
         "close_distance": close.torque * close.distance / unit,
@@ -244,13 +251,13 @@ def run_row(one: Run) -> dict[str, Any]:
         "end_torque": end.torque,
         "volume": balance.volume,
         "energy": balance.energy,
-        "ripple": one.ripple(states[-1]),
+        "ripple": one.alternation_of_nodal_pressures(states[-1]),
         "steps": len(states) - 1,
         "status": AT_LAW if holds else "short of the law",
     }
 
 
-def ratio_row(brake: Brake, ratio: float, elements: int) -> dict[str, Any]:
+def run_in_row_of_modulus_ratio(brake: Brake, ratio: float, elements: int) -> dict[str, Any]:
     """The row of a brake whose linings have `ratio` times the modulus of the shoes' bodies.
 
     elements : number of elements along each lining.
@@ -258,11 +265,11 @@ def ratio_row(brake: Brake, ratio: float, elements: int) -> dict[str, Any]:
     body = brake.shoes[0].body
     assert body is not None and body.material is not None
     changed = vary(brake, {"shoe.lining.material.E": ratio * body.material.E_along})
-    setup = fem_wear_setup(prepare(changed, elements=elements), changed)
-    return {"ratio": ratio, **run_row(run_until_settled("", setup))}
+    setup = wear_setup_by_finite_elements(make_prepared_model(changed, elements=elements), changed)
+    return {"ratio": ratio, **row_of_run_in(run_until_settled("", setup))}
 
 
-def half_row(one: Run) -> dict[str, Any]:
+def row_of_run_with_halved_steps(one: Run) -> dict[str, Any]:
     """The row that compares a run with the same run in steps of half the size.
 
     `pressure`, `torque` and `depth` are the largest relative differences between both runs.
@@ -278,43 +285,47 @@ def half_row(one: Run) -> dict[str, Any]:
     ]
     area = np.concatenate([interface.area for interface in one.setup.interfaces])
 
-    def pressure_norm(p: Floats) -> float:
+    def pressure_norm_over_linings(p: Floats) -> float:
         """The L2 norm of nodal pressures over the area of all linings."""
         return math.sqrt(float(area @ p**2))
 
     # Pairs of states of both runs at the same sliding distance.
     pairs = list(zip(one.states, halved, strict=True))
-    long = run_in(one.setup, ARCHARD, distance=10 * s[-1])
-    after = distance_from_target(one.setup, long[-1], one.goal)
+    long = run_brake_linings_in(one.setup, ARCHARD, distance=10 * s[-1])
+    after = relative_distance_from_end_of_wear(one.setup, long[-1], one.goal)
     return {
         "brake": one.name,
-        "asked": TOLERANCE,
+        "asked": DEFAULT_WEAR_STEP_ERROR,
         "pressure": max(
-            pressure_norm(a.pressure - b.pressure) / pressure_norm(b.pressure) for a, b in pairs
+            pressure_norm_over_linings(a.pressure - b.pressure)
+            / pressure_norm_over_linings(b.pressure)
+            for a, b in pairs
         ),
-        "torque": max(abs(relative(a.torque, b.torque)) for a, b in pairs),
+        "torque": max(abs(relative_error_of_number(a.torque, b.torque)) for a, b in pairs),
         "depth": max(float(np.abs(a.depth - b.depth).max() / b.depth.max()) for a, b in pairs[1:]),
         "long_pressure": after.pressure,
         "long_torque": after.torque,
     }
 
 
-def exponent_row(setup: WearSetup, m: float) -> dict[str, Any]:
+def run_in_row_of_pressure_exponent(setup: WearSetup, m: float) -> dict[str, Any]:
     """The row of a hinged brake that wears by the power m of the pressure.
 
     The pressure of the worn-in lining is then proportional to sin(phi)^(1/m), with the angle phi
     from the hinge.
     """
-    law = WearLaw(COEFFICIENT, m)
-    states, goal = run_in(setup, law), rigid_law_target(setup, law)
-    end = distance_from_target(setup, states[-1], goal)
+    law = WearLaw(DEFAULT_WEAR_COEFFICIENT, m)
+    states, goal = run_brake_linings_in(setup, law), end_of_wear_by_rigid_shoe_law(setup, law)
+    end = relative_distance_from_end_of_wear(setup, states[-1], goal)
     return {
         "exponent": m,
         "goal": goal.torque,
-        "sine": relative(goal.torque, hinged.sine(setup.brake).torque),
+        "sine": relative_error_of_number(
+            goal.torque, hinged.solve_brake_by_sine_law(setup.brake).torque
+        ),
         "end_pressure": end.pressure,
         "end_torque": end.torque,
-        "volume": compute_run_checks(setup, states, law).volume,
+        "volume": compute_checks_of_wear_run(setup, states, law).volume,
         "steps": len(states) - 1,
     }
 
@@ -343,7 +354,7 @@ class Reversals:
     mean: float
 
     @property
-    def row(self) -> dict[str, float]:
+    def row_of_law_distances(self) -> dict[str, float]:
         """The table row of a run with reversals of the drum.
 
         `after` is the largest distance of the pressure from its law, reached right after a
@@ -354,7 +365,9 @@ class Reversals:
         return {"every": self.every, "after": max(later), "before": min(later), "mean": self.mean}
 
 
-def run_with_reversals(scene: PreparedModel, brake: Brake, every: float, turns: int) -> Reversals:
+def wear_brake_with_drum_reversals(
+    scene: PreparedModel, brake: Brake, every: float, turns: int
+) -> Reversals:
     """The wear of a brake over several reversals of the drum.
 
     Parameters
@@ -370,12 +383,12 @@ def run_with_reversals(scene: PreparedModel, brake: Brake, every: float, turns: 
     """
     # Linings and rigid-shoe law for each sense of rotation; True is the first sense.
     setups = {
-        True: fem_wear_setup(scene, brake),
-        False: fem_wear_setup(scene, reversed_brake(brake)),
+        True: wear_setup_by_finite_elements(scene, brake),
+        False: wear_setup_by_finite_elements(scene, brake_with_opposite_rotation(brake)),
     }
-    goals = {sense: rigid_law_target(setup) for sense, setup in setups.items()}
-    size = every * unit_sliding_distance(setups[True], ARCHARD)
-    states = run_in(
+    goals = {sense: end_of_wear_by_rigid_shoe_law(setup) for sense, setup in setups.items()}
+    size = every * unit_of_sliding_distance(setups[True], ARCHARD)
+    states = run_brake_linings_in(
         setups[True],
         ARCHARD,
         backward=setups[False],
@@ -386,7 +399,7 @@ def run_with_reversals(scene: PreparedModel, brake: Brake, every: float, turns: 
     far = []
     for state in states:
         sense = state.forward
-        far.append(distance_from_target(setups[sense], state, goals[sense]).pressure)
+        far.append(relative_distance_from_end_of_wear(setups[sense], state, goals[sense]).pressure)
     # `turned` has the last state before each reversal and the last state of the run.
     turned = [state for state, after in pairwise(states) if state.forward != after.forward]
     turned.append(states[-1])
@@ -396,8 +409,13 @@ def run_with_reversals(scene: PreparedModel, brake: Brake, every: float, turns: 
     surfaces = setups[True].surfaces
     distances = []
     for surface in surfaces:
-        difference = lining_pressure_norm(surface, surface.along(worn_off - law))
-        distances.append(difference / lining_pressure_norm(surface, surface.along(law)))
+        difference = norm_of_pressure_on_lining(
+            surface, surface.own_values_by_growing_angle(worn_off - law)
+        )
+        distances.append(
+            difference
+            / norm_of_pressure_on_lining(surface, surface.own_values_by_growing_angle(law))
+        )
     mean = max(distances)
     return Reversals(every, states, far, mean)
 
@@ -421,7 +439,7 @@ class EqualStepsEnd:
     ripple: float
 
 
-def step_rows(
+def rows_of_runs_in_equal_steps(
     one: Run, end: float, steps: Sequence[float]
 ) -> tuple[list[dict[str, Any]], list[EqualStepsEnd]]:
     """Table rows and last states of runs in equal steps, by implicit and by explicit steps.
@@ -439,30 +457,32 @@ def step_rows(
     """
     # The reference: a run over the same distance with steps of small estimated error.
     length = end * one.unit
-    exact = interpolate_state(run_in(one.setup, ARCHARD, distance=length, tolerance=1e-4), length)
+    exact = interpolate_wear_state_at_distance(
+        run_brake_linings_in(one.setup, ARCHARD, distance=length, tolerance=1e-4), length
+    )
     rows, boards = list[dict[str, Any]](), list[EqualStepsEnd]()
-    for way, size, run in _stepping_methods(one, end, steps):
+    for way, size, run in _list_implicit_and_explicit_runs(one, end, steps):
         row: dict[str, Any] = {"way": way, "step": size}
         try:
             last = run()[-1]
         except NoAnswer as error:
             rows.append({**row, "status": f"failed: {error}"})
             continue
-        row["ripple"] = one.ripple(last)
+        row["ripple"] = one.alternation_of_nodal_pressures(last)
         row["touching"] = float((last.pressure > 0).mean())
         row["torque"] = last.torque
-        row["torque_error"] = relative(last.torque, exact.torque)
+        row["torque_error"] = relative_error_of_number(last.torque, exact.torque)
         rows.append({**row, "status": "ended"})
         boards.append(EqualStepsEnd(f"{way}\nsteps of {size:g}/(k K)", last, row["ripple"]))
     return rows, boards
 
 
-def _stepping_methods(
+def _list_implicit_and_explicit_runs(
     one: Run, end: float, steps: Sequence[float]
 ) -> Iterator[tuple[str, float, Callable[[], list[WearState]]]]:
     """For each size of steps an implicit and an explicit run: name, size, function that runs it.
 
-    one, end, steps : the parameters of `step_rows`.
+    one, end, steps : the parameters of `rows_of_runs_in_equal_steps`.
     """
     for size in steps:
         count, ds = round(end / size), size * one.unit
@@ -479,7 +499,7 @@ def _stepping_methods(
         )
 
 
-def run_of_smallest_contact(runs: Iterable[Run]) -> Run:
+def run_with_smallest_new_contact(runs: Iterable[Run]) -> Run:
     """The run whose new linings touch the drum with the smallest fraction of their nodes."""
     return min(runs, key=lambda one: float((one.states[0].pressure > 0).mean()))
 
@@ -497,7 +517,7 @@ class RunFrame:
     turns: Sequence[float]
 
 
-def run_frames(scene: PreparedModel, one: Run, count: int) -> list[RunFrame]:
+def animation_frames_of_run(scene: PreparedModel, one: Run, count: int) -> list[RunFrame]:
     """Moments of a run with the fields of its shoes, for an animation.
 
     The first moment has new linings; the others are at even distances of the logarithm of the
@@ -516,9 +536,12 @@ def run_frames(scene: PreparedModel, one: Run, count: int) -> list[RunFrame]:
     end = one.states[-1].s
     moments = []
     for s in [0.0, *np.geomspace(3e-4 * end, end, count - 1)]:
-        state = interpolate_state(one.states, s)
+        state = interpolate_wear_state_at_distance(one.states, s)
         brake = brake_with_worn_linings(one.setup, state)
         response = solve_prepared_model(scene, brake, penalty=math.inf)
-        shown = [recover_shoe_fields(scene, brake, response, i) for i in range(len(brake.shoes))]
+        shown = [
+            stress_and_displacement_fields_of_shoe(scene, brake, response, i)
+            for i in range(len(brake.shoes))
+        ]
         moments.append(RunFrame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))
     return moments

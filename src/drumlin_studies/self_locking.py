@@ -15,18 +15,21 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.contact.self_locking import (
     FrictionDependentProblem,
-    compare_answers_from_start_sets,
-    find_friction_limit,
-    smallest_singular_friction_of_all_sets,
+    compare_solutions_from_first_contact_sets,
+    find_friction_limit_of_contact,
+    smallest_singular_friction_of_contact_sets,
 )
-from drumlin.fem.analysis.self_locking import friction_limits_of_groups, torques_at_frictions
-from drumlin.fem.analysis.sensitivity import compare_with_differences_of_solves
+from drumlin.fem.analysis.self_locking import (
+    self_locking_limits_of_shoe_groups,
+    shoe_torques_at_friction_coefficients,
+)
+from drumlin.fem.analysis.sensitivity import compare_slopes_with_differences_of_solves
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.laws import locking_friction, sine
-from drumlin_studies.random_brake import random_brake
+from drumlin.laws import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
+from drumlin_studies.random_brake import draw_random_brake
 
 FARTHEST_FRICTION = 3.0
 """Largest coefficient of friction at which the self-locking of a brake is looked for."""
@@ -50,26 +53,26 @@ ALL_SETS_ELEMENTS = 4
 START_SEED = 7
 """Seed of the random contact sets; it is used together with the seed of the brake."""
 AGREEMENT_COUNTS = ("starts", "same", "others", "unstable", "lost")
-"""Attributes of `compare_answers_from_start_sets` that count how iterations from several contact
+"""Attributes of the comparison of first contact sets that count how iterations from several contact
 sets end. They are summed over LIMIT_FRACTIONS."""
 
 Row = dict[str, Any]
 """A row of a table: its values by key."""
 
 
-def locking_limit_row(brake: Brake, elements: int) -> Row:
+def row_of_self_locking_friction(brake: Brake, elements: int) -> Row:
     """A row with the friction at which a brake locks itself, by finite elements and by sine law.
 
     The group of shoes that locks at the lowest friction counts.
 
     elements : number of elements along each lining.
     """
-    scene = prepare(brake, elements=elements)
+    scene = make_prepared_model(brake, elements=elements)
     found = min(
-        friction_limits_of_groups(scene, brake, FARTHEST_FRICTION).values(),
+        self_locking_limits_of_shoe_groups(scene, brake, FARTHEST_FRICTION).values(),
         key=lambda end: end.friction,
     )
-    law = _locking_friction_by_law(brake)
+    law = _lowest_locking_friction_by_law(brake)
     mu, t_over_R = found.friction, brake.shoes[0].lining.thickness / brake.size
     off = mu / law - 1
     return {
@@ -82,7 +85,7 @@ def locking_limit_row(brake: Brake, elements: int) -> Row:
     }
 
 
-def torque_over_friction_row(brake: Brake, name: str, elements: int) -> Row:
+def row_of_torque_over_friction(brake: Brake, name: str, elements: int) -> Row:
     """A row with the curves of torque [N m] over friction by finite elements and by the sine law.
 
     Each curve ends just before the friction at which the brake locks itself by the same model.
@@ -96,12 +99,12 @@ def torque_over_friction_row(brake: Brake, name: str, elements: int) -> Row:
     elements : int
         Elements along a lining.
     """
-    scene = prepare(brake, elements=elements)
+    scene = make_prepared_model(brake, elements=elements)
     end = min(
         found.friction
-        for found in friction_limits_of_groups(scene, brake, FARTHEST_FRICTION).values()
+        for found in self_locking_limits_of_shoe_groups(scene, brake, FARTHEST_FRICTION).values()
     )
-    law = _locking_friction_by_law(brake)
+    law = _lowest_locking_friction_by_law(brake)
     # Frictions of the curve: even steps up to 0.9 of the limit, then distances from the limit that
     # shrink by a constant factor.
     fractions = (*np.linspace(0.02, 0.9, 45), *(1 - np.logspace(-1, -6, 26)[1:]))
@@ -113,23 +116,25 @@ def torque_over_friction_row(brake: Brake, name: str, elements: int) -> Row:
         "law_mu": of_law,
         "mu_lock": end,
         "law": law,
-        "torque": torques_at_frictions(scene, brake, mu).sum(axis=1).tolist(),
-        "law_torque": [sine(vary(brake, {"friction": m})).torque for m in of_law],
+        "torque": shoe_torques_at_friction_coefficients(scene, brake, mu).sum(axis=1).tolist(),
+        "law_torque": [
+            solve_brake_by_sine_law(vary(brake, {"friction": m})).torque for m in of_law
+        ],
     }
 
 
-def _locking_friction_by_law(brake: Brake) -> float:
+def _lowest_locking_friction_by_law(brake: Brake) -> float:
     """The lowest friction at which a shoe of the brake locks itself by the sine law."""
-    return min(locking_friction(brake, shoe) for shoe in brake.shoes)
+    return min(self_locking_friction_of_hinged_shoe(brake, shoe) for shoe in brake.shoes)
 
 
-def torque_pole(row: Row) -> tuple[float, float]:
+def torque_times_distance_to_locking_friction(row: Row) -> tuple[float, float]:
     """The product T (mu_lock - mu) [N m] at the friction limit, and its change near the limit.
 
     If the torque T has a pole at the friction mu_lock, the product is constant near mu_lock. The
     second result is the relative change of the product over the last 1e-5 of the friction.
 
-    row : a row of `torque_over_friction_row`.
+    row : a row of `row_of_torque_over_friction`.
     """
     limit_friction, products, near = row["mu_lock"], [], []
     for mu, torque in zip(row["mu"], row["torque"], strict=True):
@@ -139,7 +144,7 @@ def torque_pole(row: Row) -> tuple[float, float]:
     return products[-1], abs(near[-1] / near[0] - 1)
 
 
-def uniqueness_row(seed: int, way: str) -> Row:
+def row_on_uniqueness_of_answers(seed: int, way: str) -> Row:
     """A row that shows whether a random brake has one answer below its friction limit, none beyond.
 
     The contact iteration starts from all nodes in contact, from no node in contact, and from random
@@ -152,17 +157,20 @@ def uniqueness_row(seed: int, way: str) -> Row:
     seed : int
         Seed of the brake.
     way : str
-        Kind of the brake, one of `random_brake.LOCKING_KINDS`.
+        Kind of the brake, one of `draw_random_brake.LOCKING_KINDS`.
     """
-    brake = random_brake(seed, way)
-    scene = prepare(brake, elements=LOCKING_ELEMENTS)
-    problems = ShoeGroup(scene, brake, (0,)).friction_dependent_problem
-    end, n = find_friction_limit(problems, FARTHEST_RANDOM_FRICTION), len(problems.frictionless.q)
+    brake = draw_random_brake(seed, way)
+    scene = make_prepared_model(brake, elements=LOCKING_ELEMENTS)
+    problems = ShoeGroup(scene, brake, (0,)).contact_problem_as_function_of_friction
+    end, n = (
+        find_friction_limit_of_contact(problems, FARTHEST_RANDOM_FRICTION),
+        len(problems.frictionless.q),
+    )
     rng = np.random.default_rng([START_SEED, seed])
     starts = [np.ones(n, bool), np.zeros(n, bool)]
     starts += [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
     top = min(end.friction, LARGEST_FRICTION)
-    counts, disagreeing = _count_agreements_below(problems, top, starts)
+    counts, disagreeing = _count_agreeing_answers_below_friction(problems, top, starts)
     # Beyond the friction limit no contact set should be a stable answer, and a solve of drumlin
     # should raise NoAnswer.
     beyond = answered = None
@@ -170,15 +178,20 @@ def uniqueness_row(seed: int, way: str) -> Row:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
         beyond = 0
         for mu in mu_beyond:
-            problem = problems.problem_at(mu)
-            comparison = compare_answers_from_start_sets(problem, end.last_contact, starts, 0.0)
+            problem = problems.contact_problem_with_friction(mu)
+            comparison = compare_solutions_from_first_contact_sets(
+                problem, end.last_contact, starts, 0.0
+            )
             beyond += comparison.others
-        answered = sum(_has_answer(scene, vary(brake, {"friction": mu})) for mu in mu_beyond)
+        answered = sum(
+            _is_brake_solvable_with_exact_contact(scene, vary(brake, {"friction": mu}))
+            for mu in mu_beyond
+        )
     # A coarse mesh has few contact sets, so that all are tried. `any_set` is the lowest friction at
     # which the equations of one of them become singular.
-    coarse = prepare(brake, elements=ALL_SETS_ELEMENTS)
-    any_set = smallest_singular_friction_of_all_sets(
-        ShoeGroup(coarse, brake, (0,)).friction_dependent_problem
+    coarse = make_prepared_model(brake, elements=ALL_SETS_ELEMENTS)
+    any_set = smallest_singular_friction_of_contact_sets(
+        ShoeGroup(coarse, brake, (0,)).contact_problem_as_function_of_friction
     )
     shoe = brake.shoes[0]
     return {
@@ -186,20 +199,20 @@ def uniqueness_row(seed: int, way: str) -> Row:
         "way": way,
         "mu_lock": None if math.isinf(end.friction) else end.friction,
         "bounded": end.pressure_stays_finite,
-        "law": locking_friction(brake, shoe),
+        "law": self_locking_friction_of_hinged_shoe(brake, shoe),
         "top": top,
         "disagreeing": disagreeing,
         "beyond": beyond,
         "answered": answered,
         "any_set": None if math.isinf(any_set) else any_set,
-        "clearance": _clearance_kind(brake),
+        "clearance": _kind_of_first_lining_clearance(brake),
         "shoe": "elastic" if shoe.body else "rigid",
         "t_over_R": shoe.lining.thickness / brake.size,
         **counts,
     }
 
 
-def _count_agreements_below(
+def _count_agreeing_answers_below_friction(
     problems: FrictionDependentProblem, top: float, starts: list[Bools]
 ) -> tuple[Row, list[float]]:
     """AGREEMENT_COUNTS at LIMIT_FRACTIONS of a friction, and the fractions with a disagreement.
@@ -221,8 +234,10 @@ def _count_agreements_below(
     disagreeing = []
     for fraction in LIMIT_FRACTIONS:
         mu = fraction * top
-        found = compare_answers_from_start_sets(
-            problems.problem_at(mu), find_friction_limit(problems, mu).last_contact, starts
+        found = compare_solutions_from_first_contact_sets(
+            problems.contact_problem_with_friction(mu),
+            find_friction_limit_of_contact(problems, mu).last_contact,
+            starts,
         )
         for key in AGREEMENT_COUNTS:
             counts[key] += getattr(found, key)
@@ -232,7 +247,7 @@ def _count_agreements_below(
     return counts, disagreeing
 
 
-def _has_answer(scene: PreparedModel, brake: Brake) -> bool:
+def _is_brake_solvable_with_exact_contact(scene: PreparedModel, brake: Brake) -> bool:
     """Whether a solve of drumlin with exact contact has an answer for the brake."""
     try:
         solve_prepared_model(scene, brake, penalty=math.inf)
@@ -241,13 +256,13 @@ def _has_answer(scene: PreparedModel, brake: Brake) -> bool:
     return True
 
 
-def _clearance_kind(brake: Brake) -> str:
+def _kind_of_first_lining_clearance(brake: Brake) -> str:
     """The kind of clearance of the brake's first lining: "uneven", "even" or "none"."""
     given = brake.shoes[0].lining.clearance
     return "uneven" if isinstance(given, tuple) else "none" if given == 0 else "even"
 
 
-def slope_rows(brake: Brake, name: str, penalty: float) -> list[Row]:
+def rows_of_torque_slopes_and_differences(brake: Brake, name: str, penalty: float) -> list[Row]:
     """A row for each slope of the brake's torque, beside the difference quotient of two solves.
 
     The first row also has the sensitivity S = (mu/T) dT/dmu to friction, by finite elements and by
@@ -262,7 +277,7 @@ def slope_rows(brake: Brake, name: str, penalty: float) -> list[Row]:
     penalty : float
         Penalty factor of the contact; inf for exact contact.
     """
-    found, table = compare_with_differences_of_solves(brake, 1, elements=20, penalty=penalty)
+    found, table = compare_slopes_with_differences_of_solves(brake, 1, elements=20, penalty=penalty)
     rows = [row | {"brake": name} for row in table]
     rows[0] |= {"S": found.S, "law": (found.law or (None,))[-1]}
     return rows

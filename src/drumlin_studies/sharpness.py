@@ -3,15 +3,15 @@
 The stated errors are compared with the true errors of brakes whose far finer solutions are stored
 as files (`stored_truth`). A stated error that is too small is a wrong number. A stated error that
 is ten times too large costs a level of hp elements that nobody needed. The ratio of stated to true
-error shows both. `judge_stored_truth` solves one brake on all levels of refinement once, and finds
-the errors that a solve states by default and at two tolerances. `error_ratio_spreads` reduces the
-ratios of each quantity to two numbers. The command
+error shows both. `stated_and_true_errors_of_stored_brake` solves one brake on all levels of
+refinement once, and finds the errors that a solve states by default and at two tolerances.
+`spreads_of_stated_over_true_errors` reduces the ratios of each quantity to two numbers. The command
 
     python -m drumlin_studies.sharpness FOLDER
 
 writes these numbers to a file whenever the factors of the estimate are fitted.
-`lines_on_stated_errors` compares new numbers with the file, so that a test notices a halved factor
-as well as a doubled one.
+`describe_faults_of_stated_errors` compares new numbers with the file, so that a test notices a
+halved factor as well as a doubled one.
 """
 
 import json
@@ -28,14 +28,14 @@ from scipy.stats import binom
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_to_tolerance
-from drumlin.fem.error_control.levels import SolvedLevel, solved_levels
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_brake_to_tolerance
+from drumlin.fem.error_control.levels import SolvedLevel, solve_on_finer_and_finer_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies.stated_true import JUDGED_QUANTITIES as QUANTITIES
-from drumlin_studies.stated_true import stated_over_true, true_errors
-from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read_stored_truth
+from drumlin_studies.stated_true import stated_over_true_error_of_row, true_errors_of_response
+from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read_stored_fine_solution
 
 ASKED = {"default": DEFAULT_TOLERANCE, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": Tolerance(1e-4, 1e-4)}
 """The tolerances to which the brakes are solved, by name: the default one and two smaller ones."""
@@ -105,18 +105,18 @@ class StatedTrueErrors(NamedTuple):
     unsure: Mapping[str, float]
     unknowns: int = 0
 
-    def ratio(self, quantity: str) -> float:
+    def stated_over_true_error(self, quantity: str) -> float:
         """The ratio of the stated error to the true error less its uncertainty.
 
         The ratio is inf if the uncertainty is as large as the true error, and nan if the quantity
         is not judged.
         """
         kinds = {"stated": self.stated, "true": self.true, "unsure": self.unsure}
-        return stated_over_true(
+        return stated_over_true_error_of_row(
             {f"{kind}_{quantity}": of[quantity] for kind, of in kinds.items()}, quantity
         )
 
-    def certain(self, quantity: str) -> bool:
+    def is_true_error_certain(self, quantity: str) -> bool:
         """Whether the true error of a quantity is known well enough to judge its stated error.
 
         A stated error of 1 means that the quantity is not known. It is not judged.
@@ -153,7 +153,9 @@ class AccuracyAndCost(NamedTuple):
     unknowns: dict[str, int]
 
 
-def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]:
+def stated_and_true_errors_of_stored_brake(
+    name: str, stored: StoredTruth
+) -> list[StatedTrueErrors]:
     """Stated and true errors of a brake, for each tolerance of ASKED that it reaches.
 
     Each level of refinement is solved once and used for all tolerances.
@@ -163,18 +165,22 @@ def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]
     brake = stored.brake
     solved: list[int] = []
 
-    def counted(scene: PreparedModel, brake: Brake, *, start: Response | None = None) -> Response:
+    def solve_and_count_unknowns(
+        scene: PreparedModel, brake: Brake, *, start: Response | None = None
+    ) -> Response:
         """The response of `solve_prepared_model`; its number of unknowns is added to `solved`."""
         solved.append(sum(body.unknowns for body in scene.bodies))
         return solve_prepared_model(scene, brake, start=start)
 
     # The tolerances read the same sequence of levels, so that each level is solved once.
-    sequences: tuple[Iterable[SolvedLevel], ...] = tee(solved_levels(brake, counted), len(ASKED))
+    sequences: tuple[Iterable[SolvedLevel], ...] = tee(
+        solve_on_finer_and_finer_levels(brake, solve_and_count_unknowns), len(ASKED)
+    )
     found = []
     for (asked, tolerance), sequence in zip(ASKED.items(), sequences, strict=True):
-        response = _solve_to_tolerance(brake, tolerance, sequence)
+        response = _response_within_tolerance_or_none(brake, tolerance, sequence)
         if response is not None:
-            true = true_errors(brake, response.shoes, stored.true.shoes)
+            true = true_errors_of_response(brake, response.shoes, stored.true.shoes)
             stated = response.error or {}
             found.append(
                 StatedTrueErrors(name, asked, stated, true, stored.true.unsure, sum(solved))
@@ -182,7 +188,7 @@ def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]
     return found
 
 
-def _solve_to_tolerance(
+def _response_within_tolerance_or_none(
     brake: Brake, tolerance: Tolerance, sequence: Iterable[SolvedLevel]
 ) -> Response | None:
     """The response of a brake to a tolerance, or None where no level reaches the tolerance.
@@ -190,7 +196,7 @@ def _solve_to_tolerance(
     sequence : the solved levels of refinement, from coarse to fine.
     """
     try:
-        return solve_to_tolerance(
+        return solve_brake_to_tolerance(
             brake,
             tolerance,
             solve_prepared_model,
@@ -201,15 +207,19 @@ def _solve_to_tolerance(
         return None
 
 
-def judge_folder(folder: Path, names: Container[str] | None = None) -> list[StatedTrueErrors]:
+def stated_and_true_errors_of_folder(
+    folder: Path, names: Container[str] | None = None
+) -> list[StatedTrueErrors]:
     """Stated and true errors of the brakes whose far finer solutions are files of a folder.
 
     names : names of the brakes to be judged; all of the folder by default
     """
     found: list[StatedTrueErrors] = []
-    for path in truth_files(folder):
+    for path in list_stored_truth_files(folder):
         if names is None or path.stem in names:
-            found += judge_stored_truth(path.stem, read_stored_truth(path))
+            found += stated_and_true_errors_of_stored_brake(
+                path.stem, read_stored_fine_solution(path)
+            )
     return found
 
 
@@ -219,24 +229,28 @@ def quickly_solved_brakes(worths: Mapping[str, AccuracyAndCost]) -> set[str]:
     return {name for name, count in unknowns.items() if count <= QUICK}
 
 
-def truth_files(folder: Path) -> list[Path]:
+def list_stored_truth_files(folder: Path) -> list[Path]:
     """The files of far finer solutions in a folder, in the order of their names."""
     return sorted(path for path in folder.glob("*.json") if path.name != FILE)
 
 
-def error_ratio_spreads(rows: Sequence[StatedTrueErrors]) -> dict[str, Spread]:
+def spreads_of_stated_over_true_errors(rows: Sequence[StatedTrueErrors]) -> dict[str, Spread]:
     """The `Spread` of the ratios of stated to true error over all brakes, for each quantity.
 
     Only ratios count whose true error is certain.
     """
     found = {}
     for quantity in QUANTITIES:
-        seen = [one.stated[quantity] / one.true[quantity] for one in rows if one.certain(quantity)]
+        seen = [
+            one.stated[quantity] / one.true[quantity]
+            for one in rows
+            if one.is_true_error_certain(quantity)
+        ]
         found[quantity] = Spread(float(np.median(seen)), float(np.quantile(seen, 0.1)))
     return found
 
 
-def accuracy_and_costs(rows: Sequence[StatedTrueErrors]) -> dict[str, AccuracyAndCost]:
+def accuracy_and_cost_by_tolerance(rows: Sequence[StatedTrueErrors]) -> dict[str, AccuracyAndCost]:
     """Accuracy and cost of the answers of all brakes, for each tolerance of ASKED."""
     found = {}
     for asked, tolerance in ASKED.items():
@@ -249,7 +263,7 @@ def accuracy_and_costs(rows: Sequence[StatedTrueErrors]) -> dict[str, AccuracyAn
     return found
 
 
-def lines_on_losses(
+def describe_losses_of_accuracy_and_cost(
     rows: Sequence[StatedTrueErrors], written: Mapping[str, AccuracyAndCost]
 ) -> list[str]:
     """Lines of text, one for each accuracy or cost that has become worse.
@@ -259,7 +273,7 @@ def lines_on_losses(
     written : accuracy and cost of the answers at the last fit, by the keys of ASKED
     """
     found = []
-    for asked, now in accuracy_and_costs(rows).items():
+    for asked, now in accuracy_and_cost_by_tolerance(rows).items():
         # First loss: fewer brakes reach the tolerance. Second loss: larger true errors.
         before = written[asked]
         if now.answers < before.answers:
@@ -281,7 +295,7 @@ def lines_on_losses(
     return found
 
 
-def lines_on_stated_errors(
+def describe_faults_of_stated_errors(
     rows: Sequence[StatedTrueErrors], written: Mapping[str, Spread]
 ) -> list[str]:
     """Lines of text, one for each fault of the stated errors.
@@ -292,8 +306,8 @@ def lines_on_stated_errors(
     rows : stated and true errors of all brakes; written : `Spread` at the last fit, by quantity
     """
     found = []
-    for quantity, spread in error_ratio_spreads(rows).items():
-        ratios = [(one.ratio(quantity), one) for one in rows]
+    for quantity, spread in spreads_of_stated_over_true_errors(rows).items():
+        ratios = [(one.stated_over_true_error(quantity), one) for one in rows]
         known = [(value, one) for value, one in ratios if not math.isnan(value)]
         small = [f"{one.name} at {one.asked} ({value:.2f})" for value, one in known if value < 1]
         # The number of errors that may be too small is a quantile of the binomial distribution.
@@ -311,7 +325,7 @@ def lines_on_stated_errors(
     return found
 
 
-def scale_stated_errors(
+def rows_with_scaled_stated_errors(
     rows: Iterable[StatedTrueErrors], quantity: str, factor: float
 ) -> list[StatedTrueErrors]:
     """The rows with the stated errors of one quantity multiplied by a factor."""
@@ -335,7 +349,7 @@ class Written(NamedTuple):
     worths: dict[str, AccuracyAndCost]
 
 
-def read_sharpness(folder: Path) -> Written:
+def read_sharpness_file(folder: Path) -> Written:
     """The contents of FILE, the numbers at the last fit, in a folder of far finer solutions."""
     data = json.loads((folder / FILE).read_text(encoding="utf-8"))
     spreads, quick_spreads = (
@@ -347,17 +361,17 @@ def read_sharpness(folder: Path) -> Written:
 
 
 def _rounded_spreads(rows: Sequence[StatedTrueErrors]) -> dict[str, dict[str, float]]:
-    """The spreads of `error_ratio_spreads`, rounded as FILE holds them."""
+    """The spreads of `spreads_of_stated_over_true_errors`, rounded as FILE holds them."""
     return {
         quantity: {which: round(value, 2) for which, value in spread._asdict().items()}
-        for quantity, spread in error_ratio_spreads(rows).items()
+        for quantity, spread in spreads_of_stated_over_true_errors(rows).items()
     }
 
 
 def main(folder: str) -> None:
     """Judge the stated errors of all brakes in a folder by true errors, and write FILE there."""
-    rows = judge_folder(Path(folder))
-    worths = accuracy_and_costs(rows)
+    rows = stated_and_true_errors_of_folder(Path(folder))
+    worths = accuracy_and_cost_by_tolerance(rows)
     quick = quickly_solved_brakes(worths)
     spreads = _rounded_spreads(rows)
     quick_spreads = _rounded_spreads([one for one in rows if one.name in quick])

@@ -18,7 +18,7 @@ Case = Mapping[str, Any]
 """The input of one computation, plain data by name."""
 
 
-def compute_and_keep_cases(
+def compute_cases_in_parallel_with_journal(
     cases: Sequence[Case],
     work: Callable[[Case], dict[str, Any]],
     journal: Journal,

@@ -2,13 +2,14 @@
 
     python -m drumlin_studies.solid_error KIND FIRST LAST [TOLERANCE [LEVEL]]
 
-solves the brakes of the seeds FIRST to LAST - 1 to TOLERANCE (0.01) by `solve_with_widths`. It
-prints a line for each brake and a table of stated over true errors. KIND is a name in DRAWN:
+solves the brakes of the seeds FIRST to LAST - 1 to TOLERANCE (0.01) by
+`solve_brake_with_widths_to_tolerance`. It prints a line for each brake and a table of stated over
+true errors. KIND is a name in DRAWN:
 
-- "free": brakes of random_brake whose parts have several widths
+- "free": brakes of draw_random_brake whose parts have several widths
 - "built": shoes as they are built. The table is as wide as the lining and 1/30 to 1/8 of this width
   thick, the web is 1/12 to 1/4 as wide, and both are of steel.
-- "one": brakes of random_brake whose bodies are made as wide as the linings
+- "one": brakes of draw_random_brake whose bodies are made as wide as the linings
 
 The truth has functions across the width that are graded to the sides of all parts, on the level
 LEVEL (2) of the section.
@@ -28,22 +29,22 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.fem.width.error import model_distance
+from drumlin.fem.width.error import distance_of_plane_stress_from_widths
 from drumlin.fem.width.functions import (
     SAME_SIDE,
     WidthFunctions,
-    breaks_of,
-    half_widths_of,
+    breaks_across_half_width_of_shoe,
+    half_widths_of_parts,
     has_several_widths,
 )
-from drumlin.fem.width.ladder import solve_with_widths
-from drumlin.fem.width.prepare import prepare_width, width_why_not
+from drumlin.fem.width.ladder import solve_brake_with_widths_to_tolerance
+from drumlin.fem.width.prepare import prepare_brake_with_widths, reason_against_width_model
 from drumlin.response.response import Response
-from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.width_error import KINDS_WITH_WIDTHS
 
 GRADED_DEGREE = 3
@@ -92,12 +93,12 @@ class SolidErrorRow(NamedTuple):
 
 def free_brake(seed: int) -> Brake:
     """The random brake of a seed on a rigid drum."""
-    return random_brake(seed, KINDS_WITH_WIDTHS[seed % len(KINDS_WITH_WIDTHS)])
+    return draw_random_brake(seed, KINDS_WITH_WIDTHS[seed % len(KINDS_WITH_WIDTHS)])
 
 
 def built_brake(seed: int) -> Brake:
     """The brake of a seed with a shoe as they are built: a table and a web of steel."""
-    brake = random_brake(seed, "backed")
+    brake = draw_random_brake(seed, "backed")
     rng = np.random.default_rng([seed, len(KINDS_WITH_WIDTHS)])
     table, web = (math.exp(rng.uniform(*np.log(part))) for part in (TABLE, WEB))
     width = brake.shoes[0].lining.width
@@ -128,7 +129,7 @@ DRAWN: dict[str, Callable[[int], Brake]] = {
 
 def graded_functions(shoe: Shoe) -> WidthFunctions:
     """Functions across the width of a shoe that are graded to the sides of all its parts."""
-    halves, breaks = half_widths_of(shoe).values(), breaks_of(shoe)
+    halves, breaks = half_widths_of_parts(shoe).values(), breaks_across_half_width_of_shoe(shoe)
 
     def is_side(place: float) -> bool:
         """Whether a part of the shoe ends at this place."""
@@ -147,8 +148,10 @@ def graded_functions(shoe: Shoe) -> WidthFunctions:
 def true_response(brake: Brake, level: Level) -> Response:
     """The response of a brake with graded functions across the width, on a level of the section."""
     start = solve(brake)
-    points = singular_points_of(brake, start, error=level.error)
-    scene = prepare_width(brake, level, graded_functions, points)
+    points = singular_points_of_all_linings(
+        brake, start, error=level.pressure_error_by_column_ratio
+    )
+    scene = prepare_brake_with_widths(brake, level, graded_functions, points)
     return solve_prepared_model(scene, brake, start=start)
 
 
@@ -161,16 +164,18 @@ def solid_errors(brake: Brake, tolerance: float, level: Level) -> SolidErrorRow 
     tolerance : relative error that is allowed, of mean pressure and torque
     level : level of the section of the truth
     """
-    reason = width_why_not(brake)
+    reason = reason_against_width_model(brake)
     if reason is not None:
         return reason
     try:
         started = time.process_time()
         solve(brake, model_error=False)
         plane_done = time.process_time()
-        found = solve_with_widths(brake, Tolerance(tolerance, tolerance), must=False)
+        found = solve_brake_with_widths_to_tolerance(
+            brake, Tolerance(tolerance, tolerance), must=False
+        )
         done = time.process_time()
-        true = model_distance(brake, found, true_response(brake, level))
+        true = distance_of_plane_stress_from_widths(brake, found, true_response(brake, level))
     except (NoAnswer, np.linalg.LinAlgError) as error:
         return str(error)
     stated = {name: (found.error or {})[name] for name in JUDGED_ERRORS}

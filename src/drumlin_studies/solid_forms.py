@@ -17,19 +17,26 @@ from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
-from drumlin.fem.mesh.edges import nodes_along_edges
+from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.grading import points_with_growing_steps
 from drumlin.fem.solid.body import HALVES, constrain_solid
 from drumlin.fem.solid.face import ContactFace, contact_face
 from drumlin.fem.solid.mesh import Solid, extrude
-from drumlin.fem.substructure.body import condense_body, stiffness
-from drumlin.fem.substructure.interface import ContactLine, drum_directions, make_contact_line
+from drumlin.fem.substructure.body import (
+    condense_body_to_contact_and_frame,
+    sparse_stiffness_of_body,
+)
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    function_for_drum_normals_and_tangents,
+    make_contact_line_of_lining,
+)
 
 PART = "lining"
 """Name of the only subdomain in the mesh of each body of this module."""
 
 
-def _section_mesh(grid: Any, at: Floats, groups: Mapping[str, Any]) -> Any:
+def _section_mesh_with_moved_nodes(grid: Any, at: Floats, groups: Mapping[str, Any]) -> Any:
     """The mesh of a plane section in quadratic quadrilaterals.
 
     grid : mesh of linear quadrilaterals with the elements; at : places (2, nodes) [m] of the nodes;
@@ -40,7 +47,7 @@ def _section_mesh(grid: Any, at: Floats, groups: Mapping[str, Any]) -> Any:
     )
 
 
-def ring_sector_mesh(radii: Floats, angles: Floats, z: Floats) -> Solid:
+def solid_mesh_of_ring_sector(radii: Floats, angles: Floats, z: Floats) -> Solid:
     """The solid mesh of a ring sector, with the boundary "contact" outside and "hinge" inside.
 
     Parameters
@@ -58,22 +65,22 @@ def ring_sector_mesh(radii: Floats, angles: Floats, z: Floats) -> Solid:
     quadratic = skfem.MeshQuad2.from_mesh(grid)
     r, phi = radii[-1] - quadratic.doflocs[0], quadratic.doflocs[1]
     return extrude(
-        _section_mesh(grid, np.array([r * np.cos(phi), r * np.sin(phi)]), groups),
+        _section_mesh_with_moved_nodes(grid, np.array([r * np.cos(phi), r * np.sin(phi)]), groups),
         {PART: float(z[-1])},
         z,
     )
 
 
-def contact_face_of(solid: Solid) -> ContactFace:
+def contact_face_of_ring_sector(solid: Solid) -> ContactFace:
     """The contact face of a ring sector, on which angles are measured from the x axis."""
     return contact_face(
-        make_contact_line(solid.plane, solid.section.boundaries["contact"], 0.0),
+        make_contact_line_of_lining(solid.plane, solid.section.boundaries["contact"], 0.0),
         solid.node,
         solid.z,
     )
 
 
-def lame_displacement_error(
+def displacement_error_against_lame_ring(
     elements: int, material: Material, radii: tuple[float, float] = (0.6, 1.0), half: float = 0.5
 ) -> float:
     """Error of the solid mesh on a quarter ring under outer pressure, against Lame's solution.
@@ -94,17 +101,20 @@ def lame_displacement_error(
         Half of the width [m].
     """
     a, b = radii
-    solid = ring_sector_mesh(
+    solid = solid_mesh_of_ring_sector(
         np.linspace(a, b, elements + 1),
         np.linspace(0, math.pi / 2, 3 * elements + 1),
         np.linspace(0, half, 3),
     )
     E, nu, p = material.E, material.nu, 1.0
-    K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
-    face, x = contact_face_of(solid), solid.basis.doflocs
+    K = sparse_stiffness_of_body(
+        solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)}
+    )
+    face, x = contact_face_of_ring_sector(solid), solid.basis.doflocs
     load = np.zeros((solid.basis.N, 3))
     load[face.nodes, :2] = -(
-        face.couple_with_counterface(0.0, drum_directions(1)).N.T @ np.full(len(face.nodes), p)
+        face.couple_lining_with_counterface(0.0, function_for_drum_normals_and_tangents(1)).N.T
+        @ np.full(len(face.nodes), p)
     ).reshape(-1, 2)
     fixed = np.zeros((solid.basis.N, 3), dtype=bool)
     for c in range(3):
@@ -121,7 +131,7 @@ def lame_displacement_error(
     return float(np.abs(u.reshape(-1, 3).T - exact).max() / np.abs(exact).max())
 
 
-def patch_force_error(elements: int, material: Material) -> float:
+def nodal_force_error_of_patch_test(elements: int, material: Material) -> float:
     """Error of the nodal forces by which the pressure on a curved contact face acts on a solid.
 
     The solid has the uniform strain of a hydrostatic pressure of 1. The stiffness matrix K and the
@@ -132,13 +142,18 @@ def patch_force_error(elements: int, material: Material) -> float:
     elements : number of elements along the face; material : material of the solid.
     """
     z = np.array([0.0, 0.1, 0.15])
-    solid = ring_sector_mesh(np.linspace(0.6, 1.0, 3), np.linspace(-0.5, 0.5, elements + 1), z)
-    K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
+    solid = solid_mesh_of_ring_sector(
+        np.linspace(0.6, 1.0, 3), np.linspace(-0.5, 0.5, elements + 1), z
+    )
+    K = sparse_stiffness_of_body(
+        solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)}
+    )
     u = -(1 - 2 * material.nu) / material.E * solid.basis.doflocs.T
     forces = (K @ u.ravel()).reshape(-1, 3)
-    face = contact_face_of(solid)
+    face = contact_face_of_ring_sector(solid)
     mine = -(
-        face.couple_with_counterface(0.0, drum_directions(1)).N.T @ np.ones(len(face.nodes))
+        face.couple_lining_with_counterface(0.0, function_for_drum_normals_and_tangents(1)).N.T
+        @ np.ones(len(face.nodes))
     ).reshape(-1, 2)
     within = (np.abs(face.phi) < 0.5 - 1e-9) & (
         np.tile(face.z, len(face.line.nodes)) < z[-1] - 1e-9
@@ -165,13 +180,13 @@ class PointContact(NamedTuple):
     unknowns: int
 
 
-def _upward_normal_and_tangent(x: Floats) -> tuple[Floats, Floats]:
+def _normals_and_tangents_of_flat_top(x: Floats) -> tuple[Floats, Floats]:
     """The normals along y and the tangents along x (2, ...) of a plane, at points x (2, ...)."""
     zero, one = np.zeros_like(x[0]), np.ones_like(x[0])
     return np.stack([zero, one]), np.stack([one, zero])
 
 
-def hertz_point_contact(
+def solve_point_contact_against_hertz(
     per_radius: int, nu: float = 0.3, size: float = 6.0, growth: float = 1.6
 ) -> PointContact:
     """The accuracy of the contact between a rigid sphere and a solid block (Hertz 1882).
@@ -202,19 +217,21 @@ def hertz_point_contact(
         "contact": np.flatnonzero(middle[1] > -1e-12),
         "hinge": np.flatnonzero(middle[1] < 1e-9 - size),
     }
-    section = _section_mesh(grid, skfem.MeshQuad2.from_mesh(grid).doflocs, groups)
+    section = _section_mesh_with_moved_nodes(grid, skfem.MeshQuad2.from_mesh(grid).doflocs, groups)
     solid = extrude(section, {PART: size}, s)
     material = Material(E=1.0, nu=nu)
-    face = contact_face(_flat_contact_line(solid), solid.node, solid.z)
-    held = np.unique(nodes_along_edges(solid.plane, groups["hinge"]))
+    face = contact_face(_contact_line_on_flat_top(solid), solid.node, solid.z)
+    held = np.unique(nodes_along_element_edges(solid.plane, groups["hinge"]))
     ties = constrain_solid(solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True)
-    K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
-    body = condense_body(K, ties, {}, 2 * len(face.nodes))
-    coupling = face.couple_with_counterface(0.0, _upward_normal_and_tangent)
-    half = body.half_flexibility(coupling.N.T)
+    K = sparse_stiffness_of_body(
+        solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)}
+    )
+    body = condense_body_to_contact_and_frame(K, ties, {}, 2 * len(face.nodes))
+    coupling = face.couple_lining_with_counterface(0.0, _normals_and_tangents_of_flat_top)
+    half = body.nodal_forces_over_cholesky_factor(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
     # The contact problem of the block against the paraboloid r^2/2, with the total force given.
-    load, area = 4 / 3 / (1 - nu**2), coupling.area
+    load, area = 4 / 3 / (1 - nu**2), coupling.areas_of_contact_nodes
     problem = ContactProblem(
         A=half.T @ half,
         q=coupling.M @ (r**2 / 2),
@@ -232,9 +249,9 @@ def hertz_point_contact(
     )
 
 
-def _flat_contact_line(solid: Solid) -> ContactLine:
+def _contact_line_on_flat_top(solid: Solid) -> ContactLine:
     """The contact line on the flat top of a block, with x coordinates in the place of angles."""
-    ends = nodes_along_edges(solid.plane, solid.section.boundaries["contact"])
+    ends = nodes_along_element_edges(solid.plane, solid.section.boundaries["contact"])
     at = solid.plane.doflocs
     nodes = np.unique(ends)
     nodes = nodes[np.argsort(at[0, nodes])]

@@ -10,15 +10,15 @@ import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.plane_brake import any_from
-from drumlin.laws import law
+from drumlin.brake.plane_brake import make_brake_from_data
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin_studies.random_kinds import (
     HOLDING_ATTEMPTS,
     HOLDING_KINDS,
     Rng,
-    draw_log_uniform,
-    mirror_to_other_side,
-    place_brake,
+    draw_number_uniform_in_logarithm,
+    mirror_shoe_data_to_other_drum_side,
+    mirror_turn_and_shift_brake,
 )
 
 LINING_MODULI = 3e8, 1e11
@@ -29,7 +29,7 @@ FORCE_DIVISORS = 1.0, 300.0
 """Smallest and largest number by which the force of a brake of `random_kinds` is divided."""
 
 
-def draw_brake_with_clearances(seed: int, kind: str | None = None) -> Brake:
+def draw_random_brake_with_clearances(seed: int, kind: str | None = None) -> Brake:
     """The random brake of a seed, whose shoes all touch the drum by the rigid-shoe law.
 
     Contact is not tested by finite elements, by which some of these brakes have no answer.
@@ -50,43 +50,44 @@ def draw_brake_with_clearances(seed: int, kind: str | None = None) -> Brake:
     kind = names[seed % len(names)] if kind is None else kind
     for attempt in range(HOLDING_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt, 1])
-        data = _brake_data_with_clearances(rng, HOLDING_KINDS[kind](rng)) | {
+        data = _brake_data_with_clearances_and_less_force(rng, HOLDING_KINDS[kind](rng)) | {
             "title": f"standing off {kind} {seed}"
         }
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
-            brake = any_from(data)
+            brake = make_brake_from_data(data)
             turn = 0.0 if brake.surface.straight else turn
-            brake = place_brake(brake, turn=turn, mirrored=mirrored)
-            if all(shoe.contact_arcs for shoe in law(brake).shoes):
+            brake = mirror_turn_and_shift_brake(brake, turn=turn, mirrored=mirrored)
+            if all(shoe.contact_arcs for shoe in solve_brake_by_its_rigid_shoe_law(brake).shoes):
                 return brake
         except (BadInput, NoAnswer):
             continue
     raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
 
 
-def _brake_data_with_clearances(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
+def _brake_data_with_clearances_and_less_force(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
     """The data of a brake, changed to clearances, other lining moduli and smaller forces.
 
     The two shoes of a cam become mirror images of each other. A cam moves the tips of both shoes by
     the same distance, so that of two shoes with different clearances only one would touch the drum.
     """
     # All forces of the brake are divided by the same number.
-    divisor = draw_log_uniform(rng, *FORCE_DIVISORS)
+    divisor = draw_number_uniform_in_logarithm(rng, *FORCE_DIVISORS)
     shoes = [
-        _shoe_data_with_clearance(rng, shoe, data.get("drum"), divisor) for shoe in data["shoe"]
+        _shoe_data_with_clearance_and_less_force(rng, shoe, data.get("drum"), divisor)
+        for shoe in data["shoe"]
     ]
     result = data | {"shoe": shoes}
     if "actuation" in data:
-        result["actuation"] = _weaken_actuation(data["actuation"], divisor)
+        result["actuation"] = _actuation_data_with_divided_force(data["actuation"], divisor)
         has_cam = "force" in data["actuation"]
         if has_cam:
-            result["shoe"] = [shoes[0], mirror_to_other_side(shoes[0])]
+            result["shoe"] = [shoes[0], mirror_shoe_data_to_other_drum_side(shoes[0])]
     return result
 
 
-def _shoe_data_with_clearance(
+def _shoe_data_with_clearance_and_less_force(
     rng: Rng, shoe: dict[str, Any], drum: dict[str, Any] | None, divisor: float
 ) -> dict[str, Any]:
     """The data of a shoe, changed to a clearance, another lining modulus and a smaller force.
@@ -95,15 +96,17 @@ def _shoe_data_with_clearance(
     """
     lining = {key: value for key, value in shoe["lining"].items() if key != "misfit"}
     size = lining["end"] - lining["start"] if drum is None else drum["radius"]
-    lining["clearance"] = size * draw_log_uniform(rng, *CLEARANCE_FRACTIONS)
-    lining["material"] = lining["material"] | {"E": draw_log_uniform(rng, *LINING_MODULI)}
+    lining["clearance"] = size * draw_number_uniform_in_logarithm(rng, *CLEARANCE_FRACTIONS)
+    lining["material"] = lining["material"] | {
+        "E": draw_number_uniform_in_logarithm(rng, *LINING_MODULI)
+    }
     result = shoe | {"lining": lining}
     if "actuation" in shoe:
-        result["actuation"] = _weaken_actuation(shoe["actuation"], divisor)
+        result["actuation"] = _actuation_data_with_divided_force(shoe["actuation"], divisor)
     return result
 
 
-def _weaken_actuation(actuation: dict[str, Any], divisor: float) -> dict[str, Any]:
+def _actuation_data_with_divided_force(actuation: dict[str, Any], divisor: float) -> dict[str, Any]:
     """The data of an actuation with its force or hydraulic pressure divided by a number."""
     return {
         key: value / divisor if key in {"force", "pressure"} else value

@@ -22,8 +22,8 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.comparison import edge_of
-from drumlin.fem.error_control.levels import solved_levels
+from drumlin.comparison import uncompared_edge_length
+from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
 from drumlin.fem.hp.corner import NodalPressure
 from drumlin.fem.model import solve_prepared_model
 from drumlin.response.response import (
@@ -32,10 +32,10 @@ from drumlin.response.response import (
     Response,
     ShoeChange,
     ShoeResponse,
-    edge_zone,
-    reaction_size,
+    length_of_edge_zone_without_peak,
+    reference_force_of_reaction_errors,
 )
-from drumlin.response.resultants import edge_left_out
+from drumlin.response.resultants import edge_zone_that_does_not_count
 from drumlin.verification import triangles
 
 JUDGED_QUANTITIES = ("pressure", "torque", "peak", "reaction")
@@ -102,16 +102,18 @@ class Truth:
     seconds: float
 
 
-def truth_by_triangles(brake: Brake) -> Truth:
+def solve_fine_reference_by_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake by curved triangles.
 
-    Raises BadInput and NoAnswer as `triangles.solve` does.
+    Raises BadInput and NoAnswer as `triangles.solve_on_triangle_level` does.
     """
     begin = time.process_time()
-    return truth_of_last_three(brake, triangles.solve_sequence(brake), begin)
+    return reference_from_last_three_meshes(
+        brake, triangles.solve_on_triangle_level_sequence(brake), begin
+    )
 
 
-def truth_by_hp_elements(brake: Brake, tolerance: float) -> Truth:
+def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth:
     """The far finer solution of a brake by finer and finer levels of hp elements, exact contact.
 
     The brake is solved on finer levels until the pressure changes by less than TRUTH_FINENESS of
@@ -124,10 +126,12 @@ def truth_by_hp_elements(brake: Brake, tolerance: float) -> Truth:
     solutions: list[Sequence[ShoeResponse]] = []
     changes: list[float] = []
     try:
-        for _, response in solved_levels(brake, partial(solve_prepared_model, penalty=math.inf)):
+        for _, response in solve_on_finer_and_finer_levels(
+            brake, partial(solve_prepared_model, penalty=math.inf)
+        ):
             change = math.inf
             if solutions:
-                change = true_errors(brake, solutions[-1], response.shoes)["pressure"]
+                change = true_errors_of_response(brake, solutions[-1], response.shoes)["pressure"]
             changes.append(change)
             solutions.append(response.shoes)
             if len(solutions) > 2 and change <= TRUTH_FINENESS * tolerance:
@@ -140,16 +144,18 @@ def truth_by_hp_elements(brake: Brake, tolerance: float) -> Truth:
         raise NoAnswer(f"only {len(solutions)} levels of columns have an answer")
     best = 2 + int(np.argmin(changes[2:]))
     last_three = solutions[best - 2 : best + 1]
-    return truth_of_last_three(brake, last_three, begin, round_off_errors(solutions[best]))
+    return reference_from_last_three_meshes(
+        brake, last_three, begin, largest_round_off_errors_of_shoes(solutions[best])
+    )
 
 
-def round_off_errors(shoes: Sequence[ShoeResponse]) -> ShoeChange:
+def largest_round_off_errors_of_shoes(shoes: Sequence[ShoeResponse]) -> ShoeChange:
     """The relative round-off errors by the elimination: for each quantity the largest of a shoe."""
     by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
     return ShoeChange(*(max(parts) for parts in by_quantity))
 
 
-def truth_of_last_three(
+def reference_from_last_three_meshes(
     brake: Brake, last: Sequence[Sequence[TrueShoe]], begin: float, lost: ShoeChange = NO_CHANGE
 ) -> Truth:
     """The last solution of a sequence of finer and finer meshes, with its uncertainty.
@@ -167,17 +173,17 @@ def truth_of_last_three(
     lost : ShoeChange
         Relative round-off errors of the finest solution, which are added to the uncertainty.
     """
-    early = true_errors(brake, last[0], last[1])
-    late = true_errors(brake, last[1], last[2])
+    early = true_errors_of_response(brake, last[0], last[1])
+    late = true_errors_of_response(brake, last[1], last[2])
     digits = lost._asdict() | {"peak": max(lost.pressure, lost.peak)}
     unsure = {
-        name: distance_from_limit(early[name], late[name]) + digits[name]
+        name: estimate_distance_from_limit(early[name], late[name]) + digits[name]
         for name in JUDGED_QUANTITIES
     }
     return Truth(last[2], unsure, time.process_time() - begin)
 
 
-def distance_from_limit(early: float, late: float) -> float:
+def estimate_distance_from_limit(early: float, late: float) -> float:
     """The estimated distance of the last value of a sequence from the limit of the sequence.
 
     If each change is r times smaller than the change before, the distance is the last change over
@@ -191,7 +197,9 @@ def distance_from_limit(early: float, late: float) -> float:
     return late / (ratio_of_steps - 1)
 
 
-def true_errors(brake: Brake, found: Sequence[Any], true: Sequence[TrueShoe]) -> dict[str, float]:
+def true_errors_of_response(
+    brake: Brake, found: Sequence[Any], true: Sequence[TrueShoe]
+) -> dict[str, float]:
     """The true relative errors of a response, by JUDGED_QUANTITIES.
 
     Parameters
@@ -207,20 +215,27 @@ def true_errors(brake: Brake, found: Sequence[Any], true: Sequence[TrueShoe]) ->
     true_torque = math.fsum(shoe.torque for shoe in true)
     torque_error = math.fsum(a.torque - b.torque for _, a, b in trios)
     return {
-        "pressure": max(pressure_error(a, b, edge_of(brake)) for _, a, b in trios),
+        "pressure": max(
+            relative_pressure_error_of_shoe(a, b, uncompared_edge_length(brake))
+            for _, a, b in trios
+        ),
         "torque": abs(torque_error) / true_torque if true_torque else 0.0,
-        "peak": max(_peak_error(shoe, brake.scale_factor, a, b) for shoe, a, b in trios),
-        "reaction": max(_reaction_error(a, b) for _, a, b in trios),
+        "peak": max(
+            _relative_peak_pressure_error(shoe, brake.scale_factor, a, b) for shoe, a, b in trios
+        ),
+        "reaction": max(_relative_hinge_reaction_error(a, b) for _, a, b in trios),
     }
 
 
-def _reaction_error(found: Any, true: TrueShoe) -> float:
+def _relative_hinge_reaction_error(found: Any, true: TrueShoe) -> float:
     """Error of the hinge reaction of a shoe, relative to the size of the true reaction."""
-    size = reaction_size(true.hinge_reaction, true.normal_force)
+    size = reference_force_of_reaction_errors(true.hinge_reaction, true.normal_force)
     return math.dist(found.hinge_reaction, true.hinge_reaction) / size
 
 
-def pressure_error(found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE) -> float:
+def relative_pressure_error_of_shoe(
+    found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE
+) -> float:
     """L2 norm of the error of a shoe's pressure, relative to the L2 norm of the pressure.
 
     Zones at both ends of the lining are left out unless half of the force acts there. The result is
@@ -229,7 +244,7 @@ def pressure_error(found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE
     found : the pressure that is judged; true : the far finer solution; edge : length of each zone
     [rad].
     """
-    zone = edge_left_out(true.theta, true.pressure, true.order, edge)
+    zone = edge_zone_that_does_not_count(true.theta, true.pressure, true.order, edge)
     first, last = true.theta[0] + zone, true.theta[-1] - zone
     # The nodes of both pressures divide the lining into intervals.
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
@@ -245,7 +260,9 @@ def pressure_error(found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE
     return math.sqrt(square / size)
 
 
-def peak_pressure(shoe: Shoe, scale_factor: float, found: PressureField) -> float:
+def peak_pressure_outside_edge_zones(
+    shoe: Shoe, scale_factor: float, found: PressureField
+) -> float:
     """Largest pressure [Pa] of a shoe outside the edge zones at the lining's ends.
 
     The edge zones are included where half of the force acts in them.
@@ -259,28 +276,37 @@ def peak_pressure(shoe: Shoe, scale_factor: float, found: PressureField) -> floa
     found : PressureField
         The pressure of the shoe.
     """
-    zone = edge_left_out(found.theta, found.pressure, found.order, edge_zone(shoe, scale_factor))
+    zone = edge_zone_that_does_not_count(
+        found.theta,
+        found.pressure,
+        found.order,
+        length_of_edge_zone_without_peak(shoe, scale_factor),
+    )
     start, end = shoe.lining.start + zone, shoe.lining.end - zone
     inside = found.theta[(found.theta > start) & (found.theta < end)]
     angles = np.concatenate([inside, np.linspace(start, end, PEAK_ANGLES)])
     return float(found.pressure_at(angles).max())
 
 
-def _peak_error(shoe: Shoe, scale_factor: float, found: Any, true: TrueShoe) -> float:
+def _relative_peak_pressure_error(
+    shoe: Shoe, scale_factor: float, found: Any, true: TrueShoe
+) -> float:
     """Relative error of the peak pressure of a shoe; nan where the shoe does not press.
 
     A response has a peak pressure of its own. The peak of a plain solution is found by
-    `peak_pressure`.
+    `peak_pressure_outside_edge_zones`.
     """
-    true_peak = peak_pressure(shoe, scale_factor, true)
+    true_peak = peak_pressure_outside_edge_zones(shoe, scale_factor, true)
     states_peak = hasattr(found, "peak_pressure")
     found_peak = (
-        float(found.peak_pressure) if states_peak else peak_pressure(shoe, scale_factor, found)
+        float(found.peak_pressure)
+        if states_peak
+        else peak_pressure_outside_edge_zones(shoe, scale_factor, found)
     )
     return abs(found_peak / true_peak - 1) if true_peak else math.nan
 
 
-def stated_and_true_row(
+def row_of_stated_and_true_errors(
     brake: Brake,
     tolerance: float,
     solve: Callable[..., Response],
@@ -311,21 +337,25 @@ def stated_and_true_row(
     try:
         response = solve(brake, tolerance=tolerance)
     except (BadInput, NoAnswer, ArithmeticError, ValueError, AssertionError) as error:
-        return base | _outcome_of_failure(error) | {"seconds": time.process_time() - begin}
+        return (
+            base
+            | _outcome_and_reason_of_failed_solve(error)
+            | {"seconds": time.process_time() - begin}
+        )
     base["seconds"] = time.process_time() - begin
     stated = response.error or {}
     for name in JUDGED_QUANTITIES:
         base[f"stated_{name}"] = float(stated.get(name, math.nan))
     if true is None:
         return base | {"outcome": "no truth"}
-    errors = true_errors(brake, response.shoes, true.shoes)
+    errors = true_errors_of_response(brake, response.shoes, true.shoes)
     base["outcome"] = "reached"
     base |= {f"true_{name}": errors[name] for name in JUDGED_QUANTITIES}
     base |= {f"unsure_{name}": true.unsure[name] for name in JUDGED_QUANTITIES}
     return base
 
 
-def _outcome_of_failure(error: Exception) -> dict[str, str]:
+def _outcome_and_reason_of_failed_solve(error: Exception) -> dict[str, str]:
     """The keys `outcome` and `reason` of a row for a solve that raised an error."""
     if isinstance(error, NoAnswer):
         outcome = "not reached" if "not reached" in str(error) else "failed"
@@ -333,13 +363,13 @@ def _outcome_of_failure(error: Exception) -> dict[str, str]:
     return {"outcome": "failed", "reason": f"{type(error).__name__}: {error}"}
 
 
-def stated_over_true(one: Mapping[str, Any], name: str) -> float:
+def stated_over_true_error_of_row(one: Mapping[str, Any], name: str) -> float:
     """The stated error of a quantity in a row over the true error less its uncertainty.
 
     The result is nan where the row lacks one of the errors, and inf where the true error is not
     larger than its uncertainty.
 
-    one : a row of `stated_and_true_row`; name : one of JUDGED_QUANTITIES.
+    one : a row of `row_of_stated_and_true_errors`; name : one of JUDGED_QUANTITIES.
     """
     stated = float(one.get(f"stated_{name}", math.nan))
     true = float(one.get(f"true_{name}", math.nan))
@@ -350,7 +380,7 @@ def stated_over_true(one: Mapping[str, Any], name: str) -> float:
     return stated / certain if certain > 0 else math.inf
 
 
-def summary_rows(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def summary_rows_of_stated_errors(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """A row for each tolerance and quantity on how far the stated errors can be trusted.
 
     Keys of a row, where shares are fractions of the brakes: `brakes`: number of brakes; `reached`:
@@ -366,14 +396,16 @@ def summary_rows(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     for tolerance in sorted({one["tolerance"] for one in rows}, reverse=True):
         own = [one for one in rows if one["tolerance"] == tolerance]
         own = [one for one in own if one["outcome"] != "no truth"]
-        table += [_summary_row(own, tolerance, name) for name in JUDGED_QUANTITIES]
+        table += [_summary_row_of_quantity(own, tolerance, name) for name in JUDGED_QUANTITIES]
     return table
 
 
-def _summary_row(rows: Sequence[Mapping[str, Any]], tolerance: float, name: str) -> dict[str, Any]:
-    """The row of `summary_rows` for the rows of one tolerance and for one quantity."""
+def _summary_row_of_quantity(
+    rows: Sequence[Mapping[str, Any]], tolerance: float, name: str
+) -> dict[str, Any]:
+    """The summary row for the rows of one tolerance and for one quantity."""
     # Only rows with a stated and a true error are judged; the ratio of the others is nan.
-    ratios = np.array([stated_over_true(one, name) for one in rows])
+    ratios = np.array([stated_over_true_error_of_row(one, name) for one in rows])
     is_judged = ~np.isnan(ratios)
     judged_rows = [one for one, judged in zip(rows, is_judged, strict=True) if judged]
     judged_ratios = ratios[is_judged]

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
-from drumlin.report.figures import STYLE, draw_legend
+from drumlin.report.figures import STYLE, draw_legend_below_figure
 from drumlin.report.palette import BLUE, GREEN, INK, PURPLE, RED
 
 PANEL_TITLES = {
@@ -33,31 +33,31 @@ PALE_POINTS_NOTE = (
 """Note above a figure that explains its pale points."""
 
 
-def draw_error_cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def draw_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Figure of the ratio of stated to true error over the true error.
 
     The figure has a panel for each quantity, a point for each brake and tolerance, and a mark for
     each tolerance.
 
-    rows : rows of `stated_true.stated_and_true_row`.
+    rows : rows of `stated_true.row_of_stated_and_true_errors`.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 6.4), layout="constrained")
         drawn = None
         for axes, name in zip(figure.subplots(2, 2).flat, PANEL_TITLES, strict=True):
-            if _draw_points(axes, rows, name):
+            if _draw_error_points_of_quantity(axes, rows, name):
                 drawn = axes
             axes.axhline(1.0, color=INK, lw=1)
             axes.set_title(PANEL_TITLES[name])
             axes.set_xlabel("true error")
             axes.set_ylabel("stated over true error")
         if drawn is not None:
-            draw_legend(figure, drawn)
+            draw_legend_below_figure(figure, drawn)
         figure.suptitle(PALE_POINTS_NOTE, fontsize="medium")
     return figure
 
 
-def _draw_points(axes: Any, rows: Sequence[Mapping[str, Any]], name: str) -> bool:
+def _draw_error_points_of_quantity(axes: Any, rows: Sequence[Mapping[str, Any]], name: str) -> bool:
     """Draw the points of one quantity into a panel, and return whether there is a point."""
     tolerances = sorted({row["tolerance"] for row in rows}, reverse=True)
     drawn = False
@@ -65,7 +65,11 @@ def _draw_points(axes: Any, rows: Sequence[Mapping[str, Any]], name: str) -> boo
         # Well known errors are drawn in full colour and get a label, the others are drawn pale.
         own = [row for row in rows if row["tolerance"] == tolerance]
         for known in (True, False):
-            points = [point for row in own if (point := _error_point(row, name, known)) is not None]
+            points = [
+                point
+                for row in own
+                if (point := _true_error_and_stated_ratio_of_row(row, name, known)) is not None
+            ]
             if not points:
                 continue
             true, ratios = zip(*points, strict=True)
@@ -83,7 +87,9 @@ def _draw_points(axes: Any, rows: Sequence[Mapping[str, Any]], name: str) -> boo
     return drawn
 
 
-def _error_point(row: Mapping[str, Any], name: str, known: bool) -> tuple[float, float] | None:
+def _true_error_and_stated_ratio_of_row(
+    row: Mapping[str, Any], name: str, known: bool
+) -> tuple[float, float] | None:
     """The point of a row: true error of a quantity, and ratio of stated to true error.
 
     The result is None where one of the errors is missing, and where the true error is not well
@@ -97,7 +103,7 @@ def _error_point(row: Mapping[str, Any], name: str, known: bool) -> tuple[float,
     return true, stated / true
 
 
-def draw_ratio_shares(ratios: Mapping[str, Floats]) -> Figure:
+def draw_shares_of_stated_over_true_ratios(ratios: Mapping[str, Floats]) -> Figure:
     """Figure of the share of solved levels whose ratio of stated to true error is below a value.
 
     The figure has a line for each quantity.
@@ -114,16 +120,16 @@ def draw_ratio_shares(ratios: Mapping[str, Floats]) -> Figure:
         axes.axvline(1.0, color=INK, lw=1)
         axes.set_xlabel("stated over true error")
         axes.set_ylabel("share of the levels [%]")
-        draw_legend(figure, axes)
+        draw_legend_below_figure(figure, axes)
     return figure
 
 
-def draw_level_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def draw_errors_over_unknowns_of_levels(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Figure of the errors of pressure and torque over the cube root of the unknowns of a shoe.
 
     The polynomial degree of the hp elements stands beside each point.
 
-    rows : rows of `orders.level_rows`.
+    rows : rows of `orders.error_rows_of_hp_levels`.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
@@ -143,5 +149,5 @@ def draw_level_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
             )
         axes.set_xlabel("(unknowns of a shoe)$^{1/3}$")
         axes.set_ylabel("relative error")
-        draw_legend(figure, axes)
+        draw_legend_below_figure(figure, axes)
     return figure

@@ -34,12 +34,12 @@ from drumlin.base.files import write_text
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import any_from
-from drumlin.fem.error_control.levels import DEG, solved_levels
+from drumlin.brake.plane_brake import make_brake_from_data
+from drumlin.fem.error_control.levels import DEG, solve_on_finer_and_finer_levels
 from drumlin.fem.hp.corner import (
-    pressure_error_at_corners,
-    pressure_with_power_law,
-    unbounded_corners,
+    corners_with_unbounded_pressure,
+    pressure_error_left_at_lining_corners,
+    pressure_with_power_law_at_corner,
 )
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import solve_prepared_model
@@ -48,12 +48,16 @@ from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
 from drumlin.verification.triangles.outline import TriangleLevel
 from drumlin.verification.triangles.solution import ShoeSolution
 from drumlin_studies.random_brake import SHAPE_KINDS as DRAWN_KINDS
-from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_corners import CORNER_KINDS as CORNERS
-from drumlin_studies.random_corners import random_corner
-from drumlin_studies.random_kinds import draw_brake_of_holding_kind
+from drumlin_studies.random_corners import draw_brake_pressing_with_corner_or_tip
+from drumlin_studies.random_kinds import draw_brake_of_support_kind
 from drumlin_studies.stated_true import TrueShoe as Solved
-from drumlin_studies.stated_true import Truth, round_off_errors, truth_of_last_three
+from drumlin_studies.stated_true import (
+    Truth,
+    largest_round_off_errors_of_shoes,
+    reference_from_last_three_meshes,
+)
 
 TRIANGLES = (*TRIANGLE_LEVELS, TriangleLevel(6, 17, 0.7, 0.8))
 """Meshes of curved triangles, coarse to fine.
@@ -141,11 +145,11 @@ class DrawnBrake(NamedTuple):
     def brake(self) -> Brake:
         """The random brake of `kind` and `seed` after `changes`."""
         drawn = (
-            random_brake
+            draw_random_brake
             if self.kind in DRAWN_KINDS
-            else random_corner
+            else draw_brake_pressing_with_corner_or_tip
             if self.kind in CORNERS
-            else draw_brake_of_holding_kind
+            else draw_brake_of_support_kind
         )
         found = drawn(self.seed, self.kind)
         return vary(found, dict(self.changes)) if self.changes else found
@@ -158,7 +162,7 @@ The factors of the error estimate are fitted on brakes of other seeds, from `cal
 on. The stored truths therefore judge brakes on which nothing was fitted."""
 
 TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
-"""Clearance table with a tip, for the brake `draw_brake_of_holding_kind(SEED + 1, "hinge")`.
+"""Clearance table with a tip, for the brake `draw_brake_of_support_kind(SEED + 1, "hinge")`.
 
 The rows are an angle theta [rad] and a clearance [m]. The tip in the middle row is about as high as
 the compression of the lining by the force, so that nearly the whole lining presses."""
@@ -263,7 +267,7 @@ STORED_BRAKES: dict[str, DrawnBrake] = {
 """The brakes whose far finer solutions are stored, by the name of the file without its suffix."""
 
 
-def make_stored_truth(name: str) -> StoredTruth:
+def solve_fine_solution_to_be_stored(name: str) -> StoredTruth:
     """Solve a brake of STORED_BRAKES far finer than a solve does; the result is not yet written.
 
     A brake that presses with a corner or under a tip is solved on the meshes DEEP or DEEPEST. Other
@@ -273,60 +277,68 @@ def make_stored_truth(name: str) -> StoredTruth:
     drawn = STORED_BRAKES[name]
     brake = drawn.brake()
     if drawn.kind in CORNERS:
-        return StoredTruth(drawn.covers, brake, "deep triangles", solve_by_deep_triangles(brake))
+        return StoredTruth(
+            drawn.covers, brake, "deep triangles", solve_corner_or_tip_by_deep_triangles(brake)
+        )
     # Triangles are preferred, because they share no part of the method with the hp elements.
     try:
         if brake.surface.straight:
             raise BadInput("triangles have no brakes on a plane")
-        by, true = "triangles", solve_by_triangles(brake)
+        by, true = "triangles", solve_brake_by_fine_triangles(brake)
     except (BadInput, NoAnswer):
-        by, true = "finer hp elements", solve_by_finer_divisions(brake)
+        by, true = "finer hp elements", solve_brake_by_finer_hp_meshes(brake)
     return StoredTruth(drawn.covers, brake, by, true)
 
 
-def solve_by_triangles(brake: Brake) -> Truth:
+def solve_brake_by_fine_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake on a drum by the last three meshes of TRIANGLES.
 
-    Raises BadInput and NoAnswer as `triangles.solve` does.
+    Raises BadInput and NoAnswer as `triangles.solve_on_triangle_level` does.
     """
     begin = time.process_time()
-    return truth_of_last_three(brake, triangles.solve_sequence(brake, TRIANGLES)[-3:], begin)
+    return reference_from_last_three_meshes(
+        brake, triangles.solve_on_triangle_level_sequence(brake, TRIANGLES)[-3:], begin
+    )
 
 
-def solve_by_deep_triangles(brake: Brake) -> Truth:
+def solve_corner_or_tip_by_deep_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake that presses with a corner or under a tip.
 
     The meshes are DEEPEST under a tip and DEEP at a corner. The pressure has no bound next to a
     pressed corner, where no triangle is small enough. A power law replaces the computed pressure
-    there, see `corner.pressure_with_power_law`. The error of this power law is added to the
-    uncertainty. Raises BadInput and NoAnswer as `triangles.solve` does.
+    there, see `corner.pressure_with_power_law_at_corner`. The error of this power law is added to
+    the uncertainty. Raises BadInput and NoAnswer as `triangles.solve_on_triangle_level` does.
     """
     begin = time.process_time()
     # An AssertionError means that round-off has turned triangles of DEEPEST inside out.
     try:
-        sharp = any(clearance.tips(shoe.lining) for shoe in brake.shoes)
-        meshes = triangles.solve_sequence(brake, DEEPEST if sharp else DEEP)
+        sharp = any(clearance.gap_kinks_that_point_to_drum(shoe.lining) for shoe in brake.shoes)
+        meshes = triangles.solve_on_triangle_level_sequence(brake, DEEPEST if sharp else DEEP)
     except AssertionError:
-        meshes = triangles.solve_sequence(brake, DEEP)
+        meshes = triangles.solve_on_triangle_level_sequence(brake, DEEP)
     found = []
     for solutions in meshes:
-        corrected = [_add_corner_power_law(brake, i, one) for i, one in enumerate(solutions)]
+        corrected = [
+            _solution_with_corner_power_law(brake, i, one) for i, one in enumerate(solutions)
+        ]
         found.append(corrected)
-    true = truth_of_last_three(brake, found, begin)
-    left = max(pressure_error_at_corners(brake, i, one) for i, one in enumerate(found[-1]))
+    true = reference_from_last_three_meshes(brake, found, begin)
+    left = max(
+        pressure_error_left_at_lining_corners(brake, i, one) for i, one in enumerate(found[-1])
+    )
     return replace(true, unsure={**true.unsure, "pressure": true.unsure["pressure"] + left})
 
 
-def _add_corner_power_law(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
+def _solution_with_corner_power_law(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
     """The solution of shoe `index` with the power law in place of its pressure near a corner.
 
     Only corners with an unbounded pressure are changed.
     """
     # The power law reaches over a fixed fraction of the contact arc that ends at the corner.
-    for corner in unbounded_corners(brake, index, found):
+    for corner in corners_with_unbounded_pressure(brake, index, found):
         at_corner = found.theta[0 if corner.at_start else -1]
         arc = next((float(b - a) for a, b in found.arcs if at_corner in {a, b}), 0.0)
-        theta, pressure = pressure_with_power_law(
+        theta, pressure = pressure_with_power_law_at_corner(
             found.theta,
             found.pressure,
             found.order,
@@ -337,20 +349,24 @@ def _add_corner_power_law(brake: Brake, index: int, found: ShoeSolution) -> Shoe
     return found
 
 
-def solve_by_finer_divisions(brake: Brake) -> Truth:
+def solve_brake_by_finer_hp_meshes(brake: Brake) -> Truth:
     """The far finer solution of a brake by the hp meshes FINER, with exact contact.
 
     Raises NoAnswer where a mesh has no answer.
     """
     begin = time.process_time()
-    answers = solved_levels(brake, partial(solve_prepared_model, penalty=math.inf), levels=FINER)
+    answers = solve_on_finer_and_finer_levels(
+        brake, partial(solve_prepared_model, penalty=math.inf), levels=FINER
+    )
     found = [step.response.shoes for step in answers]
     if len(found) < len(FINER):
         raise NoAnswer(f"only {len(found)} of {len(FINER)} divisions have an answer")
-    return truth_of_last_three(brake, found, begin, round_off_errors(found[-1]))
+    return reference_from_last_three_meshes(
+        brake, found, begin, largest_round_off_errors_of_shoes(found[-1])
+    )
 
 
-def stored_truth_as_text(stored: StoredTruth) -> str:
+def stored_fine_solution_as_json(stored: StoredTruth) -> str:
     """A brake and its far finer solution as the text of a JSON file.
 
     Numbers are in SI units, pressures have STORED_DIGITS significant digits.
@@ -361,12 +377,12 @@ def stored_truth_as_text(stored: StoredTruth) -> str:
         "seconds": round(stored.true.seconds, 1),
         "uncertainty": {name: float(f"{value:.3g}") for name, value in stored.true.unsure.items()},
         "brake": stored.brake.model_dump(mode="json", by_alias=True, exclude_none=True),
-        "shoes": [_shoe_data(shoe) for shoe in stored.true.shoes],
+        "shoes": [_shoe_solution_as_plain_data(shoe) for shoe in stored.true.shoes],
     }
     return json.dumps(data) + "\n"
 
 
-def _shoe_data(shoe: Solved) -> dict[str, Any]:
+def _shoe_solution_as_plain_data(shoe: Solved) -> dict[str, Any]:
     """The solution of a shoe as plain data for JSON."""
     return {
         "order": shoe.order,
@@ -378,16 +394,16 @@ def _shoe_data(shoe: Solved) -> dict[str, Any]:
     }
 
 
-def read_stored_truth(path: Path) -> StoredTruth:
+def read_stored_fine_solution(path: Path) -> StoredTruth:
     """The brake and its far finer solution in a file that `main` wrote."""
     data = json.loads(path.read_text(encoding="utf-8"))
-    shoes = [_shoe_from_data(shoe) for shoe in data["shoes"]]
+    shoes = [_shoe_solution_from_plain_data(shoe) for shoe in data["shoes"]]
     true = Truth(shoes, data["uncertainty"], data["seconds"])
-    return StoredTruth(data["covers"], any_from(data["brake"]), data["by"], true)
+    return StoredTruth(data["covers"], make_brake_from_data(data["brake"]), data["by"], true)
 
 
-def _shoe_from_data(data: Mapping[str, Any]) -> ShoeSolution:
-    """The solution of a shoe from the plain data that `_shoe_data` made.
+def _shoe_solution_from_plain_data(data: Mapping[str, Any]) -> ShoeSolution:
+    """The solution of a shoe from the plain data that `_shoe_solution_as_plain_data` made.
 
     Contact arcs and number of unknowns are not stored.
     """
@@ -409,8 +425,8 @@ def main(folder: str, *names: str) -> None:
     folder : folder of the files; names : names of the brakes, by default all of STORED_BRAKES.
     """
     for name in names or STORED_BRAKES:
-        stored = make_stored_truth(name)
-        write_text(Path(folder) / f"{name}.json", stored_truth_as_text(stored))
+        stored = solve_fine_solution_to_be_stored(name)
+        write_text(Path(folder) / f"{name}.json", stored_fine_solution_as_json(stored))
         unsure = ", ".join(
             f"{quantity} {value:.1e}" for quantity, value in stored.true.unsure.items()
         )

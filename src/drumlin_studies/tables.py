@@ -7,12 +7,12 @@ RowType = TypeVar("RowType", bound=Mapping[str, Any])
 """Stands for the type of a row: a selection of rows has rows of the same type."""
 
 
-def values_of_key(rows: Sequence[Mapping[str, Any]], key: str) -> list[Any]:
+def values_of_key_in_rows(rows: Sequence[Mapping[str, Any]], key: str) -> list[Any]:
     """The list of the values of a key, one for each row. Every row must have the key."""
     return [row[key] for row in rows]
 
 
-def matching_rows(rows: Sequence[RowType], **values: Any) -> list[RowType]:
+def rows_with_given_values(rows: Sequence[RowType], **values: Any) -> list[RowType]:
     """The rows that have the given value for each given key.
 
     **values : the values by key, for example `knob="penalty"`.
@@ -20,6 +20,6 @@ def matching_rows(rows: Sequence[RowType], **values: Any) -> list[RowType]:
     return [row for row in rows if all(row.get(key) == value for key, value in values.items())]
 
 
-def rows_with_value(rows: Sequence[RowType], key: str) -> list[RowType]:
+def rows_that_have_value_of_key(rows: Sequence[RowType], key: str) -> list[RowType]:
     """The rows that have a value other than None for a key."""
     return [row for row in rows if row.get(key) is not None]

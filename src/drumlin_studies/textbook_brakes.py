@@ -3,8 +3,8 @@
 import math
 
 from drumlin.brake.brake import Brake
-from drumlin.brake.file import brake_from
-from drumlin.brake.plane_brake import any_from
+from drumlin.brake.file import make_drum_brake_from_data
+from drumlin.brake.plane_brake import make_brake_from_data
 
 TEXTBOOK_LINING = {"thickness": 0.01, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 """Data of the lining of all drum brakes of this module, in SI units.
@@ -13,7 +13,7 @@ The laws, with which these brakes are solved, do not depend on thickness and mod
 """
 
 
-def hinged_shoe_brake(
+def brake_with_one_hinged_shoe(
     *,
     R: float,
     a: float,
@@ -73,7 +73,7 @@ def hinged_shoe_brake(
     if pivot is not None:
         radius, phi = pivot
         shoe["pivot"] = {"radius": radius, "angle": turned + hand * phi}
-    return brake_from(
+    return make_drum_brake_from_data(
         {
             "title": "test",
             "rotation": "counter-clockwise" if spin > 0 else "clockwise",
@@ -84,7 +84,7 @@ def hinged_shoe_brake(
     )
 
 
-def lever_block_brake(
+def brake_with_block_on_lever(
     *,
     R: float,
     arm: float,
@@ -121,7 +121,7 @@ def lever_block_brake(
         "lining": TEXTBOOK_LINING | {"start": math.pi / 2 - half, "end": math.pi / 2 + half},
         "actuation": {"force": P, "direction": -math.pi / 2, "point": {"x": arm - x, "y": R + a}},
     }
-    return brake_from(
+    return make_drum_brake_from_data(
         {
             "title": "block on a lever",
             "rotation": "counter-clockwise" if spin > 0 else "clockwise",
@@ -132,7 +132,7 @@ def lever_block_brake(
     )
 
 
-def hinged_pad_brake(
+def brake_with_one_hinged_pad(
     *,
     h: float,
     span: tuple[float, float],
@@ -162,7 +162,7 @@ def hinged_pad_brake(
         Width of the lining [m].
     """
     start, end = sorted(hand * x for x in span)
-    return any_from(
+    return make_brake_from_data(
         {
             "title": "test",
             "friction": mu,

@@ -60,36 +60,36 @@ class Throughput(NamedTuple):
     processor: float = 0.0
 
     @property
-    def rate(self) -> float:
+    def cases_per_second(self) -> float:
         """Number of cases per second, once the workers are ready."""
         return self.cases / self.seconds
 
 
-def time_with_processes(cases: Sequence[SweepCase], workers: int) -> Throughput:
+def time_sweep_with_processes(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The measured time of a sweep by processes of this machine."""
-    start, before = time.perf_counter(), _processor_time()
+    start, before = time.perf_counter(), _processor_time_of_all_processes()
     with provide_workers(workers) as found:
-        made = _time_sweep("processes", cases, found, start)
-    return made._replace(processor=_processor_time() - before)
+        made = _time_sweep_with_started_workers("processes", cases, found, start)
+    return made._replace(processor=_processor_time_of_all_processes() - before)
 
 
-def time_with_dask(cases: Sequence[SweepCase], workers: int) -> Throughput:
+def time_sweep_with_dask_workers(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The measured time of a sweep by Dask workers.
 
     Each worker is a process of one thread on this machine.
     """
-    return _time_with_dask_workers("Dask workers", cases, workers, {})
+    return _time_sweep_with_dask_environment("Dask workers", cases, workers, {})
 
 
-def time_with_dask_keeping_memory(cases: Sequence[SweepCase], workers: int) -> Throughput:
+def time_sweep_with_dask_keeping_memory(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The measured time of a sweep by Dask workers that keep freed memory for later use.
 
     By default a Dask worker returns freed memory to the system at once.
     """
-    return _time_with_dask_workers("Dask workers that keep memory", cases, workers, KEEP)
+    return _time_sweep_with_dask_environment("Dask workers that keep memory", cases, workers, KEEP)
 
 
-def _time_with_dask_workers(
+def _time_sweep_with_dask_environment(
     by: str, cases: Sequence[SweepCase], workers: int, environment: dict[str, str]
 ) -> Throughput:
     """The measured time of a sweep by Dask workers.
@@ -106,9 +106,9 @@ def _time_with_dask_workers(
         Environment variables that are set while the workers start.
     """
     distributed: Any = importlib.import_module("distributed")
-    start, before = time.perf_counter(), _processor_time()
+    start, before = time.perf_counter(), _processor_time_of_all_processes()
     with (
-        _set_environment(environment),
+        _set_environment_variables(environment),
         distributed.LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
@@ -118,12 +118,12 @@ def _time_with_dask_workers(
         ) as cluster,
         provide_workers(scheduler=cluster.scheduler_address) as found,
     ):
-        made = _time_sweep(by, cases, found, start)
-    return made._replace(processor=_processor_time() - before)
+        made = _time_sweep_with_started_workers(by, cases, found, start)
+    return made._replace(processor=_processor_time_of_all_processes() - before)
 
 
 @contextmanager
-def _set_environment(more: dict[str, str]) -> Iterator[None]:
+def _set_environment_variables(more: dict[str, str]) -> Iterator[None]:
     """Set environment variables for a block of code, and restore the environment afterwards.
 
     Dask sets further variables for its workers and does not remove them. They would slow down the
@@ -138,12 +138,14 @@ def _set_environment(more: dict[str, str]) -> Iterator[None]:
         os.environ.update(before)
 
 
-def _processor_time() -> float:
+def _processor_time_of_all_processes() -> float:
     """Processor time [s] of this process and of its child processes that have ended."""
     return sum(os.times()[:4])
 
 
-def _time_sweep(by: str, cases: Sequence[SweepCase], found: Workers, start: float) -> Throughput:
+def _time_sweep_with_started_workers(
+    by: str, cases: Sequence[SweepCase], found: Workers, start: float
+) -> Throughput:
     """The measured time of a sweep by workers that have been started.
 
     The workers first solve some cases by the sine law, so that all of them are ready. The time to
@@ -169,27 +171,30 @@ def _time_sweep(by: str, cases: Sequence[SweepCase], found: Workers, start: floa
     return Throughput(by, found.workers, len(cases), ready - start, spent, rows)
 
 
-def rate_rows(measured: Sequence[Throughput]) -> list[Row]:
+def rows_of_cases_per_second(measured: Sequence[Throughput]) -> list[Row]:
     """A table row for each measured sweep, with the speed of its workers.
 
-    `rate` is the number of cases per second, `gain` the rate over that of the first measurement
-    with the same kind of workers.
+    `cases_per_second` is the number of cases per second, `gain` the rate over that of the first
+    measurement with the same kind of workers.
     """
     found = []
     for one in measured:
         # The first measurement with the same kind of workers has one worker.
         alone = next(other for other in measured if other.by == one.by)
         row = {key: value for key, value in one._asdict().items() if key != "rows"}
-        found.append(row | {"rate": one.rate, "gain": one.rate / alone.rate})
+        found.append(
+            row
+            | {"rate": one.cases_per_second, "gain": one.cases_per_second / alone.cases_per_second}
+        )
     return found
 
 
-def solved_torques(rows: Sequence[Row]) -> Floats:
+def torques_of_solved_rows(rows: Sequence[Row]) -> Floats:
     """The torques (n,) [N m] of the n cases that were solved."""
     return np.array([row["torque"] for row in rows if row["status"] == "solved"])
 
 
-def coarser_mesh_rows(
+def time_and_error_rows_of_coarser_meshes(
     cases: Sequence[SweepCase], elements: Sequence[int | None], fine: int
 ) -> list[Row]:
     """A row for each mesh with the processor time per case and the largest error of the torque.
@@ -204,14 +209,16 @@ def coarser_mesh_rows(
         Elements along each lining of the mesh against which errors are taken.
     """
     # Torques on the fine mesh, against which the errors of the coarser meshes are taken.
-    true = solved_torques(
+    true = torques_of_solved_rows(
         solve_cases([case._replace(options={"elements": fine}) for case in cases])
     )
     rows = []
     for n in elements:
         start = time.process_time()
         options = {} if n is None else {"elements": n}
-        found = solved_torques(solve_cases([case._replace(options=options) for case in cases]))
+        found = torques_of_solved_rows(
+            solve_cases([case._replace(options=options) for case in cases])
+        )
         spent = time.process_time() - start
         error = float(np.abs(found / true - 1).max())
         nodes = None if n is None else 2 * n + 1
@@ -219,12 +226,12 @@ def coarser_mesh_rows(
     return rows
 
 
-def torque_spread(rows: Sequence[Row]) -> Row:
+def row_of_torque_distribution(rows: Sequence[Row]) -> Row:
     """A row with mean, relative standard deviation, 2.5 and 97.5 percentile of the torque [N m].
 
     The row also has the number of cases and the number of cases without an answer.
     """
-    torque = solved_torques(rows)
+    torque = torques_of_solved_rows(rows)
     low, high = np.percentile(torque, [2.5, 97.5])
     return {
         "cases": len(rows),
@@ -288,9 +295,11 @@ def kill_and_finish_sweep(
     path.unlink(missing_ok=True)
     for number, moment in enumerate(at):
         say(f"kill {number + 1} of {kills}")
-        found = _count_journal_rows(path)
-        with _start_process(spawn.Process(target=_run_sweep, args=(cases, path))) as process:
-            while _count_journal_rows(path) < moment:
+        found = _count_finished_cases_in_journal(path)
+        with _run_process_during_block(
+            spawn.Process(target=_solve_sweep_with_journal, args=(cases, path))
+        ) as process:
+            while _count_finished_cases_in_journal(path) < moment:
                 if process.exitcode is not None:
                     raise NoAnswer(
                         "killed: the run ended before it could be killed; take more cases"
@@ -300,14 +309,14 @@ def kill_and_finish_sweep(
             process.join()
             if process.exitcode != -signal.SIGKILL:
                 raise NoAnswer("killed: the run ended before it could be killed; take more cases")
-        done.append(Kill(found, _count_journal_rows(path)))
+        done.append(Kill(found, _count_finished_cases_in_journal(path)))
     # The last run is not killed and finishes the sweep from the journal.
     with Journal(path) as journal:
         return done, solve_cases(cases, journal=journal)
 
 
 @contextmanager
-def _start_process(process: Any) -> Iterator[Any]:
+def _run_process_during_block(process: Any) -> Iterator[Any]:
     """Start a process, provide it to a block of code, and kill it at the end of the block."""
     process.start()
     try:
@@ -317,12 +326,12 @@ def _start_process(process: Any) -> Iterator[Any]:
         process.join()
 
 
-def _run_sweep(cases: Sequence[SweepCase], path: Path) -> None:
+def _solve_sweep_with_journal(cases: Sequence[SweepCase], path: Path) -> None:
     """Solve the cases of a sweep that are not yet in the journal at `path`, and add them to it."""
     with Journal(path) as journal:
         solve_cases(cases, journal=journal)
 
 
-def _count_journal_rows(journal: Path) -> int:
+def _count_finished_cases_in_journal(journal: Path) -> int:
     """The number of finished cases in a journal. The first line of the journal is a stamp."""
     return max(journal.read_bytes().count(b"\n") - 1, 0) if journal.exists() else 0

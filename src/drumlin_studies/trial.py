@@ -17,11 +17,11 @@ import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.contact.equations import condition_number
+from drumlin.contact.equations import condition_number_on_contact_set
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.refinement import EPSILON
 from drumlin.fem.model import REFINED_REMARK, refine_group_solution, solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies import pointwise
@@ -68,11 +68,11 @@ A smaller difference can be due to the errors of the meshes.
 """
 
 
-def try_case(case: KnobCase) -> dict[str, Any]:
+def solve_and_judge_case(case: KnobCase) -> dict[str, Any]:
     """Solve a case and return its row: outcome, reason, times, and the accuracy of an answer."""
     row: dict[str, Any] = {
         "knob": case.knob,
-        "case": changed_knobs_text(case),
+        "case": text_of_changed_quantities(case),
         "knobs": dataclasses.asdict(case),
     }
     start = time.perf_counter()
@@ -81,26 +81,28 @@ def try_case(case: KnobCase) -> dict[str, Any]:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             brake = case.brake()
-            scene = prepare(brake, elements=case.elements, kind=case.kind, mesher=case.mesher())
+            scene = make_prepared_model(
+                brake, elements=case.elements, kind=case.kind, mesher=case.mesher_of_aspect_ratio()
+            )
             response = solve_prepared_model(scene, brake, penalty=case.penalty)
         touches = any(shoe.contact_arcs for shoe in response.shoes)
         row["outcome"] = "answer" if touches else "no contact"
     # A trial looks for unexpected exceptions: each exception becomes the outcome of the row.
     except Exception as error:
-        row |= _outcome_of_failure(error)
+        row |= _outcome_and_reason_of_failed_case(error)
     row["seconds"] = time.perf_counter() - start
     if response is not None:
         assert brake is not None and scene is not None
-        row |= _judged_row(row, scene, brake, response, case.penalty)
+        row |= _row_with_accuracy_of_answer(row, scene, brake, response, case.penalty)
     # The pointwise penalty is tried as well, unless its system would be too large.
     if brake is not None and scene is not None:
         too_large = max(body.unknowns for body in scene.bodies) > LARGEST_POINTWISE
         not_tried = {"pointwise": "not tried: too large"}
-        row |= not_tried if too_large else compare_with_pointwise(case, brake, response)
+        row |= not_tried if too_large else compare_with_pointwise_penalty(case, brake, response)
     return row
 
 
-def _outcome_of_failure(error: Exception) -> dict[str, str]:
+def _outcome_and_reason_of_failed_case(error: Exception) -> dict[str, str]:
     """The keys `outcome` and `reason` of a row for a case that raised an error."""
     if isinstance(error, BadInput):
         return {"outcome": "bad input", "reason": str(error)}
@@ -110,7 +112,7 @@ def _outcome_of_failure(error: Exception) -> dict[str, str]:
     return {"outcome": "traceback", "reason": f"{type(error).__name__}: {error}"}
 
 
-def _judged_row(
+def _row_with_accuracy_of_answer(
     row: dict[str, Any], scene: PreparedModel, brake: Brake, response: Response, penalty: float
 ) -> dict[str, Any]:
     """The row with torque, balance and accuracy of an answer added.
@@ -137,21 +139,21 @@ def _judged_row(
         "refined": any(REFINED_REMARK in note for note in response.notes),
     }
     if row["outcome"] == "answer":
-        row |= answer_accuracy(scene, brake, response, penalty)
-        if not is_sound(row):
+        row |= accuracy_of_answer_of_all_groups(scene, brake, response, penalty)
+        if not is_answer_accurate(row):
             row |= {"outcome": "inaccurate"}
     return row
 
 
-def changed_knobs_text(case: KnobCase) -> str:
+def text_of_changed_quantities(case: KnobCase) -> str:
     """Names and values of the quantities ("knobs") that a case changes, as text."""
     words = []
-    for key, value in case.changes.items():
+    for key, value in case.changed_knobs.items():
         words.append(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}")
     return ", ".join(words)
 
 
-def is_sound(row: dict[str, Any]) -> bool:
+def is_answer_accurate(row: dict[str, Any]) -> bool:
     """Whether the answer of a row is right.
 
     Its residuals must be small, and TORQUE_DIGITS of its torque must be correct, or as many as the
@@ -163,7 +165,7 @@ def is_sound(row: dict[str, Any]) -> bool:
     return residual <= LARGEST_RESIDUAL and row["digits"] >= min(TORQUE_DIGITS, row["allowed"])
 
 
-def answer_accuracy(
+def accuracy_of_answer_of_all_groups(
     scene: PreparedModel, brake: Brake, response: Response, penalty: float
 ) -> dict[str, Any]:
     """Residuals, condition and correct digits of an answer; the worst group of shoes counts.
@@ -181,7 +183,7 @@ def answer_accuracy(
     solution failed, `digits` is None and `whole` gives the reason.
     """
     groups = divide_pressed_shoes_into_groups(scene, brake, penalty)
-    rows = [_group_accuracy(response, group) for group in groups]
+    rows = [_accuracy_of_answer_of_group(response, group) for group in groups]
     worst: dict[str, Any] = {
         "condition": max(row["condition"] for row in rows),
         "seconds_whole": max(row["seconds_whole"] for row in rows),
@@ -203,19 +205,21 @@ def answer_accuracy(
     }
 
 
-def _group_accuracy(response: Response, group: ShoeGroup) -> dict[str, Any]:
-    """The keys of `answer_accuracy` for one group of coupled shoes.
+def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[str, Any]:
+    """The keys of `accuracy_of_answer_of_all_groups` for one group of coupled shoes.
 
     `whole` is the reason why the refined solution of the group failed, or empty.
     """
     group, _ = group.solve_contact()
     # The group and the refined solution have a unit actuation force; `size` is the real force [N].
-    size, shoes = group.unit_force, [response.shoes[i] for i in group.members]
+    size, shoes = group.largest_actuation_force, [response.shoes[i] for i in group.members]
     # The answer's pressures per unit of the actuation force, in the order of the group's nodes.
     pairs = zip(shoes, group.shoes, strict=True)
     p = np.concatenate([found.pressure[:: shoe.frame.sense] for found, shoe in pairs]) / size
     active = p > 0
-    row: dict[str, Any] = {"condition": condition_number(group.problem, active)}
+    row: dict[str, Any] = {
+        "condition": condition_number_on_contact_set(group.contact_problem_of_group, active)
+    }
     row |= {"digits": None, "whole": ""}
     start = time.perf_counter()
     try:
@@ -231,21 +235,23 @@ def _group_accuracy(response: Response, group: ShoeGroup) -> dict[str, Any]:
     known_condition = not math.isnan(refined.condition)
     return row | {
         "complementarity": float(max(-refined.gap.min(), products.max() / p.max())),
-        "digits": min(correct_digits(off), correct_digits(refined.correction)),
-        "sure": correct_digits(refined.correction),
-        "allowed": correct_digits(EPSILON * refined.condition if known_condition else 0.0),
+        "digits": min(number_of_correct_digits(off), number_of_correct_digits(refined.correction)),
+        "sure": number_of_correct_digits(refined.correction),
+        "allowed": number_of_correct_digits(
+            EPSILON * refined.condition if known_condition else 0.0
+        ),
         "torque_condition": refined.condition if known_condition else None,
         "pressure_error": float(np.abs(p - exact).max() / exact.max()),
         "sets": refined.contact_sets,
     }
 
 
-def correct_digits(error: float) -> float:
+def number_of_correct_digits(error: float) -> float:
     """The number of correct decimal digits of a value with a relative error, from 0 to 16."""
     return float(np.clip(-math.log10(max(error, 1e-16)), 0, 16))
 
 
-def compare_with_pointwise(
+def compare_with_pointwise_penalty(
     case: KnobCase, brake: Brake, response: Response | None
 ) -> dict[str, Any]:
     """Solve a case by the pointwise penalty as well, and compare the torque with that of drumlin.
@@ -271,7 +277,7 @@ def compare_with_pointwise(
                 elements=case.elements,
                 kind=case.kind,
                 penalty=min(case.penalty, STIFFEST_PENALTY),
-                mesher=case.mesher(),
+                mesher=case.mesher_of_aspect_ratio(),
             )
         row["pointwise_steps"] = other.iterations
         if response is None:

@@ -20,22 +20,25 @@ from drumlin.contact import active_set, stick_slip
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.substructure.body import (
     CondensedBody,
-    body_constraints,
-    condense_body,
-    scalar_basis,
-    stiffness,
+    condense_body_to_contact_and_frame,
+    multi_point_constraints_of_body,
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
     ContactLine,
     Coupling,
-    couple_with_counterface,
-    drum_directions,
-    make_contact_line,
+    function_for_drum_normals_and_tangents,
+    make_contact_line_of_lining,
+    weak_coupling_of_contact_line,
 )
-from drumlin.fem.substructure.ring import quadratic_ring_mesh, ring_coupling_matrices
+from drumlin.fem.substructure.ring import (
+    coupling_matrices_of_lining_and_ring,
+    quadratic_mesh_of_closed_ring,
+)
 
 
-def growing_steps_to(fine: float, growth: float, end: float) -> Floats:
+def points_with_steps_growing_to_end(fine: float, growth: float, end: float) -> Floats:
     """Points from 0 to `end` whose steps begin with about `fine` and grow by a factor `growth`."""
     steps = [fine]
     while sum(steps) < end:
@@ -44,18 +47,23 @@ def growing_steps_to(fine: float, growth: float, end: float) -> Floats:
     return np.asarray(x / x[-1] * end)
 
 
-def symmetric_angles(fine_half: float, count: int, growth: float, end: float) -> Floats:
+def angles_graded_from_middle_to_both_ends(
+    fine_half: float, count: int, growth: float, end: float
+) -> Floats:
     """Angles from -end to end [rad], symmetric about 0.
 
     There are `count` equal steps between -fine_half and fine_half. Outside of them the steps grow
     by the factor `growth`.
     """
     inner = np.linspace(-fine_half, fine_half, count + 1)
-    outer = fine_half + growing_steps_to(inner[1] - inner[0], growth, end - fine_half)[1:]
+    outer = (
+        fine_half
+        + points_with_steps_growing_to_end(inner[1] - inner[0], growth, end - fine_half)[1:]
+    )
     return np.concatenate([-outer[::-1], inner, outer])
 
 
-def sector_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
+def plane_mesh_of_ring_sector(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
     """The mesh of a ring sector with the boundaries "contact" at depth 0 and "support" opposite.
 
     Parameters
@@ -86,9 +94,9 @@ def sector_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any
     )
 
 
-def closed_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
-    """The mesh of a closed ring; its parameters are those of `sector_mesh`."""
-    return quadratic_ring_mesh(angles, depths, radius, sign, "body")
+def plane_mesh_of_closed_ring(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
+    """The mesh of a closed ring; its parameters are those of `plane_mesh_of_ring_sector`."""
+    return quadratic_mesh_of_closed_ring(angles, depths, radius, sign, "body")
 
 
 @dataclass(frozen=True)
@@ -110,7 +118,7 @@ class ContactBody:
     condensed: CondensedBody
 
 
-def condense_contact_body(
+def condense_body_to_contact_nodes(
     mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0
 ) -> ContactBody:
     """The body of a mesh, fixed at its support and condensed to its contact nodes.
@@ -126,13 +134,15 @@ def condense_contact_body(
     middle : float
         Angle of the middle of the contact line [rad].
     """
-    basis = scalar_basis(mesh)
-    line = make_contact_line(basis, mesh.boundaries["contact"], middle)
-    ties = body_constraints(
+    basis = scalar_finite_element_basis_of_mesh(mesh)
+    line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], middle)
+    ties = multi_point_constraints_of_body(
         basis, line.nodes, basis.get_dofs(mesh.boundaries["support"]).flatten(), np.zeros(2)
     )
-    K = stiffness(basis, {"body": ElasticLayer.of(material, width)})
-    return ContactBody(basis, line, condense_body(K, ties, {}, 2 * len(line.nodes)))
+    K = sparse_stiffness_of_body(basis, {"body": ElasticLayer.of(material, width)})
+    return ContactBody(
+        basis, line, condense_body_to_contact_and_frame(K, ties, {}, 2 * len(line.nodes))
+    )
 
 
 @dataclass(frozen=True)
@@ -161,7 +171,7 @@ class BodyPair:
     motions: Floats
 
     @classmethod
-    def of(
+    def from_bodies(
         cls, inner: ContactBody, outer: ContactBody | None, sign: int = 1, motions: str = ""
     ) -> "BodyPair":
         """The pair of two condensed bodies, with the coupling between their contact nodes.
@@ -178,18 +188,20 @@ class BodyPair:
         motions : str
             Directions in which the support of `inner` can move: "", "x", "y" or "xy".
         """
-        coupling = couple_with_counterface(inner.line, 1.0, drum_directions(sign))
+        coupling = weak_coupling_of_contact_line(
+            inner.line, 1.0, function_for_drum_normals_and_tangents(sign)
+        )
         halves = [
-            _flexibility_root_times(inner, -coupling.N),
-            _flexibility_root_times(inner, coupling.T),
+            _flexibility_root_times_nodal_forces(inner, -coupling.N),
+            _flexibility_root_times_nodal_forces(inner, coupling.T),
         ]
         if outer is not None:
-            N, T = ring_coupling_matrices(inner.line, outer.line, 1.0, sign)
+            N, T = coupling_matrices_of_lining_and_ring(inner.line, outer.line, 1.0, sign)
             # The flexibilities of both bodies add up, so that their square roots are stacked.
             pressed, dragged = halves
             halves = [
-                np.vstack([pressed, _flexibility_root_times(outer, -N)]),
-                np.vstack([dragged, _flexibility_root_times(outer, T)]),
+                np.vstack([pressed, _flexibility_root_times_nodal_forces(outer, -N)]),
+                np.vstack([dragged, _flexibility_root_times_nodal_forces(outer, T)]),
             ]
         # Displacements of the contact nodes as the support of the inner body moves by 1 m.
         x = inner.line.xy[0]
@@ -205,7 +217,9 @@ class BodyPair:
             np.array([moves[m].ravel() for m in motions]).reshape(-1, 2 * len(x)).T,
         )
 
-    def normal(self, gap: Floats, loads: Sequence[float] = ()) -> ContactProblem:
+    def frictionless_contact_problem(
+        self, gap: Floats, loads: Sequence[float] = ()
+    ) -> ContactProblem:
         """The contact problem without friction, whose unknowns are the n nodal pressures.
 
         Parameters
@@ -224,7 +238,7 @@ class BodyPair:
             -np.asarray(loads, float),
         )
 
-    def frictional(
+    def frictional_contact_problem(
         self, gap: Floats, loads: Sequence[float], penalty_compliance: float = 0.0
     ) -> stick_slip.FrictionalProblem:
         """The contact problem with friction, whose unknowns are nodal pressures and tractions.
@@ -242,7 +256,7 @@ class BodyPair:
             Penetration that the penalty allows per pressure [m/Pa]; 0 for exact contact.
         """
         n, B_s = len(gap), -self.coupling.T @ self.motions
-        flat = self.normal(gap, loads)
+        flat = self.frictionless_contact_problem(gap, loads)
         return stick_slip.FrictionalProblem(
             A_wp=flat.A,
             A_wt=self.pressed.T @ self.dragged,
@@ -259,12 +273,12 @@ class BodyPair:
         )
 
     @property
-    def angle(self) -> Floats:
+    def contact_node_angles(self) -> Floats:
         """Angles (n,) of the inner body's contact nodes [rad]."""
         return self.inner.line.phi
 
 
-def coarse_contact_set(problem: ContactProblem, share: int = 6) -> Bools:
+def first_contact_set_from_coarse_problem(problem: ContactProblem, share: int = 6) -> Bools:
     """A first contact set (n,) for a contact problem: whether each node touches.
 
     It is the contact set of a coarser problem, which keeps every `share`-th node and has a linear
@@ -277,16 +291,16 @@ def coarse_contact_set(problem: ContactProblem, share: int = 6) -> Bools:
     coarse = ContactProblem(
         P.T @ problem.A @ P, P.T @ problem.q, P.T @ problem.B, problem.C @ P, problem.h
     )
-    start = coarse_contact_set(coarse) if len(kept) > 40 else None
+    start = first_contact_set_from_coarse_problem(coarse) if len(kept) > 40 else None
     return np.asarray(P @ active_set.solve_contact_problem(coarse, start).p > 0)
 
 
-def _flexibility_root_times(one: ContactBody, forces: Floats) -> Floats:
+def _flexibility_root_times_nodal_forces(one: ContactBody, forces: Floats) -> Floats:
     """The product of the square root of a body's flexibility with n sets of nodal forces.
 
     forces : array (n, 2 nodes) of forces on the contact nodes, x and y of each node [N].
     """
-    return one.condensed.half_flexibility(forces.T)
+    return one.condensed.nodal_forces_over_cholesky_factor(forces.T)
 
 
 LADDER_STEEL = Material(E=210e9, nu=0.3)

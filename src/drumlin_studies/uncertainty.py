@@ -7,7 +7,7 @@ is the validation uncertainty of ASME V&V 20.
 import math
 from typing import NamedTuple
 
-from drumlin.comparison import extrapolate
+from drumlin.comparison import richardson_limit_from_three_meshes
 
 SAFETY = 1.25
 """Factor of safety of the grid convergence index, by which the extrapolated error is multiplied.
@@ -41,7 +41,7 @@ class Index(NamedTuple):
     asymptotic: float
 
 
-def grid_convergence(
+def grid_convergence_index_of_three_values(
     fine: float, medium: float, coarse: float, ratio: float = 2.0, safety: float = SAFETY
 ) -> Index:
     """Order of convergence, extrapolated value and grid convergence index from three meshes.
@@ -75,7 +75,7 @@ def grid_convergence(
             f"no order: the differences {far:g} and {near:g} do not shrink with one sign"
         )
     # Richardson extrapolation gives the order and the limit; the indices follow from its error.
-    limit = extrapolate(coarse, medium, fine, ratio)
+    limit = richardson_limit_from_three_meshes(coarse, medium, fine, ratio)
     growth = ratio**limit.order
     fine_index = safety * limit.uncertainty / abs(fine)
     coarse_index = safety * limit.uncertainty * growth / abs(medium)
@@ -99,17 +99,17 @@ class Validation(NamedTuple):
     uncertainty: float
 
     @property
-    def model_error(self) -> tuple[float, float]:
+    def model_error_interval(self) -> tuple[float, float]:
         """The two ends E - u_val and E + u_val of the interval in which the model's error lies."""
         return self.error - self.uncertainty, self.error + self.uncertainty
 
     @property
-    def resolved(self) -> bool:
+    def is_model_error_detected(self) -> bool:
         """Whether |E| > u_val, so that the comparison shows an error of the model."""
         return abs(self.error) > self.uncertainty
 
 
-def compare_with_data(
+def compare_simulation_with_data(
     simulation: float, data: float, *, numerical: float, inputs: float = 0.0, of_data: float
 ) -> Validation:
     """The comparison error E = S - D with its validation uncertainty u_val.

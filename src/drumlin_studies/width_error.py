@@ -24,15 +24,15 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.width.correction import REMAINING_SHARE, correct_for_widths
-from drumlin.fem.width.error import model_distance
-from drumlin.fem.width.functions import breaks_of
-from drumlin.fem.width.prepare import prepare_width, width_why_not
-from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
+from drumlin.fem.width.error import distance_of_plane_stress_from_widths
+from drumlin.fem.width.functions import breaks_across_half_width_of_shoe
+from drumlin.fem.width.prepare import prepare_brake_with_widths, reason_against_width_model
+from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 
 LEAST_JUDGED = 1e-3
 """True relative error above which an estimate is judged. Smaller errors are of no interest."""
@@ -62,7 +62,7 @@ class WidthErrorRow(NamedTuple):
     estimated: dict[str, float]
     remaining: dict[str, float]
 
-    def ratio(self, name: str) -> float:
+    def estimated_over_true_error(self, name: str) -> float:
         """The estimated error `name` over the true error; name : one of JUDGED."""
         return self.estimated[name] / self.true[name]
 
@@ -71,52 +71,63 @@ class WidthErrorRow(NamedTuple):
         return self.remaining[name] / self.estimated[name]
 
 
-def judged(brake: Brake, degree: int = TRUE_WIDTH_DEGREE) -> WidthErrorRow | str:
+def plane_stress_errors_or_reason(
+    brake: Brake, degree: int = TRUE_WIDTH_DEGREE
+) -> WidthErrorRow | str:
     """The true and the estimated error of plane stress on a brake, or the reason why there is none.
 
     degree : degree of the polynomials across the width in the model that serves as the truth.
     """
-    reason = width_why_not(brake)
+    reason = reason_against_width_model(brake)
     if reason is not None:
         return reason
     try:
         # The default solve gives the estimate. Both models start from its contact and are graded to
         # its singular points.
         response = solve(brake, model_error=True)
-        points = singular_points_of(brake, response, error=LEVELS[0].error)
-        plane = solve_prepared_model(prepare(brake, LEVELS[0], points), brake, start=response)
-        scene = prepare_width(brake, LEVELS[0], degree, points)
+        points = singular_points_of_all_linings(
+            brake, response, error=LEVELS[0].pressure_error_by_column_ratio
+        )
+        plane = solve_prepared_model(
+            make_prepared_model(brake, LEVELS[0], points), brake, start=response
+        )
+        scene = prepare_brake_with_widths(brake, LEVELS[0], degree, points)
         wide = solve_prepared_model(scene, brake, start=response)
         corrected = correct_for_widths(brake, plane)
     except NoAnswer as error:
         return str(error)
-    true, remaining = model_distance(brake, plane, wide), model_distance(brake, corrected, wide)
+    true, remaining = (
+        distance_of_plane_stress_from_widths(brake, plane, wide),
+        distance_of_plane_stress_from_widths(brake, corrected, wide),
+    )
     found = response.plane_stress_error
     assert found is not None
     if found.unknown or true.unknown:
         return f"estimate: {found.unknown or 'known'}; truth: {true.unknown or 'known'}"
-    widths = max(len(breaks_of(shoe)) - 1 for shoe in brake.shoes)
+    widths = max(len(breaks_across_half_width_of_shoe(shoe)) - 1 for shoe in brake.shoes)
     return WidthErrorRow(
         brake.title, widths, dict(true.brake), dict(found.brake), dict(remaining.brake)
     )
 
 
-def rows_of_seeds(first: int, last: int, degree: int) -> Iterator[WidthErrorRow | str]:
+def plane_stress_error_rows_of_seeds(
+    first: int, last: int, degree: int
+) -> Iterator[WidthErrorRow | str]:
     """For each seed from `first` to `last` - 1 the row of its brake, or a text why there is none.
 
     degree : degree of the polynomials across the width in the model that serves as the truth.
     """
     for seed in range(first, last):
         try:
-            brake = random_brake(seed, KINDS_WITH_WIDTHS[seed % len(KINDS_WITH_WIDTHS)])
+            brake = draw_random_brake(seed, KINDS_WITH_WIDTHS[seed % len(KINDS_WITH_WIDTHS)])
         except NoAnswer as error:
             yield str(error)
             continue
-        found = judged(brake, degree)
+        found = plane_stress_errors_or_reason(brake, degree)
         yield found if isinstance(found, WidthErrorRow) else f"{brake.title}: {found}"
 
 
-def table_of(rows: list[WidthErrorRow]) -> list[str]:
+def table_lines_of_error_ratios(rows: list[WidthErrorRow]) -> list[str]:
     """The lines of the table on the ratios of estimated to true error.
 
     A line has the number of ratios, their quantiles, and the share between 1/1.5 and 1.5.
@@ -125,7 +136,9 @@ def table_of(rows: list[WidthErrorRow]) -> list[str]:
     for name in JUDGED:
         for several in (False, True):
             own = [row for row in rows if (row.widths > 1) == several]
-            ratios = [row.ratio(name) for row in own if row.true[name] > LEAST_JUDGED]
+            ratios = [
+                row.estimated_over_true_error(name) for row in own if row.true[name] > LEAST_JUDGED
+            ]
             if not ratios:
                 continue
             at = np.quantile(ratios, [0.0, 0.05, 0.5, 0.95, 1.0])
@@ -160,7 +173,7 @@ def main() -> None:
     """Print the lines and the table for the seeds and the degree on the command line."""
     first, last, *degree = map(int, sys.argv[1:])
     rows = []
-    for row in rows_of_seeds(first, last, *degree or [TRUE_WIDTH_DEGREE]):
+    for row in plane_stress_error_rows_of_seeds(first, last, *degree or [TRUE_WIDTH_DEGREE]):
         if isinstance(row, str):
             sys.stdout.write(f"{row}\n")
             continue
@@ -172,7 +185,7 @@ def main() -> None:
         )
         sys.stdout.write(f"{row.title} ({row.widths}): {errors}\n")
         sys.stdout.flush()
-    lines = [*table_of(rows), "", *remaining_table_of(rows)]
+    lines = [*table_lines_of_error_ratios(rows), "", *remaining_table_of(rows)]
     sys.stdout.write("\n".join(lines) + "\n")
 
 

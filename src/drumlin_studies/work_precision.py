@@ -26,24 +26,28 @@ from drumlin import peers
 from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_to_tolerance
-from drumlin.fem.error_control.levels import LEVELS, solved_levels
-from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_brake_to_tolerance
+from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
+from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
 from drumlin.fem.mesh.grading import (
     EDGE_SIZE,
     LiningDivision,
-    number_of_inner_steps,
-    number_of_lining_layers,
+    integral_of_inverse_graded_step,
+    number_of_element_layers_in_lining,
     points_graded_to_both_ends,
 )
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.models import pick
-from drumlin.response.norms import pressure_distance, relative, vector_distance
-from drumlin.response.response import Response, edge_zone
-from drumlin.verification.cost import peak_memory
-from drumlin.verification.reference import ReferenceResponses, peak_pressure_inside
+from drumlin.models import model_by_name
+from drumlin.response.norms import (
+    relative_distance_of_pressures,
+    relative_distance_of_vectors,
+    relative_error_of_number,
+)
+from drumlin.response.response import Response, length_of_edge_zone_without_peak
+from drumlin.verification.cost import peak_memory_of_process
+from drumlin.verification.reference import ReferenceResponses, peak_pressure_between_edge_zones
 from drumlin_studies import pointwise
 
 TIMED_REPEATS = 5
@@ -59,13 +63,13 @@ EQUAL_TIMES = 1.2
 FURTHER_FRICTION = 0.9
 """Coefficient of friction of the further load case over that of the first load case."""
 GRADED_FROM = 36
-"""Number of elements along a lining above which a `refined_mesh` is graded more strongly.
+"""Number of elements along a lining above which its mesh is graded more strongly to its ends.
 
 The smallest elements at the lining's ends then shrink in proportion to the number of elements, so
 that the error goes on falling where the pressure is singular.
 """
 LAYERS_BEHIND = 4
-"""Smallest number of element layers through the backing and through the body of a `refined_mesh`.
+"""Smallest number of element layers through backing and body of `mesh_graded_to_lining_ends`.
 
 With these layers the error of backing and body stays below that of the lining, whose refinement is
 studied.
@@ -92,7 +96,7 @@ class Method(NamedTuple):
     options: Mapping[str, Any] = {}
 
     @property
-    def case(self) -> dict[str, Any]:
+    def journal_key(self) -> dict[str, Any]:
         """The method as plain data, under which a journal stores its row."""
         return {"family": self.family, "method": self.name, **self.options}
 
@@ -116,34 +120,40 @@ class ColdSolve(NamedTuple):
     unknowns: Callable[[], int] | None = None
 
 
-def _brake_of_further_case(brake: Brake) -> Brake:
+def _brake_of_further_load_case(brake: Brake) -> Brake:
     """The brake of the further load case, whose friction is FURTHER_FRICTION times the brake's."""
     return vary(brake, {"friction": FURTHER_FRICTION * brake.friction})
 
 
-def _solve_by_model(brake: Brake, *, model: str, **options: Any) -> ColdSolve:
+def _solve_from_start_by_law_or_foundation(
+    brake: Brake, *, model: str, **options: Any
+) -> ColdSolve:
     """The result of solving a brake by a law or by the foundation model.
 
     model : name of the law or model; **options : options of its solver.
     """
-    solver = pick(model, brake).solve
-    further = partial(solver, _brake_of_further_case(brake), **options)
+    solver = model_by_name(model, brake).solve
+    further = partial(solver, _brake_of_further_load_case(brake), **options)
     return ColdSolve(solver(brake, **options), further)
 
 
-def uniform_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
+def mesh_with_equal_elements_on_lining(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
     """The mesh of a shoe with elements of equal length along the lining.
 
     radius : radius of the drum [m]; elements : their number along the lining; kind : of elements.
     """
-    depths = np.linspace(0, shoe.lining.thickness, number_of_lining_layers(elements) + 1)
+    depths = np.linspace(0, shoe.lining.thickness, number_of_element_layers_in_lining(elements) + 1)
     step = (shoe.arc[1] - shoe.arc[0]) / elements
     division = LiningDivision(np.linspace(*shoe.arc, elements + 1), depths, step)
-    return shoe_mesh(shoe, radius, division, kind)
+    return parametric_mesh_of_shoe(shoe, radius, division, kind)
 
 
-def refined_mesh(shoe: Shoe, radius: float, elements: int, layers: int, kind: str) -> Any:
-    """The mesh of a shoe that is graded to the ends of its lining by `refined_division`.
+def mesh_graded_to_lining_ends(
+    shoe: Shoe, radius: float, elements: int, layers: int, kind: str
+) -> Any:
+    """The mesh of a shoe that is graded to the ends of its lining.
+
+    See `divide_lining_graded_to_its_ends`.
 
     Parameters
     ----------
@@ -158,10 +168,14 @@ def refined_mesh(shoe: Shoe, radius: float, elements: int, layers: int, kind: st
     kind : str
         Kind of the elements.
     """
-    return shoe_mesh(shoe, radius, refined_division(shoe, radius, elements, layers), kind)
+    return parametric_mesh_of_shoe(
+        shoe, radius, divide_lining_graded_to_its_ends(shoe, radius, elements, layers), kind
+    )
 
 
-def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> LiningDivision:
+def divide_lining_graded_to_its_ends(
+    shoe: Shoe, radius: float, elements: int, layers: int
+) -> LiningDivision:
     """The division of a shoe's lining into elements that become smaller towards its ends.
 
     No element is longer than 1/`elements` of the lining. The smallest elements at the ends have a
@@ -183,7 +197,9 @@ def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> L
     fineness = max(1.0, elements / GRADED_FROM)
     half, smallest = (end - start) / 2, EDGE_SIZE / fineness
     step = (end - start) / elements
-    count = max(2, math.ceil(2 * number_of_inner_steps(half, half, zone, smallest) / step))
+    count = max(
+        2, math.ceil(2 * integral_of_inverse_graded_step(half, half, zone, smallest) / step)
+    )
     return LiningDivision(
         angles=points_graded_to_both_ends(start, end, count, zone, smallest),
         depths=points_graded_to_both_ends(
@@ -194,7 +210,7 @@ def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> L
     )
 
 
-def _solve_on_mesh(
+def _solve_from_start_on_mesh(
     brake: Brake,
     *,
     elements: int,
@@ -217,14 +233,16 @@ def _solve_on_mesh(
     penalty : float
         Penalty factor of the contact; inf for exact contact.
     """
-    mesher = partial(uniform_mesh, elements=elements, kind=kind) if even else None
-    scene = prepare(brake, elements=elements, kind=kind, mesher=mesher)
-    return _cold_solve_of_scene(
+    mesher = (
+        partial(mesh_with_equal_elements_on_lining, elements=elements, kind=kind) if even else None
+    )
+    scene = make_prepared_model(brake, elements=elements, kind=kind, mesher=mesher)
+    return _result_of_solve_from_start(
         brake, scene, solve_prepared_model(scene, brake, penalty=penalty), penalty
     )
 
 
-def _cold_solve_of_scene(
+def _result_of_solve_from_start(
     brake: Brake, scene: PreparedModel, response: Response, penalty: float
 ) -> ColdSolve:
     """The result of solving a brake by finite elements, whose further case reuses the model.
@@ -232,14 +250,16 @@ def _cold_solve_of_scene(
     scene : the prepared model; response : its response; penalty : penalty factor of the contact.
     """
 
-    def further() -> Response:
+    def solve_further_load_case() -> Response:
         """The response to the further load case on the prepared model."""
-        return solve_prepared_model(scene, _brake_of_further_case(brake), penalty=penalty)
+        return solve_prepared_model(scene, _brake_of_further_load_case(brake), penalty=penalty)
 
-    return ColdSolve(response, further, partial(_count_unknowns, scene))
+    return ColdSolve(
+        response, solve_further_load_case, partial(_count_unknowns_of_prepared_model, scene)
+    )
 
 
-def _count_unknowns(scene: PreparedModel) -> int:
+def _count_unknowns_of_prepared_model(scene: PreparedModel) -> int:
     """The number of unknowns of a prepared model: those of its bodies and of the drum ring.
 
     Shoes of equal shape share one body, which is counted once.
@@ -250,65 +270,67 @@ def _count_unknowns(scene: PreparedModel) -> int:
     return of_bodies + of_ring
 
 
-def _solve_on_level(brake: Brake, *, level: int) -> ColdSolve:
+def _solve_from_start_on_hp_level(brake: Brake, *, level: int) -> ColdSolve:
     """The result of solving a brake by hp elements on one level of LEVELS, without error estimate.
 
     The coarsest level is solved before, because the elements are graded to the contact's ends.
     """
     levels = (LEVELS[0], LEVELS[level])[-level - 1 :]
-    *_, (scene, response) = solved_levels(
+    *_, (scene, response) = solve_on_finer_and_finer_levels(
         brake, partial(solve_prepared_model, penalty=math.inf), levels=levels
     )
-    return _cold_solve_of_scene(brake, scene, response, math.inf)
+    return _result_of_solve_from_start(brake, scene, response, math.inf)
 
 
-def _solve_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
+def _solve_from_start_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
     """The result of solving a brake by hp elements that are refined to an estimated error.
 
     tolerance : largest relative error of the pressure. The torque keeps the default tolerance where
     that is smaller.
     """
     allowed = Tolerance(tolerance, min(tolerance, DEFAULT_TOLERANCE.torque))
-    scene, response = solve_to_tolerance(
+    scene, response = solve_brake_to_tolerance(
         brake, allowed, partial(solve_prepared_model, penalty=math.inf)
     )
-    return _cold_solve_of_scene(brake, scene, response, math.inf)
+    return _result_of_solve_from_start(brake, scene, response, math.inf)
 
 
-def _solve_by_pointwise_penalty(brake: Brake, *, elements: int, penalty: float) -> ColdSolve:
+def _solve_from_start_by_pointwise_penalty(
+    brake: Brake, *, elements: int, penalty: float
+) -> ColdSolve:
     """The result of solving a brake by the pointwise penalty, the contact method of textbooks.
 
     elements : number of elements along each lining; penalty : penalty factor.
     """
     solver = partial(pointwise.solve_by_pointwise_penalty, elements=elements, penalty=penalty)
 
-    def unknowns() -> int:
+    def count_unknowns_of_mesh() -> int:
         """The number of unknowns of the mesh."""
-        return _count_unknowns(prepare(brake, elements=elements))
+        return _count_unknowns_of_prepared_model(make_prepared_model(brake, elements=elements))
 
-    def further() -> Response:
+    def solve_further_case_anew() -> Response:
         """The response to the further load case; the method reuses nothing."""
-        return solver(_brake_of_further_case(brake))
+        return solver(_brake_of_further_load_case(brake))
 
-    return ColdSolve(solver(brake), further, unknowns)
+    return ColdSolve(solver(brake), solve_further_case_anew, count_unknowns_of_mesh)
 
 
 METHOD_FAMILIES: Mapping[str, Callable[..., ColdSolve]] = {
-    "law": _solve_by_model,
-    "foundation": _solve_by_model,
-    "even mesh": _solve_on_mesh,
-    "graded mesh": _solve_on_mesh,
-    "columns": _solve_on_level,
-    "columns, error stated": _solve_to_tolerance,
-    "weak penalty": _solve_on_mesh,
-    "pointwise penalty": _solve_by_pointwise_penalty,
+    "law": _solve_from_start_by_law_or_foundation,
+    "foundation": _solve_from_start_by_law_or_foundation,
+    "even mesh": _solve_from_start_on_mesh,
+    "graded mesh": _solve_from_start_on_mesh,
+    "columns": _solve_from_start_on_hp_level,
+    "columns, error stated": _solve_from_start_to_tolerance,
+    "weak penalty": _solve_from_start_on_mesh,
+    "pointwise penalty": _solve_from_start_by_pointwise_penalty,
 }
 """Function that solves a brake and returns a `ColdSolve`, for each family of drumlin's methods."""
 PEER_FAMILIES = {written: name for name, written in peers.PEERS.items()}
 """Key of each peer in `drumlin.peers`, by its name in tables, for example "CalculiX"."""
 
 
-def solve_cold(brake: Brake, method: Method) -> ColdSolve:
+def solve_from_start_by_method(brake: Brake, method: Method) -> ColdSolve:
     """The result of solving a brake by one of drumlin's methods, from its data to the response.
 
     Raises BadInput where the method does not apply to the brake, NoAnswer where it has no answer.
@@ -316,7 +338,9 @@ def solve_cold(brake: Brake, method: Method) -> ColdSolve:
     return METHOD_FAMILIES[method.family](brake, **method.options)
 
 
-def relative_errors(brake: Brake, response: Response, truth: Response) -> dict[str, float]:
+def relative_errors_against_reference(
+    brake: Brake, response: Response, truth: Response
+) -> dict[str, float]:
     """Relative errors of a response against a far finer response, by ERROR_KEYS.
 
     The error of the torque is that of the whole brake. The other errors are the largest of all
@@ -327,20 +351,27 @@ def relative_errors(brake: Brake, response: Response, truth: Response) -> dict[s
     # Errors of each shoe; the torque, the first key, is an error of the whole brake.
     by_key: dict[str, list[float]] = {key: [] for key in ERROR_KEYS[1:]}
     for spec, a, b in zip(brake.shoes, response.shoes, truth.shoes, strict=True):
-        edge = edge_zone(spec, brake.scale_factor)
+        edge = length_of_edge_zone_without_peak(spec, brake.scale_factor)
         by_key["peak_error"].append(
-            abs(relative(peak_pressure_inside(a, edge), peak_pressure_inside(b, edge)))
+            abs(
+                relative_error_of_number(
+                    peak_pressure_between_edge_zones(a, edge),
+                    peak_pressure_between_edge_zones(b, edge),
+                )
+            )
         )
-        by_key["pressure_error"].append(pressure_distance(a, b))
-        by_key["reaction_error"].append(vector_distance(a.hinge_reaction, b.hinge_reaction))
-    result = {"torque_error": abs(relative(response.torque, truth.torque))}
+        by_key["pressure_error"].append(relative_distance_of_pressures(a, b))
+        by_key["reaction_error"].append(
+            relative_distance_of_vectors(a.hinge_reaction, b.hinge_reaction)
+        )
+    result = {"torque_error": abs(relative_error_of_number(response.torque, truth.torque))}
     for key, values in by_key.items():
         # The error of the pressure is nan for a shoe without force, which is left out here.
         result[key] = max((value for value in values if not math.isnan(value)), default=0.0)
     return result
 
 
-def reference_uncertainty(brake: Brake, trio: ReferenceResponses) -> dict[str, float]:
+def uncertainty_of_reference_responses(brake: Brake, trio: ReferenceResponses) -> dict[str, float]:
     """The relative uncertainty of a reference, by ERROR_KEYS; smaller errors are not claimed.
 
     A reference consists of a value and of other responses, by coarser meshes or other methods. The
@@ -348,10 +379,10 @@ def reference_uncertainty(brake: Brake, trio: ReferenceResponses) -> dict[str, f
     shoes' torques are summed without their signs, so that they cannot cancel.
     """
     largest: dict[str, float] = {}
-    for other in trio.others:
+    for other in trio.other_responses:
         pairs = zip(trio.value.shoes, other.shoes, strict=True)
         apart = math.fsum(abs(a.torque - b.torque) for a, b in pairs)
-        own = relative_errors(brake, other, trio.value)
+        own = relative_errors_against_reference(brake, other, trio.value)
         own["torque_error"] = apart / trio.value.torque if apart else 0.0
         largest = {name: max(value, largest.get(name, 0.0)) for name, value in own.items()}
     return largest
@@ -377,7 +408,9 @@ class Timing(NamedTuple):
     repeats: int
 
 
-def time_call(call: Callable[[], object], unit: Callable[[], object], first: float) -> Timing:
+def measure_call_time_over_unit_workload(
+    call: Callable[[], object], unit: Callable[[], object], first: float
+) -> Timing:
     """The processor time of a call, from several repeats, with the unit timed before each repeat.
 
     Parameters
@@ -394,16 +427,16 @@ def time_call(call: Callable[[], object], unit: Callable[[], object], first: flo
     samples: list[float] = []
     ratios: list[float] = []
 
-    def needs_another_repeat() -> bool:
+    def needs_another_timing_repeat() -> bool:
         """Whether the total time is below LEAST_SECONDS and MOST_REPEATS are not reached."""
         return sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS
 
-    while len(samples) < TIMED_REPEATS or needs_another_repeat():
+    while len(samples) < TIMED_REPEATS or needs_another_timing_repeat():
         # The unit is timed just before the call, while the machine has the same speed.
         beside = _processor_time_per_call(unit, 1)
         samples.append(_processor_time_per_call(call, loops))
         ratios.append(samples[-1] / beside)
-    quartiles = _sample_quartiles(samples)
+    quartiles = _quartiles_of_values(samples)
     return Timing(*quartiles, median(ratios), len(samples))
 
 
@@ -415,7 +448,7 @@ class Quartiles(NamedTuple):
     upper: float
 
 
-def _sample_quartiles(samples: list[float]) -> Quartiles:
+def _quartiles_of_values(samples: list[float]) -> Quartiles:
     """The median and the lower and upper quartile of a list of values."""
     if len(samples) == 1:
         return Quartiles(samples[0], samples[0], samples[0])
@@ -431,7 +464,7 @@ def _processor_time_per_call(call: Callable[[], object], loops: int = 1) -> floa
     return (time.process_time() - start) / loops
 
 
-def measure_method(
+def measure_own_method_on_brake(
     brake: Brake, method: Method, truth: Response, unit: Callable[[], object]
 ) -> dict[str, Any]:
     """The row of one of drumlin's methods on a brake: errors, times, memory and unknowns.
@@ -449,40 +482,50 @@ def measure_method(
     unit : function
         The unit of work beside which each repeat is timed.
     """
-    row: dict[str, Any] = dict(method.case)
+    row: dict[str, Any] = dict(method.journal_key)
     start = time.process_time()
     try:
-        cold = solve_cold(brake, method)
+        cold = solve_from_start_by_method(brake, method)
     except DrumlinError as error:
-        return row | {"seconds": time.process_time() - start, "status": _refusal_reason(error)}
+        return row | {
+            "seconds": time.process_time() - start,
+            "status": _status_text_of_refusal(error),
+        }
     first = time.process_time() - start
-    row |= relative_errors(brake, cold.response, truth)
+    row |= relative_errors_against_reference(brake, cold.response, truth)
     row["unknowns"] = None if cold.unknowns is None else cold.unknowns()
-    row |= time_call(partial(solve_cold, brake, method), unit, first)._asdict()
+    row |= measure_call_time_over_unit_workload(
+        partial(solve_from_start_by_method, brake, method), unit, first
+    )._asdict()
     try:
-        further = time_call(cold.further, unit, _processor_time_per_call(cold.further))
+        further = measure_call_time_over_unit_workload(
+            cold.further, unit, _processor_time_per_call(cold.further)
+        )
         row |= {"further": further.seconds, "further_ratio": further.ratio}
     except DrumlinError as error:
-        row["note"] = f"further load case: {_refusal_reason(error)}"
-    return row | {"memory": solve_peak_memory(brake, method), "status": "converged"}
+        row["note"] = f"further load case: {_status_text_of_refusal(error)}"
+    return row | {
+        "memory": peak_memory_of_solve_in_new_process(brake, method),
+        "status": "converged",
+    }
 
 
-def _refusal_reason(error: DrumlinError) -> str:
+def _status_text_of_refusal(error: DrumlinError) -> str:
     """The text for the `status` of a row whose method has refused the brake or failed."""
     return f"{'refused' if isinstance(error, BadInput) else 'failed'}: {error}"
 
 
-def solve_peak_memory(brake: Brake, method: Method) -> int:
+def peak_memory_of_solve_in_new_process(brake: Brake, method: Method) -> int:
     """The peak memory of a whole solve by a method [bytes], less that of the loaded program.
 
     The solve runs in a process of its own.
     """
-    with ProcessPoolExecutor(1, mp_context=_process_context()) as process:
+    with ProcessPoolExecutor(1, mp_context=_multiprocessing_start_context()) as process:
         return process.submit(_memory_of_solve, brake, method).result()
 
 
 @cache
-def _process_context() -> Any:
+def _multiprocessing_start_context() -> Any:
     """The multiprocessing context that starts new processes.
 
     It forks a server process that has only loaded this module. Where the system has no fork server,
@@ -497,12 +540,14 @@ def _process_context() -> Any:
 
 def _memory_of_solve(brake: Brake, method: Method) -> int:
     """The growth of this process's peak memory [bytes] by a whole solve of a brake by a method."""
-    before = peak_memory()
-    solve_cold(brake, method)
-    return peak_memory() - before
+    before = peak_memory_of_process()
+    solve_from_start_by_method(brake, method)
+    return peak_memory_of_process() - before
 
 
-def solve_process_seconds(brake_file: Path, *options: str, repeats: int = TIMED_REPEATS) -> float:
+def wall_seconds_of_solve_command(
+    brake_file: Path, *options: str, repeats: int = TIMED_REPEATS
+) -> float:
     """The wall time of a whole `drumlin solve` process [s], the median of several processes.
 
     Parameters
@@ -530,7 +575,7 @@ def solve_process_seconds(brake_file: Path, *options: str, repeats: int = TIMED_
     return median(samples)
 
 
-def measure_peer(
+def measure_peer_program_on_brake(
     brake: Brake,
     method: Method,
     truth: Response,
@@ -548,7 +593,7 @@ def measure_peer(
         The brake to be solved.
     method : Method
         A method of PEER_FAMILIES. The option `even` asks for a uniform mesh, `layers` for a
-        `refined_mesh`.
+        `mesh_graded_to_lining_ends`.
     truth : Response
         The reference against which errors are taken.
     unit : function
@@ -556,21 +601,24 @@ def measure_peer(
     repeats : int
         Number of solves.
     """
-    row: dict[str, Any] = dict(method.case)
-    options = _peer_options(method)
+    row: dict[str, Any] = dict(method.journal_key)
+    options = _solver_arguments_of_peer_method(method)
     start = time.perf_counter()
     answers, units = [], []
     try:
         for _ in range(repeats):
             units.append(median(_processor_time_per_call(unit) for _ in range(TIMED_REPEATS)))
-            answers.append(peers.solve(PEER_FAMILIES[method.family], brake, **options))
+            answers.append(peers.solve_by_peer(PEER_FAMILIES[method.family], brake, **options))
     except DrumlinError as error:
-        return row | {"seconds": time.perf_counter() - start, "status": _refusal_reason(error)}
+        return row | {
+            "seconds": time.perf_counter() - start,
+            "status": _status_text_of_refusal(error),
+        }
     pairs = list(zip(answers, units, strict=True))
-    quartiles = _sample_quartiles([answer.seconds for answer in answers])
+    quartiles = _quartiles_of_values([answer.seconds for answer in answers])
     return (
         row
-        | relative_errors(brake, answers[0].response, truth)
+        | relative_errors_against_reference(brake, answers[0].response, truth)
         | {
             "seconds": quartiles.median,
             "lower": quartiles.lower,
@@ -587,8 +635,8 @@ def measure_peer(
     )
 
 
-def _peer_options(method: Method) -> dict[str, Any]:
-    """The keyword arguments of `peers.solve` for a method.
+def _solver_arguments_of_peer_method(method: Method) -> dict[str, Any]:
+    """The keyword arguments of `solve_by_peer` for a method.
 
     The options `even` and `layers` of the method become a function that meshes a shoe.
     """
@@ -596,13 +644,15 @@ def _peer_options(method: Method) -> dict[str, Any]:
     even, layers = options.pop("even", False), options.pop("layers", None)
     if even:
         kind = options.get("kind", DEFAULT_KIND)
-        options["mesher"] = partial(uniform_mesh, elements=options["elements"], kind=kind)
+        options["mesher"] = partial(
+            mesh_with_equal_elements_on_lining, elements=options["elements"], kind=kind
+        )
     if layers is not None:
-        options["mesher"] = partial(refined_mesh, layers=layers, **options)
+        options["mesher"] = partial(mesh_graded_to_lining_ends, layers=layers, **options)
     return options
 
 
-def rows_within_error(
+def fastest_rows_within_error(
     rows: Iterable[Mapping[str, Any]], key: str, target: float, floors: Mapping[str, float]
 ) -> list[Any]:
     """The rows of the methods whose error is below a target, fastest first.
@@ -620,12 +670,12 @@ def rows_within_error(
     target : float
         Largest allowed error. Below the uncertainty of the reference the result is empty.
     floors : mapping
-        Uncertainties of the reference by ERROR_KEYS, as from `reference_uncertainty`.
+        Uncertainties of the reference by ERROR_KEYS, as from `uncertainty_of_reference_responses`.
     """
     if target < floors[key]:
         return []
     enough_rows = []
-    for members in rows_by_series(rows).values():
+    for members in converged_rows_by_mesh_series(rows).values():
         # Of a series only the meshes count that are finer than the last mesh above the target.
         above = [k for k, row in enumerate(members) if row[key] > target]
         enough_rows += members[above[-1] + 1 if above else 0 :]
@@ -635,13 +685,15 @@ def rows_within_error(
     return sorted(ties, key=lambda row: row[key]) + enough_rows[len(ties) :]
 
 
-def rows_by_series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], list[Any]]:
+def converged_rows_by_mesh_series(
+    rows: Iterable[Mapping[str, Any]],
+) -> dict[tuple[str, str], list[Any]]:
     """The rows with an answer in groups by family and series, coarse to fine in each group.
 
     A series has the methods of one kind that differ in their fineness only.
     """
 
-    def sort_key_by_fineness(row: Mapping[str, Any]) -> tuple[float, float]:
+    def sort_key_from_coarse_to_fine(row: Mapping[str, Any]) -> tuple[float, float]:
         """A key by which coarse rows come first: elements, sections or level, then tolerance."""
         size = row.get("elements") or row.get("sections") or row.get("level") or 0
         return size, -(row.get("tolerance") or 0)
@@ -649,13 +701,13 @@ def rows_by_series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], l
     by_series: dict[tuple[str, str], list[Any]] = {}
     for row in rows:
         if row["status"] == "converged":
-            by_series.setdefault((row["family"], series_name(row)), []).append(row)
+            by_series.setdefault((row["family"], mesh_series_name_of_row(row)), []).append(row)
     for members in by_series.values():
-        members.sort(key=sort_key_by_fineness)
+        members.sort(key=sort_key_from_coarse_to_fine)
     return by_series
 
 
-def series_name(row: Mapping[str, Any]) -> str:
+def mesh_series_name_of_row(row: Mapping[str, Any]) -> str:
     """The name of the series to which a row belongs: methods that differ in fineness only."""
     if row["family"] == "law":
         return str(row["model"])
@@ -669,12 +721,12 @@ def series_name(row: Mapping[str, Any]) -> str:
     return str(row.get("kind", DEFAULT_KIND)) + (graded if row["family"] in PEER_FAMILIES else "")
 
 
-def median_unit_seconds(rows: Iterable[Mapping[str, Any]]) -> float:
+def median_seconds_of_unit_workload(rows: Iterable[Mapping[str, Any]]) -> float:
     """The time of the unit of work [s], as the median over rows of their time over their ratio."""
     return median(row["seconds"] / row["ratio"] for row in rows if "ratio" in row)
 
 
-def timing_scatter(rows: Iterable[Mapping[str, Any]]) -> float:
+def median_relative_scatter_of_timings(rows: Iterable[Mapping[str, Any]]) -> float:
     """The typical scatter of timings: interquartile range of the repeats over their median.
 
     The result is the median over the rows with at least TIMED_REPEATS repeats.

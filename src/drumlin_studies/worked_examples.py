@@ -10,24 +10,24 @@ import numpy as np
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import read_any
-from drumlin.brake.units import to_si
-from drumlin.laws import locking_friction
-from drumlin.laws.shapes import equivalent_friction
+from drumlin.brake.units import quantity_in_si
+from drumlin.laws import self_locking_friction_of_hinged_shoe
+from drumlin.laws.shapes import ratio_of_equivalent_friction
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
-from drumlin.response.merit import rated
+from drumlin.response.merit import brake_scaled_to_peak_pressure
 from drumlin.response.response import Response
 
 Row = dict[str, Any]
 """A row of a table: its values by key."""
 
 
-def _locking_friction(brake: Brake) -> float:
+def _lowest_locking_friction_of_shoes(brake: Brake) -> float:
     """The lowest friction at which a shoe of the brake locks itself by the sine law."""
-    return min(locking_friction(brake, shoe) for shoe in brake.shoes)
+    return min(self_locking_friction_of_hinged_shoe(brake, shoe) for shoe in brake.shoes)
 
 
-def _pivot_reaction(response: Response, axis: int) -> float:
+def _pivot_reaction_component(response: Response, axis: int) -> float:
     """The absolute value of a component of the first shoe's pivot reaction [N].
 
     The result is nan for a shoe without a pivot.
@@ -53,15 +53,15 @@ PRINTED_QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
         np.linalg.norm(r.shoes[1].hinge_reaction)
     ),
     "normal force [N]": lambda b, r: r.shoes[0].normal_force,
-    "pivot reaction, along [N]": lambda b, r: _pivot_reaction(r, 0),
-    "pivot reaction, across [N]": lambda b, r: _pivot_reaction(r, 1),
+    "pivot reaction, along [N]": lambda b, r: _pivot_reaction_component(r, 0),
+    "pivot reaction, across [N]": lambda b, r: _pivot_reaction_component(r, 1),
     "force [kN]": lambda b, r: b.shoes[0].actuation.force * 1e-3,
-    "mu_lock": lambda b, r: _locking_friction(b),
+    "mu_lock": lambda b, r: _lowest_locking_friction_of_shoes(b),
 }
 """Function that computes a quantity from a brake and its response, for each printed quantity."""
 
 
-def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
+def rows_of_printed_and_computed_numbers(example: Mapping[str, Any], folder: Path) -> list[Row]:
     """A row for each printed number of a worked example.
 
     Parameters
@@ -70,7 +70,7 @@ def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
         `law`: name of the law; `file`: brake file in the folder; `changes`: values that replace
         values of the file; `peak`: peak pressure to which the actuation force is scaled; `given`:
         printed numbers as text by PRINTED_QUANTITIES; `source`, `origin`, `remark`: texts for the
-        rows, as in `printed_and_computed_row`.
+        rows, as in `row_of_printed_and_computed_number`.
     folder : Path
         Folder of the brake files.
     """
@@ -78,17 +78,21 @@ def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
     solve = MODELS[law].solve
     brake = vary(read_any(folder / example["file"]), example.get("changes", {}))
     if "peak" in example:
-        brake = rated(brake, solve, to_si(example["peak"], "Pa", unit_required=True))
+        brake = brake_scaled_to_peak_pressure(
+            brake, solve, quantity_in_si(example["peak"], "Pa", unit_required=True)
+        )
     response = solve(brake)
     origin, remark = example["origin"], example.get("remark", "")
     rows = []
     for quantity, text in example["given"].items():
         value = PRINTED_QUANTITIES[quantity](brake, response)
-        rows.append(printed_and_computed_row(law, source, quantity, text, value, origin, remark))
+        rows.append(
+            row_of_printed_and_computed_number(law, source, quantity, text, value, origin, remark)
+        )
     return rows
 
 
-def printed_and_computed_row(
+def row_of_printed_and_computed_number(
     law: str,
     source: str,
     quantity: str,
@@ -129,7 +133,7 @@ def printed_and_computed_row(
     }
 
 
-def simscape_double_shoe_rows() -> list[Row]:
+def rows_of_simscape_double_shoe_brake() -> list[Row]:
     """Rows on the double-shoe brake of Simscape with its default parameters and a force of 1 N.
 
     The angle theta_s in the manual of Simscape can be read as the end or as the span of the lining.
@@ -147,24 +151,32 @@ def simscape_double_shoe_rows() -> list[Row]:
         # Torques of single shoes and the ratio of pressures are compared for one reading only.
         if reading == "end":
             rows.append(
-                printed_and_computed_row(
+                row_of_printed_and_computed_number(
                     "sine", source, "T/F, leading shoe [m]", "0.1484614", leading
                 )
             )
             rows.append(
-                printed_and_computed_row(
+                row_of_printed_and_computed_number(
                     "sine", source, "T/F, trailing shoe [m]", "0.0691468", trailing
                 )
             )
             rows.append(
-                printed_and_computed_row("sine", source, "p_b/p_a", "0.465756", float(p_b / p_a))
+                row_of_printed_and_computed_number(
+                    "sine", source, "p_b/p_a", "0.465756", float(p_b / p_a)
+                )
             )
-        rows.append(printed_and_computed_row("sine", source, "T/F [m]", torque, leading + trailing))
-        rows.append(printed_and_computed_row("sine", source, "mu_lock", mu_lock, block.mu_lock))
+        rows.append(
+            row_of_printed_and_computed_number(
+                "sine", source, "T/F [m]", torque, leading + trailing
+            )
+        )
+        rows.append(
+            row_of_printed_and_computed_number("sine", source, "mu_lock", mu_lock, block.mu_lock)
+        )
     return rows
 
 
-def equivalent_friction_rows() -> list[Row]:
+def rows_of_equivalent_block_friction() -> list[Row]:
     """Rows on the equivalent friction of a block brake, for several half-arcs of the block.
 
     The equivalent friction mu' is that of a short block with the same normal force and torque.
@@ -172,8 +184,10 @@ def equivalent_friction_rows() -> list[Row]:
     printed = {15: "1.011408", 30: "1.045356", 45: "1.100214", 60: "1.170138", 90: "1.273240"}
     rows = []
     for angle, text in printed.items():
-        value = float(equivalent_friction(math.radians(angle)))
+        value = float(ratio_of_equivalent_friction(math.radians(angle)))
         rows.append(
-            printed_and_computed_row("block", "mu'/mu", f"half-arc {angle} deg", text, value)
+            row_of_printed_and_computed_number(
+                "block", "mu'/mu", f"half-arc {angle} deg", text, value
+            )
         )
     return rows

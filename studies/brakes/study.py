@@ -9,20 +9,20 @@ from matplotlib.figure import Figure
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_any
-from drumlin.comparison import as_csv
+from drumlin.comparison import table_as_csv_text
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
-from drumlin.report.page import write_page
+from drumlin.report.page import write_html_page
 from drumlin_studies.brake_kinds import (
-    TRUSTED,
+    TRUSTED_LAW_ERROR,
     BrakeInMotion,
     brake_and_reversed_brake,
-    cam_factor,
+    brake_factor_of_cam_brake,
+    error_rows_of_other_models,
     law_error_row,
-    law_verdict,
-    locking_friction,
-    other_model_rows,
-    solve_by_all_models,
+    locking_friction_by_elements,
+    solve_brake_by_all_models,
+    verdict_sentence_on_law,
 )
 
 HERE = Path(__file__).parent
@@ -70,22 +70,24 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         own = []
         for brake in brake_and_reversed_brake(read_any(path)):
             say(f"{path.stem}: {brake.sense}")
-            found = solve_by_all_models(path.stem, brake, 24 if short else 60, solid=not short)
+            found = solve_brake_by_all_models(
+                path.stem, brake, 24 if short else 60, solid=not short
+            )
             cases.append(found)
-            own.append(law_error_row(found, None if short else locking_friction(brake)))
+            own.append(law_error_row(found, None if short else locking_friction_by_elements(brake)))
         rows += own
-        verdicts[path.stem] = law_verdict(own)
+        verdicts[path.stem] = verdict_sentence_on_law(own)
         brake = cases[-1].brake
         if not brake.surface.straight and brake.actuation is not None and brake.actuation.is_cam:
-            cams[path.stem] = cam_factor(brake)
-    others = [row for found in cases for row in other_model_rows(found)]
+            cams[path.stem] = brake_factor_of_cam_brake(brake)
+    others = [row for found in cases for row in error_rows_of_other_models(found)]
     return Result(cases, rows, others, verdicts, cams)
 
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, drawings, figures and tables, and return the path of the page."""
-    write_text(folder / "brakes.csv", as_csv(result.rows))
-    write_text(folder / "models.csv", as_csv(result.others))
+    write_text(folder / "brakes.csv", table_as_csv_text(result.rows))
+    write_text(folder / "models.csv", table_as_csv_text(result.others))
     drawn: dict[str, Brake] = {}
     for found in result.cases:
         drawn.setdefault(found.file, found.brake)
@@ -113,7 +115,7 @@ def report(result: Result, folder: Path) -> Path:
         errors[key] = [abs(row[key]) for row in result.rows]
     rough = set()
     for row in result.rows:
-        if abs(row["new"]) > TRUSTED:
+        if abs(row["new"]) > TRUSTED_LAW_ERROR:
             rough.add(row["file"])
     titles = {}
     for f, b in drawn.items():
@@ -124,7 +126,7 @@ def report(result: Result, folder: Path) -> Path:
     least = {}
     for key, values in errors.items():
         least[key] = min(values)
-    return write_page(
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,

@@ -14,24 +14,24 @@ from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.report import figures
-from drumlin.report.page import write_page
+from drumlin.report.page import write_html_page
 from drumlin_studies.calibration import (
     CORNER_BRAKES,
+    FACTOR_MEANINGS,
     FIRST_CORNER,
     FIRST_SEED,
     FITTED_BRAKES,
-    MEANING,
-    QUANTILE,
+    STATED_QUANTILE,
     LevelRecord,
     Provenance,
-    factors_as_text,
+    error_samples_of_quantity,
     fit_safety_factors,
-    observe_levels,
-    samples_of_quantity,
+    level_errors_of_seed,
+    safety_factors_as_json_text,
 )
-from drumlin_studies.side_by_side import PROCESSES, Case, compute_and_keep_cases
+from drumlin_studies.side_by_side import PROCESSES, Case, compute_cases_in_parallel_with_journal
 from drumlin_studies.stated_true import RELEVANT
-from drumlin_studies.stated_true_figure import draw_ratio_shares
+from drumlin_studies.stated_true_figure import draw_shares_of_stated_over_true_ratios
 
 HERE = Path(__file__).parent
 FEW = 4
@@ -70,7 +70,9 @@ def study(
     cases = []
     for seed in (*seeds, *corners):
         cases.append({"seed": seed})
-    rows = compute_and_keep_cases(cases, _observe_case, journal, say, 0 if short else PROCESSES)
+    rows = compute_cases_in_parallel_with_journal(
+        cases, _observe_case, journal, say, 0 if short else PROCESSES
+    )
     levels = levels_of(rows)
     commit, date = last_commit()
     brakes = sum(bool(row["levels"]) for row in rows)
@@ -81,8 +83,8 @@ def study(
 
 
 def _observe_case(case: Case) -> dict[str, Any]:
-    """The levels of the brake of a case, as `observe_levels` returns them."""
-    return observe_levels(case["seed"])
+    """The levels of the brake of a case, as `level_errors_of_seed` returns them."""
+    return level_errors_of_seed(case["seed"])
 
 
 def levels_of(rows: list[dict[str, Any]]) -> list[LevelRecord]:
@@ -110,7 +112,9 @@ def last_commit() -> tuple[str, str]:
 
 def report(result: Result, folder: Path) -> Path:
     """Write the file of the factors, figure and page, and return the path of the page."""
-    write_text(folder / "factors.json", factors_as_text(result.factors, result.provenance))
+    write_text(
+        folder / "factors.json", safety_factors_as_json_text(result.factors, result.provenance)
+    )
     levels = levels_of(result.rows)
     # Factor of each quantity, and weight of the change by random signs.
     force = result.factors.force
@@ -122,8 +126,10 @@ def report(result: Result, folder: Path) -> Path:
     }
     ratios = {}
     for name in QUANTITIES:
-        ratios[name] = samples_of_quantity(levels, name).ratios(*factors[name])
-    figures.save_figure(draw_ratio_shares(ratios), folder / "factors.svg")
+        ratios[name] = error_samples_of_quantity(levels, name).stated_over_true_errors(
+            *factors[name]
+        )
+    figures.save_figure(draw_shares_of_stated_over_true_ratios(ratios), folder / "factors.svg")
     spread = []
     for name, found in ratios.items():
         spread.append(
@@ -141,13 +147,13 @@ def report(result: Result, folder: Path) -> Path:
     for row in result.rows:
         if not row["levels"]:
             failed.append(row)
-    return write_page(
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         spread=spread,
-        meaning=MEANING,
-        quantile=QUANTILE,
+        meaning=FACTOR_MEANINGS,
+        quantile=STATED_QUANTILE,
         relevant=RELEVANT,
         failed=failed,
     )

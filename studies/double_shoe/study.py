@@ -11,13 +11,28 @@ from typing import Any, NamedTuple
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
-from drumlin.comparison import COLUMNS, Comparison, Convergence, as_csv, compare, converge
+from drumlin.comparison import (
+    COLUMNS,
+    Comparison,
+    Convergence,
+    compare,
+    solve_on_refined_meshes,
+    table_as_csv_text,
+)
 from drumlin.report import figures
-from drumlin.report.comparison import draw_fields, pressure_panels, results_as_json
-from drumlin.report.page import write_page
-from drumlin.response.norms import relative
-from drumlin.verification.cost import Cost, measure_fem_cost
-from drumlin_studies.orders import convergence_rows, largest_residual, rigid_limit_rows
+from drumlin.report.comparison import (
+    comparisons_as_json,
+    pressure_panels_of_shoes,
+    write_and_draw_stress_fields,
+)
+from drumlin.report.page import write_html_page
+from drumlin.response.norms import relative_error_of_number
+from drumlin.verification.cost import Cost, measure_time_and_memory_of_fem
+from drumlin_studies.orders import (
+    largest_balance_residual_of_responses,
+    rows_of_sine_law_and_rigid_shoes,
+    torque_convergence_rows_of_meshes,
+)
 
 HERE = Path(__file__).parent
 ROTATIONS = ("counter-clockwise", "clockwise")
@@ -54,16 +69,16 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("limit of a rigid shoe")
     limit: list[dict[str, Any]] = []
     for rotation in ROTATIONS:
-        limit += rigid_limit_rows(vary(brake, {"rotation": rotation}), elements)
+        limit += rows_of_sine_law_and_rigid_shoes(vary(brake, {"rotation": rotation}), elements)
     # Meshes that double show the order of the error.
     say("convergence")
-    convergence = converge(brake, (10, 20, 40) if short else (20, 40, 80, 160, 320))
+    convergence = solve_on_refined_meshes(brake, (10, 20, 40) if short else (20, 40, 80, 160, 320))
     say("cost")
     return Result(
         comparisons,
         limit,
         convergence,
-        measure_fem_cost(brake, repeats=1 if short else 7),
+        measure_time_and_memory_of_fem(brake, repeats=1 if short else 7),
         elements,
         time.perf_counter() - start,
     )
@@ -75,20 +90,20 @@ def report(result: Result, folder: Path) -> Path:
     for comparison in result.comparisons:
         for row in comparison.rows:
             rows.append(row)
-    meshes = convergence_rows(result.convergence)
+    meshes = torque_convergence_rows_of_meshes(result.convergence)
     limit = result.convergence.torque
-    write_text(folder / "results.csv", as_csv(rows))
+    write_text(folder / "results.csv", table_as_csv_text(rows))
     extra = {
         "rigid_limit": result.limit,
         "convergence": meshes,
         "torque_limit": limit._asdict(),
         "cost": result.cost._asdict(),
     }
-    write_text(folder / "results.json", results_as_json(result.comparisons, **extra))
+    write_text(folder / "results.json", comparisons_as_json(result.comparisons, **extra))
     draw_figures(result, folder)
     # The stress picture is that of the stiff brake.
     main = result.comparisons[0]
-    not_drawn = draw_fields(
+    not_drawn = write_and_draw_stress_fields(
         main.brake, main.responses["fem"], folder, "fields", elements=result.elements
     )
     missed = {}
@@ -101,7 +116,7 @@ def report(result: Result, folder: Path) -> Path:
     brakes = {}
     for name in FILES:
         brakes[f"studies/double_shoe/{name}"] = (HERE / name).read_text()
-    return write_page(
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
@@ -112,7 +127,7 @@ def report(result: Result, folder: Path) -> Path:
         meshes=meshes,
         limit=limit,
         orders=orders,
-        residual=largest_residual(
+        residual=largest_balance_residual_of_responses(
             [comparison.responses["fem"] for comparison in result.comparisons]
         ),
         left_out=main.responses["fem"].left_out,
@@ -124,7 +139,7 @@ def draw_figures(result: Result, folder: Path) -> None:
     """Write the figures, which are of kinds that several reports share."""
     panels: dict[str, list[figures.Panel]] = {case: [] for case in FILES.values()}
     for comparison in result.comparisons:
-        panels[comparison.case] += pressure_panels(comparison)
+        panels[comparison.case] += pressure_panels_of_shoes(comparison)
     stiff, flexible = panels.values()
     for ending in ("svg", "png"):
         figures.save_figure(figures.draw_pressure_panels(stiff), folder / f"pressure.{ending}")
@@ -133,12 +148,15 @@ def draw_figures(result: Result, folder: Path) -> None:
     steps = {}
     for i, shoe in enumerate(convergence.responses[0].shoes):
         steps[f"p, {shoe.name} shoe (L2, to the next finer mesh)"] = list(
-            zip(convergence.elements, convergence.pressure_steps(i), strict=False)
+            zip(
+                convergence.elements, convergence.pressure_distances_between_meshes(i), strict=False
+            )
         )
     steps["torque, from its limit"] = [
-        (n, abs(relative(r.torque, convergence.torque.value)))
+        (n, abs(relative_error_of_number(r.torque, convergence.torque.value)))
         for n, r in zip(convergence.elements, convergence.responses, strict=True)
     ]
     figures.save_figure(
-        figures.draw_convergence(steps, "relative distance"), folder / "convergence.svg"
+        figures.draw_errors_over_element_numbers(steps, "relative distance"),
+        folder / "convergence.svg",
     )

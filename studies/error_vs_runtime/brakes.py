@@ -7,7 +7,7 @@ from drumlin.base.errors import DrumlinError
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
-from drumlin.models import applicable, refusals
+from drumlin.models import applicable_models, reasons_why_models_do_not_apply
 
 STUDIES = Path(__file__).parents[1]
 MAIN = STUDIES / "double_shoe" / "brake.toml"
@@ -28,10 +28,14 @@ def brakes_with_elements() -> tuple[dict[str, Path], dict[str, str]]:
         except DrumlinError:
             # The file holds data of a study, not a brake.
             continue
-        refusal = refusals(brake).get("fem")
-        unlike = "its shoes press on a plane" if brake.surface.straight else brake.unhinged()
+        refusal = reasons_why_models_do_not_apply(brake).get("fem")
+        unlike = (
+            "its shoes press on a plane"
+            if brake.surface.straight
+            else brake.reason_why_not_all_shoes_hinged()
+        )
         if refusal is not None:
-            models = ", ".join(model.name for model in applicable(brake))
+            models = ", ".join(model.name for model in applicable_models(brake))
             refused[name] = f"{refusal}; only {models}, and nothing to judge by"
         elif unlike is not None:
             refused[name] = f"{unlike}; what stands beside it is the study brakes"

@@ -21,8 +21,8 @@ from drumlin.report.palette import (
     SHADE,
     SKY,
 )
-from drumlin_studies.tables import matching_rows, values_of_key
-from drumlin_studies.work_precision import rows_by_series
+from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
+from drumlin_studies.work_precision import converged_rows_by_mesh_series
 
 COLORS = {
     "law": FAINT,
@@ -94,7 +94,7 @@ def draw_error_over_time(
                 )
             )
         marks = set()
-        for _, series_ in rows_by_series(rows):
+        for _, series_ in converged_rows_by_mesh_series(rows):
             marks.add(series_.split(",")[0])
         for name, marker in MARKERS.items():
             if name in marks:
@@ -130,9 +130,9 @@ def _draw_error_panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, fl
     # Below the uncertainty of the reference an error is drawn at a third of it.
     lowest = max(100 * floor, 1e-8)
     smallest = lowest / 3
-    for (family, name), members in rows_by_series(rows).items():
-        seconds = np.array(values_of_key(members, "seconds")) * 1e3
-        error = np.maximum(np.array(values_of_key(members, key)) * 100, smallest)
+    for (family, name), members in converged_rows_by_mesh_series(rows).items():
+        seconds = np.array(values_of_key_in_rows(members, "seconds")) * 1e3
+        error = np.maximum(np.array(values_of_key_in_rows(members, key)) * 100, smallest)
         spread = (
             np.array(
                 [[row["seconds"] - row["lower"], row["upper"] - row["seconds"]] for row in members]
@@ -155,7 +155,7 @@ def _draw_error_panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, fl
         )
     axes.set_xscale("log")
     axes.set_yscale("log")
-    top = 100 * max(values_of_key(matching_rows(rows, status="converged"), key))
+    top = 100 * max(values_of_key_in_rows(rows_with_given_values(rows, status="converged"), key))
     axes.set_ylim(smallest * 0.8, 2.0 * max(top, lowest))
     axes.axhspan(smallest * 0.8, lowest, color=SHADE, alpha=0.7, lw=0)
     axes.xaxis.set_major_formatter("{x:g}")
@@ -166,7 +166,7 @@ def draw_predicted_changes(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Predicted over true changes of the shoes' torques and of p, a marker for each omission.
 
     On the line both are equal, in the band within a factor of two. Changes below LEAST are not
-    drawn. rows : from `omission_table.omission_rows`.
+    drawn. rows : from `omission_table.rows_of_omissions_for_brake`.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 4.4), layout="constrained")

@@ -21,46 +21,50 @@ from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
-from drumlin.comparison import as_csv
+from drumlin.comparison import table_as_csv_text
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.solve import solve
 from drumlin.report.figures import save_figure
-from drumlin.report.page import software_versions, write_page
+from drumlin.report.page import software_versions, write_html_page
 from drumlin.verification import triangles
 from drumlin.verification.reference import (
-    FINE,
+    REFERENCE_REFINEMENT,
     ReferenceResponses,
     Refinement,
-    compute_reference,
-    solve_reference_responses,
+    compute_reference_values,
+    solve_brake_for_reference_values,
 )
-from drumlin.verification.reference_file import reference_data, summary_rows, write_reference
-from drumlin_studies.methods import all_methods
+from drumlin.verification.reference_file import (
+    reference_summary_rows,
+    reference_values_as_json_data,
+    write_reference_file,
+)
+from drumlin_studies.methods import list_compared_methods
 from drumlin_studies.omission_table import (
-    omission_rows,
-    prediction_ratios,
-    row_of_worst_straight_edges,
-    saved_time_range,
+    predicted_over_true_changes,
+    row_of_largest_straight_edge_effect,
+    rows_of_omissions_for_brake,
+    saved_time_ranges_by_omission,
 )
 from drumlin_studies.recommendation import (
-    compare_with_peers,
-    fastest_rows,
-    fastest_seconds,
-    recommendation_matrices,
-    rows_of_brake,
+    compare_times_with_peer_programs,
+    fastest_solve_times_within_error,
+    recommended_methods_by_brake_and_target,
+    rows_of_fastest_methods_by_target,
+    rows_of_named_brake,
 )
-from drumlin_studies.tables import matching_rows, values_of_key
+from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
 from drumlin_studies.work_precision import (
     PEER_FAMILIES,
     TIMED_REPEATS,
     Method,
-    measure_method,
-    measure_peer,
-    median_unit_seconds,
-    reference_uncertainty,
-    solve_process_seconds,
-    timing_scatter,
+    measure_own_method_on_brake,
+    measure_peer_program_on_brake,
+    median_relative_scatter_of_timings,
+    median_seconds_of_unit_workload,
+    uncertainty_of_reference_responses,
+    wall_seconds_of_solve_command,
 )
 
 HERE = Path(__file__).parent
@@ -128,22 +132,31 @@ def study(
     for name, path in paths.items():
         brake = read_brake(path)
         # The reference is computed when a method first needs it.
-        trio = cache(partial(solve_reference_responses, read_brake(path), QUICK if short else FINE))
+        trio = cache(
+            partial(
+                solve_brake_for_reference_values,
+                read_brake(path),
+                QUICK if short else REFERENCE_REFINEMENT,
+            )
+        )
         say(f"{name}: reference")
-        known = journal.once(
+        known = journal.get_or_compute_result(
             {"brake": name, "reference": True}, partial(_reference_row, name, path, brake, trio)
         )
         floors[name], references[name] = known["floor"], known["values"]
         peers = name in WITH_PEERS and not short
-        for method in all_methods(brake, peers=peers, short=short):
+        for method in list_compared_methods(brake, peers=peers, short=short):
             say(f"{name}: {method.family}, {method.name}")
-            row = journal.once(
-                {"brake": name, **method.case}, partial(_method_row, brake, method, trio, unit)
+            row = journal.get_or_compute_result(
+                {"brake": name, **method.journal_key},
+                partial(_method_row, brake, method, trio, unit),
             )
             # Beside the processes of the peers stands the process of a whole `drumlin solve`.
             if peers and method.family == "columns, error stated":
                 case = {"brake": name, "process": row["tolerance"]}
-                row = row | journal.once(case, partial(_process_row, path, row["tolerance"]))
+                row = row | journal.get_or_compute_result(
+                    case, partial(_process_row, path, row["tolerance"])
+                )
             rows.append({"brake": name, **row})
     left = _omission_rows(journal, short, say)
     return Result(
@@ -152,7 +165,7 @@ def study(
         references,
         refused,
         left,
-        median_unit_seconds(rows),
+        median_seconds_of_unit_workload(rows),
         time.perf_counter() - start,
     )
 
@@ -163,8 +176,10 @@ def _reference_row(
     """The reference of a brake: its floor and its values."""
     command = f"drumlin reference studies/{name}.toml"
     return {
-        "floor": reference_uncertainty(brake, trio()),
-        "values": reference_data(compute_reference(brake, path.read_text(), command, trio())),
+        "floor": uncertainty_of_reference_responses(brake, trio()),
+        "values": reference_values_as_json_data(
+            compute_reference_values(brake, path.read_text(), command, trio())
+        ),
     }
 
 
@@ -174,13 +189,13 @@ def _method_row(
     """The row of a method on a brake. CalculiX takes long and runs only once."""
     if method.family in PEER_FAMILIES:
         repeats = 1 if method.family == "CalculiX" else TIMED_REPEATS
-        return measure_peer(brake, method, trio().value, unit, repeats)
-    return measure_method(brake, method, trio().value, unit)
+        return measure_peer_program_on_brake(brake, method, trio().value, unit, repeats)
+    return measure_own_method_on_brake(brake, method, trio().value, unit)
 
 
 def _process_row(path: Path, tolerance: float) -> Row:
     """Time of a whole `drumlin solve` of a brake file to a tolerance."""
-    return {"process": solve_process_seconds(path, "--tolerance", str(tolerance))}
+    return {"process": wall_seconds_of_solve_command(path, "--tolerance", str(tolerance))}
 
 
 def _omission_rows(journal: Journal, short: bool, say: Callable[[str], None]) -> list[Row]:
@@ -194,10 +209,10 @@ def _omission_rows(journal: Journal, short: bool, say: Callable[[str], None]) ->
     for name, brake, repeats in cases:
         say(f"left out: {name}")
         elements = 40 if short else ELEMENTS
-        rows += journal.once(
+        rows += journal.get_or_compute_result(
             {"left out": name, "short": short},
             lambda b=brake, n=name, e=elements, r=repeats: {
-                "rows": omission_rows(b, n, elements=e, repeats=r)
+                "rows": rows_of_omissions_for_brake(b, n, elements=e, repeats=r)
             },  # type: ignore[misc]
         )["rows"]
     return rows
@@ -207,33 +222,33 @@ def _write_brake_files(result: Result, name: str, folder: Path) -> str:
     """Write figure and reference values of a brake; returns the name of the figure's file."""
     stem = name.replace("/", "_")
     title = result.references[name]["title"]
-    own_rows = rows_of_brake(result.rows, name)
+    own_rows = rows_of_named_brake(result.rows, name)
     picture = draw_error_over_time(title, own_rows, result.floors[name])
     for ending in ("png", "svg"):
         save_figure(picture, folder / f"work_precision_{stem}.{ending}")
-    write_reference(result.references[name], folder / "values" / f"{stem}.json")
+    write_reference_file(result.references[name], folder / "values" / f"{stem}.json")
     return f"work_precision_{stem}.svg"
 
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures, tables and reference values, and return the path of the page."""
     rows, floors, left_out = result.rows, result.floors, result.left_out
-    best = fastest_rows(rows, floors)
-    write_text(folder / "results.csv", as_csv(rows))
-    write_text(folder / "recommended.csv", as_csv(best))
-    write_text(folder / "left_out.csv", as_csv(left_out))
+    best = rows_of_fastest_methods_by_target(rows, floors)
+    write_text(folder / "results.csv", table_as_csv_text(rows))
+    write_text(folder / "recommended.csv", table_as_csv_text(best))
+    write_text(folder / "left_out.csv", table_as_csv_text(left_out))
     pictures = {}
     for name in floors:
         pictures[name] = _write_brake_files(result, name, folder)
     save_figure(draw_predicted_changes(left_out), folder / "left_out.svg")
-    times = fastest_seconds(rows, floors, 0.01)
+    times = fastest_solve_times_within_error(rows, floors, 0.01)
     values: list[Row] = []
     for name, of_brake_ in result.references.items():
-        values += summary_rows(of_brake_, name)
-    by_law = matching_rows(rows, status="converged", model="sine")
+        values += reference_summary_rows(of_brake_, name)
+    by_law = rows_with_given_values(rows, status="converged", model="sine")
     ratios = {}
     for key in ("pressure", "shoes", "torque"):
-        ratios[key] = prediction_ratios(left_out, key)
+        ratios[key] = predicted_over_true_changes(left_out, key)
     failed = []
     for row in rows:
         if row["status"] != "converged":
@@ -246,25 +261,25 @@ def report(result: Result, folder: Path) -> Path:
     for row in left_out:
         if "seconds" in row or row["status"] != "converged":
             timed.append(row)
-    return write_page(
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
-        laws=values_of_key(by_law, "torque_error"),
+        laws=values_of_key_in_rows(by_law, "torque_error"),
         times=times,
-        matrices=recommendation_matrices(best),
+        matrices=recommended_methods_by_brake_and_target(best),
         figures=pictures,
         first=next(iter(floors)),
-        first_rows=rows_of_brake(rows, next(iter(floors))),
+        first_rows=rows_of_named_brake(rows, next(iter(floors))),
         failed=failed,
         peer_rows=peer_rows,
-        peers=compare_with_peers(rows, floors),
+        peers=compare_times_with_peer_programs(rows, floors),
         timed=timed,
         ratios=ratios,
-        saved=saved_time_range(left_out, 0.2),
-        straight=row_of_worst_straight_edges(left_out),
+        saved=saved_time_ranges_by_omission(left_out, 0.2),
+        straight=row_of_largest_straight_edge_effect(left_out),
         values=values,
-        spread=timing_scatter(rows),
+        spread=median_relative_scatter_of_timings(rows),
         repeats=TIMED_REPEATS,
         unit_elements=UNIT_ELEMENTS,
         versions_text="\n".join(

@@ -109,7 +109,7 @@ class EarlierDrumlin:
         """The ending of an input."""
         assert self._process.stdin is not None and self._process.stdout is not None
         with tempfile.TemporaryDirectory() as name, tempfile.TemporaryDirectory() as beside:
-            endings.write_input_files(given, Path(name))
+            endings.write_files_of_broken_input(given, Path(name))
             said = {}
             for stream in ("out", "err"):
                 said[stream] = f"{beside}/{stream}"
@@ -123,7 +123,11 @@ class EarlierDrumlin:
                 for stream in ("out", "err")
             )
             return endings.Ending(
-                int(status), out, err, endings.read_written_files(Path(name), given), float(seconds)
+                int(status),
+                out,
+                err,
+                endings.contents_of_written_files(Path(name), given),
+                float(seconds),
             )
 
 
@@ -144,7 +148,7 @@ def count_earlier_faults(checkout: Path, share: float = 1.0) -> dict[str, Any]:
     """
     earlier = EarlierDrumlin(checkout)
     end = earlier.end(
-        BrokenInput("sweep", broken_sweeps.sound_sweep_files(), broken_sweeps.SWEEP_WORDS)
+        BrokenInput("sweep", broken_sweeps.files_of_valid_sweep(), broken_sweeps.SWEEP_WORDS)
     )
     if end.status:
         sys.exit(end.err or end.out)
@@ -155,13 +159,13 @@ def count_earlier_faults(checkout: Path, share: float = 1.0) -> dict[str, Any]:
         count = round(share * whole)
         found: Counter[str] = Counter()
         for number in range(count):
-            given = trials.make_input(name, number)
+            given = trials.make_numbered_input(name, number)
             # A damaged journal must be one of its own.
             if name == "journals":
                 rng = random.Random(f"{name} {number}")
-                given = broken_sweeps.damage_journal(rng, table, kept)
+                given = broken_sweeps.input_with_random_journal_damage(rng, table, kept)
             end = earlier.end(given)
-            if fault := endings.find_fault(given, end):
+            if fault := endings.describe_fault_of_run(given, end):
                 later = name == "command lines" and any(word in end.err for word in LATER)
                 found[UNKNOWN if later else fault_kind(fault, end.status)] += 1
         print(name, dict(found), file=sys.stderr, flush=True)  # noqa: T201  (goes on for half an hour)

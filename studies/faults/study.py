@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.base.journal import Journal
-from drumlin.report.page import write_page
+from drumlin.report.page import write_html_page
 from drumlin_studies.fuzzing import kills, promises, trials
 
 HERE = Path(__file__).parent
@@ -72,17 +72,20 @@ def study(
     apart = {"words": 1} if short else dict.fromkeys(INPUTS, APART)
     processes = 0 if short else WORKERS
     return Result(
-        trials.try_generators(within, journal, processes=processes, say=say),
-        trials.try_generators(apart, journal, apart=True, processes=processes, say=say),
-        [] if short else kills.kill_sweeps(SWEEPS, KILLS, journal, say),
+        trials.run_and_judge_generators(within, journal, processes=processes, say=say),
+        trials.run_and_judge_generators(apart, journal, apart=True, processes=processes, say=say),
+        [] if short else kills.kill_and_finish_many_sweeps(SWEEPS, KILLS, journal, say),
     )
 
 
 def report(result: Result, folder: Path) -> Path:
     """Write the page and return its path."""
-    within, apart = trials.verdict_table(result.within), trials.verdict_table(result.apart)
+    within, apart = (
+        trials.verdict_summary_rows(result.within),
+        trials.verdict_summary_rows(result.apart),
+    )
     before = json.loads((HERE / "before.json").read_text(encoding="utf-8"))
-    return write_page(
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         within=within,
@@ -94,8 +97,8 @@ def report(result: Result, folder: Path) -> Path:
                 for row in before["rows"]
             ]
         },
-        killed=kills.kill_table(result.killed),
-        refusal_lines=trials.refusal_lines(result.within),
+        killed=kills.killed_sweeps_summary_rows(result.killed),
+        refusal_lines=trials.most_frequent_refusals_text(result.within),
         faults=_fault_lines(result),
         promises=promises.PROMISES,
         statuses=promises.STATUS_MEANINGS,

@@ -11,10 +11,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.brake.brake import Brake
-from drumlin.laws.shapes import SHORT_LAW, Layout, equivalent_friction
+from drumlin.laws.shapes import SHORT_LAW, Layout, ratio_of_equivalent_friction
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.drawing import draw_brake
-from drumlin.report.figures import STYLE, draw_legend, model_title
+from drumlin.report.figures import STYLE, draw_legend_below_figure, model_title
 from drumlin.report.palette import BLUE, FAINT, GREEN, GREY, PURPLE, RED, line_style_of_model
 from drumlin.response.response import ShoeResponse
 
@@ -50,11 +50,13 @@ def draw_short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float 
                     rf"$\theta_\mathrm{{m}}$ = {math.degrees(angle):.0f}°, $\delta\Delta$ = {dD:+d}"
                 )
                 for axes, merit in zip(
-                    panels, (SHORT_LAW.mechanical_advantage, SHORT_LAW.sensitivity), strict=True
+                    panels,
+                    (SHORT_LAW.torque_over_actuation_moment, SHORT_LAW.sensitivity_to_friction),
+                    strict=True,
                 ):
                     axes.plot(mu, merit(mu, shoe), style, color=color, lw=1.8, label=label)
                 # A dotted line marks the friction at which the shoe locks itself.
-                mu_lock = float(SHORT_LAW.locking_friction(shoe))
+                mu_lock = float(SHORT_LAW.self_locking_friction(shoe))
                 if mu_lock < mu[-1]:
                     for axes in panels:
                         axes.axvline(mu_lock, color=color, lw=0.8, ls=":")
@@ -65,7 +67,7 @@ def draw_short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float 
             axes.set_xlabel("friction coefficient μ")
             axes.set_ylim(0, HIGHEST)
             axes.set_xlim(0, mu[-1])
-        draw_legend(figure, panels[0])
+        draw_legend_below_figure(figure, panels[0])
     return figure
 
 
@@ -77,7 +79,7 @@ def draw_friction_over_arc() -> Figure:
         axes = figure.subplots()
         axes.plot(
             np.degrees(2 * half),
-            equivalent_friction(half),
+            ratio_of_equivalent_friction(half),
             **line_style_of_model("cosine"),
             lw=1.8,
             label=r"$p = p_0\,\cos\theta$",
@@ -93,7 +95,7 @@ def draw_friction_over_arc() -> Figure:
         axes.set_ylabel(r"friction force $T/R$ over $\mu N$:  $\mu'/\mu$ [–]")
         axes.set_xlim(0, 180)
         axes.set_ylim(1, None)
-        draw_legend(figure, axes)
+        draw_legend_below_figure(figure, axes)
     return figure
 
 
@@ -118,7 +120,9 @@ def draw_torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: 
             axes.axvline(side * block.omega_threshold, color=FAINT, lw=0.8, ls=":")
         axes.set_xlabel("speed ω [rad/s]; dotted: ± threshold")
         axes.set_ylabel("torque T [N m]")
-        draw_legend(figure, axes, title=rf"dashed: $\mu_\mathrm{{visc}}$ = {viscous:g} N m s/rad")
+        draw_legend_below_figure(
+            figure, axes, title=rf"dashed: $\mu_\mathrm{{visc}}$ = {viscous:g} N m s/rad"
+        )
     return figure
 
 
@@ -147,5 +151,5 @@ def draw_pressures_by_law(shoes: Mapping[str, ShoeResponse]) -> Figure:
         right.set_ylabel("p / mean [–]")
         for axes in (left, right):
             axes.set_ylim(0, None)
-        draw_legend(figure, right)
+        draw_legend_below_figure(figure, right)
     return figure

@@ -20,16 +20,21 @@ from studies.laws.figures import (
 
 from drumlin.base.files import write_text
 from drumlin.brake.plane_brake import read_any
-from drumlin.comparison import as_csv
+from drumlin.comparison import table_as_csv_text
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.figures import save_figure
-from drumlin.report.page import software_versions, write_page
+from drumlin.report.page import software_versions, write_html_page
 from drumlin.response.response import ShoeResponse
-from drumlin_studies.law_table import first_shoe_by_law, law_rows, refusal_rows, shoe_factor_rows
+from drumlin_studies.law_table import (
+    first_shoe_responses_by_law,
+    law_rows,
+    rows_of_refusing_laws,
+    shoe_factor_rows,
+)
 from drumlin_studies.worked_examples import (
-    equivalent_friction_rows,
-    example_rows,
-    simscape_double_shoe_rows,
+    rows_of_equivalent_block_friction,
+    rows_of_printed_and_computed_numbers,
+    rows_of_simscape_double_shoe_brake,
 )
 
 HERE = Path(__file__).parent
@@ -85,21 +90,23 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     given = tomllib.loads((HERE / "examples.toml").read_text())["example"]
     examples: list[dict[str, Any]] = []
     for example in given:
-        examples += example_rows(example, HERE)
-    examples += simscape_double_shoe_rows() + equivalent_friction_rows()
+        examples += rows_of_printed_and_computed_numbers(example, HERE)
+    examples += rows_of_simscape_double_shoe_brake() + rows_of_equivalent_block_friction()
     # Each brake file by each law that applies to it.
     say("brake files")
     applies: list[dict[str, Any]] = []
     for file in FILES:
         applies += law_rows(read_any(HERE.parent / file), file)
     post_brake = read_any(HERE.parent / "post_brake/brake.toml")
-    shoes = first_shoe_by_law(read_any(HERE / "block.toml"), read_any(HERE / "pad.toml"))
+    shoes = first_shoe_responses_by_law(read_any(HERE / "block.toml"), read_any(HERE / "pad.toml"))
     return Result(examples, applies, shoe_factor_rows(post_brake), shoes)
 
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures, CSV and JSON, and return the path of the page."""
-    write_text(folder / "results.csv", as_csv(result.examples + result.applies + result.words))
+    write_text(
+        folder / "results.csv", table_as_csv_text(result.examples + result.applies + result.words)
+    )
     data = {
         "versions": software_versions(),
         "examples": result.examples,
@@ -136,11 +143,11 @@ def report(result: Result, folder: Path) -> Path:
         assert rows, f"no worked example of {law} from {source!r}"
         return rows
 
-    return write_page(
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         examples_of=examples_of,
-        reasons=refusal_rows(result.applies),
+        reasons=rows_of_refusing_laws(result.applies),
         files={file: (HERE.parent / file).read_text() for file in FILES},
     )

@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 from studies.manual import keys
 
 import drumlin
-from drumlin.brake.fields import Part, row_units_in, unit_in
+from drumlin.brake.fields import Part, si_unit_of_field_type, si_units_of_table_field
 from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
 from drumlin.foundation.model import LIFTS
 from drumlin.models import MODELS
@@ -98,7 +98,7 @@ def _kind_of_value(annotation: Any) -> str:
     words = _allowed_words(annotation)
     if words:
         return " or ".join(f'`"{word}"`' for word in words)
-    unit, row = unit_in(annotation), row_units_in(annotation)
+    unit, row = si_unit_of_field_type(annotation), si_units_of_table_field(annotation)
     rows = f'rows like `["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]`' if row else ""
     if unit:
         return f'{QUANTITY_NAMES[unit]} such as `"{EXAMPLES[unit]}"`' + (

@@ -19,7 +19,7 @@ from studies.manual.values import fill_in_values, quoted_values
 
 from drumlin.base.errors import NoAnswer
 from drumlin.report.figures import save_figure
-from drumlin_studies.benchmarks import read_history
+from drumlin_studies.benchmarks import read_benchmark_history
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -62,7 +62,9 @@ def report(result: Mapping[str, str], folder: Path) -> Path:
             page.write_text(
                 page.read_text(encoding="utf-8") + text if page.exists() else text, encoding="utf-8"
             )
-        save_figure(history.draw_history(read_history()), source / "researcher" / "benchmarks.png")
+        save_figure(
+            history.draw_history(read_benchmark_history()), source / "researcher" / "benchmarks.png"
+        )
         site = Path(place) / "site"
         build_site(source, site)
         if folder.exists():

@@ -24,10 +24,10 @@ from drumlin.fem.model import (
 )
 from drumlin.fem.width.correction import REMAINING_SHARE
 from drumlin.fem.width.prepare import LARGEST_WIDTH_NU
-from drumlin.lining_wear.run_in import COEFFICIENT, WEAR_SETTLED, WORN_OUT
+from drumlin.lining_wear.run_in import DEFAULT_WEAR_COEFFICIENT, WEAR_SETTLED, WORN_OUT_FRACTION
 from drumlin.response.response import EDGE_ZONE
 from drumlin.studies import REPOSITORY
-from drumlin_studies.benchmarks import SYSTEM_SIZE, read_history
+from drumlin_studies.benchmarks import WORKLOAD_SYSTEM_SIZE, read_benchmark_history
 
 QUOTED = re.compile(r"\{\{ ([a-z_]+) \}\}")
 """A quoted value. Double braces of f-strings in examples hold more than one word."""
@@ -55,12 +55,12 @@ def quoted_values() -> dict[str, str]:
         "most_loss": _power_of_ten_text(LARGEST_REFINED_ROUND_OFF),
         **_width_shares(),
         "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
-        "wear_coefficient": f"{1e9 * COEFFICIENT:g} mm³/(N m)",
+        "wear_coefficient": f"{1e9 * DEFAULT_WEAR_COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",
-        "worn_out": f"{100 * WORN_OUT:g} %",
+        "worn_out": f"{100 * WORN_OUT_FRACTION:g} %",
         "solve_path": solve_path_picture(),
-        "benchmark_equations": str(SYSTEM_SIZE),
-        "benchmark_table": history.history_table(read_history()),
+        "benchmark_equations": str(WORKLOAD_SYSTEM_SIZE),
+        "benchmark_table": history.history_table(read_benchmark_history()),
         **_error_and_time_values(),
     }
 

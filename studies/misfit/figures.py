@@ -8,10 +8,15 @@ from matplotlib import patheffects
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
-from drumlin.report.figures import STYLE, draw_legend, mark_cut_off_curve, smooth_pressure_curve
+from drumlin.report.figures import (
+    STYLE,
+    draw_legend_below_figure,
+    mark_where_curve_leaves_axes,
+    smooth_pressure_curve,
+)
 from drumlin.report.palette import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, RED
 from drumlin.response.response import Response
-from drumlin.sweeps.tolerances import SobolIndices, sample_spread
+from drumlin.sweeps.tolerances import SobolIndices, mean_and_percentiles_of_sample
 from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
 
 NEW, WORN, LAW = BLUE, GREEN, RED
@@ -64,7 +69,7 @@ def draw_pressures_of_radii(law: Response, family: Mapping[float, Response]) -> 
                     label=f"{value:+.0f} µm" if value else "fits",
                 )
                 axes.set_ylim(0, highest * 1e-6)
-                mark_cut_off_curve(axes, np.degrees(theta), p * 1e-6, color)
+                mark_where_curve_leaves_axes(axes, np.degrees(theta), p * 1e-6, color)
             axes.plot(
                 np.degrees(shoe.theta),
                 shoe.pressure * 1e-6,
@@ -76,7 +81,7 @@ def draw_pressures_of_radii(law: Response, family: Mapping[float, Response]) -> 
             axes.set_title(f"{'Leading' if shoe.self_energising else 'Trailing'} shoe")
             axes.set_xlabel("angle on the drum θ [deg]")
         grid[0].set_ylabel("pressure p [MPa]")
-        draw_legend(figure, grid[-1], title="radius of lining − radius of drum")
+        draw_legend_below_figure(figure, grid[-1], title="radius of lining − radius of drum")
     return figure
 
 
@@ -126,7 +131,7 @@ def draw_ratio_maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) 
             bar = figure.colorbar(filled, ax=axes, shrink=0.9, ticks=lines, format="%+.0f")
             bar.set_label("from the sine law [%]")
         grid[0].set_ylabel("linings moved along the pin's radius [µm]")
-        draw_legend(figure, grid[0])
+        draw_legend_below_figure(figure, grid[0])
     return figure
 
 
@@ -157,7 +162,7 @@ def draw_torque_over_turn(
             axes.set_xlim(0, 360)
             axes.set_xticks(range(0, 361, 60))
         grid[0].set_ylabel("torque of the brake [N m]")
-        draw_legend(figure, grid[-1])
+        draw_legend_below_figure(figure, grid[-1])
     return figure
 
 
@@ -170,7 +175,7 @@ def draw_histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
         figure = Figure(figsize=(4.6 * len(DRAWN_QUANTITIES), 3.9), layout="constrained")
         grid = figure.subplots(1, len(DRAWN_QUANTITIES), squeeze=False)[0]
         for axes, (name, label) in zip(grid, DRAWN_QUANTITIES.items(), strict=True):
-            new, worn = (drawn.sample(state, name) for state in STATES)
+            new, worn = (drawn.sample_of_quantity(state, name) for state in STATES)
             every = np.concatenate([new, worn])
             # The longest tail, 0.2 % of the brakes, is left out of the bins.
             bins = np.linspace(every.min(), np.quantile(every, 0.998), 36)
@@ -194,7 +199,7 @@ def draw_histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
             [], [], "|-", color=FAINT, ms=10, mew=2, lw=2, label="5th, 50th and 95th percentile"
         )
         grid[0].set_ylabel("density, linear from 0")
-        draw_legend(figure, grid[-1])
+        draw_legend_below_figure(figure, grid[-1])
     return figure
 
 
@@ -247,7 +252,7 @@ def draw_sobol_indices(found: Mapping[str, Mapping[str, Sequence[SobolIndices]]]
             capsize=2,
             label="confidence interval",
         )
-        draw_legend(figure, axes)
+        draw_legend_below_figure(figure, axes)
     return figure
 
 
@@ -273,7 +278,9 @@ def draw_percentiles_over_distance(
         figure = Figure(figsize=(5.6 * len(panels), 3.7), layout="constrained")
         grid = figure.subplots(1, len(panels), squeeze=False)[0]
         for axes, (label, values, law) in zip(grid, panels, strict=True):
-            rows = np.array([sample_spread(column).percentiles for column in values.T]).T
+            rows = np.array(
+                [mean_and_percentiles_of_sample(column).percentiles for column in values.T]
+            ).T
             axes.fill_between(
                 distances,
                 rows[0],
@@ -298,5 +305,5 @@ def draw_percentiles_over_distance(
             axes.set_xlim(0, distances[-1])
             axes.set_xlabel("sliding distance · k K [–]")
             axes.set_ylabel(label)
-        draw_legend(figure, grid[0])
+        draw_legend_below_figure(figure, grid[0])
     return figure

@@ -15,33 +15,36 @@ from drumlin.base.arrays import Floats
 from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
-from drumlin.brake.clearance import ground_to, set_off
+from drumlin.brake.clearance import (
+    changes_displacing_lining_circles,
+    changes_grinding_linings_to_radius,
+)
 from drumlin.brake.file import read_brake, vary
-from drumlin.comparison import as_csv
+from drumlin.comparison import table_as_csv_text
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.laws import sine
-from drumlin.lining_wear.run_in import COEFFICIENT
-from drumlin.lining_wear.worn_in import worn_in_brake
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.laws import solve_brake_by_sine_law
+from drumlin.lining_wear.run_in import DEFAULT_WEAR_COEFFICIENT
+from drumlin.lining_wear.worn_in import brake_with_worn_in_clearances
 from drumlin.report import figures as drawing
-from drumlin.report.page import write_page
+from drumlin.report.page import write_html_page
 from drumlin.response.response import Response
 from drumlin.sweeps import cases as sweep
 from drumlin.sweeps.cases import Row, SweepCase
-from drumlin.sweeps.table import make_case_table, write_table
+from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from drumlin.sweeps.tolerances import (
     ManufacturingTolerance,
     SobolIndices,
-    draw_deviates,
+    cases_with_random_deviations,
+    draw_random_deviations,
+    one_result_of_all_cases,
     sobol_indices_of_tolerances,
-    tolerance_cases,
     torque_and_peak_during_run_in,
-    values_of_rows,
 )
 from drumlin.sweeps.workers import provide_workers
 from drumlin_studies import misfit_rows
 from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
-from drumlin_studies.tables import values_of_key
+from drumlin_studies.tables import values_of_key_in_rows
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"
@@ -146,25 +149,30 @@ def study(
     journal = Journal() if journal is None else journal
     elements = setting.elements
     brake = nominal_brake(read_brake(BRAKE))
-    law = sine(brake)
-    scene = prepare(brake, elements=setting.fine)
+    law = solve_brake_by_sine_law(brake)
+    scene = make_prepared_model(brake, elements=setting.fine)
     say("single misfits")
-    single = misfit_rows.single_rows(
+    single = misfit_rows.rows_of_single_misfits(
         brake, law, lambda changed: solve_prepared_model(scene, changed)
     )
     family = {}
     for dr in FAMILY:
-        family[dr] = solve_prepared_model(scene, vary(brake, ground_to(brake, dr * 1e-6)))
+        family[dr] = solve_prepared_model(
+            scene, vary(brake, changes_grinding_linings_to_radius(brake, dr * 1e-6))
+        )
     # Torque over one turn of a drum with lobes, with new and with worn-in linings.
     angles = np.linspace(0, 2 * math.pi, setting.angles, endpoint=False)
     turns = {
-        state: misfit_rows.torques_over_turn(
+        state: misfit_rows.torques_over_turn_of_lobed_drum(
             stood, lambda turned: solve_prepared_model(scene, turned), AMPLITUDE, angles.tolist()
         )
-        for state, stood in (("new", brake), ("worn in", worn_in_brake(scene, brake)))
+        for state, stood in (
+            ("new", brake),
+            ("worn in", brake_with_worn_in_clearances(scene, brake)),
+        )
     }
     tolerances = assumed_tolerances(brake)
-    deviates = draw_deviates(tolerances, setting.draws, SEED)
+    deviates = draw_random_deviations(tolerances, setting.draws, SEED)
     # The axes of the maps.
     sides = (
         np.linspace(-SIDES[0], SIDES[0], setting.wide),
@@ -186,8 +194,8 @@ def study(
         rows = _rows_of_drawn_brakes(brake, tolerances, deviates, elements, solve)
     # The sliding distance 1/(k K), with the stiffness K of the lining.
     lining = brake.shoes[0].lining
-    unit = 1 / (COEFFICIENT * (lining.material.E_through / lining.thickness))
-    run_in_cases = tolerance_cases(brake, tolerances, deviates[0, : setting.healed])
+    unit = 1 / (DEFAULT_WEAR_COEFFICIENT * (lining.material.E_through / lining.thickness))
+    run_in_cases = cases_with_random_deviations(brake, tolerances, deviates[0, : setting.healed])
     healed = _run_in_brakes(run_in_cases, unit, elements, journal, say)
     return Result(
         brake=brake,
@@ -195,7 +203,9 @@ def study(
         single=single,
         family=family,
         sides=sides,
-        ratios=misfit_rows.error_maps_of_law(found, brake, law, (setting.high, setting.wide)),
+        ratios=misfit_rows.maps_of_deviation_from_law(
+            found, brake, law, (setting.high, setting.wide)
+        ),
         angles=angles,
         turns=turns,
         tolerances=tolerances,
@@ -220,7 +230,9 @@ def _cases_of_map(brake: Brake, sides: tuple[Floats, Floats], elements: int) -> 
     cases = []
     for offset in sides[1]:
         for radius in sides[0]:
-            changes = ground_to(brake, radius) | set_off(brake, offset)
+            changes = changes_grinding_linings_to_radius(
+                brake, radius
+            ) | changes_displacing_lining_circles(brake, offset)
             cases.append(SweepCase(brake, changes, options={"elements": elements}))
     return cases
 
@@ -238,14 +250,16 @@ def _rows_of_drawn_brakes(
     ----------
     brake : the nominal brake
     tolerances : the tolerances of its manufacture
-    deviates : samples of the deviates, as from `draw_deviates`
+    deviates : samples of the deviates, as from `draw_random_deviations`
     elements : along each lining
     solve : solves cases under a name that the progress shows
     """
-    new = tolerance_cases(brake, tolerances, deviates, elements=elements)
-    worn = tolerance_cases(brake, tolerances, deviates, elements=elements, worn_in=True)
+    new = cases_with_random_deviations(brake, tolerances, deviates, elements=elements)
+    worn = cases_with_random_deviations(
+        brake, tolerances, deviates, elements=elements, worn_in=True
+    )
     # The law needs only the two independent samples: it has no Sobol indices.
-    by_law = tolerance_cases(brake, tolerances, deviates[:2], "sine")
+    by_law = cases_with_random_deviations(brake, tolerances, deviates[:2], "sine")
     return {
         "new": solve("new brakes", new),
         "worn in": solve("worn-in brakes", worn),
@@ -283,10 +297,10 @@ def _run_in_brakes(
             return torque_and_peak_during_run_in(brake, distances, elements=elements)
 
         key = {"healing": dict(case.changes), "elements": elements}
-        rows.append(journal.once(key, wear))
+        rows.append(journal.get_or_compute_result(key, wear))
     healed = {}
     for name in ("torque", "peak_pressure"):
-        healed[name] = np.array(values_of_key(rows, name))
+        healed[name] = np.array(values_of_key_in_rows(rows, name))
     return healed
 
 
@@ -299,14 +313,17 @@ def _sobol_indices_by_state(
         indices[state] = {}
         for name in DRAWN_QUANTITIES:
             # One row for each of the samples A, B and AB_1 to AB_d.
-            values = values_of_rows(rows[state], name).reshape(len(tolerances) + 2, -1)
+            values = one_result_of_all_cases(rows[state], name).reshape(len(tolerances) + 2, -1)
             indices[state][name] = sobol_indices_of_tolerances(tolerances, values, seed=SEED)
     return indices
 
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures and tables, and return the path of the page."""
-    drawn, nominal_values = result.drawn, misfit_rows.nominal_quantities(result.brake, result.law)
+    drawn, nominal_values = (
+        result.drawn,
+        misfit_rows.quantities_of_nominal_brake_by_law(result.brake, result.law),
+    )
     made = {
         "pressure": figures.draw_pressures_of_radii(result.law, result.family),
         "map": figures.draw_ratio_maps(result.sides, result.ratios),
@@ -320,29 +337,31 @@ def report(result: Result, folder: Path) -> Path:
     for name, figure in made.items():
         for ending in ("svg", "png") if name in {"distribution", "map"} else ("svg",):
             drawing.save_figure(figure, folder / f"{name}.{ending}")
-    spreads = misfit_rows.spread_rows(drawn)
-    ranked = misfit_rows.share_rows(result.tolerances, result.shares)
+    spreads = misfit_rows.rows_of_quantity_distributions(drawn)
+    ranked = misfit_rows.rows_of_sobol_indices_by_tolerance(result.tolerances, result.shares)
     for name, lines in (("single", result.single), ("spread", spreads), ("shares", ranked)):
-        write_text(folder / f"{name}.csv", as_csv(lines))
+        write_text(folder / f"{name}.csv", table_as_csv_text(lines))
     for state, rows in result.rows.items():
-        several = tolerance_cases(
+        several = cases_with_random_deviations(
             result.brake, result.tolerances, result.deviates[: len(rows) // drawn.n]
         )
-        write_table(make_case_table(several, rows), folder / f"cases_{state.replace(' ', '_')}.csv")
-    return write_page(
+        write_table_file(
+            table_lines_of_cases(several, rows), folder / f"cases_{state.replace(' ', '_')}.csv"
+        )
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         drawn=drawn,
-        peaks=drawn.peaks_over(nominal_values["peak_pressure"]),
-        healed_after=misfit_rows.torque_settling_distance(
+        peaks=drawn.peak_pressures_over_pressure(nominal_values["peak_pressure"]),
+        healed_after=misfit_rows.sliding_distance_until_torque_settles(
             DISTANCES, result.healed["torque"], HEALED
         ),
         healed_within=HEALED,
         spreads=spreads,
         ranked=ranked,
         valleys={
-            state: misfit_rows.relative_torque_ranges(series)
+            state: misfit_rows.torque_ranges_over_mean_torque(series)
             for state, series in result.turns.items()
         },
         amplitude=AMPLITUDE,

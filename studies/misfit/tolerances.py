@@ -3,13 +3,16 @@
 import math
 
 from drumlin.brake.brake import Brake
-from drumlin.brake.clearance import along_hinge, ground_to
+from drumlin.brake.clearance import (
+    changes_grinding_linings_to_radius,
+    point_change_along_hinge_radius,
+)
 from drumlin.brake.file import vary
-from drumlin.laws import sine
+from drumlin.laws import solve_brake_by_sine_law
 from drumlin.sweeps.tolerances import (
     ManufacturingTolerance,
-    truncated_normal_deviate,
-    uniform_deviate,
+    truncated_normal_distribution,
+    uniform_distribution,
 )
 
 
@@ -28,23 +31,25 @@ def assumed_tolerances(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
     The radii of drums and linings are made to some hundredths of a millimetre, pins and lines of
     force to some tenths. Organic linings scatter by some 10 % in friction and 20 % in stiffness.
     """
-    leading = 0 if sine(brake).shoes[0].self_energising else 1
+    leading = 0 if solve_brake_by_sine_law(brake).shoes[0].self_energising else 1
     found = [
-        ManufacturingTolerance("friction ±0.03", truncated_normal_deviate(0.03), {"friction": 1.0}),
+        ManufacturingTolerance(
+            "friction ±0.03", truncated_normal_distribution(0.03), {"friction": 1.0}
+        ),
         ManufacturingTolerance(
             "lining's modulus ±20 %",
-            truncated_normal_deviate(0.2),
+            truncated_normal_distribution(0.2),
             {"shoe.lining.material.E": brake.shoes[0].lining.material.E_through},
         ),
         ManufacturingTolerance(
             "lining's thickness ±0.2 mm",
-            truncated_normal_deviate(0.2e-3),
+            truncated_normal_distribution(0.2e-3),
             {"shoe.lining.thickness": 1.0},
         ),
         ManufacturingTolerance(
             "drum's radius ±50 µm",
-            truncated_normal_deviate(50e-6),
-            {key: -1.0 for key in ground_to(brake, 0.0)},
+            truncated_normal_distribution(50e-6),
+            {key: -1.0 for key in changes_grinding_linings_to_radius(brake, 0.0)},
         ),
     ]
     for name, i in (("leading", leading), ("trailing", 1 - leading)):
@@ -52,40 +57,44 @@ def assumed_tolerances(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
         found += [
             ManufacturingTolerance(
                 f"lining's radius ±50 µm, {name}",
-                truncated_normal_deviate(50e-6),
+                truncated_normal_distribution(50e-6),
                 {f"{own}.radius": 1.0},
             ),
             ManufacturingTolerance(
                 f"centre of lining ±50 µm, {name}",
-                truncated_normal_deviate(50e-6),
-                along_hinge(brake, i, "lining.misfit.offset"),
+                truncated_normal_distribution(50e-6),
+                point_change_along_hinge_radius(brake, i, "lining.misfit.offset"),
             ),
             ManufacturingTolerance(
-                f"taper ±50 µm, {name}", truncated_normal_deviate(50e-6), {f"{own}.taper": 1.0}
+                f"taper ±50 µm, {name}", truncated_normal_distribution(50e-6), {f"{own}.taper": 1.0}
             ),
         ]
     pins: dict[str, float] = {}
     for i in range(len(brake.shoes)):
-        pins |= along_hinge(brake, i, "hinge")
+        pins |= point_change_along_hinge_radius(brake, i, "hinge")
     return (
         *found,
-        ManufacturingTolerance("pins' distance ±0.2 mm", truncated_normal_deviate(0.2e-3), pins),
+        ManufacturingTolerance(
+            "pins' distance ±0.2 mm", truncated_normal_distribution(0.2e-3), pins
+        ),
         ManufacturingTolerance(
             "force ±3 %",
-            truncated_normal_deviate(0.03),
+            truncated_normal_distribution(0.03),
             {"shoe.actuation.force": brake.shoes[0].actuation.force},
         ),
         ManufacturingTolerance(
             "line of force ±0.5 mm",
-            truncated_normal_deviate(0.5e-3),
+            truncated_normal_distribution(0.5e-3),
             {"shoe.actuation.point.y": 1.0},
         ),
         ManufacturingTolerance(
             "ovality of drum 0 to 30 µm",
-            uniform_deviate(0.0, 30e-6),
+            uniform_distribution(0.0, 30e-6),
             {"drum.out_of_round[0].amplitude": 1.0},
         ),
         ManufacturingTolerance(
-            "where the oval drum stands", uniform_deviate(0.0, 2 * math.pi), {"drum.angle": 1.0}
+            "where the oval drum stands",
+            uniform_distribution(0.0, 2 * math.pi),
+            {"drum.angle": 1.0},
         ),
     )

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from drumlin.base.errors import BadInput
-from drumlin.report.page import write_page
-from drumlin_studies.tables import matching_rows, values_of_key
+from drumlin.report.page import write_html_page
+from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
 from drumlin_studies.work_precision import PEER_FAMILIES
 
 HERE = Path(__file__).parent
@@ -60,38 +60,40 @@ def _cell_value(text: str) -> Any:
 def _double_shoe_numbers() -> Row:
     """Errors of the sine law on the double-shoe brake."""
     rows = _kept_rows("double_shoe/results.csv")
-    sine = matching_rows(rows, rotation="counter-clockwise", model="sine")
+    sine = rows_with_given_values(rows, rotation="counter-clockwise", model="sine")
     # The rows named "all" hold the errors of the whole brake, the others those of single shoes.
     shoes = []
-    for row in matching_rows(sine, case="stiff shoes"):
+    for row in rows_with_given_values(sine, case="stiff shoes"):
         if row["shoe"] != "all":
             shoes.append(row)
     total = {}
-    for row in matching_rows(sine, shoe="all"):
+    for row in rows_with_given_values(sine, shoe="all"):
         total[row["case"]] = row["torque_error"]
     return {
         "stiff": total["stiff shoes"],
         "flexible": total["flexible shoes"],
-        "shoes": values_of_key(shoes, "torque_error"),
-        "peak": min(values_of_key(shoes, "peak_error")),
+        "shoes": values_of_key_in_rows(shoes, "torque_error"),
+        "peak": min(values_of_key_in_rows(shoes, "peak_error")),
     }
 
 
 def _run_time_numbers() -> Row:
     """Numbers on error against run time."""
-    rows = matching_rows(_kept_rows("error_vs_runtime/results.csv"), status="converged")
-    main = matching_rows(rows, brake=MAIN)
+    rows = rows_with_given_values(_kept_rows("error_vs_runtime/results.csv"), status="converged")
+    main = rows_with_given_values(rows, brake=MAIN)
     best = _kept_rows("error_vs_runtime/recommended.csv")
     # There is one row for each brake, quantity and target.
-    (half,) = matching_rows(best, brake=MAIN, quantity="p (L2)", target=HALF)
+    (half,) = rows_with_given_values(best, brake=MAIN, quantity="p (L2)", target=HALF)
     # On how many brakes a law is the fastest method that keeps a target.
     by_law = {}
     for name, quantity, target in LAW_ENOUGH:
-        by_law[name] = len(matching_rows(best, family="law", quantity=quantity, target=target))
+        by_law[name] = len(
+            rows_with_given_values(best, family="law", quantity=quantity, target=target)
+        )
     return {
-        "brakes": len(set(values_of_key(best, "brake"))),
-        "laws": values_of_key(matching_rows(rows, model="sine"), "torque_error"),
-        "law_p": matching_rows(main, model="sine")[0]["pressure_error"],
+        "brakes": len(set(values_of_key_in_rows(best, "brake"))),
+        "laws": values_of_key_in_rows(rows_with_given_values(rows, model="sine"), "torque_error"),
+        "law_p": rows_with_given_values(main, model="sine")[0]["pressure_error"],
         "half": half["seconds"],
         "by_law": by_law,
         "peers": _peer_time_ratios(main),
@@ -119,7 +121,7 @@ def _peer_time_ratios(rows: list[Row]) -> dict[str, list[float]]:
 def _fastest_graded_row(rows: list[Row], family: str, kind: str) -> Row | None:
     """The fastest row of a family on graded meshes of a kind with an error of p within HALF."""
     fit = []
-    for row in matching_rows(rows, family=family, kind=kind):
+    for row in rows_with_given_values(rows, family=family, kind=kind):
         is_graded = row.get("even") != "True" and not row.get("layers")
         if is_graded and row["pressure_error"] <= HALF:
             fit.append(row)
@@ -129,16 +131,18 @@ def _fastest_graded_row(rows: list[Row], family: str, kind: str) -> Row | None:
 def _wear_and_post_numbers() -> Row:
     """Numbers on running in, on the post brake and on plane stress."""
     worn = {}
-    for row in matching_rows(_kept_rows("run_in/brakes.csv"), model="fem"):
+    for row in rows_with_given_values(_kept_rows("run_in/brakes.csv"), model="fem"):
         worn[row["brake"]] = row
     # Errors of the torque of the whole post brake whose linings fit, by model.
     post = {}
-    for row in matching_rows(_kept_rows("post_brake/results.csv"), case="fits", shoe="all"):
+    for row in rows_with_given_values(
+        _kept_rows("post_brake/results.csv"), case="fits", shoe="all"
+    ):
         if row["model"] in {"sine", "foundation", "lifted"}:
             post[row["model"]] = row["torque_error"]
     # Errors of plane stress on the shoe of T-section that friction presses on.
     solid = _kept_rows("plane_stress/errors.csv")
-    leading = matching_rows(solid, case="T-section", shoe="leading")[0]
+    leading = rows_with_given_values(solid, case="T-section", shoe="leading")[0]
     return {
         "worn": worn[MAIN]["end_pressure"],
         "worn_life": worn[MAIN]["pressure_life"],
@@ -152,4 +156,4 @@ def _wear_and_post_numbers() -> Row:
 
 def report(result: Mapping[str, Any], folder: Path) -> Path:
     """Write the page and return its path."""
-    return write_page(HERE / "page.html", folder / "index.html", **result)
+    return write_html_page(HERE / "page.html", folder / "index.html", **result)

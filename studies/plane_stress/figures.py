@@ -9,16 +9,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
-from drumlin.base.texts import formatted
+from drumlin.base.texts import number_as_text
 from drumlin.report.figures import STYLE
 from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, INK, RED, color_of_model
-from drumlin.response.response import ShoeResponse, edge_zone
+from drumlin.response.response import ShoeResponse, length_of_edge_zone_without_peak
 from drumlin_studies.plane_stress import (
     PlaneErrorMap,
     SolidAndPlane,
     TimeAndErrors,
     WornSolid,
-    largest_of_shoes,
+    value_of_largest_size_in_rows,
 )
 
 PANELS = {
@@ -53,7 +53,7 @@ def _draw_map_panel(axes: Axes, chart: PlaneErrorMap, key: str, title: str) -> N
     )
     for j, i in np.ndindex(*error.shape):
         signed = key in {"torque", "corrected_torque"}
-        said = formatted(float(error[j, i]), f"{'+' if signed else ''}.2g")
+        said = number_as_text(float(error[j, i]), f"{'+' if signed else ''}.2g")
         color = "white" if abs(error[j, i]) > 18 else INK
         axes.text(i, j, said, ha="center", va="center", fontsize=9, color=color)
     x, y = chart.axes
@@ -71,7 +71,9 @@ def draw_face_pressures(three: SolidAndPlane, worn: WornSolid) -> Figure:
         figure = Figure(figsize=(11.5, 2.7 * len(new) + 0.8), layout="constrained")
         grid = figure.subplots(len(new), 2, squeeze=False)
         # The singular pressure at the ends of the linings is outside the scale.
-        zones = [edge_zone(shoe, three.brake.size) for shoe in three.brake.shoes]
+        zones = [
+            length_of_edge_zone_without_peak(shoe, three.brake.size) for shoe in three.brake.shoes
+        ]
         top = max(_largest_face_pressure(shoe, zone) for shoe, zone in zip(new, zones, strict=True))
         for row, a, b in zip(grid, new, worn.last, strict=True):
             for axes, shoe, state in ((row[0], a, "new"), (row[1], b, "worn in")):
@@ -118,7 +120,7 @@ def draw_error_curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, A
             ):
                 y = []
                 for _, table in points:
-                    y.append(100 * abs(largest_of_shoes(table, key)))
+                    y.append(100 * abs(value_of_largest_size_in_rows(table, key)))
                 axes.semilogy(x, y, marker=marker, lw=1.5, label=label)
             # Quantities that vary over more than a decade have a logarithmic axis.
             if max(x) > 10 * max(min(x), 0.1):

@@ -14,15 +14,15 @@ from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Beam
 from drumlin.brake.file import read_brake, vary
-from drumlin.comparison import as_csv
-from drumlin.fem.analysis.fields import write_fields_as_vtu
+from drumlin.comparison import table_as_csv_text
+from drumlin.fem.analysis.fields import write_fields_to_vtu_file
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.fields import recover
 from drumlin.report import figures as drawing
-from drumlin.report.page import write_page
-from drumlin.report.solid_picture import render_solid_shoes
+from drumlin.report.page import write_html_page
+from drumlin.report.solid_picture import draw_solid_shoes_and_return_failure_reason
 from drumlin_studies import plane_stress as rows
 from drumlin_studies.plane_stress import (
     PlaneErrorMap,
@@ -116,15 +116,16 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     brake = read_brake(HERE / "brake.toml")
     say("the brake itself")
     scene = solid.prepare(brake, elements=setting.fine)
-    three = rows.solve_by_three_models(brake, setting.fine)
+    three = rows.solve_by_solid_and_plane_stress(brake, setting.fine)
     # Three meshes give the uncertainty of the torque in both models.
     say("meshes that double")
-    true = rows.torque_on_three_meshes(
+    true = rows.solve_torque_on_three_meshes(
         lambda n: solve_prepared_model(solid.prepare(brake, elements=n), brake).torque,
         setting.doubled,
     )
-    plane = rows.torque_on_three_meshes(
-        lambda n: solve_prepared_model(prepare(brake, elements=n), brake).torque, setting.doubled
+    plane = rows.solve_torque_on_three_meshes(
+        lambda n: solve_prepared_model(make_prepared_model(brake, elements=n), brake).torque,
+        setting.doubled,
     )
     maps = _map_errors(brake, setting, say)
     curves = _error_curves(brake, setting, say)
@@ -136,15 +137,15 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     ladder = {}
     for each in (brake, post_brake_on_rigid_drum()):
         say(f"the ladder: {each.title}")
-        ladder[each.title] = rows.time_and_errors_of_models(
+        ladder[each.title] = rows.measure_time_and_errors_of_models(
             each, setting.truth, setting.meshes, setting.solids
         )
     return Result(
         three=three,
         scene=scene,
-        table=rows.plane_error_rows(three, "T-section"),
+        table=rows.plane_stress_error_rows_of_shoes(three, "T-section"),
         certain=(plane, true),
-        validation=rows.validate_plane_stress(plane, true),
+        validation=rows.compare_plane_stress_torque_with_solid(plane, true),
         maps=maps,
         curves=curves,
         worn=worn,
@@ -162,7 +163,7 @@ def _map_errors(
 
     def with_lining(x: float, y: float) -> Brake:
         """The plain brake with a lining of the width x [thickness] and the modulus y [MPa]."""
-        return rows.plain_brake(brake, x * thickness, y * 1e6)
+        return rows.brake_with_width_and_lining_modulus(brake, x * thickness, y * 1e6)
 
     def with_section(x: float, y: float) -> Brake:
         """The brake with a web of the width x [lining width] and a table of y [mm]."""
@@ -170,7 +171,7 @@ def _map_errors(
         return vary(brake, changes)
 
     every = setting.every
-    one_width = rows.map_plane_errors(
+    one_width = rows.map_plane_stress_errors(
         "one width",
         ("lining width / thickness", "lining modulus [MPa]"),
         with_lining,
@@ -179,7 +180,7 @@ def _map_errors(
         setting.elements,
         say,
     )
-    table_and_web = rows.map_plane_errors(
+    table_and_web = rows.map_plane_stress_errors(
         "table and web",
         ("web width / lining width", "table thickness [mm]"),
         with_section,
@@ -207,8 +208,8 @@ def _error_curves(
         points = []
         for value in values[:: setting.every]:
             changed = vary(brake, {key: unit * value})
-            three = rows.solve_by_three_models(changed, setting.elements)
-            points.append((value, rows.plane_error_rows(three)))
+            three = rows.solve_by_solid_and_plane_stress(changed, setting.elements)
+            points.append((value, rows.plane_stress_error_rows_of_shoes(three)))
         curves[name] = points
     return curves
 
@@ -246,18 +247,20 @@ def report(result: Result, folder: Path) -> Path:
         for ending in ENDINGS.get(name, ("svg",)):
             drawing.save_figure(figure, folder / f"{name}.{ending}")
     brake, response = result.three.brake, result.three.solid
-    write_fields_as_vtu(
+    write_fields_to_vtu_file(
         folder / "solid.vtu",
         [recover(result.scene, brake, response, i) for i in range(len(brake.shoes))],
     )
-    not_drawn = render_solid_shoes(folder / "solid.vtu", folder / "solid.png", brake.title)
-    write_text(folder / "errors.csv", as_csv(result.table))
+    not_drawn = draw_solid_shoes_and_return_failure_reason(
+        folder / "solid.vtu", folder / "solid.png", brake.title
+    )
+    write_text(folder / "errors.csv", table_as_csv_text(result.table))
     rungs = [
         {"brake": name} | rung._asdict()
         for name, ladder in result.ladder.items()
         for rung in ladder
     ]
-    write_text(folder / "ladder.csv", as_csv(rungs))
+    write_text(folder / "ladder.csv", table_as_csv_text(rungs))
     points = []
     for chart in result.maps:
         for j, y in enumerate(chart.y):
@@ -270,20 +273,20 @@ def report(result: Result, folder: Path) -> Path:
                         **{key: float(values[j, i]) for key, values in chart.errors.items()},
                     }
                 )
-    write_text(folder / "maps.csv", as_csv(points))
+    write_text(folder / "maps.csv", table_as_csv_text(points))
     largest = {}
     for key in rows.WIDTH_QUANTITIES:
         largest[key] = max(float(np.abs(chart.errors[key]).max()) for chart in result.maps)
-    return write_page(
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         not_drawn=not_drawn,
         within=partial(_share_within, result.maps),
         largest=largest,
-        shares=rows.share_rows(result.maps),
-        sentence=rows.sentences_on_maps(result.maps),
-        along=rows.sentences_on_curves(result.curves),
+        shares=rows.rows_of_shares_within_error_limits(result.maps),
+        sentence=rows.sentences_on_error_maps(result.maps),
+        along=rows.sentences_on_largest_plane_stress_errors(result.curves),
     )
 
 

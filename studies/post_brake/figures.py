@@ -8,10 +8,10 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
-from drumlin.base.texts import formatted
-from drumlin.brake.beam_axis import axis_of
+from drumlin.base.texts import number_as_text
+from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
-from drumlin.report.figures import STYLE, draw_legend, model_title
+from drumlin.report.figures import STYLE, draw_legend_below_figure, model_title
 from drumlin.report.palette import FAINT, GRADES, INK, line_style_of_model
 from drumlin_studies.post_brake_rows import Curve, ErrorMap, Merits, Offsets
 
@@ -59,7 +59,10 @@ def draw_merit_over_friction(brake: Brake, found: Merits, key: str, label: str) 
             mu, y = np.array([(mu, getattr(merit, key)) for mu, merit in values]).T
             # The angle counts from the middle of the lining, along the beam.
             if key == "resultant_angle":
-                y = np.degrees(y - middle) * axis_of(shoe.pin.xy, shoe.actuation.point.xy).sense
+                y = (
+                    np.degrees(y - middle)
+                    * make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy).sense
+                )
             models[model] = (mu, y)
         panels.append((f"{shoe.name} shoe", models))
     return draw_curves_of_models(panels, "friction coefficient μ", label)
@@ -119,7 +122,7 @@ def draw_curves_of_models(
             axes.set_ylabel(ylabel)
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
-        draw_legend(figure, grid.flat[0])
+        draw_legend_below_figure(figure, grid.flat[0])
     return figure
 
 
@@ -211,7 +214,7 @@ def draw_error_maps(
                 for i, y in enumerate(one.y):
                     for j, x in enumerate(one.x):
                         color = "white" if region[i, j] == 0 else INK
-                        said = formatted(one.error[i, j] * 100, "+.0f")
+                        said = number_as_text(one.error[i, j] * 100, "+.0f")
                         axes.text(x, y, said, ha="center", va="center", fontsize=7, color=color)
                 axes.plot(*place, marker="s", ms=15, mfc="none", mec=INK, mew=1.4)
                 axes.set_xscale("log")

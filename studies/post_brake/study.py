@@ -18,13 +18,17 @@ from drumlin import foundation
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
-from drumlin.comparison import COLUMNS, Comparison, as_csv, run
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.comparison import COLUMNS, Comparison, solve_and_time_model, table_as_csv_text
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.report import figures as drawing
-from drumlin.report.comparison import draw_fields, pressure_panels, results_as_json
-from drumlin.report.page import write_page
-from drumlin.response.norms import relative
+from drumlin.report.comparison import (
+    comparisons_as_json,
+    pressure_panels_of_shoes,
+    write_and_draw_stress_fields,
+)
+from drumlin.report.page import write_html_page
+from drumlin.response.norms import relative_error_of_number
 from drumlin_studies import post_brake_rows as post
 from drumlin_studies.post_brake_rows import ALL_LIFTS, POST_MODELS, Curve, ErrorMap, Merits, Offsets
 
@@ -64,34 +68,38 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     elements, repeats = (24, 1) if short else (80, 5)
     brake = read_brake(HERE / "brake.toml")
     say("side by side")
-    scene = prepare(brake, elements=elements)
-    outcomes = [run("fem", partial(solve, brake, elements=elements), 1 if short else 3)]
+    scene = make_prepared_model(brake, elements=elements)
+    outcomes = [
+        solve_and_time_model("fem", partial(solve, brake, elements=elements), 1 if short else 3)
+    ]
     for name, model in POST_MODELS.items():
-        outcomes.append(run(name, partial(model, brake), repeats))
+        outcomes.append(solve_and_time_model(name, partial(model, brake), repeats))
     comparison = Comparison("fits", brake, tuple(outcomes))
     responses = comparison.responses
     # One simplification after the other is removed from the foundation model.
     say("what each simplification is worth")
-    lifts = post.lift_rows(brake, responses["fem"])
+    lifts = post.error_rows_of_foundation_model_effects(brake, responses["fem"])
     # Linings that fit, of another radius, displaced, and worn in.
     say("clearance")
-    clearances = post.clearance_rows(brake, scene)
-    offsets = post.torque_over_radius_error(
+    clearances = post.rows_of_post_brake_clearances(brake, scene)
+    offsets = post.torques_over_lining_radius_error(
         brake, scene, np.linspace(-3e-3, 3e-3, 5 if short else 13)
     )
     say("friction")
-    merits = post.merits_over_friction(brake, scene, np.linspace(0.05, 0.6, 4 if short else 12))
+    merits = post.figures_of_merit_over_friction(
+        brake, scene, np.linspace(0.05, 0.6, 4 if short else 12)
+    )
     # Brakes that violate one assumption of the model each.
     say("where the assumptions end")
-    assumptions = post.assumption_rows(brake, 16 if short else 40)
+    assumptions = post.error_rows_of_violated_assumptions(brake, 16 if short else 40)
     say("map")
-    maps, place = post.error_maps(brake, 3 if short else 7, 12 if short else 30)
+    maps, place = post.torque_error_maps_of_models(brake, 3 if short else 7, 12 if short else 30)
     # Steps of the foundation model along beam and ring.
     say("grids")
-    grids = post.grid_rows(brake, repeats)
+    grids = post.convergence_rows_of_foundation_grids(brake, repeats)
     beams, rims = (
-        post.beam_deflections(scene, brake, responses),
-        post.rim_displacements(scene, brake, responses),
+        post.beam_deflections_by_model(scene, brake, responses),
+        post.rim_displacements_by_model(scene, brake, responses),
     )
     return Result(
         comparison,
@@ -115,27 +123,29 @@ def report(result: Result, folder: Path) -> Path:
     comparison = result.comparison
     brake, responses = comparison.brake, comparison.responses
     draw_figures(result, folder)
-    not_drawn = draw_fields(brake, responses["fem"], folder, "fields", elements=result.elements)
-    write_text(folder / "results.csv", as_csv(comparison.rows))
+    not_drawn = write_and_draw_stress_fields(
+        brake, responses["fem"], folder, "fields", elements=result.elements
+    )
+    write_text(folder / "results.csv", table_as_csv_text(comparison.rows))
     write_text(
         folder / "results.json",
-        results_as_json([comparison], **results_data(result)).replace("NaN", "null"),
+        comparisons_as_json([comparison], **results_data(result)).replace("NaN", "null"),
     )
     error = {}
     for row in result.lifts:
         error[row["lift"]] = row["error"]
-    return write_page(
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         errors={
-            "law": relative(responses["sine"].torque, responses["fem"].torque),
+            "law": relative_error_of_number(responses["sine"].torque, responses["fem"].torque),
             "printed": error["none (the paper)"],
             "lifted": error["all"],
         },
         rows=comparison.rows,
         columns=COLUMNS,
-        left_out=foundation.solve(brake, lift=ALL_LIFTS).left_out,
+        left_out=foundation.solve_brake_by_foundation_model(brake, lift=ALL_LIFTS).left_out,
         not_drawn=not_drawn,
         file=(HERE / "brake.toml").read_text(),
     )
@@ -145,7 +155,7 @@ def draw_figures(result: Result, folder: Path) -> None:
     """Write the figures."""
     brake = result.comparison.brake
     made = {
-        "pressure": drawing.draw_pressure_panels(pressure_panels(result.comparison)),
+        "pressure": drawing.draw_pressure_panels(pressure_panels_of_shoes(result.comparison)),
         "map": figures.draw_error_maps(result.maps, result.place),
         "beams": figures.draw_beam_deflections(brake, result.beams),
         "rim": figures.draw_rim_displacements(*result.rims),

@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drumlin.lining_wear.archard import interpolate_state
+from drumlin.lining_wear.archard import interpolate_wear_state_at_distance
 from drumlin.lining_wear.linings import WornLining
-from drumlin.lining_wear.run_in import peak_nodal_pressure
-from drumlin.report.figures import STYLE, draw_legend, mark_cut_off_curve
+from drumlin.lining_wear.run_in import peak_nodal_pressure_of_wear_state
+from drumlin.report.figures import STYLE, draw_legend_below_figure, mark_where_curve_leaves_axes
 from drumlin.report.palette import BLUE, INK, RED
 from drumlin_studies.run_in_limits import EqualStepsEnd, Reversals, Run
 
@@ -41,21 +41,23 @@ def draw_pressures_over_distance(one: Run, curves: Sequence[float]) -> Figure:
         figure = Figure(figsize=(10.6, 3.5 * rows), layout="constrained")
         grid = figure.subplots(rows, 2, squeeze=False, width_ratios=(1.0, 1.0))
         # The scale of pressure ends above the peak of the new brake.
-        top = 1.15 * peak_nodal_pressure(setup, states[0])
+        top = 1.15 * peak_nodal_pressure_of_wear_state(setup, states[0])
         shades = mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, len(curves)))
         for (left, right), surface in zip(grid, setup.surfaces, strict=True):
-            theta = np.degrees(surface.angles)
+            theta = np.degrees(surface.angles_in_growing_order)
             # One curve for each chosen distance.
             for s, shade in zip(curves, shades, strict=True):
-                p = surface.along(interpolate_state(states, s * one.unit).pressure)
+                p = surface.own_values_by_growing_angle(
+                    interpolate_wear_state_at_distance(states, s * one.unit).pressure
+                )
                 left.plot(
                     theta, p * 1e-6, color=shade, lw=1.6, label=f"s k K = {s:g}" if s else "new"
                 )
                 left.set_ylim(0, top * 1e-6)
-                mark_cut_off_curve(left, theta, p * 1e-6, shade)
+                mark_where_curve_leaves_axes(left, theta, p * 1e-6, shade)
             left.plot(
                 theta,
-                surface.along(one.goal.pressure) * 1e-6,
+                surface.own_values_by_growing_angle(one.goal.pressure) * 1e-6,
                 color=LAW,
                 lw=1.6,
                 ls="--",
@@ -67,7 +69,7 @@ def draw_pressures_over_distance(one: Run, curves: Sequence[float]) -> Figure:
             right.set_title(f"{surface.name} shoe, over the distance; white: no contact")
         for axes in grid[-1]:
             axes.set_xlabel("angle on the drum θ [deg]")
-        draw_legend(figure, grid[0, 0])
+        draw_legend_below_figure(figure, grid[0, 0])
         bar = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top * 1e-6), "viridis")
         figure.colorbar(bar, ax=grid[:, 1].tolist(), label="pressure p [MPa]", shrink=0.8)
     return figure
@@ -79,10 +81,15 @@ def _draw_pressure_map(axes: Axes, one: Run, surface: WornLining, top: float) ->
     end = one.states[-1].s / one.unit
     levels = np.geomspace(end * 1e-4, end, 240)
     p = np.array(
-        [surface.along(interpolate_state(one.states, s * one.unit).pressure) for s in levels]
+        [
+            surface.own_values_by_growing_angle(
+                interpolate_wear_state_at_distance(one.states, s * one.unit).pressure
+            )
+            for s in levels
+        ]
     )
     axes.pcolormesh(
-        np.degrees(surface.angles),
+        np.degrees(surface.angles_in_growing_order),
         levels,
         np.where(p > 0, p, np.nan),
         cmap="viridis",
@@ -109,7 +116,10 @@ def draw_torques_over_distance(runs: Sequence[Run]) -> Figure:
 def torque_error_series(one: Run, label: str, color: str | None = None) -> Series:
     """Torque off the law [%] over the distance."""
     return Series(
-        label, one.distances(), [100 * (s.torque / one.goal.torque - 1) for s in one.states], color
+        label,
+        one.sliding_distances(),
+        [100 * (s.torque / one.goal.torque - 1) for s in one.states],
+        color,
     )
 
 
@@ -118,14 +128,16 @@ def draw_held_force(one: Run) -> Figure:
     force = []
     for state in one.states:
         force.append(100 * (state.force - 1))
-    series = Series("force for the law's torque", one.distances(), force)
+    series = Series("force for the law's torque", one.sliding_distances(), force)
     return draw_lines_over_distance([series], "force off the brake's own [%]", law="law: no change")
 
 
 def draw_reversals(main: Run, turned: Reversals) -> Figure:
     """Torque and pressure of the main brake off its laws as the drum turns both ways."""
     one = replace(main, states=turned.states)
-    far = Series("p off the law (L2) / 10", one.distances(), [10 * x for x in turned.far], LATE)
+    far = Series(
+        "p off the law (L2) / 10", one.sliding_distances(), [10 * x for x in turned.far], LATE
+    )
     return draw_lines_over_distance(
         [torque_error_series(one, "torque off the law", NEW), far],
         "distance from the law [%]",
@@ -165,7 +177,7 @@ def draw_lines_over_distance(
             axes.set_xlim(0, 1.1 * max(max(one.x) for one in series))
         axes.set_xlabel(f"{DISTANCE} (0: new)" if log else DISTANCE)
         axes.set_ylabel(ylabel)
-        draw_legend(figure, axes)
+        draw_legend_below_figure(figure, axes)
     return figure
 
 
@@ -182,14 +194,22 @@ def draw_worn_profiles(one: Run, curves: Sequence[float]) -> Figure:
         end = states[-1].s / unit
         levels = np.geomspace(end * 1e-4, end, 200)
         for column, surface in zip(grid.T, setup.surfaces, strict=True):
-            theta = np.degrees(surface.angles)
+            theta = np.degrees(surface.angles_in_growing_order)
             for s, shade in zip(curves, shades, strict=True):
-                depth = surface.along(interpolate_state(states, s * unit).depth)
+                depth = surface.own_values_by_growing_angle(
+                    interpolate_wear_state_at_distance(states, s * unit).depth
+                )
                 column[0].plot(theta, depth * 1e6, color=shade, lw=1.6, label=f"s k K = {s:g}")
             column[0].set_yscale("symlog", linthresh=1)
             column[0].set_title(f"{surface.name} shoe")
             touching = np.array(
-                [surface.along(interpolate_state(states, s * unit).pressure) > 0 for s in levels]
+                [
+                    surface.own_values_by_growing_angle(
+                        interpolate_wear_state_at_distance(states, s * unit).pressure
+                    )
+                    > 0
+                    for s in levels
+                ]
             )
             column[1].contourf(
                 theta, levels, touching, levels=[0.5, 1.5], colors=[BLUE], alpha=0.35
@@ -198,7 +218,7 @@ def draw_worn_profiles(one: Run, curves: Sequence[float]) -> Figure:
             column[1].set_xlabel("angle on the drum θ [deg]")
         grid[0, 0].set_ylabel("worn depth [µm]")
         grid[1, 0].set_ylabel(f"{DISTANCE}, in contact: filled")
-        draw_legend(figure, grid[0, -1])
+        draw_legend_below_figure(figure, grid[0, -1])
     return figure
 
 
@@ -210,13 +230,13 @@ def draw_checkerboards(surface: WornLining, boards: Sequence[EqualStepsEnd]) -> 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.6, 3.6), layout="constrained")
         grid = figure.subplots(1, len(boards), sharey=True, squeeze=False)[0]
-        theta = np.degrees(surface.angles)
+        theta = np.degrees(surface.angles_in_growing_order)
         # The third of the lining about its largest pressure.
         third = (theta[-1] - theta[0]) / 3
-        smooth = surface.along(boards[0].state.pressure)
+        smooth = surface.own_values_by_growing_angle(boards[0].state.pressure)
         start = min(max(theta[smooth.argmax()] - third / 2, theta[0]), theta[-1] - third)
         for axes, board in zip(grid, boards, strict=True):
-            p = surface.along(board.state.pressure) * 1e-6
+            p = surface.own_values_by_growing_angle(board.state.pressure) * 1e-6
             axes.plot(theta, p, color=BLUE, lw=0.8, marker="o", ms=2.2)
             torque = f"torque {board.state.torque:.2f} N m"
             said = f"{board.title}\ncheckerboard {board.ripple:.1e}\n{torque}"

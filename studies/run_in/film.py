@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from PIL import Image
 from studies.run_in.figures import DISTANCE, LATE, LAW, NEW
 
-from drumlin.base.files import replacing
+from drumlin.base.files import temporary_file_replacing_output
 from drumlin.lining_wear.linings import WearSetup
-from drumlin.lining_wear.run_in import peak_nodal_pressure
+from drumlin.lining_wear.run_in import peak_nodal_pressure_of_wear_state
 from drumlin.report.figures import STYLE
 from drumlin_studies.run_in_limits import Run, RunFrame
 
@@ -27,7 +27,7 @@ def write_film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
     It shows the deformed shoes with their stress, and the pressure on the drum and over the angle.
     """
     # All pictures share the scales of the first one, where pressure and stress are largest.
-    top = 1.15 * peak_nodal_pressure(one.setup, frames[0].state)
+    top = 1.15 * peak_nodal_pressure_of_wear_state(one.setup, frames[0].state)
     stresses = np.concatenate([f.von_mises for f in frames[0].fields])
     stress = float(np.percentile(stresses, 99)) * 1e-6
     move = max(float(np.abs(f.displacement).max()) for f in frames[0].fields)
@@ -40,7 +40,7 @@ def write_film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
         FigureCanvasAgg(figure)
         figure.savefig(buffer, dpi=80, format="png")
         pictures.append(Image.open(buffer).convert("RGB").quantize(96, dither=Image.Dither.NONE))
-    with replacing(path) as partial:
+    with temporary_file_replacing_output(path) as partial:
         pictures[0].save(
             partial,
             save_all=True,
@@ -68,10 +68,19 @@ def _draw_frame(
         panels = right.subplots(len(setup.surfaces) + 1, 1)
         # Pressure over the angle, a panel for each lining, with the law dashed.
         for axes, surface in zip(panels, setup.surfaces, strict=False):
-            theta, p = np.degrees(surface.angles), surface.along(state.pressure) * 1e-6
+            theta, p = (
+                np.degrees(surface.angles_in_growing_order),
+                surface.own_values_by_growing_angle(state.pressure) * 1e-6,
+            )
             axes.fill_between(theta, np.minimum(p, top * 1e-6), color=NEW, alpha=0.25, lw=0)
             axes.plot(theta, p, color=NEW, lw=1.6)
-            axes.plot(theta, surface.along(goal.pressure) * 1e-6, color=LAW, lw=1.4, ls="--")
+            axes.plot(
+                theta,
+                surface.own_values_by_growing_angle(goal.pressure) * 1e-6,
+                color=LAW,
+                lw=1.4,
+                ls="--",
+            )
             axes.set(ylim=(0, top * 1e-6), xlim=(theta[0], theta[-1]), ylabel="p [MPa]")
             axes.set_title(f"{surface.name} shoe: pressure over θ [deg]; dashed: law", fontsize=9)
         # The last panel: torque over the distance, with a dot at the present moment.
@@ -137,7 +146,10 @@ def _draw_deformed_shoes(
             vmax=stress,
         )
     for surface in setup.surfaces:
-        theta, p = surface.angles, np.minimum(surface.along(frame.state.pressure), top)
+        theta, p = (
+            surface.angles_in_growing_order,
+            np.minimum(surface.own_values_by_growing_angle(frame.state.pressure), top),
+        )
         # Bars along the drum show the pressure.
         spread = np.linspace(theta[0], theta[-1], 70)
         tall = np.interp(spread, theta, p) / top * 0.3 * radius

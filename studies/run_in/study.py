@@ -14,15 +14,19 @@ from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.brake.plane_brake import read_any
-from drumlin.comparison import as_csv
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.lining_wear.linings import fem_wear_setup
-from drumlin.lining_wear.run_in import distance_from_target
+from drumlin.comparison import table_as_csv_text
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.lining_wear.linings import wear_setup_by_finite_elements
+from drumlin.lining_wear.run_in import relative_distance_from_end_of_wear
 from drumlin.report import figures as drawing
-from drumlin.report.page import write_page
+from drumlin.report.page import write_html_page
 from drumlin_studies import run_in_limits as limits
 from drumlin_studies.run_in_limits import EqualStepsEnd, Reversals, Run, RunFrame
-from drumlin_studies.tables import matching_rows, rows_with_value, values_of_key
+from drumlin_studies.tables import (
+    rows_that_have_value_of_key,
+    rows_with_given_values,
+    values_of_key_in_rows,
+)
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -80,42 +84,45 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     found, skipped = brakes_that_run_in(short=short)
     for name, model, brake in found:
         say(f"{name}, {model}")
-        row, one = limits.brake_row(name, model, brake, elements)
+        row, one = limits.run_in_row_of_brake(name, model, brake, elements)
         brakes.append(row)
         runs += [one] if one else []
     # The main brake on one mesh, with stiff and with flexible shoes.
     say("the main brake")
     brake = read_brake(MAIN)
-    scene = prepare(brake, elements=elements)
-    setup = fem_wear_setup(scene, brake)
+    scene = make_prepared_model(brake, elements=elements)
+    setup = wear_setup_by_finite_elements(scene, brake)
     main = limits.run_until_settled("stiff shoes", setup)
     soft = read_brake(FLEXIBLE)
     flexible = limits.run_until_settled(
-        "flexible shoes", fem_wear_setup(prepare(soft, elements=elements), soft)
+        "flexible shoes",
+        wear_setup_by_finite_elements(make_prepared_model(soft, elements=elements), soft),
     )
     say("linings from soft to stiff")
     ratios = []
     for ratio in RATIOS[1::2] if short else RATIOS:
-        ratios.append(limits.ratio_row(brake, ratio, elements))
+        ratios.append(limits.run_in_row_of_modulus_ratio(brake, ratio, elements))
     # A run with steps of half the size shows the error of the steps.
     say("half the step, twice the way")
-    halves = [limits.half_row(one) for one in (main, flexible)]
+    halves = [limits.row_of_run_with_halved_steps(one) for one in (main, flexible)]
     say("exponents")
     exponents = []
     for m in (2.0,) if short else EXPONENTS:
-        exponents.append(limits.exponent_row(setup, m))
+        exponents.append(limits.run_in_row_of_pressure_exponent(setup, m))
     # The actuation follows the friction so that the torque stays.
     say("held torque")
     held = limits.run_until_settled("held torque", setup, torque=main.goal.torque)
     reversals = []
     for every in REVERSALS[:1] if short else REVERSALS:
         say(f"reversed every {every:g}")
-        reversals.append(limits.run_with_reversals(scene, brake, every, 3 if short else 8))
+        reversals.append(
+            limits.wear_brake_with_drum_reversals(scene, brake, every, 3 if short else 8)
+        )
     # Implicit and explicit steps of equal sizes.
     say("steps")
-    steps, boards = limits.step_rows(main, END, STEPS)
+    steps, boards = limits.rows_of_runs_in_equal_steps(main, END, STEPS)
     say("film")
-    frames = limits.run_frames(scene, main, 6 if short else 40)
+    frames = limits.animation_frames_of_run(scene, main, 6 if short else 40)
     return Result(
         main,
         flexible,
@@ -149,7 +156,7 @@ def brakes_that_run_in(*, short: bool) -> tuple[list[tuple[str, str, Brake]], li
         if brake.surface.straight:
             skipped.append(f"{name}: shoes on a plane are not modelled elastically")
             continue
-        ways, reason = limits.wearing_models_of(brake)
+        ways, reason = limits.list_wear_models_of_brake(brake)
         for how, model, varied in ways:
             found.append((name + how, model, varied))
         skipped += [f"{name}: {reason}"] if reason else []
@@ -165,9 +172,9 @@ def report(result: Result, folder: Path) -> Path:
         "exponents": result.exponents,
         "steppers": result.steps,
     }.items():
-        write_text(folder / f"{name}.csv", as_csv(rows))
+        write_text(folder / f"{name}.csv", table_as_csv_text(rows))
     reversal = result.reversals[min(1, len(result.reversals) - 1)]
-    least = limits.run_of_smallest_contact([result.main, *result.runs])
+    least = limits.run_with_smallest_new_contact([result.main, *result.runs])
     draw_figures(result, least, reversal, folder)
     lives = []
     for row in result.brakes:
@@ -179,19 +186,21 @@ def report(result: Result, folder: Path) -> Path:
             far.append(row)
     reversals = []
     for one in result.reversals:
-        reversals.append(one.row)
-    return write_page(
+        reversals.append(one.row_of_law_distances)
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
-        stiff=limits.run_row(result.main),
-        soft=limits.run_row(result.flexible),
-        met=len(matching_rows(result.brakes, status=limits.AT_LAW)),
+        stiff=limits.row_of_run_in(result.main),
+        soft=limits.row_of_run_in(result.flexible),
+        met=len(rows_with_given_values(result.brakes, status=limits.AT_LAW)),
         within=(limits.PRESSURE_AT_LAW, limits.TORQUE_AT_LAW),
         least=least,
         far=far,
-        volume=max(values_of_key(rows_with_value(result.brakes, "volume"), "volume")),
-        reversal=reversal.row,
+        volume=max(
+            values_of_key_in_rows(rows_that_have_value_of_key(result.brakes, "volume"), "volume")
+        ),
+        reversal=reversal.row_of_law_distances,
         reversals=reversals,
     )
 
@@ -219,11 +228,11 @@ def draw_figures(result: Result, least: Run, reversal: Reversals, folder: Path) 
             )
     marks = []
     for part in OPEN_CURVES:
-        marks.append(float(f"{least.distances()[-1] * part:.1g}"))
+        marks.append(float(f"{least.sliding_distances()[-1] * part:.1g}"))
     far = [
         one
         for one in result.runs
-        if abs(distance_from_target(one.setup, one.states[0], one.goal).torque) > FAR
+        if abs(relative_distance_from_end_of_wear(one.setup, one.states[0], one.goal).torque) > FAR
     ]
     made = {
         "profiles": figures.draw_worn_profiles(least, marks),

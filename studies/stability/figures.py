@@ -10,7 +10,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from drumlin.report.figures import STYLE, draw_legend
+from drumlin.report.figures import STYLE, draw_legend_below_figure
 from drumlin.report.palette import (
     BLUE,
     BROWN,
@@ -23,7 +23,7 @@ from drumlin.report.palette import (
     SKY,
     color_of_model,
 )
-from drumlin_studies.tables import matching_rows, values_of_key
+from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
 
 COLORS = {
     "answer": BLUE,
@@ -51,12 +51,12 @@ Row = Mapping[str, Any]
 def draw_outcome_strips(rows: Sequence[Row], knobs: Sequence[str]) -> Figure:
     """The cases of each sweep as cells of a line, coloured by outcome, with their digits."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
-        longest = max(len(matching_rows(rows, knob=knob)) for knob in knobs)
+        longest = max(len(rows_with_given_values(rows, knob=knob)) for knob in knobs)
         figure = Figure(figsize=(12.5, 0.36 * len(knobs) + 1.5), layout="constrained")
         axes = figure.subplots()
         # One line of cells for each sweep; a cell without a number has no answer.
         for line, knob in enumerate(knobs):
-            for place, row in enumerate(matching_rows(rows, knob=knob)):
+            for place, row in enumerate(rows_with_given_values(rows, knob=knob)):
                 color = COLORS[row["outcome"]]
                 axes.add_patch(Rectangle((place, line), 0.94, 0.84, color=color, lw=0))
                 if row.get("digits") is not None:
@@ -82,8 +82,8 @@ def draw_outcome_strips(rows: Sequence[Row], knobs: Sequence[str]) -> Figure:
 
 def draw_outcome_grids(rows: Sequence[Row], x: str, y: str, labels: tuple[str, str]) -> Figure:
     """Outcome and digits over two knobs, with even distances of their values."""
-    knobs = values_of_key(rows, "knobs")
-    across, up = (sorted(set(values_of_key(knobs, name))) for name in (x, y))
+    knobs = values_of_key_in_rows(rows, "knobs")
+    across, up = (sorted(set(values_of_key_in_rows(knobs, name))) for name in (x, y))
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         figure = Figure(figsize=(12.5, 0.36 * len(up) + 2.1), layout="constrained")
         left, right = figure.subplots(1, 2, sharey=True)
@@ -136,8 +136,8 @@ def draw_digits_over_condition(rows: Sequence[Row]) -> Figure:
                 if r.get("torque_condition") and r["refined"] is again:
                     chosen.append(r)
             axes.semilogx(
-                values_of_key(chosen, "torque_condition"),
-                values_of_key(chosen, "digits"),
+                values_of_key_in_rows(chosen, "torque_condition"),
+                values_of_key_in_rows(chosen, "digits"),
                 "o",
                 ms=4,
                 alpha=0.65,
@@ -156,7 +156,7 @@ def draw_digits_over_condition(rows: Sequence[Row]) -> Figure:
         axes.set_ylim(0, 16.5)
         axes.set_xlabel("condition of the torque relative to each entry of the whole system [–]")
         axes.set_ylabel("digits of the torque that survive")
-        draw_legend(figure, axes, ncols=1)
+        draw_legend_below_figure(figure, axes, ncols=1)
     return figure
 
 
@@ -179,7 +179,7 @@ def draw_change_by_penalty(series: Mapping[str, Sequence[tuple[float, float]]]) 
         axes.axvline(1e6, color=GREY, lw=0.8, ls=":")
         axes.set_xlabel("penalty, multiple of E/t of the lining [–]")
         axes.set_ylabel("|torque / torque of exact contact − 1| [–]")
-        draw_legend(figure, axes)
+        draw_legend_below_figure(figure, axes)
     return figure
 
 
@@ -200,12 +200,12 @@ def draw_locking_limits(
         grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)
         for axes, (part, curves) in zip(grid.flat, panels, strict=True):
             for (name, rows), color in zip(curves.items(), SHADES, strict=False):
-                x, y = values_of_key(rows, "factor"), values_of_key(rows, "mu_lock")
+                x, y = values_of_key_in_rows(rows, "factor"), values_of_key_in_rows(rows, "mu_lock")
                 axes.semilogx(x, y, marker="o", ms=3, lw=1.6, color=color, label=name)
             axes.axhline(law, color=color_of_model("sine"), ls="--", lw=1.4, label="sine law")
             axes.set_title(f"Stiffness of the {part}")
             axes.set_xlabel(f"modulus of the {part}, times its own [–]")
-        draw_legend(figure, grid[0, 0])
+        draw_legend_below_figure(figure, grid[0, 0])
         grid[0, 0].set_ylabel("limit of self-locking μ [–]")
     return figure
 
@@ -235,11 +235,11 @@ def draw_torque_poles(rows: Sequence[Row]) -> Figure:
         )
         left.axvline(row["law"], color=color_of_model("sine"), lw=1, ls=":")
         left.set_ylim(0, highest * 1e-3)
-        left.set_xlim(0, 1.08 * max(values_of_key(rows, "mu_lock")))
+        left.set_xlim(0, 1.08 * max(values_of_key_in_rows(rows, "mu_lock")))
         left.set_title("Torque towards the limits (dotted)")
         left.set_xlabel("friction coefficient μ [–]")
         left.set_ylabel("torque T [kN m]")
-        draw_legend(figure, left)
+        draw_legend_below_figure(figure, left)
         right.invert_xaxis()
         right.set_title("Torque times distance from its limit")
         right.set_xlabel("distance from the limit $1 - \\mu/\\mu_\\mathrm{lock}$ [–]")

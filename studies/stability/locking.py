@@ -11,12 +11,12 @@ from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import PENALTY
 from drumlin_studies.self_locking import (
-    locking_limit_row,
-    slope_rows,
-    torque_over_friction_row,
-    uniqueness_row,
+    row_of_self_locking_friction,
+    row_of_torque_over_friction,
+    row_on_uniqueness_of_answers,
+    rows_of_torque_slopes_and_differences,
 )
-from drumlin_studies.tables import matching_rows
+from drumlin_studies.tables import rows_with_given_values
 
 FILE = Path(__file__).parents[1] / "double_shoe" / "brake.toml"
 THICKNESSES = (8e-3, 3e-3, 1e-3)
@@ -78,9 +78,11 @@ def study(
         for key, value in case.items():
             if "." in key:
                 changes[key] = value
-        return journal.once(
+        return journal.get_or_compute_result(
             {"of": "limit", **case},
-            lambda: locking_limit_row(vary(brake, changes), case.get("n", elements)) | case,
+            lambda: (
+                row_of_self_locking_friction(vary(brake, changes), case.get("n", elements)) | case
+            ),
         )
 
     say("limits of self-locking")
@@ -109,9 +111,9 @@ def study(
     say("torque up to the limit")
     drums = {"rigid drum": brake, "with a free ring": vary(brake, {"drum.ring": RING})}
     torque = [
-        journal.once(
+        journal.get_or_compute_result(
             {"of": "torque", "ring": name != "rigid drum", "n": elements},
-            partial(torque_over_friction_row, drum, name, elements),
+            partial(row_of_torque_over_friction, drum, name, elements),
         )
         for name, drum in drums.items()
     ]
@@ -121,13 +123,17 @@ def study(
     for k in range(3 if short else 30):
         for way in WAYS:
             case = {"of": "unique", "seed": k, "way": way, "n": elements}
-            unique.append(journal.once(case, partial(uniqueness_row, k, way)))
+            unique.append(
+                journal.get_or_compute_result(case, partial(row_on_uniqueness_of_answers, k, way))
+            )
     say("sensitivities against differences")
     slopes = []
     for name, (changes, penalty) in list(SLOPES.items())[: 1 if short else None]:
-        compute = partial(slope_rows, vary(brake, changes), name, penalty)
+        compute = partial(
+            rows_of_torque_slopes_and_differences, vary(brake, changes), name, penalty
+        )
         computed = partial(_rows_for_journal, compute)
-        slopes += journal.once({"of": "slopes", "name": name}, computed)["rows"]
+        slopes += journal.get_or_compute_result({"of": "slopes", "name": name}, computed)["rows"]
     return Result(shoe, ring, rigid, mesh, torque, unique, slopes)
 
 
@@ -140,5 +146,5 @@ def rows_by_thickness(rows: list[Row]) -> dict[float, list[Row]]:
     """The rows over the stiffness of the shoe, by the thickness of its lining [m]."""
     found: dict[float, list[Row]] = {}
     for t in THICKNESSES:
-        found[t] = matching_rows(rows, **{"shoe.lining.thickness": t})
+        found[t] = rows_with_given_values(rows, **{"shoe.lining.thickness": t})
     return found

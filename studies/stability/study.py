@@ -16,29 +16,33 @@ from studies.stability import figures, locking, ways
 
 from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
-from drumlin.comparison import as_csv
+from drumlin.comparison import table_as_csv_text
 from drumlin.report.figures import save_figure
-from drumlin.report.page import write_page
+from drumlin.report.page import write_html_page
 from drumlin_studies import consistency, self_locking
-from drumlin_studies.extreme_cases import designed_cases
+from drumlin_studies.extreme_cases import all_extreme_cases
 from drumlin_studies.outcomes import (
     POINTWISE_OUTCOMES,
-    count_values_by_knob,
-    fault_rows,
-    penalty_error_slope,
-    penalty_rows,
-    rows_of_fewest_digits,
-    time_rows_by_knob,
-    torque_change_by_penalty,
+    count_row_values_by_varied_quantity,
+    log_slope_of_error_over_penalty,
+    relative_torque_change_by_penalty,
+    rows_with_faults,
+    rows_with_fewest_correct_digits,
+    solve_time_rows_by_varied_quantity,
+    trial_rows_with_varied_penalty,
 )
-from drumlin_studies.tables import matching_rows, rows_with_value, values_of_key
+from drumlin_studies.tables import (
+    rows_that_have_value_of_key,
+    rows_with_given_values,
+    values_of_key_in_rows,
+)
 from drumlin_studies.trial import (
     ANSWERS,
     LARGEST_RESIDUAL,
     REFUSALS,
     TORQUE_DIGITS,
     TRIAL_OUTCOMES,
-    try_case,
+    solve_and_judge_case,
 )
 
 HERE = Path(__file__).parent
@@ -95,14 +99,16 @@ def study(
     start = time.perf_counter()
     journal = journal or Journal()
     # Cases that the journal has are not tried again.
-    keys = {case: {"case": repr(case)} for case in designed_cases(short=short)}
+    keys = {case: {"case": repr(case)} for case in all_extreme_cases(short=short)}
     left = [case for case, key in keys.items() if key not in journal]
     if short:
         for case in left:
-            journal.add(keys[case], try_case(case))
+            journal.add(keys[case], solve_and_judge_case(case))
     else:
         with ProcessPoolExecutor(WORKERS, mp_context=get_context("spawn")) as pool:
-            for done, (case, row) in enumerate(zip(left, pool.map(try_case, left), strict=True), 1):
+            for done, (case, row) in enumerate(
+                zip(left, pool.map(solve_and_judge_case, left), strict=True), 1
+            ):
                 journal.add(keys[case], row)
                 if done % 10 == 0:
                     say(f"{done} of {len(left)} cases")
@@ -122,13 +128,13 @@ def report(result: Result, folder: Path) -> Path:
     compared = []
     for check in result.compared:
         compared.append(check._asdict() | {"outcome": check.outcome})
-    write_text(folder / "ways.csv", as_csv(compared))
+    write_text(folder / "ways.csv", table_as_csv_text(compared))
     write_text(
         folder / "cases.csv",
-        as_csv([{k: v for k, v in row.items() if k != "knobs"} for row in rows]),
+        table_as_csv_text([{k: v for k, v in row.items() if k != "knobs"} for row in rows]),
     )
-    known = rows_with_value(rows, "digits")
-    softened = torque_change_by_penalty(rows)
+    known = rows_that_have_value_of_key(rows, "digits")
+    softened = relative_torque_change_by_penalty(rows)
     swept = softened if softened and all(len(values) >= 4 for values in softened.values()) else {}
     draw_figures(result, known, swept, folder)
     locked = result.locked
@@ -138,45 +144,45 @@ def report(result: Result, folder: Path) -> Path:
     # The slopes of the penalty error, and its largest value at the default penalty or above.
     slopes = []
     for values in swept.values():
-        slopes.append(penalty_error_slope(values))
+        slopes.append(log_slope_of_error_over_penalty(values))
     changes = []
     for values in swept.values():
         for penalty, change in values:
             if penalty >= 1e6:
                 changes.append(change)
     ways_counted = []
-    for count in consistency.count_outcomes(result.compared):
+    for count in consistency.count_comparison_outcomes(result.compared):
         ways_counted.append(count._asdict())
     below = []
     for row in known:
         if row["digits"] < min(TORQUE_DIGITS, row["allowed"]):
             below.append(row)
-    return write_page(
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         rows=rows,
         **_rows_by_ending(rows),
-        faults=fault_rows(rows),
+        faults=rows_with_faults(rows),
         residual=LARGEST_RESIDUAL,
         required=TORQUE_DIGITS,
         grids=grids,
         outcome_names=TRIAL_OUTCOMES,
-        outcomes=count_values_by_knob(rows, "outcome", TRIAL_OUTCOMES),
+        outcomes=count_row_values_by_varied_quantity(rows, "outcome", TRIAL_OUTCOMES),
         known=known,
-        median_digits=statistics.median(values_of_key(known, "digits")),
+        median_digits=statistics.median(values_of_key_in_rows(known, "digits")),
         below=below,
-        worst=rows_of_fewest_digits(rows),
+        worst=rows_with_fewest_correct_digits(rows),
         pointwise_names=POINTWISE_OUTCOMES,
-        pointwise=count_values_by_knob(rows, "pointwise", POINTWISE_OUTCOMES),
-        penalties=penalty_rows(rows) if swept else [],
+        pointwise=count_row_values_by_varied_quantity(rows, "pointwise", POINTWISE_OUTCOMES),
+        penalties=trial_rows_with_varied_penalty(rows) if swept else [],
         stiff=max(changes, default=None),
         slopes=slopes,
-        timings=time_rows_by_knob(rows),
+        timings=solve_time_rows_by_varied_quantity(rows),
         **_locking_values(locked),
         limits=self_locking,
         ways_counted=ways_counted,
-        ways_differing=matching_rows(compared, outcome="differs"),
+        ways_differing=rows_with_given_values(compared, outcome="differs"),
     )
 
 
@@ -203,7 +209,7 @@ def _locking_values(locked: locking.Result) -> dict[str, Any]:
         rigid.append(row | {"per_thickness": row["difference"] / row["t_over_R"]})
     poles = {}
     for row in locked.torque:
-        poles[row["name"]] = self_locking.torque_pole(row)
+        poles[row["name"]] = self_locking.torque_times_distance_to_locking_friction(row)
     # Random brakes whose answers agree, and those with several answers below the limit.
     table = uniqueness_page_rows(locked.unique)
     agreeing: list[Row] = []
@@ -215,7 +221,7 @@ def _locking_values(locked: locking.Result) -> dict[str, Any]:
         "law": locked.mesh[0]["law"],
         "stiffest": stiffest,
         "rigid": rigid,
-        "own_ring": matching_rows(locked.ring, support="free", factor=1)[0],
+        "own_ring": rows_with_given_values(locked.ring, support="free", factor=1)[0],
         "poles": poles,
         "agreeing": agreeing,
         "disagreeing": disagreeing,
@@ -241,13 +247,13 @@ def draw_figures(
     rows, locked = result.rows, result.locked
     knobs = [
         knob
-        for knob in dict.fromkeys(values_of_key(rows, "knob"))
+        for knob in dict.fromkeys(values_of_key_in_rows(rows, "knob"))
         if " × " not in knob and knob != "hypercube"
     ]
     save_figure(figures.draw_outcome_strips(rows, knobs), folder / "sweeps.svg")
     for knob, (x, y, labels) in GRIDS.items():
         save_figure(
-            figures.draw_outcome_grids(matching_rows(rows, knob=knob), x, y, labels),
+            figures.draw_outcome_grids(rows_with_given_values(rows, knob=knob), x, y, labels),
             folder / _figure_file(knob),
         )
     save_figure(figures.draw_digits_over_condition(known), folder / "condition.svg")
@@ -258,7 +264,7 @@ def draw_figures(
         shoes[f"lining {t * 1e3:g} mm"] = of
     rings = {}
     for support in ("free", "fixed"):
-        rings[f"{support} rim"] = matching_rows(locked.ring, support=support)
+        rings[f"{support} rim"] = rows_with_given_values(locked.ring, support=support)
     panels = [("shoe", shoes), ("drum ring", rings)]
     save_figure(figures.draw_locking_limits(panels, locked.mesh[0]["law"]), folder / "locking.svg")
     save_figure(figures.draw_torque_poles(locked.torque), folder / "locking_torque.svg")

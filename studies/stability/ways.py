@@ -32,24 +32,26 @@ class PathCheck(NamedTuple):
 
 PATH_CHECKS = {
     "refusals": PathCheck(
-        "Refused by levels, and by three meshes", consistency_refused.refusal_rows, 2000
+        "Refused by levels, and by three meshes",
+        consistency_refused.default_solve_against_mesh_rows,
+        2000,
     ),
     "holding": PathCheck(
         "The holding brake at full slip, and the sliding brake",
-        consistency_hold.hold_against_solve_rows,
+        consistency_hold.torque_rows_of_hold_and_solve,
         600,
     ),
     "wear": PathCheck(
         "Wear at its start and end, the sliding and the worn-in brake",
-        consistency_wear.wear_rows,
+        consistency_wear.wear_check_rows_of_seed,
         600,
     ),
     "slopes": PathCheck(
-        "Printed slopes, and central differences", consistency_slopes.slope_rows_of_seed, 600
+        "Printed slopes, and central differences", consistency_slopes.torque_slope_rows_of_seed, 600
     ),
     "blocks": PathCheck(
         "True errors of linings with 7 to 30 blocks, and stated ones",
-        consistency_blocks.block_error_rows,
+        consistency_blocks.stated_error_rows_for_block_linings,
         100,
     ),
 }

@@ -16,21 +16,21 @@ from studies.sweeps import figures
 
 from drumlin.base.files import write_text
 from drumlin.report import figures as drawing
-from drumlin.report.page import write_page
+from drumlin.report.page import write_html_page
 from drumlin.sweeps.cases import Row, solve_cases
 from drumlin.sweeps.file import Sweep, read_sweep
-from drumlin.sweeps.table import make_case_table, write_table
+from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from drumlin_studies.throughput import (
     KEEP,
     Kill,
     Throughput,
-    coarser_mesh_rows,
     kill_and_finish_sweep,
-    rate_rows,
-    time_with_dask,
-    time_with_dask_keeping_memory,
-    time_with_processes,
-    torque_spread,
+    row_of_torque_distribution,
+    rows_of_cases_per_second,
+    time_and_error_rows_of_coarser_meshes,
+    time_sweep_with_dask_keeping_memory,
+    time_sweep_with_dask_workers,
+    time_sweep_with_processes,
 )
 
 HERE = Path(__file__).parent
@@ -63,9 +63,13 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     start = time.perf_counter()
     with_dask = not short and importlib.util.find_spec("distributed") is not None
     ways = (
-        [time_with_processes, time_with_dask, time_with_dask_keeping_memory]
+        [
+            time_sweep_with_processes,
+            time_sweep_with_dask_workers,
+            time_sweep_with_dask_keeping_memory,
+        ]
         if with_dask
-        else [time_with_processes]
+        else [time_sweep_with_processes]
     )
     counts = {SHARED: 60 if short else 1000, OWN: 4 if short else 150}
     sweeps = {name: read_sweep(HERE / file) for name, file in FILES.items()}
@@ -78,7 +82,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     # Rows do not depend on who solved the cases.
     same = all(one.rows == those[0].rows for those in measured.values() for one in those)
     say("coarser meshes")
-    meshes = coarser_mesh_rows(
+    meshes = time_and_error_rows_of_coarser_meshes(
         sweeps[OWN].cases[: 1 if short else 12],
         (20, 40, None) if short else (20, 40, 80, None),
         FINE,
@@ -108,9 +112,13 @@ def report(result: Result, folder: Path) -> Path:
     drawing.save_figure(figures.draw_torque_distributions(result.measured), folder / "torque.svg")
     for name, those in result.measured.items():
         cases = result.sweeps[name].cases[: those[0].cases]
-        write_table(make_case_table(cases, those[0].rows), folder / f"{name.partition(':')[0]}.csv")
+        write_table_file(
+            table_lines_of_cases(cases, those[0].rows), folder / f"{name.partition(':')[0]}.csv"
+        )
     rows = [
-        {"sweep": name} | row for name, those in result.measured.items() for row in rate_rows(those)
+        {"sweep": name} | row
+        for name, those in result.measured.items()
+        for row in rows_of_cases_per_second(those)
     ]
     write_text(
         folder / "results.json",
@@ -122,14 +130,14 @@ def report(result: Result, folder: Path) -> Path:
     files = {}
     for file in FILES.values():
         files[file] = (HERE / file).read_text()
-    return write_page(
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         best=max(result.measured[SHARED], key=lambda one: (one.by == "processes", one.workers)),
         rates=rows,
         torques=[
-            {"sweep": name} | torque_spread(those[0].rows)
+            {"sweep": name} | row_of_torque_distribution(those[0].rows)
             for name, those in result.measured.items()
         ],
         kills=kills,

@@ -11,32 +11,32 @@ from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
-from drumlin.comparison import as_csv
+from drumlin.comparison import table_as_csv_text
 from drumlin.fem.mesh.arc import MESH_KINDS
 from drumlin.fem.solve import solve
 from drumlin.report import figures
-from drumlin.report.page import write_page
+from drumlin.report.page import write_html_page
 from drumlin_studies import corner_rows, ladder, stated_true_figure
 from drumlin_studies.orders import (
-    estimate_row,
-    fit_error_line,
-    largest_pressure_distance,
-    level_rows,
-    order_rows,
+    convergence_order_rows_of_meshes,
+    error_rows_of_hp_levels,
+    estimated_and_true_error_row,
+    fit_line_to_log_errors,
+    largest_pressure_distance_of_shoes,
 )
-from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
-from drumlin_studies.random_kinds import draw_brake_of_holding_kind
-from drumlin_studies.side_by_side import PROCESSES, Case, compute_and_keep_cases
+from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.side_by_side import PROCESSES, Case, compute_cases_in_parallel_with_journal
 from drumlin_studies.stated_true import (
     JUDGED_TOLERANCES,
-    stated_and_true_row,
-    summary_rows,
-    truth_by_hp_elements,
-    truth_by_triangles,
+    row_of_stated_and_true_errors,
+    solve_fine_reference_by_hp_elements,
+    solve_fine_reference_by_triangles,
+    summary_rows_of_stated_errors,
 )
-from drumlin_studies.stated_true_figure import draw_error_cloud
-from drumlin_studies.tables import matching_rows
+from drumlin_studies.stated_true_figure import draw_stated_over_true_errors
+from drumlin_studies.tables import rows_with_given_values
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"
@@ -108,16 +108,18 @@ def study(
         reference = solve(brake, elements=fine, penalty=math.inf)
         # A mesh of another kind gives a second reference. No error below their distance is claimed.
         second = solve(brake, elements=other, kind="tri2", penalty=math.inf)
-        floor[case] = largest_pressure_distance(second, reference)
+        floor[case] = largest_pressure_distance_of_shoes(second, reference)
         for kind in MESH_KINDS:
             say(f"{case}: {kind}")
-            orders += order_rows(brake, case, kind, sizes, reference)
+            orders += convergence_order_rows_of_meshes(brake, case, kind, sizes, reference)
         for tolerance in tolerances:
             say(f"{case}: tolerance {tolerance:g}")
-            estimates.append(estimate_row(brake, case, tolerance, reference, floor[case]))
+            estimates.append(
+                estimated_and_true_error_row(brake, case, tolerance, reference, floor[case])
+            )
     # Errors of hp elements over the number of unknowns.
     say("columns, level by level")
-    levels = level_rows(read_brake(BRAKE))
+    levels = error_rows_of_hp_levels(read_brake(BRAKE))
     # Random brakes: each is solved to its tolerances and compared with its truth.
     processes = 0 if short else PROCESSES
     cases = []
@@ -125,7 +127,9 @@ def study(
         cases.append({"seed": seed, "tolerances": _tolerances_of_seed(seed, short=short)})
     say("random brakes")
     judged: list[dict[str, Any]] = []
-    for found in compute_and_keep_cases(cases, _stated_and_true_rows, journal, say, processes):
+    for found in compute_cases_in_parallel_with_journal(
+        cases, _stated_and_true_rows, journal, say, processes
+    ):
         judged += found["rows"]
     # Brakes that press with a corner or under a tip, where p may be unbounded.
     count = 1 if short else CORNERS
@@ -134,11 +138,13 @@ def study(
         cases.append({"corner": corner_rows.FIRST_JUDGED + k})
     say("random corners and tips")
     corners: list[dict[str, Any]] = []
-    for found in compute_and_keep_cases(cases, _corner_case_rows, journal, say, processes):
+    for found in compute_cases_in_parallel_with_journal(
+        cases, _corner_case_rows, journal, say, processes
+    ):
         corners += found["rows"]
     # Problems whose answer is known from a formula or a source.
     say("benchmark ladder")
-    known = list(map(ladder.case_row, ladder.LADDER_CASES))
+    known = list(map(ladder.row_of_ladder_case, ladder.LADDER_CASES))
     return Result(
         orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start
     )
@@ -158,7 +164,7 @@ def _tolerances_of_seed(seed: int, *, short: bool) -> list[float]:
 
 def _corner_case_rows(case: Case) -> dict[str, Any]:
     """Stated and true errors of a brake that presses with a corner or under a tip."""
-    return {"rows": corner_rows.error_rows_of_seed(case["corner"])}
+    return {"rows": corner_rows.stated_and_true_error_rows_of_seed(case["corner"])}
 
 
 def _draw_brake(seed: int) -> Brake:
@@ -168,9 +174,9 @@ def _draw_brake(seed: int) -> Brake:
         if not way.startswith("pad"):
             ways.append(way)
     brake = (
-        draw_brake_of_holding_kind(seed, ways[seed // 2 % len(ways)])
+        draw_brake_of_support_kind(seed, ways[seed // 2 % len(ways)])
         if seed % 2
-        else random_brake(seed)
+        else draw_random_brake(seed)
     )
     return brake
 
@@ -183,14 +189,16 @@ def _stated_and_true_rows(case: Case) -> dict[str, Any]:
     triangular = seed // 2 % TENTH == 0
     try:
         true = (
-            truth_by_triangles(brake) if triangular else truth_by_hp_elements(brake, tolerances[-1])
+            solve_fine_reference_by_triangles(brake)
+            if triangular
+            else solve_fine_reference_by_hp_elements(brake, tolerances[-1])
         )
     except NoAnswer as error:
         failure = str(error)
     base = {"seed": seed, "truth": "triangles" if triangular else "columns"}
     return {
         "rows": [
-            base | stated_and_true_row(brake, tolerance, solve, true, failure)
+            base | row_of_stated_and_true_errors(brake, tolerance, solve, true, failure)
             for tolerance in tolerances
         ]
     }
@@ -207,25 +215,29 @@ def report(result: Result, folder: Path) -> Path:
                 if (r["case"], r["kind"]) == (case, kind):
                     rows.append(r)
             series[kind] = [(r["elements"], r["pressure"]) for r in rows]
-        figure = figures.draw_convergence(series, "error of p in L2")
+        figure = figures.draw_errors_over_element_numbers(series, "error of p in L2")
         figures.save_figure(figure, folder / f"orders_{i + 1}.svg")
-    figures.save_figure(draw_error_cloud(result.judged), folder / "stated_true.svg")
-    write_text(folder / "stated_true.csv", as_csv(result.judged))
-    write_text(folder / "corners.csv", as_csv(result.corners))
-    figures.save_figure(stated_true_figure.draw_level_errors(result.levels), folder / "levels.svg")
-    write_text(folder / "levels.csv", as_csv(result.levels))
-    write_text(folder / "orders.csv", as_csv(result.orders))
-    write_text(folder / "estimates.csv", as_csv(result.estimates))
-    write_text(folder / "ladder.csv", as_csv(result.ladder))
-    return write_page(
+    figures.save_figure(draw_stated_over_true_errors(result.judged), folder / "stated_true.svg")
+    write_text(folder / "stated_true.csv", table_as_csv_text(result.judged))
+    write_text(folder / "corners.csv", table_as_csv_text(result.corners))
+    figures.save_figure(
+        stated_true_figure.draw_errors_over_unknowns_of_levels(result.levels), folder / "levels.svg"
+    )
+    write_text(folder / "levels.csv", table_as_csv_text(result.levels))
+    write_text(folder / "orders.csv", table_as_csv_text(result.orders))
+    write_text(folder / "estimates.csv", table_as_csv_text(result.estimates))
+    write_text(folder / "ladder.csv", table_as_csv_text(result.ladder))
+    return write_html_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         cases=list(CASES),
-        judged=summary_rows(result.judged),
-        corners=corner_rows.summary_by_kind(result.corners),
+        judged=summary_rows_of_stated_errors(result.judged),
+        corners=corner_rows.error_summary_rows_by_kind(result.corners),
         steep=corner_rows.STEEPEST_JUDGED,
-        independent=summary_rows(matching_rows(result.judged, truth="triangles")),
-        families=len(ladder.case_families()),
-        line=fit_error_line(result.levels),
+        independent=summary_rows_of_stated_errors(
+            rows_with_given_values(result.judged, truth="triangles")
+        ),
+        families=len(ladder.names_of_case_families()),
+        line=fit_line_to_log_errors(result.levels),
     )

@@ -17,12 +17,12 @@ Values = float | Floats
 """The type of a number, or of an array that broadcasts with the other arguments of a function."""
 
 
-def in_turn(sizes: Iterable[int]) -> tuple[slice, ...]:
+def slices_of_consecutive_parts(sizes: Iterable[int]) -> tuple[slice, ...]:
     """The slices of consecutive parts of an array; `sizes` are the lengths of the parts."""
     return tuple(slice(a, b) for a, b in pairwise(accumulate(sizes, initial=0)))
 
 
-def angle_near(middle: float, xy: Floats) -> Floats:
+def polar_angles_near_given_angle(middle: float, xy: Floats) -> Floats:
     """Polar angles [rad] of the points `xy` (2, ...), each within half a turn of `middle` [rad]."""
     # The points are turned by the angle -middle. Their angles then lie about 0, far from the jump
     # between pi and -pi.

@@ -10,7 +10,7 @@ import traceback
 from collections.abc import Callable
 from pathlib import Path
 
-from drumlin.base.texts import one_line
+from drumlin.base.texts import printable_single_line
 
 # The standard module errno has the error numbers SHORT_OF under these names.
 _SHORTAGES = ("ENOSPC", "EDQUOT", "EFBIG", "EIO", "ENOMEM", "EMFILE", "ENFILE", "EAGAIN")
@@ -31,7 +31,7 @@ class DrumlinError(Exception):
     exit_status = 1
 
     def __str__(self) -> str:
-        return one_line(super().__str__())
+        return printable_single_line(super().__str__())
 
 
 class BadInput(DrumlinError):
@@ -69,13 +69,13 @@ class Stopped(BaseException):
         self.exit_status = 128 + signal
 
 
-def reason_of(error: BaseException) -> str:
+def system_message_of_error(error: BaseException) -> str:
     """The message of an error as the operating system words it, without the name of the file."""
     by_system = error.strerror if isinstance(error, OSError) else None
     return by_system or str(error) or type(error).__name__
 
 
-def file_fault(path: object, doing: str, error: BaseException) -> DrumlinError:
+def exception_for_unusable_file(path: object, doing: str, error: BaseException) -> DrumlinError:
     """Return the exception to raise for a file that cannot be read or written.
 
     It is NoAnswer if disk, memory or the number of open files is exhausted, else BadInput.
@@ -88,21 +88,21 @@ def file_fault(path: object, doing: str, error: BaseException) -> DrumlinError:
     """
     short = isinstance(error, OSError) and error.errno in SHORT_OF
     kind = NoAnswer if short else BadInput
-    return kind(f"{path}: cannot be {doing} ({reason_of(error)})")
+    return kind(f"{path}: cannot be {doing} ({system_message_of_error(error)})")
 
 
-def line_and_status(error: BaseException) -> tuple[str, int]:
+def error_line_and_exit_status(error: BaseException) -> tuple[str, int]:
     """Line to print about the exception that ends a process, and the exit status of the process.
 
     If the line is empty, nothing is to be printed. The exit status is 2 for wrong input, 3 if there
     is no answer, 128 plus the number of a signal, and 1 for a fault of drumlin itself.
     """
-    line, status = _line_and_status(error)
-    return one_line(line), status
+    line, status = _uncut_error_line_and_exit_status(error)
+    return printable_single_line(line), status
 
 
-def _line_and_status(error: BaseException) -> tuple[str, int]:
-    """Text about an exception and the exit status, as of `line_and_status`.
+def _uncut_error_line_and_exit_status(error: BaseException) -> tuple[str, int]:
+    """Text about an exception and the exit status, as of `error_line_and_exit_status`.
 
     The text may still be too long, or have line breaks.
     """
@@ -122,7 +122,7 @@ def _line_and_status(error: BaseException) -> tuple[str, int]:
         line, status = f"a package cannot be loaded: {error}", 3
     elif isinstance(error, OSError):
         where = "" if error.filename is None else f"{error.filename}: "
-        line = f"{where}{reason_of(error)}"
+        line = f"{where}{system_message_of_error(error)}"
         status = 3 if error.errno in SHORT_OF else 2
     else:
         # An unexpected exception is a fault of drumlin: the line names the file and its line.
@@ -134,7 +134,7 @@ def _line_and_status(error: BaseException) -> tuple[str, int]:
     return "; ".join([line, *getattr(error, "__notes__", ())]), status
 
 
-def ended(run: Callable[[], int]) -> int:
+def run_and_return_exit_status(run: Callable[[], int]) -> int:
     """Call `run` and return its exit status, or the exit status of the exception that it raises.
 
     The line about the exception is printed to standard error.
@@ -144,7 +144,7 @@ def ended(run: Callable[[], int]) -> int:
     except SystemExit as error:
         return error.code if isinstance(error.code, int) else int(error.code is not None)
     except BaseException as error:
-        line, status = line_and_status(error)
+        line, status = error_line_and_exit_status(error)
         if line and sys.stderr is not None:
             # The command's own printing functions have ended with the exception.
             print(f"drumlin: {line}", file=sys.stderr)  # noqa: T201

@@ -16,7 +16,7 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 
-from drumlin.base.errors import BadInput, file_fault
+from drumlin.base.errors import BadInput, exception_for_unusable_file
 
 LONGEST_SUFFIX = 16
 """Longest suffix, in characters, that a temporary file takes over from the file that it replaces.
@@ -26,16 +26,16 @@ file needs such a suffix.
 """
 
 # The files that must not be overwritten, by their status on the disk. It is None outside a block of
-# `inputs_kept`.
+# `protect_input_files`.
 _inputs: ContextVar[list[os.stat_result] | None] = ContextVar("inputs", default=None)
 
 
 @contextmanager
-def inputs_kept() -> Iterator[None]:
+def protect_input_files() -> Iterator[None]:
     """Protect the input files of a `with` block from being overwritten within the block.
 
     Input files are those that `read_bytes` reads in the block, and those that are given to
-    `keep_input`.
+    `register_protected_input_file`.
     """
     token = _inputs.set([])
     try:
@@ -44,10 +44,10 @@ def inputs_kept() -> Iterator[None]:
         _inputs.reset(token)
 
 
-def keep_input(path: Path) -> None:
+def register_protected_input_file(path: Path) -> None:
     """Protect the file at `path` from being overwritten, even if it is never read.
 
-    The protection lasts until the block of `inputs_kept` ends.
+    The protection lasts until the block of `protect_input_files` ends.
     It also holds for other names of the same file, since its number on the disk identifies a file.
     """
     inputs = _inputs.get()
@@ -87,10 +87,10 @@ def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> by
             data = file.read(most + 1)
     # Python raises a ValueError for a NUL in the name or a letter that the locale cannot encode.
     except (OSError, ValueError) as error:
-        raise file_fault(path, "read", error) from error
+        raise exception_for_unusable_file(path, "read", error) from error
     if len(data) > most:
         raise BadInput(f"{path}: larger than {most} bytes; not {what}")
-    keep_input(path)
+    register_protected_input_file(path)
     return data
 
 
@@ -111,22 +111,22 @@ def read_text(path: Path, most: int, what: str) -> str:
 # writing
 
 
-def check_outputs(*paths: Path | None) -> None:
+def check_output_files_are_writable(*paths: Path | None) -> None:
     """Raise BadInput if one of the output files must not or cannot be written.
 
     It is called before a long computation starts. Refused are a folder, a disk, an input file (see
-    `inputs_kept`) and a file that two outputs share. Any .toml file is
+    `protect_input_files`) and a file that two outputs share. Any .toml file is
     refused as well, because brake and sweep files are written by hand.
     """
     targets = []
     for path in filter(None, paths):
-        target, found = _target(path)
+        target, found = _resolve_output_file(path)
         if target in targets and (found is None or stat.S_ISREG(found.st_mode)):
             raise BadInput(f"{path}: is written twice; give each output a file of its own")
         targets.append(target)
 
 
-def check_folder(path: Path) -> None:
+def check_path_can_be_folder(path: Path) -> None:
     """Raise BadInput if `path` or a folder above it exists as a file, so that it is no folder."""
     try:
         # The nearest existing ancestor decides: below it all folders can be made.
@@ -135,14 +135,14 @@ def check_folder(path: Path) -> None:
         if not above.is_dir():
             raise BadInput(f"{path}: cannot be written (not a folder: {above})")
     except (OSError, ValueError, StopIteration) as error:
-        raise file_fault(path, "written", error) from error
+        raise exception_for_unusable_file(path, "written", error) from error
 
 
-def _target(path: Path) -> tuple[Path, os.stat_result | None]:
+def _resolve_output_file(path: Path) -> tuple[Path, os.stat_result | None]:
     """The file at the end of the symbolic links of an output path, and its status on the disk.
 
     The status is None if no such file exists yet. Raises BadInput if the file must not or cannot be
-    written, as `check_outputs` says.
+    written, as `check_output_files_are_writable` says.
     """
     try:
         found = path.stat() if path.exists() else None
@@ -150,7 +150,7 @@ def _target(path: Path) -> tuple[Path, os.stat_result | None]:
         if found is None and target.is_symlink():
             raise BadInput(f"{path}: cannot be written (links that lead in a circle)")
     except (OSError, ValueError) as error:
-        raise file_fault(path, "written", error) from error
+        raise exception_for_unusable_file(path, "written", error) from error
     # Brake and sweep files are written by hand, and no output may replace them.
     if ".toml" in {path.suffix.lower(), target.suffix.lower()}:
         raise BadInput(
@@ -168,7 +168,7 @@ def _target(path: Path) -> tuple[Path, os.stat_result | None]:
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def temporary_file_replacing_output(path: Path) -> Iterator[Path]:
     """Give a `with` block a temporary file to write, which replaces the file at `path` in the end.
 
     If the block raises an exception, the temporary file is deleted and `path` stays as it is. A
@@ -176,8 +176,8 @@ def replacing(path: Path) -> Iterator[Path]:
     `path` is a pipe or a device, the content is copied to it. Raises BadInput if `path` must not or
     cannot be written, and NoAnswer if the disk is full.
     """
-    target, found = _target(path)
-    stream = None if found is None else _stream(path, found)
+    target, found = _resolve_output_file(path)
+    stream = None if found is None else _pipe_or_stream_to_write_into(path, found)
     folder = target.parent if stream is None else Path(tempfile.gettempdir())
     suffix = path.suffix if len(path.suffix) <= LONGEST_SUFFIX else ""
     partial = folder / f".drumlin-{os.urandom(6).hex()}{suffix}"
@@ -202,10 +202,10 @@ def replacing(path: Path) -> Iterator[Path]:
             partial.unlink(missing_ok=True)
     # Python raises a UnicodeEncodeError for a letter of the name that the locale cannot encode.
     except (OSError, UnicodeEncodeError) as error:
-        raise file_fault(path, "written", error) from error
+        raise exception_for_unusable_file(path, "written", error) from error
 
 
-def _stream(path: Path, found: os.stat_result) -> Path | int | None:
+def _pipe_or_stream_to_write_into(path: Path, found: os.stat_result) -> Path | int | None:
     """Where to write a file that cannot be replaced: a pipe, a device, or a stream's number.
 
     It is None for an ordinary file, which a new file can replace. If standard output or standard
@@ -228,12 +228,12 @@ def _stream(path: Path, found: os.stat_result) -> Path | int | None:
 
 def write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8, whole or not at all."""
-    with replacing(path) as partial:
+    with temporary_file_replacing_output(path) as partial:
         # The text may name files whose names are no UTF-8; their bytes become question marks.
         partial.write_text(text, encoding="utf-8", errors="replace")
 
 
-def write_new(path: Path, text: str) -> None:
+def write_new_text_file(path: Path, text: str) -> None:
     """Write a new text file in UTF-8, whole or not at all.
 
     Raises BadInput if a file of this name exists already or the path cannot be written.
@@ -247,7 +247,7 @@ def write_new(path: Path, text: str) -> None:
                 path.unlink(missing_ok=True)
                 raise
     except (OSError, ValueError) as error:
-        raise file_fault(path, "written", error) from error
+        raise exception_for_unusable_file(path, "written", error) from error
 
 
 def write_json(path: Path, data: object) -> None:
@@ -260,7 +260,7 @@ def write_json(path: Path, data: object) -> None:
 _FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")
 
 
-def cell(value: object) -> object:
+def spreadsheet_cell_without_formula(value: object) -> object:
     """The value for a cell of a spreadsheet, made safe from being run as a formula.
 
     A text that the spreadsheet would take for a formula gets an apostrophe in front. Any other

@@ -19,7 +19,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from drumlin.base.errors import BadInput, reason_of
+from drumlin.base.errors import BadInput, system_message_of_error
 
 try:
     import fcntl
@@ -43,7 +43,7 @@ COMPUTING = ("numpy", "scipy", "scikit-fem")
 """Libraries of which another version may change the last digits of a result."""
 
 
-def source_stamp(*folders: Path) -> str:
+def checksum_of_source_and_libraries(*folders: Path) -> str:
     """A checksum, 16 hexadecimal digits, of everything on which the results of a run depend.
 
     It covers all Python and TOML files of drumlin and of the given folders, and the versions of the
@@ -58,7 +58,7 @@ def source_stamp(*folders: Path) -> str:
     return digest.hexdigest()[:16]
 
 
-def key_of(case: Mapping[str, Any]) -> str:
+def journal_key_of_case(case: Mapping[str, Any]) -> str:
     """The data of a case as one line of JSON, by which the journal finds its result.
 
     The keys of the data are sorted. A value that JSON cannot write is replaced by its text.
@@ -83,7 +83,7 @@ class Journal(AbstractContextManager["Journal"]):
             if path is not None:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 # An outdated journal is renamed as it is opened; then a new file is opened.
-                while not self._open(path):
+                while not self._lock_and_read_file(path):
                     self.close()
         except BaseException as error:
             self.close()
@@ -91,7 +91,9 @@ class Journal(AbstractContextManager["Journal"]):
                 raise BadInput(f"{path}: another run is writing it") from error
             # Python raises a ValueError for a NUL in the path.
             if isinstance(error, OSError | ValueError):
-                raise BadInput(f"{path}: cannot be written ({reason_of(error)})") from error
+                raise BadInput(
+                    f"{path}: cannot be written ({system_message_of_error(error)})"
+                ) from error
             raise
 
     def __len__(self) -> int:
@@ -102,19 +104,21 @@ class Journal(AbstractContextManager["Journal"]):
         return True
 
     def __contains__(self, case: Mapping[str, Any]) -> bool:
-        return key_of(case) in self._rows
+        return journal_key_of_case(case) in self._rows
 
     def __getitem__(self, case: Mapping[str, Any]) -> dict[str, Any]:
-        return self._rows[key_of(case)]
+        return self._rows[journal_key_of_case(case)]
 
     def add(self, case: Mapping[str, Any], row: dict[str, Any]) -> None:
         """Store the result `row` of a case; it is in the file when this method returns."""
-        self._rows[key_of(case)] = row
+        self._rows[journal_key_of_case(case)] = row
         if self._file is not None:
-            record = json.dumps({"key": key_of(case), "row": row}).encode()
-            self._write(self._file, _sealed(record[1:], self._stamp))
+            record = json.dumps({"key": journal_key_of_case(case), "row": row}).encode()
+            self._append_bytes_to_file(
+                self._file, _journal_line_with_checksum(record[1:], self._stamp)
+            )
 
-    def once(
+    def get_or_compute_result(
         self, case: Mapping[str, Any], compute: Callable[[], dict[str, Any]]
     ) -> dict[str, Any]:
         """The stored result of a case; if it has none, the result of `compute` is stored first."""
@@ -122,7 +126,7 @@ class Journal(AbstractContextManager["Journal"]):
             self.add(case, compute())
         return self[case]
 
-    def finish(self) -> None:
+    def close_and_rename_complete_journal(self) -> None:
         """Close the journal of a complete run and rename its file to `cases.jsonl`.
 
         The next run finds no journal and computes all cases.
@@ -140,7 +144,7 @@ class Journal(AbstractContextManager["Journal"]):
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _open(self, path: Path) -> bool:
+    def _lock_and_read_file(self, path: Path) -> bool:
         """Open and lock the file at `path` and read its cases; returns whether that was possible.
 
         It returns False if the file had to be renamed, by this run or another one, so that no file
@@ -154,9 +158,13 @@ class Journal(AbstractContextManager["Journal"]):
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         # Another run may have renamed the file before the lock was taken.
         locked = os.fstat(self._file.fileno())
-        return path.exists() and os.path.samestat(path.stat(), locked) and self._read(self._file)
+        return (
+            path.exists()
+            and os.path.samestat(path.stat(), locked)
+            and self._read_rows_of_locked_file(self._file)
+        )
 
-    def _read(self, file: FileIO) -> bool:
+    def _read_rows_of_locked_file(self, file: FileIO) -> bool:
         """Read the cases of the locked file, and cut off a last line that is incomplete.
 
         Returns False if the journal belongs to another version of the source: then it is renamed.
@@ -167,7 +175,7 @@ class Journal(AbstractContextManager["Journal"]):
             # The file is new, or a kill of the process left its first line incomplete.
             if not head or (head.startswith(HEAD) and own_head[:-1].startswith(head)):
                 file.truncate(0)
-                self._write(file, own_head)
+                self._append_bytes_to_file(file, own_head)
                 return True
             is_own = head == own_head
             # `end` is the length of the whole lines read so far. A foreign first line is damage.
@@ -181,14 +189,14 @@ class Journal(AbstractContextManager["Journal"]):
                 end += len(line)
                 # The case of a line is accepted only if the checksum fits the data and the stamp.
                 data = line[LEAD:-1]
-                if line == _sealed(data, self._stamp):
+                if line == _journal_line_with_checksum(data, self._stamp):
                     record = json.loads(b"{" + data)
                     self._rows[record["key"]] = record["row"]
                 else:
                     damaged += 1
         # In a journal of another version of the source no checksum fits, and no case is accepted.
         if not is_own and not self._rows:
-            self._rename(path, head)
+            self._rename_outdated_journal(path, head)
             return False
         file.truncate(end)
         if damaged:
@@ -197,7 +205,7 @@ class Journal(AbstractContextManager["Journal"]):
             )
         return True
 
-    def _rename(self, path: Path, head: bytes) -> None:
+    def _rename_outdated_journal(self, path: Path, head: bytes) -> None:
         """Rename the journal of another version of the source to the next free `path.N`.
 
         Raises BadInput if the first line `head` of the file is not that of a journal.
@@ -211,17 +219,19 @@ class Journal(AbstractContextManager["Journal"]):
             f"{path}: was of another drumlin and is kept as {aside.name}; every case is solved anew"
         )
 
-    def _write(self, file: FileIO, data: bytes) -> None:
+    def _append_bytes_to_file(self, file: FileIO, data: bytes) -> None:
         """Append all bytes of `data` to the file. Raises BadInput if that fails."""
         try:
             # The operating system may write only a part of the data at once.
             while data:
                 data = data[os.write(file.fileno(), data) :]
         except OSError as error:
-            raise BadInput(f"{self.path}: cannot be written ({reason_of(error)})") from error
+            raise BadInput(
+                f"{self.path}: cannot be written ({system_message_of_error(error)})"
+            ) from error
 
 
-def _sealed(data: bytes, stamp: str) -> bytes:
+def _journal_line_with_checksum(data: bytes, stamp: str) -> bytes:
     """The line of the journal for one case: a checksum, then the data.
 
     Parameters

@@ -19,11 +19,11 @@ __all__ = [
     "dpotrf",
     "dtrsm",
     "dtrtrs",
-    "solve_lower",
+    "solve_lower_triangular_system",
 ]
 
 
-def solve_lower(L: Floats, b: Floats) -> Floats:
+def solve_lower_triangular_system(L: Floats, b: Floats) -> Floats:
     """Solve L x = b for x, with a lower triangular matrix L (n, n) and b (n,) or (n, m).
 
     Raises numpy's LinAlgError where L is singular.

@@ -6,7 +6,9 @@ from importlib import import_module
 from typing import Any
 
 
-def moved(old: str, new: str, renamed: Mapping[str, str] | None = None) -> Callable[[str], Any]:
+def getattr_of_moved_module(
+    old: str, new: str, renamed: Mapping[str, str] | None = None
+) -> Callable[[str], Any]:
     """Make the function `__getattr__` of an old module, which looks up names in the new module.
 
     Each look-up warns that the module has moved. The new module is imported at the first look-up.
@@ -17,7 +19,7 @@ def moved(old: str, new: str, renamed: Mapping[str, str] | None = None) -> Calla
     renamed : new names of functions by their old names, for functions that were renamed as well
     """
 
-    def attribute(name: str) -> Any:
+    def object_in_new_module(name: str) -> Any:
         """The object that has this name in the new module. Raises AttributeError for `_name`."""
         if name.startswith("_"):
             # Python asks every module for private names such as __path__, and must not be warned.
@@ -26,4 +28,4 @@ def moved(old: str, new: str, renamed: Mapping[str, str] | None = None) -> Calla
         warnings.warn(f"{old} has moved to {new}", DeprecationWarning, stacklevel=2)
         return value
 
-    return attribute
+    return object_in_new_module

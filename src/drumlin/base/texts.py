@@ -35,30 +35,30 @@ _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _KEY = re.compile(rf"#[^\n]*+|{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+")
 
 
-def one_line(text: str, most: int = LONGEST_LINE) -> str:
+def printable_single_line(text: str, most: int = LONGEST_LINE) -> str:
     """The text as one line; line breaks and other unprintable characters become escape sequences.
 
     A text of more than `most` characters loses its middle.
     """
     if len(text) > most:
         text = f"{text[: most // 2]} ... {text[-most // 2 :]}"
-    return text if text.isprintable() else "".join(map(_printable, text))
+    return text if text.isprintable() else "".join(map(_printable_or_escaped_character, text))
 
 
-def _printable(character: str) -> str:
+def _printable_or_escaped_character(character: str) -> str:
     """The character, or its escape sequence if it cannot be printed."""
     return character if character.isprintable() else character.encode("unicode_escape").decode()
 
 
-def typed(words: Sequence[str]) -> str:
+def command_text_without_folders(words: Sequence[str]) -> str:
     """The words of a command as one line of text, for a page of a report.
 
     Absolute paths are shortened to the file's name, because folders reveal the user's machine.
     """
-    return one_line(shlex.join(map(_without_folder, words)))
+    return printable_single_line(shlex.join(map(_word_with_path_shortened, words)))
 
 
-def _without_folder(word: str) -> str:
+def _word_with_path_shortened(word: str) -> str:
     """A word of a command, with an absolute path in it shortened to the file's name.
 
     The word is a path itself, or an option such as --output=/folder/name.
@@ -68,7 +68,7 @@ def _without_folder(word: str) -> str:
     return option + equals + name
 
 
-def formatted(value: float, form: str) -> str:
+def number_as_text(value: float, form: str) -> str:
     """A number as text for people: as `format(value, form)`, with three differences.
 
     A space precedes the percent sign. A number that rounds to zero has no sign. With a format that
@@ -81,7 +81,7 @@ def formatted(value: float, form: str) -> str:
     return f"{text[:-1]} %" if text.endswith("%") else text
 
 
-def nearest(name: str, names: Iterable[str]) -> str:
+def did_you_mean_hint(name: str, names: Iterable[str]) -> str:
     """The hint "(did you mean ...?)" for an error message about an unknown name.
 
     It names the one of the allowed `names` that is most like the unknown `name`. The hint is empty
@@ -91,18 +91,18 @@ def nearest(name: str, names: Iterable[str]) -> str:
     return f" (did you mean {close[0]!r}?)" if close else ""
 
 
-def check_digits(text: str) -> None:
+def check_numbers_have_few_digits(text: str) -> None:
     """Raise ValueError if the text has a number with more than MOST_DIGITS consecutive digits."""
     if _DIGITS.search(text):
         raise ValueError(f"has a number of more than {MOST_DIGITS} digits")
 
 
-def check_toml(text: str) -> None:
+def check_toml_parses_quickly(text: str) -> None:
     """Raise ValueError if a TOML text has a number or a dotted key that takes long to parse.
 
     The limits are MOST_DIGITS digits of a number and MOST_KEY_PARTS parts of a key.
     """
-    check_digits(text)
+    check_numbers_have_few_digits(text)
     for match in _KEY.finditer(text):
         key = match.group()
         # A part in quotes may have dots itself. The parts are counted exactly only if a key has

@@ -46,16 +46,16 @@ class Axis(NamedTuple):
         turned = self.sense * (np.asarray(theta) - self.origin)
         return np.asarray(turned - 2 * math.pi * np.round(turned / (2 * math.pi)))
 
-    def components(self, vector: Floats) -> tuple[float, float]:
+    def components_along_and_across_beam(self, vector: Floats) -> tuple[float, float]:
         """Components of a vector (2,) along the beam's axis and normal to it, towards O."""
         return float(vector @ self.along), float(vector @ self.towards)
 
-    def to_brake(self, x: Floats, y: Floats) -> Floats:
+    def convert_to_brake_frame(self, x: Floats, y: Floats) -> Floats:
         """Convert coordinates x, y (...) [m] of the beam to points (..., 2) [m] of the brake."""
         return self.hinge + np.multiply.outer(x, self.along) + np.multiply.outer(y, self.towards)
 
 
-def axis_of(hinge: Floats, end: Floats) -> Axis:
+def make_beam_axis(hinge: Floats, end: Floats) -> Axis:
     """Make the axis of a beam from its hinge (2,) to its loaded end (2,) [m].
 
     The two points must differ, and the drum's centre O must not lie on the line through them.

@@ -18,7 +18,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.components import Backing, Bar, Beam, Lining, Lobes, Ring
-from drumlin.brake.drive import Drive, Link, shares
+from drumlin.brake.drive import Drive, Link, reason_why_forces_are_shared
 from drumlin.brake.fields import Part, Point
 from drumlin.brake.support import MOVES, Meshed
 from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
@@ -46,7 +46,7 @@ class ShoeFrame(NamedTuple):
         """Convert coordinates of the surface (theta on a drum) to phi, same shape."""
         return self.sense * (np.asarray(theta) - self.origin) / self.unit
 
-    def phis(self, theta: Iterable[float]) -> list[float]:
+    def phi_coordinates_as_list(self, theta: Iterable[float]) -> list[float]:
         """Convert some coordinates of the surface to phi; the result is a list of numbers."""
         return [self.sense * (place - self.origin) / self.unit for place in theta]
 
@@ -61,13 +61,13 @@ class ShoeFrame(NamedTuple):
         """
         return self.sense * (np.asarray(theta) - self.origin)
 
-    def to_brake(self, vectors: Floats) -> Floats:
+    def convert_to_brake_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the shoe to the frame of the brake."""
         c, s = math.cos(self.origin), math.sin(self.origin)
         # The matrix rotates by the angle `origin`. With sense -1 it first mirrors the shoe's y.
         return np.asarray(vectors) @ np.array([[c, s], [-self.sense * s, self.sense * c]])
 
-    def to_shoe(self, vectors: Floats) -> Floats:
+    def convert_to_shoe_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the brake to the frame of the shoe."""
         c, s = math.cos(self.origin), math.sin(self.origin)
         # This matrix is the inverse of the one above: the transpose of an orthogonal matrix.
@@ -121,17 +121,17 @@ class Shoe(Meshed):
     @cached_property
     def arc(self) -> tuple[float, float]:
         """Coordinates (phi_1, phi_2) of the lining's ends in the shoe's frame, phi_1 < phi_2."""
-        first, last = self.frame.phis((self.lining.start, self.lining.end))
+        first, last = self.frame.phi_coordinates_as_list((self.lining.start, self.lining.end))
         # If phi falls with theta, the lining's end in theta has the smaller phi.
         return min(first, last), max(first, last)
 
     @property
     @abstractmethod
-    def own_pin(self) -> Floats:
+    def pin_in_shoe_frame(self) -> Floats:
         """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
 
     @abstractmethod
-    def own_points(self, xy: Floats) -> Floats:
+    def convert_points_to_shoe_frame(self, xy: Floats) -> Floats:
         """Convert points (..., 2) [m] from the frame of the brake to the frame of the shoe."""
 
     @abstractmethod
@@ -159,7 +159,7 @@ class Shoe(Meshed):
         """
 
     @abstractmethod
-    def phi_of(self, xy: Floats, size: float) -> Floats:
+    def phi_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
         """Coordinate phi (...) of points (2, ...) [m] that are in the frame of the shoe.
 
         On a drum it is the angle within half a turn of the lining's middle. `size` [m] is that of
@@ -167,7 +167,7 @@ class Shoe(Meshed):
         """
 
     @abstractmethod
-    def place_of(self, point: Point) -> float:
+    def surface_coordinate_of_point(self, point: Point) -> float:
         """Coordinate q of a point along the surface (theta on a drum, x on a plane).
 
         Of the angles that differ by whole turns it is the nearest to the lining's middle.
@@ -183,32 +183,32 @@ class Shoe(Meshed):
         """Direction [rad] in which the middle of the lining moves straight towards the surface."""
 
     @abstractmethod
-    def misfit_gap(self, theta: Floats, size: float) -> Floats:
+    def gap_due_to_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a lining that is ground to a circle, at coordinates theta, same shape.
 
         It is the part of the misfit that follows from `misfit.radius` and `misfit.offset`.
         """
 
-    def end_face(self, size: float, *, loaded: bool = False) -> Floats:
+    def middle_of_body_end_face(self, size: float, *, loaded: bool = False) -> Floats:
         """Middle (2,) [m] of the end face of an arc body at its support, in the shoe's frame.
 
         With `loaded` it is the middle of the other end face, which the actuation pushes. `size` [m]
         is that of the brake.
         """
         assert isinstance(self.body, Bar)
-        ends = self.frame.phis((self.body.start, self.body.end))
+        ends = self.frame.phi_coordinates_as_list((self.body.start, self.body.end))
         # phi counts from the pin, so that the supported end is the nearer one.
         phi = max(ends, key=abs) if loaded else min(ends, key=abs)
         return self.at(np.array(self.depth - 0.5 * self.body.depth), np.array(phi), size)
 
     @property
-    def gripped(self) -> bool:
+    def has_support_on_back_of_body(self) -> bool:
         """Whether the support acts on the back of an elastic body and not on an end face.
 
         A pivot and a guide do so, and a hinge does if the body has a `grip`.
         """
         has_grip = isinstance(self.body, Bar) and self.body.grip is not None
-        return self.held_by in {"pivot", "guide"} or has_grip
+        return self.kind_of_support in {"pivot", "guide"} or has_grip
 
     def grip(self, size: float) -> tuple[float, float] | None:
         """Interval (phi_1, phi_2) of the back of an elastic body that the support holds.
@@ -216,10 +216,18 @@ class Shoe(Meshed):
         It is None if the support holds an end face of the body, or if the shoe is rigid or has a
         mesh file. `size` [m] is that of the brake. See `Bar.grip`.
         """
-        if not isinstance(self.body, Bar) or self.mesh is not None or not self.gripped:
+        if (
+            not isinstance(self.body, Bar)
+            or self.mesh is not None
+            or not self.has_support_on_back_of_body
+        ):
             return None
         start, end = self.arc
-        place = self.lining.middle if self.pivot is None else self.place_of(self.pivot)
+        place = (
+            self.lining.middle
+            if self.pivot is None
+            else self.surface_coordinate_of_point(self.pivot)
+        )
         # The held interval is at most 60 % of the lining and stays away from the lining's ends.
         wanted = 0.5 * (self.body.grip or self.body.thickness) / self.back(size)
         half = min(wanted, 0.3 * (end - start))
@@ -253,7 +261,7 @@ class Brake(Part):
         def links(self) -> tuple[Link, ...]: ...
 
     @staticmethod
-    def shape_of(data: object) -> "type[Brake]":
+    def brake_class_for_file_data(data: object) -> "type[Brake]":
         """The class that reads the data of a brake file: `FlatBrake` for data with "plane".
 
         Other data are read by `DrumBrake`.
@@ -267,7 +275,7 @@ class Brake(Part):
     def model_validate(cls, obj: Any, **options: Any) -> Self:
         """Make a brake from the data of a brake file. Raises pydantic.ValidationError."""
         if cls is Brake:
-            return cast("Self", Brake.shape_of(obj).model_validate(obj, **options))
+            return cast("Self", Brake.brake_class_for_file_data(obj).model_validate(obj, **options))
         return super().model_validate(obj, **options)
 
     @property
@@ -310,11 +318,11 @@ class Brake(Part):
         return self.surface.sense.format(self.direction)
 
     @abstractmethod
-    def reversed(self) -> Self:
+    def brake_with_reversed_motion(self) -> Self:
         """A copy of the brake with the opposite direction of motion."""
 
     @abstractmethod
-    def bare(self) -> Self:
+    def brake_reduced_to_stiffness_data(self) -> Self:
         """The brake reduced to data that change the condensed stiffness of its shoes and ring.
 
         Brakes that are equal in this form can share their condensed bodies. Title, direction of
@@ -322,7 +330,7 @@ class Brake(Part):
         coefficient above 0 becomes 1. The shoes stay.
         """
 
-    def without_ring(self) -> Self:
+    def brake_without_ring(self) -> Self:
         """The brake on a rigid drum; a brake on a plane is returned as it is."""
         return self
 
@@ -331,11 +339,11 @@ class Brake(Part):
         return self
 
     @property
-    def lobes(self) -> tuple[Lobes, ...]:
+    def out_of_round_harmonics(self) -> tuple[Lobes, ...]:
         """Harmonics of a drum that is out of round; none for a plane."""
         return ()
 
-    def surface_off(self, theta: Floats) -> Floats | None:
+    def radial_deviation_of_surface(self, theta: Floats) -> Floats | None:
         """Radial deviation [m] of a drum that is out of round, at angles theta, same shape.
 
         It is positive where the surface lies outside its circle, and None for a round drum and for
@@ -344,13 +352,13 @@ class Brake(Part):
         return None
 
     @property
-    def other_direction(self) -> str:
+    def opposite_direction_of_motion(self) -> str:
         """The direction opposite to the direction of motion."""
         first, second = self.directions
-        return second if self.spin > 0 else first
+        return second if self.sign_of_motion > 0 else first
 
     @property
-    def spin(self) -> int:
+    def sign_of_motion(self) -> int:
         """Sense of the motion: +1 towards growing coordinates of the surface, else -1."""
         return 1 if self.direction == self.directions[0] else -1
 
@@ -360,9 +368,9 @@ class Brake(Part):
 
         It is positive towards growing coordinates of the surface.
         """
-        return self.friction * self.spin
+        return self.friction * self.sign_of_motion
 
-    def drag_on(self, shoe: Shoe) -> float:
+    def friction_per_pressure_on_shoe(self, shoe: Shoe) -> float:
         """Friction stress on the lining of a shoe per pressure at full slip.
 
         It is positive towards growing phi, the coordinate of the shoe's own frame.
@@ -375,36 +383,36 @@ class Brake(Part):
 
         It is None if the force on each shoe is known before the solve.
         """
-        return shares(self.actuation, self.links)
+        return reason_why_forces_are_shared(self.actuation, self.links)
 
-    def unmeshable(self) -> str | None:
+    def reason_why_not_meshable(self) -> str | None:
         """Why the shoes cannot be meshed by finite elements (missing data); None if they can."""
         for shoe in self.shoes:
             if shoe.lining.thickness is None or shoe.lining.material is None:
                 return f"shoe {shoe.name!r}: its lining has no thickness and material to mesh"
         return None
 
-    def check_meshable(self) -> None:
+    def check_shoes_can_be_meshed(self) -> None:
         """Raise BadInput if data are missing that finite elements need."""
-        reason = self.unmeshable()
+        reason = self.reason_why_not_meshable()
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
 
-    def unhinged(self) -> str | None:
+    def reason_why_not_all_shoes_hinged(self) -> str | None:
         """Why not every shoe turns about a hinge under a known force; None if every shoe does."""
         if self.shares:
             return self.shares
         for shoe in self.shoes:
-            if shoe.held_by != "hinge":
-                return f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}"
+            if shoe.kind_of_support != "hinge":
+                return f"shoe {shoe.name!r}: {MOVES[shoe.kind_of_support]}"
         return None
 
-    def check_hinged(self, what: str) -> None:
+    def check_all_shoes_are_hinged(self, what: str) -> None:
         """Raise BadInput unless every shoe turns about a hinge under a known force.
 
         `what` names the computation that needs it, for the message.
         """
-        reason = self.unhinged()
+        reason = self.reason_why_not_all_shoes_hinged()
         if reason is not None:
             raise BadInput(f"{what} takes shoes on hinges under forces of their own only: {reason}")
 

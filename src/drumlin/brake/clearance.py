@@ -21,7 +21,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
 from drumlin.brake.file import vary
 
-ROUND = 1e-9
+SLOPE_CHANGE_ROUND_OFF = 1e-9
 """Relative change of slope between two rows of a clearance table that counts as round-off.
 
 It is relative to the largest change of slope in the table. A larger change is a kink of the gap.
@@ -30,29 +30,29 @@ It is relative to the largest change of slope in the table. A larger change is a
 T = TypeVar("T")
 
 
-def gap(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
+def unloaded_gap_of_shoe(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
     """Gap [m] between a shoe's unloaded lining and the surface, with all misfits of both.
 
     `theta` are coordinates along the surface (angles on a drum); the result has their shape.
     """
     lining, misfit = shoe.lining, shoe.lining.misfit
-    total = lining.clearance_at(theta)
+    total = lining.clearance_at_coordinates(theta)
     # Each part of the misfit is computed only if it is not zero.
     if misfit.radius is not None or misfit.offset.radius > 0:
-        total = total + shoe.misfit_gap(theta, brake.size)
+        total = total + shoe.gap_due_to_lining_radius_and_offset(theta, brake.size)
     # The taper is the difference of the gaps at the two ends of the lining, linear in between.
     if misfit.taper:
         from_middle = shoe.frame.sense * (theta - lining.middle)
         total = total + misfit.taper * from_middle / (lining.end - lining.start)
     if misfit.blocks:
-        total = total + block_gap(lining, theta)
+        total = total + gap_due_to_block_heights(lining, theta)
     # Where the drum lies outside its circle, the gap of an internal lining is larger and that of an
     # external lining is smaller.
-    off = brake.surface_off(theta)
+    off = brake.radial_deviation_of_surface(theta)
     return total if off is None else total + shoe.sign * off
 
 
-def block_gap(lining: Lining, theta: Floats) -> Floats:
+def gap_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
     """Gap [m] due to the different heights of a lining's blocks, at coordinates theta, same shape.
 
     Each block stands back by its depth, and the gap changes smoothly over the length `step` from
@@ -67,15 +67,15 @@ def block_gap(lining: Lining, theta: Floats) -> Floats:
     return gap
 
 
-def kinks(lining: Lining) -> list[float]:
+def coordinates_of_gap_kinks(lining: Lining) -> list[float]:
     """Coordinates along the surface (angles on a drum) at which a lining's gap is not smooth.
 
     They are the rows of its clearance table and the ends of the rounded steps between its blocks.
     """
-    return [*table_kinks(lining), *step_kinks(lining)]
+    return [*coordinates_of_clearance_rows(lining), *coordinates_of_block_step_ends(lining)]
 
 
-def table_kinks(lining: Lining) -> list[float]:
+def coordinates_of_clearance_rows(lining: Lining) -> list[float]:
     """Coordinates (angles on a drum) of the rows of a lining's table of clearances.
 
     The clearance is linear between them. The list is empty if the clearance is a number.
@@ -83,26 +83,26 @@ def table_kinks(lining: Lining) -> list[float]:
     return [angle for angle, _ in lining.clearance] if isinstance(lining.clearance, tuple) else []
 
 
-def step_kinks(lining: Lining) -> list[float]:
+def coordinates_of_block_step_ends(lining: Lining) -> list[float]:
     """Coordinates (angles on a drum) where the rounded steps between blocks begin and end."""
     half = lining.step / 2
     return [begin + side for begin, _ in lining.misfit.blocks for side in (-half, half)]
 
 
-def tips(lining: Lining) -> list[tuple[float, float]]:
+def gap_kinks_that_point_to_drum(lining: Lining) -> list[tuple[float, float]]:
     """Kinks of a lining's gap that point to the drum; an elastic pressure is infinite at them.
 
     Each kink is a pair: its coordinate (an angle on a drum) and the change of the gap's slope
     there, in metres per unit of the coordinate.
     """
-    change = slope_changes(lining)
+    change = clearance_slope_changes(lining)
     # Where the slope of the gap grows abruptly, the lining has a convex edge towards the drum.
-    sharp = change > ROUND * np.abs(change).max(initial=0.0)
-    rows = zip(table_kinks(lining), change.tolist(), sharp, strict=True)
+    sharp = change > SLOPE_CHANGE_ROUND_OFF * np.abs(change).max(initial=0.0)
+    rows = zip(coordinates_of_clearance_rows(lining), change.tolist(), sharp, strict=True)
     return [(angle, slope) for angle, slope, is_sharp in rows if is_sharp]
 
 
-def slope_changes(lining: Lining) -> Floats:
+def clearance_slope_changes(lining: Lining) -> Floats:
     """Change of the clearance's slope at each row of a lining's clearance table, (n,).
 
     It is in metres per unit of the surface's coordinate (rad on a drum). The clearance is constant
@@ -115,7 +115,7 @@ def slope_changes(lining: Lining) -> Floats:
     return np.diff(np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]]))
 
 
-def thermal_growth(R: float, expansion: float, warming: float) -> float:
+def thermal_growth_of_drum_radius(R: float, expansion: float, warming: float) -> float:
     """Growth [m] of a drum's radius as the drum warms.
 
     It is the amplitude of a harmonic of order 0 in `Drum.out_of_round`.
@@ -129,7 +129,9 @@ def thermal_growth(R: float, expansion: float, warming: float) -> float:
     return expansion * warming * R
 
 
-def one_turn(brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float]) -> list[T]:
+def solve_at_drum_positions(
+    brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float]
+) -> list[T]:
     """Solve a brake for several angular positions of a drum that is out of round.
 
     Inertia is neglected, and the forces on the shoes are the same at each position.
@@ -148,7 +150,7 @@ def one_turn(brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float])
     return [solve(vary(brake, {"drum.angle": angle})) for angle in angles]
 
 
-def ground_to(brake: Brake, mismatch: float) -> dict[str, float]:
+def changes_grinding_linings_to_radius(brake: Brake, mismatch: float) -> dict[str, float]:
     """Changes for `vary` that grind every lining to the drum's radius plus `mismatch` [m].
 
     The result has the new radius [m] by the key of each lining's misfit.
@@ -158,17 +160,20 @@ def ground_to(brake: Brake, mismatch: float) -> dict[str, float]:
     }
 
 
-def set_off(brake: Brake, size: float) -> dict[str, float]:
+def changes_displacing_lining_circles(brake: Brake, size: float) -> dict[str, float]:
     """Changes for `vary` that displace the circle of every lining by `size` [m].
 
     The circle is displaced along the line from the drum's centre to the shoe's hinge, outwards. The
     result has the components of the offset [m] by their keys.
     """
-    slopes = [along_hinge(brake, i, "lining.misfit.offset") for i in range(len(brake.shoes))]
+    slopes = [
+        point_change_along_hinge_radius(brake, i, "lining.misfit.offset")
+        for i in range(len(brake.shoes))
+    ]
     return {key: size * slope for part in slopes for key, slope in part.items()}
 
 
-def along_hinge(brake: Brake, index: int, key: str) -> dict[str, float]:
+def point_change_along_hinge_radius(brake: Brake, index: int, key: str) -> dict[str, float]:
     """Change of a point's coordinates per metre along the line from drum centre to hinge.
 
     The point is that with the key `key` of shoe `index`, and the hinge is that of the same shoe.

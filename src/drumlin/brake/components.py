@@ -31,11 +31,11 @@ from drumlin.brake.fields import (
     Point,
     Rows,
     Thickness,
-    number_or_table,
+    interpolate_number_or_table,
     table,
-    value_at,
+    validator_of_number_or_table,
 )
-from drumlin.brake.units import SMALLEST, deg, mm
+from drumlin.brake.units import SMALLEST, deg_text, mm_text
 
 Friction = Annotated[
     float,
@@ -82,7 +82,7 @@ class Bonded(NamedTuple):
     GA: float
 
 
-def bonded(plates: Sequence[Section]) -> Bonded:
+def stiffnesses_of_bonded_plates(plates: Sequence[Section]) -> Bonded:
     """The stiffnesses of plates that are bonded to each other and bend as one beam.
 
     `plates` are the cross-sections in the order in which they lie on each other.
@@ -110,7 +110,7 @@ because plane stress depends only on its product with the width.
 """
 
 
-def _section(part: "Ring | Beam | Bar", EI: float | None) -> Section | None:
+def _section_with_bending_stiffness(part: "Ring | Beam | Bar", EI: float | None) -> Section | None:
     """The cross-section of a ring, a beam or an arc; None if it is unknown.
 
     If the bending stiffness `EI` [N m^2] is given, the width of the section is chosen to give it.
@@ -125,7 +125,7 @@ def _section(part: "Ring | Beam | Bar", EI: float | None) -> Section | None:
     return section._replace(width=section.width * EI / section.bending_stiffness)
 
 
-def _check_section(part: "Ring | Beam") -> None:
+def _check_section_or_stiffness_is_given(part: "Ring | Beam") -> None:
     """Raise ValueError unless a part has a complete cross-section or a bending stiffness.
 
     A cross-section is thickness, width and material. With a bending stiffness the part may also
@@ -159,17 +159,17 @@ class Ring(Part):
     support: Literal["fixed", "free"] = "fixed"
 
     @model_validator(mode="after")
-    def _check_whole_section(self) -> Self:
+    def _check_ring_section_is_known(self) -> Self:
         """Raise ValueError unless a complete cross-section or a bending stiffness is given."""
-        _check_section(self)
+        _check_section_or_stiffness_is_given(self)
         return self
 
     @property
-    def is_plain(self) -> bool:
+    def has_fixed_or_free_far_edge(self) -> bool:
         """Whether the ring's edge away from the shoes is simply fixed or free.
 
         Some models know no other support and refuse a ring that is not plain, see
-        `ring_support.plain_ring_only`.
+        `ring_support.reason_if_ring_support_is_not_plain`.
         """
         return self.support in PLAIN_SUPPORTS
 
@@ -179,7 +179,7 @@ class Ring(Part):
 
         It is None if the brake file has the bending stiffness but no thickness.
         """
-        return _section(self, self.bending_stiffness)
+        return _section_with_bending_stiffness(self, self.bending_stiffness)
 
     @property
     def EI(self) -> float:
@@ -217,10 +217,10 @@ class Drum(Part):
 # Types of quantities that are constant or given by a table: over the distance from the hinge for a
 # beam, over the angle for a lining.
 StiffnessAlong = Annotated[
-    float | Rows, number_or_table("distance", "m", "bending stiffness", "N m^2")
+    float | Rows, validator_of_number_or_table("distance", "m", "bending stiffness", "N m^2")
 ]
-OffsetAlong = Annotated[float | Rows, number_or_table("distance", "m", "offset", "m")]
-Clearance = Annotated[float | Rows, number_or_table("angle", "rad", "clearance", "m")]
+OffsetAlong = Annotated[float | Rows, validator_of_number_or_table("distance", "m", "offset", "m")]
+Clearance = Annotated[float | Rows, validator_of_number_or_table("angle", "rad", "clearance", "m")]
 
 
 LARGEST_MISFIT = 0.05
@@ -276,7 +276,7 @@ class Misfit(Part):
         sizes = {"offset": self.offset.radius, "taper": self.taper, "blocks": deepest}
         for name, size in sizes.items():
             if abs(size) > most:
-                raise ValueError(f"{key}.{name} = {mm(size)}: must be at most {allowed}")
+                raise ValueError(f"{key}.{name} = {mm_text(size)}: must be at most {allowed}")
         # Two rounded steps must not overlap or extend beyond an end of the lining.
         edges = [ends[0], *(place for place, _ in self.blocks), ends[1]]
         if self.blocks and min(b - a for a, b in pairwise(edges)) <= step:
@@ -322,9 +322,9 @@ class Lining(Part):
     def step(self) -> float:
         """Length of the rounded step between two blocks, in the surface's coordinate."""
 
-    def clearance_at(self, theta: Floats) -> Floats:
+    def clearance_at_coordinates(self, theta: Floats) -> Floats:
         """Clearance [m] without the misfit at the surface coordinates `theta`, same shape."""
-        return value_at(self.clearance, theta)
+        return interpolate_number_or_table(self.clearance, theta)
 
 
 class DrumLining(Lining):
@@ -349,11 +349,11 @@ class DrumLining(Lining):
         return ROUNDED_STEP
 
     @model_validator(mode="after")
-    def _check_ends(self) -> Self:
+    def _check_end_follows_start(self) -> Self:
         """Raise ValueError unless the lining's end follows its start within one turn."""
         if not 0 < self.end - self.start < 2 * math.pi:
             raise ValueError(
-                f"end = {deg(self.end)} must be greater than start = {deg(self.start)}, "
+                f"end = {deg_text(self.end)} must be greater than start = {deg_text(self.start)}, "
                 "by less than 360 deg"
             )
         return self
@@ -409,7 +409,7 @@ class Bar(Part):
         def end(self) -> float: ...
 
     @model_validator(mode="after")
-    def _check_section_and_table(self) -> Self:
+    def _check_bar_section_and_flange_width(self) -> Self:
         """Raise ValueError unless the section is known and the flange is as wide as the web."""
         if (self.width is None or self.material is None) and (
             self.bending_stiffness is None or self.width
@@ -422,8 +422,8 @@ class Bar(Part):
             )
         if self.table is not None and self.width is not None and self.table.width < self.width:
             raise ValueError(
-                f"table.width = {mm(self.table.width)}: must be at least "
-                f"width = {mm(self.width)}, the web's"
+                f"table.width = {mm_text(self.table.width)}: must be at least "
+                f"width = {mm_text(self.width)}, the web's"
             )
         return self
 
@@ -434,7 +434,7 @@ class Bar(Part):
         They are "table", the flange of a T-section if there is one, and "shoe", the web or the only
         rectangle. The order is from the friction surface into the shoe.
         """
-        own = _section(self, self.bending_stiffness)
+        own = _section_with_bending_stiffness(self, self.bending_stiffness)
         # The validator of the body has checked that the section is known.
         assert own is not None
         if self.table is None:
@@ -474,16 +474,16 @@ class Beam(Part):
     offset: OffsetAlong = 0.0
 
     @model_validator(mode="after")
-    def _check_section_and_tables(self) -> Self:
+    def _check_beam_section_and_tables(self) -> Self:
         """Raise ValueError for an incomplete section, EI <= 0, or an offset at the hinge."""
-        _check_section(self)
+        _check_section_or_stiffness_is_given(self)
         EI = self.bending_stiffness
         if EI is not None:
             values = [value for _, value in EI] if isinstance(EI, tuple) else [EI]
             if min(values) <= 0:
                 raise ValueError("bending_stiffness: must be greater than 0")
         # The neutral axis begins at the hinge, on the straight line.
-        if float(value_at(self.offset, np.zeros(1))[0]) != 0:
+        if float(interpolate_number_or_table(self.offset, np.zeros(1))[0]) != 0:
             raise ValueError(
                 "offset: must be a table that starts with 0 at the hinge, "
                 'such as [["0 m", "0 mm"], ...]'
@@ -498,7 +498,7 @@ class Beam(Part):
         bending stiffness but no thickness.
         """
         EI = self.bending_stiffness
-        return None if isinstance(EI, tuple) else _section(self, EI)
+        return None if isinstance(EI, tuple) else _section_with_bending_stiffness(self, EI)
 
     @property
     def plates(self) -> dict[str, Section]:
@@ -511,24 +511,24 @@ class Beam(Part):
         """Thickness of the beam [m]; 0 if it is unknown."""
         return self.thickness or 0.0
 
-    def bending_stiffness_at(self, x: Floats) -> Floats:
+    def bending_stiffness_at_distances(self, x: Floats) -> Floats:
         """Bending stiffness EI [N m^2] at the distances x [m] from the hinge, same shape."""
         if self.bending_stiffness is not None:
-            return value_at(self.bending_stiffness, x)
+            return interpolate_number_or_table(self.bending_stiffness, x)
         section = self.section
         # The validator of the beam has checked that the section is known.
         assert section is not None
         return np.full(np.shape(x), section.bending_stiffness)
 
-    def offset_at(self, x: Floats) -> Floats:
+    def neutral_axis_offset_at_distances(self, x: Floats) -> Floats:
         """Distance [m] of the neutral axis from the straight line, away from the drum.
 
         It is given at the distances x [m] from the hinge, with their shape.
         """
-        return value_at(self.offset, x)
+        return interpolate_number_or_table(self.offset, x)
 
 
-def _shape(data: object) -> str:
+def _shape_of_body_data(data: object) -> str:
     """The shape of a shoe body from its data: "beam", or "arc", which is the default."""
     if isinstance(data, Mapping):
         return str(data.get("shape", "arc"))
@@ -539,7 +539,7 @@ def _shape(data: object) -> str:
 AnyBody = Annotated[
     Annotated[ArcBody, Tag("arc")] | Annotated[Beam, Tag("beam")],
     Discriminator(
-        _shape,
+        _shape_of_body_data,
         custom_error_type="shape",
         custom_error_message='shape: must be "arc" (the default) or "beam"',
     ),
@@ -557,16 +557,16 @@ class Actuation(Part):
     point: Place
 
     @property
-    def direction_vector(self) -> Floats:
+    def unit_vector_of_force(self) -> Floats:
         """Unit vector (2,) in the direction of the force."""
         return np.array([math.cos(self.direction), math.sin(self.direction)])
 
     @property
-    def vector(self) -> Floats:
+    def force_vector(self) -> Floats:
         """The force on the shoe as a vector (2,) [N]."""
-        return self.force * self.direction_vector
+        return self.force * self.unit_vector_of_force
 
-    def moment_about(self, point: Point) -> float:
+    def moment_of_force_about_point(self, point: Point) -> float:
         """Moment [N m] of the actuation's force about a point, counter-clockwise positive."""
-        arm, force = self.point.xy - point.xy, self.vector
+        arm, force = self.point.xy - point.xy, self.force_vector
         return float(arm[0] * force[1] - arm[1] * force[0])

@@ -36,7 +36,7 @@ class Drive(Part):
     efficiency: Efficiency = 1.0
 
     @model_validator(mode="after")
-    def _check_given_keys(self) -> Self:
+    def _check_keys_of_cylinder_or_cam(self) -> Self:
         """Raise ValueError unless the given keys are those of a cylinder or of a cam."""
         keys = ("pressure", "diameter", "force", "torque", "radius")
         given = {key for key in keys if getattr(self, key) is not None}
@@ -76,7 +76,7 @@ class Link(Part):
     to: Name
 
 
-def driven(
+def shoes_with_forces_of_drive(
     shoes: tuple[Any, ...], drive: Drive | None, links: tuple[Link, ...], *, file: bool
 ) -> tuple[Any, ...]:
     """Return the shoes of a brake with the forces that its drive and its struts give them.
@@ -98,7 +98,7 @@ def driven(
         if shoes, drive and struts do not fit together
     """
     # The drive pushes the shoes that no strut pushes.
-    lines = _lines_of_links(shoes, links)
+    lines = _strut_actuations_by_shoe_index(shoes, links)
     pushed = [i for i in range(len(shoes)) if i not in lines]
     if drive is not None and drive.is_cam and len(pushed) != 2:
         raise ValueError(f"actuation: a cam moves two shoes, not {len(pushed)}")
@@ -109,12 +109,14 @@ def driven(
                 raise ValueError(f"shoe[{i}].actuation: a strut pushes this shoe; leave it out")
             actuation = lines[i]
         else:
-            actuation = _own_actuation(f"shoe[{i}].actuation", shoe, drive, file)
+            actuation = _actuation_of_shoe_without_strut(f"shoe[{i}].actuation", shoe, drive, file)
         found.append(shoe.model_copy(update={"actuation": actuation}))
     return tuple(found)
 
 
-def _lines_of_links(shoes: tuple[Any, ...], links: tuple[Link, ...]) -> dict[int, Actuation]:
+def _strut_actuations_by_shoe_index(
+    shoes: tuple[Any, ...], links: tuple[Link, ...]
+) -> dict[int, Actuation]:
     """Actuation without force along the line of each strut, by the index of the pushed shoe.
 
     Raises ValueError for a strut that names no shoe of the brake or does not fit its shoes.
@@ -129,11 +131,13 @@ def _lines_of_links(shoes: tuple[Any, ...], links: tuple[Link, ...]) -> dict[int
                     f"link[{k}].{key} = {name!r}: must be the name of a shoe: {', '.join(places)}"
                 )
         source = shoes[places[link.source]]
-        lines[places[link.to]] = _line_of_link(f"link[{k}]", source, link, links[:k])
+        lines[places[link.to]] = _actuation_along_strut(f"link[{k}]", source, link, links[:k])
     return lines
 
 
-def _own_actuation(key: str, shoe: Any, drive: Drive | None, file: bool) -> Actuation:
+def _actuation_of_shoe_without_strut(
+    key: str, shoe: Any, drive: Drive | None, file: bool
+) -> Actuation:
     """Actuation of a shoe that no strut pushes, with the force of the drive if there is a drive.
 
     Raises ValueError if the force is missing, or if a file gives it besides the drive.
@@ -160,7 +164,9 @@ def _own_actuation(key: str, shoe: Any, drive: Drive | None, file: bool) -> Actu
     return own.model_copy(update={"force": share})
 
 
-def _line_of_link(key: str, source: Held, link: Link, before: tuple[Link, ...]) -> Actuation:
+def _actuation_along_strut(
+    key: str, source: Held, link: Link, before: tuple[Link, ...]
+) -> Actuation:
     """Actuation of the shoe that a strut pushes: the strut's line of action, with the force 0.
 
     Raises ValueError if the strut does not fit its shoes or to the other struts.
@@ -197,7 +203,7 @@ def _line_of_link(key: str, source: Held, link: Link, before: tuple[Link, ...]) 
     )
 
 
-def shares(drive: Drive | None, links: tuple[Link, ...]) -> str | None:
+def reason_why_forces_are_shared(drive: Drive | None, links: tuple[Link, ...]) -> str | None:
     """Text for an error message that a cam or a strut divides a force among the shoes.
 
     It is None if the force on each shoe is known before the solve.

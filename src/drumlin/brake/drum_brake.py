@@ -15,8 +15,8 @@ from pydantic import (
     model_validator,
 )
 
-from drumlin.base.arrays import Floats, angle_near
-from drumlin.brake.beam_axis import axis_of
+from drumlin.base.arrays import Floats, polar_angles_near_given_angle
+from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (
     LARGEST_MISFIT,
@@ -32,12 +32,12 @@ from drumlin.brake.components import (
     Ring,
     Table,
 )
-from drumlin.brake.drive import Drive, Link, driven
-from drumlin.brake.fields import Point, Title, check_names
-from drumlin.brake.off_circle import circle_gap, off_circle
-from drumlin.brake.support import Held, check_motions
+from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive
+from drumlin.brake.fields import Point, Title, check_shoe_names_differ
+from drumlin.brake.off_circle import gap_of_lining_ground_to_circle, radial_deviation_of_drum
+from drumlin.brake.support import Held, check_motions_close_gap_differently
 from drumlin.brake.surface import DRUM
-from drumlin.brake.units import deg, mm
+from drumlin.brake.units import deg_text, mm_text
 
 
 class DrumShoe(Shoe):
@@ -59,17 +59,17 @@ class DrumShoe(Shoe):
         return ShoeFrame(middle - offset, sense)
 
     @property
-    def own_pin(self) -> Floats:
+    def pin_in_shoe_frame(self) -> Floats:
         """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
         return np.array([self.pin.radius, 0.0])
 
-    def own_points(self, xy: Floats) -> Floats:
+    def convert_points_to_shoe_frame(self, xy: Floats) -> Floats:
         """Convert points (..., 2) [m] from the frame of the brake to the frame of the shoe."""
-        return self.frame.to_shoe(xy)
+        return self.frame.convert_to_shoe_frame(xy)
 
     def points(self, xy: Floats) -> Floats:
         """Convert points (2, n) [m] from the frame of the shoe to the frame of the brake."""
-        return np.asarray(self.frame.to_brake(xy.T).T)
+        return np.asarray(self.frame.convert_to_brake_frame(xy.T).T)
 
     def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
         """Points (2, ...) [m] at a depth behind the friction surface and at angles phi.
@@ -93,14 +93,14 @@ class DrumShoe(Shoe):
         """
         return self.sign * (size - np.hypot(*xy))
 
-    def phi_of(self, xy: Floats, size: float) -> Floats:
+    def phi_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
         """Polar angles [rad] of points (2, ...) [m], within half a turn of the lining's middle.
 
         Points and angles are in the frame of the shoe.
         """
-        return angle_near(0.5 * sum(self.arc), xy)
+        return polar_angles_near_given_angle(0.5 * sum(self.arc), xy)
 
-    def place_of(self, point: Point) -> float:
+    def surface_coordinate_of_point(self, point: Point) -> float:
         """Polar angle [rad] of a point, plus the whole turns that bring it near the lining."""
         return self.surface.nearest(point.angle, self.lining.middle)
 
@@ -116,10 +116,12 @@ class DrumShoe(Shoe):
         """
         return self.lining.middle + (self.sign < 0) * math.pi
 
-    def misfit_gap(self, theta: Floats, size: float) -> Floats:
+    def gap_due_to_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a lining that is ground to a circle, at the angles theta [rad], same shape."""
         misfit = self.lining.misfit
-        return circle_gap(size, misfit.radius, misfit.offset, self.lining.middle, self.sign, theta)
+        return gap_of_lining_ground_to_circle(
+            size, misfit.radius, misfit.offset, self.lining.middle, self.sign, theta
+        )
 
 
 class DrumBrake(Brake):
@@ -152,11 +154,11 @@ class DrumBrake(Brake):
         """The elastic ring of the drum; None for a rigid drum."""
         return self.drum.ring
 
-    def reversed(self) -> Self:
+    def brake_with_reversed_motion(self) -> Self:
         """A copy of the brake whose drum turns in the opposite direction."""
-        return self.model_copy(update={"rotation": self.other_direction})
+        return self.model_copy(update={"rotation": self.opposite_direction_of_motion})
 
-    def bare(self) -> Self:
+    def brake_reduced_to_stiffness_data(self) -> Self:
         """The brake reduced to data that change the condensed stiffness of its shoes and ring.
 
         Title, rotation and the deviation of the drum from its circle get fixed values, a friction
@@ -172,7 +174,7 @@ class DrumBrake(Brake):
         }
         return self.model_copy(update=changes)
 
-    def without_ring(self) -> Self:
+    def brake_without_ring(self) -> Self:
         """A copy of the brake with a rigid drum."""
         return self.model_copy(update={"drum": self.drum.model_copy(update={"ring": None})})
 
@@ -181,61 +183,61 @@ class DrumBrake(Brake):
         return self.model_copy(update={"drum": self.drum.model_copy(update={"out_of_round": ()})})
 
     @property
-    def lobes(self) -> tuple[Lobes, ...]:
+    def out_of_round_harmonics(self) -> tuple[Lobes, ...]:
         """Harmonics of the deviation of the drum's surface from its circle."""
         return self.drum.out_of_round
 
-    def surface_off(self, theta: Floats) -> Floats | None:
+    def radial_deviation_of_surface(self, theta: Floats) -> Floats | None:
         """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
 
         It is positive where the surface lies outside its circle, and None for a round drum.
         """
-        return off_circle(self.drum, theta) if self.drum.out_of_round else None
+        return radial_deviation_of_drum(self.drum, theta) if self.drum.out_of_round else None
 
     @model_validator(mode="after")
-    def _check_and_drive_shoes(self, info: ValidationInfo) -> Self:
+    def _check_shoes_and_set_drive_forces(self, info: ValidationInfo) -> Self:
         """Check drum and shoes, and give the shoes the forces of the drive and of the struts.
 
         Returns the brake with these forces. Raises ValueError if the parts do not fit together.
         """
-        check_names([shoe.name for shoe in self.shoes])
+        check_shoe_names_differ([shoe.name for shoe in self.shoes])
         # Only data of a file must have units: this tells them from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
-        shoes = driven(self.shoes, self.actuation, self.links, file=from_file)
-        _check_thickness("drum.ring", self.drum.ring, self.drum.radius)
-        _check_round(self.drum)
+        shoes = shoes_with_forces_of_drive(self.shoes, self.actuation, self.links, file=from_file)
+        _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)
+        _check_drum_is_round_enough(self.drum)
         for i, shoe in enumerate(shoes):
-            _check_shoe(f"shoe[{i}]", shoe, self.drum.radius)
-            _check_misfit(f"shoe[{i}].lining.misfit", shoe.lining, self.drum.radius)
+            _check_shoe_fits_drum(f"shoe[{i}]", shoe, self.drum.radius)
+            _check_lining_misfit_is_small(f"shoe[{i}].lining.misfit", shoe.lining, self.drum.radius)
         return self.model_copy(update={"shoes": shoes})
 
 
-def _check_round(drum: Drum) -> None:
+def _check_drum_is_round_enough(drum: Drum) -> None:
     """Raise ValueError if a drum is out of round by more than LARGEST_MISFIT times its radius."""
     # In the worst case the amplitudes of all harmonics add up at some angle.
     off = sum(abs(lobes.amplitude) for lobes in drum.out_of_round)
     most = LARGEST_MISFIT * drum.radius
     if off > most:
         raise ValueError(
-            f"drum.out_of_round = {mm(off)} in all: "
-            f"must be at most {LARGEST_MISFIT:g} R = {mm(most)}"
+            f"drum.out_of_round = {mm_text(off)} in all: "
+            f"must be at most {LARGEST_MISFIT:g} R = {mm_text(most)}"
         )
 
 
-def _check_misfit(key: str, lining: DrumLining, radius: float) -> None:
+def _check_lining_misfit_is_small(key: str, lining: DrumLining, radius: float) -> None:
     """Raise ValueError if a lining's misfit is too large, or its blocks are not on the lining.
 
     `radius` [m] is that of the drum, to which the largest misfit is proportional. `key` is the key
     of the misfit in the message.
     """
     misfit, most = lining.misfit, LARGEST_MISFIT * radius
-    allowed = f"{LARGEST_MISFIT:g} R = {mm(most)}"
+    allowed = f"{LARGEST_MISFIT:g} R = {mm_text(most)}"
     if misfit.radius is not None and abs(misfit.radius - radius) > most:
         raise ValueError(
-            f"{key}.radius = {mm(misfit.radius)}: "
-            f"must be within {allowed} of drum.radius = {mm(radius)}"
+            f"{key}.radius = {mm_text(misfit.radius)}: "
+            f"must be within {allowed} of drum.radius = {mm_text(radius)}"
         )
-    misfit.check(key, (lining.start, lining.end), lining.step, deg, most, allowed)
+    misfit.check(key, (lining.start, lining.end), lining.step, deg_text, most, allowed)
 
 
 THINNEST = 1e-9
@@ -245,61 +247,61 @@ A thinner layer is refused, because round-off would distort its finite elements.
 """
 
 
-def _check_thickness(
+def _check_part_is_thick_enough(
     key: str, part: "DrumLining | Backing | ArcBody | Beam | Ring | Table | None", radius: float
 ) -> None:
     """Raise ValueError for a part thinner than THINNEST times the drum's radius [m]."""
     thickness = None if part is None else part.thickness
     if thickness is not None and thickness < THINNEST * radius:
         raise ValueError(
-            f"{key}.thickness = {mm(thickness)}: "
-            f"must be at least {THINNEST:g} of drum.radius = {mm(radius)}"
+            f"{key}.thickness = {mm_text(thickness)}: "
+            f"must be at least {THINNEST:g} of drum.radius = {mm_text(radius)}"
         )
 
 
-def _check_shoe(key: str, shoe: DrumShoe, radius: float) -> None:
+def _check_shoe_fits_drum(key: str, shoe: DrumShoe, radius: float) -> None:
     """Raise ValueError if parts of a shoe do not fit each other or a drum of this radius [m]."""
     table = shoe.body.table if isinstance(shoe.body, ArcBody) else None
     parts = {"lining": shoe.lining, "backing": shoe.backing, "body": shoe.body, "body.table": table}
     for name, part in parts.items():
-        _check_thickness(f"{key}.{name}", part, radius)
+        _check_part_is_thick_enough(f"{key}.{name}", part, radius)
     if shoe.hinge is not None and shoe.hinge.radius < 1e-9 * radius:
         raise ValueError(
             f"{key}.hinge = (0, 0): must not be the drum's centre, "
             "about which the shoe would only slide"
         )
-    check_grip(key, shoe)
-    _check_support(key, shoe, radius)
+    check_abutment_has_no_grip(key, shoe)
+    _check_support_lets_shoe_press(key, shoe, radius)
     # The layers of an internal shoe must end before the drum's centre.
     if shoe.sign > 0 and shoe.depth >= radius:
         raise ValueError(
-            f"{key}: lining, backing and body are {mm(shoe.depth)} thick together; "
-            f"must be less than drum.radius = {mm(radius)}"
+            f"{key}: lining, backing and body are {mm_text(shoe.depth)} thick together; "
+            f"must be less than drum.radius = {mm_text(radius)}"
         )
     if isinstance(shoe.body, Beam):
-        _check_beam(key, shoe, radius)
+        _check_beam_fits_outside_drum(key, shoe, radius)
     if isinstance(shoe.body, ArcBody):
-        _check_arc(key, shoe.body, shoe.lining)
+        _check_arc_carries_lining(key, shoe.body, shoe.lining)
 
 
-def _check_arc(key: str, body: ArcBody, lining: DrumLining) -> None:
+def _check_arc_carries_lining(key: str, body: ArcBody, lining: DrumLining) -> None:
     """Raise ValueError if an arc body has no length, or if its lining extends beyond it."""
     if not 0 < body.end - body.start < 2 * math.pi:
         raise ValueError(
-            f"{key}.body.end = {deg(body.end)}: must be greater than body.start = "
-            f"{deg(body.start)}, "
+            f"{key}.body.end = {deg_text(body.end)}: must be greater than body.start = "
+            f"{deg_text(body.start)}, "
             "by less than 360 deg"
         )
     # Angles that a file gives in degrees may differ by round-off.
     slack = 1e-9  # rad
     if lining.start < body.start - slack or lining.end > body.end + slack:
         raise ValueError(
-            f"{key}.lining = {deg(lining.start)} to {deg(lining.end)}: "
-            f"must lie within the body, {deg(body.start)} to {deg(body.end)}"
+            f"{key}.lining = {deg_text(lining.start)} to {deg_text(lining.end)}: "
+            f"must lie within the body, {deg_text(body.start)} to {deg_text(body.end)}"
         )
 
 
-def check_grip(key: str, shoe: Held) -> None:
+def check_abutment_has_no_grip(key: str, shoe: Held) -> None:
     """Raise ValueError if a shoe on an abutment has a `grip`, which only other supports use.
 
     An abutment holds the end face of the shoe's body, and a grip is a length of its back.
@@ -307,40 +309,40 @@ def check_grip(key: str, shoe: Held) -> None:
     body = getattr(shoe, "body", None)
     if shoe.abutment is not None and isinstance(body, Bar) and body.grip is not None:
         raise ValueError(
-            f"{key}.body.grip = {mm(body.grip)}: "
+            f"{key}.body.grip = {mm_text(body.grip)}: "
             "an abutment holds the body's end face; leave it out"
         )
 
 
-def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
+def _check_beam_fits_outside_drum(key: str, shoe: DrumShoe, radius: float) -> None:
     """Raise ValueError if a straight shoe beam does not fit outside a drum of this radius [m]."""
     shown = f'{key}.body.shape = "beam"'
-    if shoe.sign > 0 or shoe.held_by != "hinge":
+    if shoe.sign > 0 or shoe.kind_of_support != "hinge":
         raise ValueError(f"{shown}: only for an external shoe that turns about its hinge")
     if math.dist(shoe.actuation.point.xy, shoe.pin.xy) < 1e-6 * radius:
         raise ValueError(
             f"{shown}: the actuation's point is the beam's loaded end and must not be the hinge"
         )
     # The axis of the beam, from the hinge to the point of actuation, must pass outside the drum.
-    axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
+    axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     if axis.distance <= radius:
         raise ValueError(
             f"{shown}: the line from the hinge to the actuation's point passes "
-            f"{mm(axis.distance)} from the drum's centre; must be more than drum.radius = "
-            f"{mm(radius)}"
+            f"{mm_text(axis.distance)} from the drum's centre; must be more than drum.radius = "
+            f"{mm_text(radius)}"
         )
     # The rays from the drum's centre through the lining's ends must meet the beam.
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
     x = axis.foot + radius * np.sin(ends)
     if np.abs(ends).max() >= 0.5 * math.pi or x.min() < 0 or x.max() > axis.length:
         raise ValueError(
-            f"{key}.lining = {deg(shoe.lining.start)} to {deg(shoe.lining.end)}: "
+            f"{key}.lining = {deg_text(shoe.lining.start)} to {deg_text(shoe.lining.end)}: "
             "must lie between the beam's ends and less than 90 deg from where the beam is "
             "nearest to the drum"
         )
 
 
-def _check_support(key: str, shoe: DrumShoe, radius: float) -> None:
+def _check_support_lets_shoe_press(key: str, shoe: DrumShoe, radius: float) -> None:
     """Raise ValueError if the support of a shoe does not let it press on the drum.
 
     A guide must lead the lining to the drum. Abutment and pivot must not lie at the drum's centre,
@@ -350,15 +352,15 @@ def _check_support(key: str, shoe: DrumShoe, radius: float) -> None:
         # This is the component of the guide's direction along the lining's outward normal.
         away = shoe.sign * math.cos(shoe.guide.direction - shoe.lining.middle)
         if away <= 0:
-            shown = f"{key}.guide.direction = {deg(shoe.guide.direction)}"
+            shown = f"{key}.guide.direction = {deg_text(shoe.guide.direction)}"
             raise ValueError(f"{shown}: must lead the middle of the lining towards the drum")
     if shoe.abutment is not None and shoe.abutment.point.radius < 1e-9 * radius:
         raise ValueError(f"{key}.abutment.point = (0, 0): must not be the drum's centre")
     # On a drum displacements close the gap, a turn about the drum's centre does not.
     if shoe.pivot is None:
-        check_motions(key, shoe, slice(0, 2))
+        check_motions_close_gap_differently(key, shoe, slice(0, 2))
         return
-    shown = f"{key}.pivot = ({mm(shoe.pivot.x)}, {mm(shoe.pivot.y)})"
+    shown = f"{key}.pivot = ({mm_text(shoe.pivot.x)}, {mm_text(shoe.pivot.y)})"
     if shoe.pivot.radius < 1e-9 * radius:
         raise ValueError(
             f"{shown}: must not be the drum's centre, about which the shoe would only slide"
@@ -367,4 +369,4 @@ def _check_support(key: str, shoe: DrumShoe, radius: float) -> None:
         raise ValueError(
             f"{shown}: must not be the hinge; leave it out for a shoe that turns about its hinge"
         )
-    check_motions(key, shoe, slice(0, 2))
+    check_motions_close_gap_differently(key, shoe, slice(0, 2))

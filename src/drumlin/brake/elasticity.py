@@ -23,7 +23,7 @@ Round-off causes differences of some 1e-16 in isotropic materials.
 """
 
 
-def elasticity_matrix(material: AnyMaterial) -> Floats:
+def plane_stress_elasticity_matrix(material: AnyMaterial) -> Floats:
     """Elasticity matrix (3, 3) [Pa] of a material in plane stress, in the axes of its layer.
 
     It is the inverse of the compliance matrix, with the entries 1/E_along, 1/E_through and
@@ -65,7 +65,7 @@ class ElasticLayer(NamedTuple):
 
     Attributes
     ----------
-    elasticity : (3, 3), the `elasticity_matrix` [Pa]; (6, 6) for a solid
+    elasticity : (3, 3), the `plane_stress_elasticity_matrix` [Pa]; (6, 6) for a solid
     width : width across the plane of the brake [m]; a factor without unit for a solid
     along : (2,), direction of a straight layer; None for a layer that is an arc about the drum's
         centre, which is the origin
@@ -78,7 +78,7 @@ class ElasticLayer(NamedTuple):
     @classmethod
     def of(cls, material: AnyMaterial, width: float, along: Floats | None = None) -> "ElasticLayer":
         """Make a layer of this material and width [m] in plane stress; `along` as of the class."""
-        return cls(elasticity_matrix(material), width, along)
+        return cls(plane_stress_elasticity_matrix(material), width, along)
 
     @property
     def stiffness(self) -> Floats:
@@ -97,7 +97,7 @@ class ElasticLayer(NamedTuple):
         return np.broadcast_to(straight.astype(points.dtype), points.shape)
 
 
-def stiffer_along_and_through(elasticity: Any) -> Any:
+def excess_stiffness_over_isotropic(elasticity: Any) -> Any:
     """Excess of D_11 and D_22 over D_12 + 2 D_33 in elasticity matrices D (..., 3, 3).
 
     The result (..., 2) [Pa] measures how far the material is from isotropic; it is 0 for isotropic
@@ -110,6 +110,6 @@ def stiffer_along_and_through(elasticity: Any) -> Any:
     return np.where(np.abs(found) > round_off, found, 0.0)
 
 
-def has_directions(elasticity: Floats) -> Bools:
+def is_elasticity_matrix_orthotropic(elasticity: Floats) -> Bools:
     """Whether each elasticity matrix of an array (..., 3, 3) is not isotropic; shape (...)."""
-    return np.asarray(stiffer_along_and_through(elasticity).any(axis=-1))
+    return np.asarray(excess_stiffness_over_isotropic(elasticity).any(axis=-1))

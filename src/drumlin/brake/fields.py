@@ -25,11 +25,11 @@ from pydantic import (
 )
 
 from drumlin.base.arrays import Floats
-from drumlin.base.texts import nearest
-from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, to_si
+from drumlin.base.texts import did_you_mean_hint
+from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, quantity_in_si
 
 
-def _in_si(value: object, info: ValidationInfo, si: str, key: str = "") -> float:
+def _quantity_in_si(value: object, info: ValidationInfo, si: str, key: str = "") -> float:
     """Convert a quantity to a number in SI units. Raises ValueError for anything else.
 
     Parameters
@@ -41,17 +41,17 @@ def _in_si(value: object, info: ValidationInfo, si: str, key: str = "") -> float
     """
     try:
         unit_required = bool(info.context and info.context.get("unit_required"))
-        return to_si(value, si, unit_required=unit_required)
+        return quantity_in_si(value, si, unit_required=unit_required)
     except ValueError as error:
         raise ValueError(f"{key} = {value!r} {error}" if key else str(error)) from error
 
 
-def _quantity(si: str) -> BeforeValidator:
+def _validator_of_quantity(si: str) -> BeforeValidator:
     """Make the pydantic validator that converts a quantity to this SI unit."""
-    return BeforeValidator(partial(_in_si, si=si))
+    return BeforeValidator(partial(_quantity_in_si, si=si))
 
 
-def _one_line(text: str) -> str:
+def _check_title_is_one_line(text: str) -> str:
     """Return the text of a title; ValueError unless it is one printable line without $.
 
     Titles head figures, in which matplotlib would read $ as the beginning of a formula.
@@ -61,7 +61,7 @@ def _one_line(text: str) -> str:
     return text
 
 
-def _name(text: str) -> str:
+def _check_name_has_allowed_characters(text: str) -> str:
     """Return the name of a shoe or of a mesh group; ValueError for characters that are not allowed.
 
     Files are named after shoes. The name "all" is reserved for the whole brake in tables.
@@ -74,7 +74,7 @@ def _name(text: str) -> str:
     return text
 
 
-def check_names(names: Sequence[str]) -> None:
+def check_shoe_names_differ(names: Sequence[str]) -> None:
     """Raise ValueError if two shoes have the same name, apart from case and spaces.
 
     The files that are named after these shoes would overwrite each other.
@@ -86,15 +86,17 @@ def check_names(names: Sequence[str]) -> None:
 
 
 # Types of the quantities of a brake file: each converts a text with a unit to a number in SI units.
-Length = Annotated[float, _quantity("m")]
-Thickness = Annotated[float, Field(gt=0), _quantity("m")]
-Angle = Annotated[float, _quantity("rad")]
-Force = Annotated[float, _quantity("N")]
-Torque = Annotated[float, _quantity("N m")]
-Modulus = Annotated[float, Field(gt=0), _quantity("Pa")]
-BendingStiffness = Annotated[float, Field(gt=0), _quantity("N m^2")]
-Title = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_one_line)]
-Name = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_name)]
+Length = Annotated[float, _validator_of_quantity("m")]
+Thickness = Annotated[float, Field(gt=0), _validator_of_quantity("m")]
+Angle = Annotated[float, _validator_of_quantity("rad")]
+Force = Annotated[float, _validator_of_quantity("N")]
+Torque = Annotated[float, _validator_of_quantity("N m")]
+Modulus = Annotated[float, Field(gt=0), _validator_of_quantity("Pa")]
+BendingStiffness = Annotated[float, Field(gt=0), _validator_of_quantity("N m^2")]
+Title = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_check_title_is_one_line)]
+Name = Annotated[
+    str, Field(min_length=1, max_length=80), AfterValidator(_check_name_has_allowed_characters)
+]
 
 
 class Part(BaseModel):
@@ -106,14 +108,14 @@ class Part(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _refuse_unknown_keys(cls, data: object) -> object:
+    def _check_keys_are_known(cls, data: object) -> object:
         """Return the data unchanged; ValueError if they have a key that the part does not have."""
         # A file may use the alias of a field, such as `shoe` for the field `shoes`.
         allowed = [field.alias or name for name, field in cls.model_fields.items()]
         if isinstance(data, Mapping):
             for key in data:
                 if key not in allowed and key not in cls.model_fields:
-                    meant = nearest(str(key), allowed)
+                    meant = did_you_mean_hint(str(key), allowed)
                     raise ValueError(f"unknown key {key!r}{meant}; allowed: {', '.join(allowed)}")
         elif not isinstance(data, Part):
             raise ValueError(f"must be a table with keys of {', '.join(allowed)}")
@@ -207,9 +209,9 @@ class Orthotropic(Part):
     nu_through_across: PoissonRatio | None = None
 
     @model_validator(mode="after")
-    def _check_positive_definite(self) -> Self:
+    def _check_strain_energy_is_positive(self) -> Self:
         """Raise ValueError for constants by which some strain would have no positive energy."""
-        _check_ratio(
+        _check_poisson_ratio_is_small_enough(
             "nu_along_through",
             self.nu_along_through,
             self.E_along,
@@ -232,7 +234,7 @@ class Orthotropic(Part):
             and self.nu_along_across is not None
             and self.nu_through_across is not None
         )
-        _check_ratio(
+        _check_poisson_ratio_is_small_enough(
             "nu_along_across",
             self.nu_along_across,
             self.E_along,
@@ -240,7 +242,7 @@ class Orthotropic(Part):
             ("along", "across"),
         )
         # The third Poisson's ratio is limited by the two others, see the strain energy.
-        low, high = self._nu_through_across_allowed(self.E_across, self.nu_along_across)
+        low, high = self._bounds_of_nu_through_across(self.E_across, self.nu_along_across)
         if not low < self.nu_through_across < high:
             raise ValueError(
                 f"nu_through_across = {self.nu_through_across:g}: must be greater than {low:.6g} "
@@ -248,7 +250,7 @@ class Orthotropic(Part):
             )
         return self
 
-    def _nu_through_across_allowed(
+    def _bounds_of_nu_through_across(
         self, E_across: float, nu_along_across: float
     ) -> tuple[float, float]:
         """Lower and upper bound of nu_through_across, between which the strain energy is positive.
@@ -285,7 +287,9 @@ class Orthotropic(Part):
         return {key: value for key in keys if (value := getattr(self, key)) is not None}
 
 
-def _check_ratio(key: str, nu: float, E: float, other: float, names: tuple[str, str]) -> None:
+def _check_poisson_ratio_is_small_enough(
+    key: str, nu: float, E: float, other: float, names: tuple[str, str]
+) -> None:
     """Raise ValueError if a Poisson's ratio is too large for a positive strain energy.
 
     Its square must be less than the ratio of the two Young's moduli.
@@ -305,7 +309,7 @@ def _check_ratio(key: str, nu: float, E: float, other: float, names: tuple[str, 
         )
 
 
-def _kind_of_material(data: object) -> str:
+def _kind_of_material_data(data: object) -> str:
     """Tell whether data are those of an "isotropic" or of an "orthotropic" material.
 
     The data are orthotropic if they have a key that only an orthotropic material has.
@@ -318,7 +322,7 @@ def _kind_of_material(data: object) -> str:
 # The keys of a material tell whether it is read as isotropic or as orthotropic.
 AnyMaterial = Annotated[
     Annotated[Material, Tag("isotropic")] | Annotated[Orthotropic, Tag("orthotropic")],
-    Discriminator(_kind_of_material),
+    Discriminator(_kind_of_material_data),
 ]
 
 
@@ -344,7 +348,7 @@ class Point(Part):
         return math.atan2(self.y, self.x)
 
 
-def _from_polar(data: object, info: ValidationInfo) -> object:
+def _point_from_polar_coordinates(data: object, info: ValidationInfo) -> object:
     """Convert a point given in polar coordinates { radius, angle } to a `Point`.
 
     Data without these keys are returned unchanged. Raises ValueError for other keys besides, and
@@ -355,21 +359,21 @@ def _from_polar(data: object, info: ValidationInfo) -> object:
     if set(data) != {"radius", "angle"}:
         raise ValueError("must be { radius = ..., angle = ... } or { x = ..., y = ... }")
     # A negative radius would silently put the point on the other side of the centre.
-    radius = _in_si(data["radius"], info, "m", "radius")
+    radius = _quantity_in_si(data["radius"], info, "m", "radius")
     if radius < 0:
         raise ValueError(f"radius = {data['radius']!r} must not be negative")
-    angle = _in_si(data["angle"], info, "rad", "angle")
+    angle = _quantity_in_si(data["angle"], info, "rad", "angle")
     return Point(x=radius * math.cos(angle), y=radius * math.sin(angle))
 
 
-Place = Annotated[Point, BeforeValidator(_from_polar)]
+Place = Annotated[Point, BeforeValidator(_point_from_polar_coordinates)]
 """The type of a point that a brake file gives by { x, y } or by { radius, angle }."""
 
 Rows = tuple[tuple[float, float], ...]
 """The type of a table of rows (coordinate, value), between which values are interpolated."""
 
 
-def number_or_table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
+def validator_of_number_or_table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
     """Make the validator of a quantity that is constant or varies along a coordinate.
 
     It takes a number, or a table of rows (coordinate, value) with linear interpolation between the
@@ -380,29 +384,29 @@ def number_or_table(place: str, place_si: str, name: str, si: str) -> BeforeVali
     place, place_si : word for the coordinate in error messages, and its SI unit
     name, si : word for the value in error messages, and its SI unit
     """
-    read = partial(_number_or_rows, si=si, place=place, name=name, row=(place_si, si))
+    read = partial(_read_number_or_table, si=si, place=place, name=name, row=(place_si, si))
     return BeforeValidator(read)
 
 
 def table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
     """Make the validator of a table of rows (coordinate, value) with growing coordinates.
 
-    The parameters are those of `number_or_table`.
+    The parameters are those of `validator_of_number_or_table`.
     """
-    return BeforeValidator(partial(_rows, place=place, name=name, row=(place_si, si)))
+    return BeforeValidator(partial(_read_table_rows, place=place, name=name, row=(place_si, si)))
 
 
-def _number_or_rows(
+def _read_number_or_table(
     value: object, info: ValidationInfo, *, si: str, place: str, name: str, row: tuple[str, str]
 ) -> float | Rows:
     """Convert a number, or a table of rows (coordinate, value), to SI units.
 
     Raises ValueError for other data and for a table of fewer than two rows. The parameters are
-    those of `_rows`; `si` is the SI unit of a number that stands in place of the table.
+    those of `_read_table_rows`; `si` is the SI unit of a number that stands in place of the table.
     """
     if not isinstance(value, list | tuple):
-        return _in_si(value, info, si)
-    rows = _rows(
+        return _quantity_in_si(value, info, si)
+    rows = _read_table_rows(
         value, info, place=place, name=name, row=row, kinds=f"{QUANTITY_NAMES[si]} or rows"
     )
     if len(rows) < 2:
@@ -410,7 +414,7 @@ def _number_or_rows(
     return rows
 
 
-def _rows(
+def _read_table_rows(
     value: object,
     info: ValidationInfo,
     *,
@@ -436,8 +440,8 @@ def _rows(
     for item in items:
         if not isinstance(item, list | tuple) or len(item) != 2:
             raise ValueError(f'must be {kinds} like ["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]')
-        coordinate = _in_si(item[0], info, row[0], place)
-        rows.append((coordinate, _in_si(item[1], info, row[1], name)))
+        coordinate = _quantity_in_si(item[0], info, row[0], place)
+        rows.append((coordinate, _quantity_in_si(item[1], info, row[1], name)))
     # Interpolation between the rows needs coordinates that grow from row to row.
     for k in range(1, len(rows)):
         if rows[k][0] <= rows[k - 1][0]:
@@ -447,22 +451,22 @@ def _rows(
     return tuple(rows)
 
 
-def unit_in(annotation: Any) -> str | None:
+def si_unit_of_field_type(annotation: Any) -> str | None:
     """The SI unit of the quantity that a field of a part takes, found from the field's type.
 
     It is "" for a number without unit, and None for a field that takes no number.
     """
-    unit: str | None = _keyword_of(annotation, "si", pure="")
+    unit: str | None = _validator_argument_in_field_type(annotation, "si", pure="")
     return unit
 
 
-def row_units_in(annotation: Any) -> tuple[str, str]:
+def si_units_of_table_field(annotation: Any) -> tuple[str, str]:
     """The SI units of coordinate and value of the table that a field takes, from its type."""
-    units: tuple[str, str] = _keyword_of(annotation, "row")
+    units: tuple[str, str] = _validator_argument_in_field_type(annotation, "row")
     return units
 
 
-def _keyword_of(annotation: Any, key: str, pure: Any = None) -> Any:
+def _validator_argument_in_field_type(annotation: Any, key: str, pure: Any = None) -> Any:
     """An argument with which the validator in a field's type was made, such as its SI unit.
 
     Parameters
@@ -490,13 +494,13 @@ def _keyword_of(annotation: Any, key: str, pure: Any = None) -> Any:
         return pure
     # In a union of types the first type with this argument counts.
     for part in get_args(kind):
-        found = _keyword_of(part, key, pure)
+        found = _validator_argument_in_field_type(part, key, pure)
         if found is not None:
             return found
     return None
 
 
-def rows_of(places: Floats, values: Floats) -> Rows:
+def table_from_arrays(places: Floats, values: Floats) -> Rows:
     """Make the table of rows (coordinate, value) from two arrays (n,).
 
     `places` are the coordinates of the rows; they must grow.
@@ -504,7 +508,7 @@ def rows_of(places: Floats, values: Floats) -> Rows:
     return tuple(zip(places.tolist(), values.tolist(), strict=True))
 
 
-def value_at(values: float | Rows, places: Floats) -> Floats:
+def interpolate_number_or_table(values: float | Rows, places: Floats) -> Floats:
     """Interpolate a table linearly at the coordinates `places`; the result has their shape.
 
     A number is constant, and a table is constant beyond its first and last row.

@@ -14,10 +14,10 @@ from pydantic import ValidationError
 
 from drumlin.base.errors import BadInput
 from drumlin.base.files import read_text
-from drumlin.base.texts import check_toml
+from drumlin.base.texts import check_toml_parses_quickly
 from drumlin.brake.brake import Brake
 from drumlin.brake.drum_brake import DrumBrake
-from drumlin.brake.fields import Part, Point, unit_in
+from drumlin.brake.fields import Part, Point, si_unit_of_field_type
 
 LARGEST_BRAKE_FILE = 500_000
 """Largest size of a brake file [bytes]; a larger file is refused. Usual files have some 1000."""
@@ -48,7 +48,7 @@ pydantic adds them to say as which kind of body, material or value the data were
 """
 
 
-def _line(error: ValidationError, data: Any) -> str:
+def _line_about_validation_error(error: ValidationError, data: Any) -> str:
     """One line about the first error in the data of a brake file: "key = value: what is allowed".
 
     Parameters
@@ -83,7 +83,7 @@ def _line(error: ValidationError, data: Any) -> str:
 P = TypeVar("P", bound=Part)
 
 
-def validated(
+def make_validated_part(
     kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> P:
     """Make a brake, or a part of a brake, from nested data as a brake file has them.
@@ -103,36 +103,36 @@ def validated(
     try:
         return kind.model_validate(data, context={"unit_required": unit_required, "base": base})
     except ValidationError as error:
-        raise BadInput(_line(error, data)) from error
+        raise BadInput(_line_about_validation_error(error, data)) from error
 
 
-def brake_from(
+def make_drum_brake_from_data(
     data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> Brake:
     """Make a brake on a drum from the nested data of a brake file.
 
-    Raises BadInput for wrong data; parameters as of `validated`.
+    Raises BadInput for wrong data; parameters as of `make_validated_part`.
     """
-    return validated(DrumBrake, data, unit_required=unit_required, base=base)
+    return make_validated_part(DrumBrake, data, unit_required=unit_required, base=base)
 
 
-def toml_text(path: Path) -> str:
+def read_text_of_brake_file(path: Path) -> str:
     """Read the text of a brake file; raises BadInput if the file cannot be read."""
     return read_text(path, LARGEST_BRAKE_FILE, "a brake file")
 
 
-def toml_data(text: str, path: Path) -> dict[str, Any]:
+def parse_text_of_brake_file(text: str, path: Path) -> dict[str, Any]:
     """Parse the text of the brake file `path`; raises BadInput if it is not TOML."""
     try:
-        check_toml(text)
+        check_toml_parses_quickly(text)
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise BadInput(f"{path}: is not TOML ({error})") from error
 
 
-def read_toml(path: Path) -> dict[str, Any]:
+def read_data_of_brake_file(path: Path) -> dict[str, Any]:
     """Read a brake file into nested data; raises BadInput if that fails or it is not TOML."""
-    return toml_data(toml_text(path), path)
+    return parse_text_of_brake_file(read_text_of_brake_file(path), path)
 
 
 def read_brake(path: Path, text: str | None = None) -> Brake:
@@ -141,9 +141,9 @@ def read_brake(path: Path, text: str | None = None) -> Brake:
     `text` is the content of the file if it has been read already. Raises BadInput with one line
     that names the key, the value and what is allowed.
     """
-    data = read_toml(path) if text is None else toml_data(text, path)
+    data = read_data_of_brake_file(path) if text is None else parse_text_of_brake_file(text, path)
     try:
-        return brake_from(data, unit_required=True, base=path.parent)
+        return make_drum_brake_from_data(data, unit_required=True, base=path.parent)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 
@@ -176,67 +176,69 @@ def vary(brake: P, changes: Mapping[str, Any]) -> P:
     # All changes are made before the check, because they may be valid only together.
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():
-        _set(data, _steps(key), value, key)
-    return validated(type(brake), data)
+        _set_value_in_nested_data(data, _split_dotted_key(key), value, key)
+    return make_validated_part(type(brake), data)
 
 
-def unit_of(brake: Part, key: str) -> str | None:
+def si_unit_of_brake_key(brake: Part, key: str) -> str | None:
     """The SI unit of the quantity that a key of a brake holds.
 
     It is "" for a number without unit, and None if the value is no number. The key is written as
     for `vary`. Raises BadInput for an unknown key.
     """
-    parts, name = _parts(brake, key)
+    parts, name = _parts_and_field_of_key(brake, key)
     field = type(parts[0]).model_fields[name]
     kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
-    return unit_in(kind)
+    return si_unit_of_field_type(kind)
 
 
-def is_interval(brake: Part, key: str) -> bool:
+def is_allowed_range_an_interval(brake: Part, key: str) -> bool:
     """Whether the allowed positive values of a key form one interval, and the negative ones too.
 
     All other keys of the brake stay. It is True for lengths, forces, moduli and numbers without
     unit: they only have upper and lower limits. It is False for angles and for coordinates of
     points: there, single values in between may be forbidden, such as a force through the hinge.
     """
-    unit = unit_of(brake, key)
-    return unit not in {None, "rad"} and not isinstance(_parts(brake, key)[0][0], Point)
+    unit = si_unit_of_brake_key(brake, key)
+    return unit not in {None, "rad"} and not isinstance(
+        _parts_and_field_of_key(brake, key)[0][0], Point
+    )
 
 
-def values_of(brake: Part, key: str) -> list[Any]:
+def values_of_brake_key(brake: Part, key: str) -> list[Any]:
     """The list of the values of a key: a single value, or the value of each shoe.
 
     The key is written as for `vary`. Raises BadInput for an unknown key.
     """
-    parts, name = _parts(brake, key)
+    parts, name = _parts_and_field_of_key(brake, key)
     return [getattr(part, name) for part in parts]
 
 
-def _parts(brake: Part, key: str) -> tuple[list[Part], str]:
+def _parts_and_field_of_key(brake: Part, key: str) -> tuple[list[Part], str]:
     """Find the parts of a brake that a key belongs to, and the name of its field in Python.
 
     There are several parts if the key means every shoe. Raises BadInput for an unknown key.
     """
     found: list[Part] = [brake]
-    *path, last = _steps(key)
+    *path, last = _split_dotted_key(key)
     for step in path:
-        if _is_number(step):
+        if _is_index_in_key(step):
             found = found[int(step) : int(step) + 1]
             continue
         # A name leads from each part to one part below it, or to several, such as all shoes.
         below: list[Part] = []
         for part in found:
-            value = getattr(part, _name(part, step, key))
+            value = getattr(part, _field_name_of_key(part, step, key))
             below += value if isinstance(value, tuple) else [value]
         found = [part for part in below if part is not None]
         if not all(isinstance(part, Part) for part in found):
             raise BadInput(f"{key}: {step!r} has nothing to be set in")
     if not found:
         raise BadInput(f"{key}: the brake has no such part")
-    return found, _name(found[0], last, key)
+    return found, _field_name_of_key(found[0], last, key)
 
 
-def _name(part: Part, key: str, whole: str) -> str:
+def _field_name_of_key(part: Part, key: str, whole: str) -> str:
     """The name in Python of the field of a part that a brake file calls `key`.
 
     Raises BadInput for an unknown key; `whole` is the whole dotted key for the message.
@@ -248,12 +250,12 @@ def _name(part: Part, key: str, whole: str) -> str:
     return names[key]
 
 
-def value_of(brake: Part, key: str) -> float:
+def numerical_value_of_brake_key(brake: Part, key: str) -> float:
     """The numerical value [SI] of a key of a brake; the key is written as for `vary`.
 
     Raises BadInput if the value is no number, or if the shoes have different values.
     """
-    values = values_of(brake, key)
+    values = values_of_brake_key(brake, key)
     if not all(isinstance(value, int | float) for value in values):
         raise BadInput(f"{key}: must be a key of the brake with a number, not {values[0]!r}")
     if len(set(values)) > 1:
@@ -261,15 +263,17 @@ def value_of(brake: Part, key: str) -> float:
     return float(values[0])
 
 
-def differing(one: Part, other: Part) -> str | None:
+def first_differing_key(one: Part, other: Part) -> str | None:
     """The first key in which two brakes differ by more than round-off; None for equal brakes.
 
     Titles are not compared.
     """
-    return _first_difference(one.model_dump(by_alias=True), other.model_dump(by_alias=True), "")
+    return _first_differing_key_of_data(
+        one.model_dump(by_alias=True), other.model_dump(by_alias=True), ""
+    )
 
 
-def _first_difference(one: Any, other: Any, key: str) -> str | None:
+def _first_differing_key_of_data(one: Any, other: Any, key: str) -> str | None:
     """The first key in which two nested data differ by more than round-off; None if they do not.
 
     `key` is the key of the data themselves; the keys of nested values begin with it.
@@ -280,36 +284,36 @@ def _first_difference(one: Any, other: Any, key: str) -> str | None:
         pairs = [
             (f"{key}.{name}" if key else name, one.get(name), other.get(name)) for name in names
         ]
-    elif _are_lists(one, other):
+    elif _are_lists_of_equal_length(one, other):
         pairs = [(f"{key}[{i}]", a, b) for i, (a, b) in enumerate(zip(one, other, strict=True))]
     elif isinstance(one, float) and isinstance(other, float):
         return None if math.isclose(one, other, rel_tol=1e-12, abs_tol=1e-15) else key
     else:
         return None if one == other else key
     for name, a, b in pairs:
-        found = _first_difference(a, b, name)
+        found = _first_differing_key_of_data(a, b, name)
         if found is not None:
             return found
     return None
 
 
-def _are_lists(one: Any, other: Any) -> bool:
+def _are_lists_of_equal_length(one: Any, other: Any) -> bool:
     """Whether two values are lists of the same length."""
     lists = isinstance(one, list | tuple) and isinstance(other, list | tuple)
     return lists and len(one) == len(other)
 
 
-def _steps(key: str) -> list[str]:
+def _split_dotted_key(key: str) -> list[str]:
     """Split a dotted key into names and numbers: "shoe[0].lining" is "shoe", "0", "lining"."""
     return key.replace("[", ".").replace("]", "").split(".")
 
 
-def _is_number(step: str) -> bool:
+def _is_index_in_key(step: str) -> bool:
     """Whether a part of a dotted key is an index, such as that of a shoe."""
     return step.isascii() and step.isdigit() and len(step) < 9
 
 
-def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
+def _set_value_in_nested_data(data: Any, steps: list[str], value: Any, key: str) -> None:
     """Set a value in nested data, in place. Raises BadInput for an unknown key.
 
     Parameters
@@ -322,19 +326,19 @@ def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
     head, *rest = steps
     if isinstance(data, list | tuple):
         # An index leads to one shoe; without an index all shoes are changed.
-        if _is_number(head) and int(head) < len(data):
+        if _is_index_in_key(head) and int(head) < len(data):
             targets, rest_of = [data[int(head)]], rest
         else:
             targets, rest_of = list(data), steps
         for target in targets:
-            _set(target, rest_of, value, key)
+            _set_value_in_nested_data(target, rest_of, value, key)
     elif not isinstance(data, dict):
         raise BadInput(f"{key}: {head!r} has nothing to be set in")
     # As long as names remain, the value is set in the table below.
     elif rest:
         if head not in data:
             raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
-        _set(data[head], rest, value, key)
+        _set_value_in_nested_data(data[head], rest, value, key)
     else:
         # The value is copied, because a later change may set a key within it.
         data[head] = deepcopy(value)

@@ -12,7 +12,7 @@ from drumlin.brake.components import Drum
 from drumlin.brake.fields import Point
 
 
-def circle_gap(
+def gap_of_lining_ground_to_circle(
     R: float, radius: float | None, offset: Point, middle: float, sign: int, theta: Floats
 ) -> Floats:
     """Exact gap [m] between a drum and a lining with a circle of its own, along the drum's radii.
@@ -45,7 +45,7 @@ def circle_gap(
     return sign * (R - along - np.sqrt(r**2 - across**2))
 
 
-def crown_gap(radius: float | None, offset: Point, x: Floats) -> Floats:
+def gap_of_pad_ground_to_circle(radius: float | None, offset: Point, x: Floats) -> Floats:
     """Exact gap [m] between a plane and the face of a pad that is ground to a circle.
 
     The circle touches the plane at the middle of the face, and is then moved by `offset`.
@@ -69,7 +69,7 @@ def crown_gap(radius: float | None, offset: Point, x: Floats) -> Floats:
     return offset.y + along**2 / (radius + root)
 
 
-def off_circle(drum: Drum, theta: Floats) -> Floats:
+def radial_deviation_of_drum(drum: Drum, theta: Floats) -> Floats:
     """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
 
     It is positive where the friction surface lies outside its circle. The deviation turns with the

@@ -9,7 +9,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Orthotropic
 
 
-def orthotropic_parts(brake: Brake) -> Iterator[str]:
+def names_of_orthotropic_parts(brake: Brake) -> Iterator[str]:
     """Give the name of each part of a brake with orthotropic material, for an error message."""
     for shoe in brake.shoes:
         parts = {"lining": shoe.lining, "backing": shoe.backing, "body": shoe.body}
@@ -20,12 +20,12 @@ def orthotropic_parts(brake: Brake) -> Iterator[str]:
         yield "drum.ring.material"
 
 
-def isotropic_only(brake: Brake, model: str) -> str | None:
+def reason_if_any_part_is_orthotropic(brake: Brake, model: str) -> str | None:
     """Why a model that takes isotropic materials only does not apply to a brake, or None.
 
     `model` is the name of the model in the text. The result is None if the model applies.
     """
-    part = next(orthotropic_parts(brake), None)
+    part = next(names_of_orthotropic_parts(brake), None)
     if part is None:
         return None
     return f"{part} is orthotropic; {model} takes isotropic materials only"

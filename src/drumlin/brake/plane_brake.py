@@ -26,8 +26,8 @@ from drumlin.brake.components import (
     Lining,
     Misfit,
 )
-from drumlin.brake.drive import Drive, Link, driven
-from drumlin.brake.drum_brake import DrumBrake, check_grip
+from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive
+from drumlin.brake.drum_brake import DrumBrake, check_abutment_has_no_grip
 from drumlin.brake.fields import (
     AnyMaterial,
     Length,
@@ -36,15 +36,19 @@ from drumlin.brake.fields import (
     Rows,
     Thickness,
     Title,
-    check_names,
-    number_or_table,
+    check_shoe_names_differ,
     table,
+    validator_of_number_or_table,
 )
-from drumlin.brake.file import read_toml, toml_data, validated
-from drumlin.brake.off_circle import crown_gap
-from drumlin.brake.support import check_motions
+from drumlin.brake.file import (
+    make_validated_part,
+    parse_text_of_brake_file,
+    read_data_of_brake_file,
+)
+from drumlin.brake.off_circle import gap_of_pad_ground_to_circle
+from drumlin.brake.support import check_motions_close_gap_differently
 from drumlin.brake.surface import PLANE
-from drumlin.brake.units import deg, mm
+from drumlin.brake.units import deg_text, mm_text
 
 
 class Plane(Part):
@@ -78,25 +82,29 @@ class FlatLining(Lining):
     width: Thickness
     thickness: Thickness | None = None  # type: ignore[assignment]
     material: AnyMaterial | None = None  # type: ignore[assignment]
-    clearance: Annotated[float | Rows, number_or_table("place", "m", "clearance", "m")] = 0.0
+    clearance: Annotated[
+        float | Rows, validator_of_number_or_table("place", "m", "clearance", "m")
+    ] = 0.0
     misfit: FlatMisfit = FlatMisfit()
 
     @model_validator(mode="after")
-    def _check_ends_and_misfit(self) -> Self:
+    def _check_lining_ends_and_misfit_size(self) -> Self:
         """Raise ValueError for ends in the wrong order or a misfit that is too large."""
         long, radius = self.end - self.start, self.misfit.radius
         if long <= 0:
-            raise ValueError(f"end = {mm(self.end)} must be greater than start = {mm(self.start)}")
+            raise ValueError(
+                f"end = {mm_text(self.end)} must be greater than start = {mm_text(self.start)}"
+            )
         # With the smallest allowed radius the gap at the lining's ends is the largest misfit.
         most = LARGEST_MISFIT * long
         least = long / (8 * LARGEST_MISFIT)
         if radius is not None and abs(radius) < least:
             raise ValueError(
-                f"misfit.radius = {mm(radius)}: must be at least {mm(least)} either way, "
+                f"misfit.radius = {mm_text(radius)}: must be at least {mm_text(least)} either way, "
                 f"{1 / (8 * LARGEST_MISFIT):g} times the lining's length"
             )
-        allowed = f"{LARGEST_MISFIT:g} of the lining's length, {mm(most)}"
-        self.misfit.check("misfit", (self.start, self.end), self.step, mm, most, allowed)
+        allowed = f"{LARGEST_MISFIT:g} of the lining's length, {mm_text(most)}"
+        self.misfit.check("misfit", (self.start, self.end), self.step, mm_text, most, allowed)
         return self
 
     @property
@@ -124,15 +132,15 @@ class FlatFrame(ShoeFrame):
     lining, and the height above the plane.
     """
 
-    def to_brake(self, vectors: Floats) -> Floats:
+    def convert_to_brake_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the shoe to the frame of the brake."""
         # If the lining lies towards -x from the pin, the frame of the shoe is mirrored.
         return np.asarray(vectors) * np.array([float(self.sense), 1.0])
 
-    def to_shoe(self, vectors: Floats) -> Floats:
+    def convert_to_shoe_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the brake to the frame of the shoe."""
         # Mirroring is its own inverse.
-        return self.to_brake(vectors)
+        return self.convert_to_brake_frame(vectors)
 
 
 class FlatShoe(Shoe):
@@ -146,15 +154,15 @@ class FlatShoe(Shoe):
     body: FlatBody | None = None
 
     @model_validator(mode="after")
-    def _check_lining_on_body(self) -> Self:
+    def _check_lining_lies_on_body(self) -> Self:
         """Raise ValueError if the lining extends beyond the elastic body of the shoe."""
         lining, body = self.lining, self.body
         # Equal ends that a file gives in different units may differ by round-off.
         slack = 1e-9 * (lining.end - lining.start)
         if body and not body.start - slack <= lining.start < lining.end <= body.end + slack:
             raise ValueError(
-                f"lining = {mm(lining.start)} to {mm(lining.end)}: "
-                f"must lie within the body, {mm(body.start)} to {mm(body.end)}"
+                f"lining = {mm_text(lining.start)} to {mm_text(lining.end)}: "
+                f"must lie within the body, {mm_text(body.start)} to {mm_text(body.end)}"
             )
         return self
 
@@ -168,7 +176,7 @@ class FlatShoe(Shoe):
         """Size [m] of the brake of this shoe; for a shoe without a brake its lining's length."""
         return self.lining.end - self.lining.start if self._size is None else self._size
 
-    def of_size(self, size: float) -> Self:
+    def shoe_in_brake_of_size(self, size: float) -> Self:
         """A copy of the shoe that belongs to a brake of this size [m]."""
         shoe = self.model_copy()
         shoe._size = size
@@ -181,13 +189,13 @@ class FlatShoe(Shoe):
         return FlatFrame(self.pin.x, sense, self.size)
 
     @property
-    def own_pin(self) -> Floats:
+    def pin_in_shoe_frame(self) -> Floats:
         """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
         return np.array([0.0, self.pin.y])
 
-    def own_points(self, xy: Floats) -> Floats:
+    def convert_points_to_shoe_frame(self, xy: Floats) -> Floats:
         """Convert points (..., 2) [m] from the frame of the brake to the frame of the shoe."""
-        return self.frame.to_shoe(np.asarray(xy) - np.array([self.pin.x, 0.0]))
+        return self.frame.convert_to_shoe_frame(np.asarray(xy) - np.array([self.pin.x, 0.0]))
 
     def points(self, xy: Floats) -> Floats:
         """Convert points (2, n) [m] from the frame of the shoe to the frame of the brake."""
@@ -204,14 +212,14 @@ class FlatShoe(Shoe):
         """Height [m] above the plane of points (2, ...) [m] that are in the frame of the shoe."""
         return np.asarray(xy[1])
 
-    def phi_of(self, xy: Floats, size: float) -> Floats:
+    def phi_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
         """Coordinate phi of points (2, ...) [m] that are in the frame of the shoe.
 
         `size` [m] is the length of phi = 1.
         """
         return np.asarray(xy[0] / size)
 
-    def place_of(self, point: Point) -> float:
+    def surface_coordinate_of_point(self, point: Point) -> float:
         """Coordinate x [m] of a point, which is its coordinate along the plane."""
         return point.x
 
@@ -224,10 +232,10 @@ class FlatShoe(Shoe):
         """Direction [rad] in which a lining moves straight towards the plane: -90 deg."""
         return -math.pi / 2
 
-    def misfit_gap(self, theta: Floats, size: float) -> Floats:
+    def gap_due_to_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a face that is ground to a circle, at the coordinates x [m], same shape."""
         misfit = self.lining.misfit
-        return crown_gap(misfit.radius, misfit.offset, theta - self.lining.middle)
+        return gap_of_pad_ground_to_circle(misfit.radius, misfit.offset, theta - self.lining.middle)
 
 
 class FlatBrake(Brake):
@@ -254,12 +262,12 @@ class FlatBrake(Brake):
         """Reference length of the brake [m]: the length of the first lining."""
         return self.shoes[0].size
 
-    def reversed(self) -> Self:
+    def brake_with_reversed_motion(self) -> Self:
         """A copy of the brake whose body slides in the opposite direction."""
-        plane = self.plane.model_copy(update={"sliding": self.other_direction})
+        plane = self.plane.model_copy(update={"sliding": self.opposite_direction_of_motion})
         return self.model_copy(update={"plane": plane})
 
-    def bare(self) -> Self:
+    def brake_reduced_to_stiffness_data(self) -> Self:
         """The brake reduced to data that change the condensed stiffness of its shoes.
 
         Title and direction get fixed values, a friction coefficient above 0 becomes 1.
@@ -272,29 +280,29 @@ class FlatBrake(Brake):
         return self.model_copy(update=changes)
 
     @model_validator(mode="after")
-    def _check_and_drive_shoes(self, info: ValidationInfo) -> Self:
+    def _check_shoes_and_set_drive_forces(self, info: ValidationInfo) -> Self:
         """Check the shoes and give them the forces of the drive and of the struts.
 
         Returns the brake with these forces. Raises ValueError if the parts do not fit together.
         """
-        check_names([shoe.name for shoe in self.shoes])
+        check_shoe_names_differ([shoe.name for shoe in self.shoes])
         # Only data of a file must have units: this tells them from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
-        shoes = driven(self.shoes, self.actuation, self.links, file=from_file)
+        shoes = shoes_with_forces_of_drive(self.shoes, self.actuation, self.links, file=from_file)
         # The length of the first lining is the size of the brake, which all its shoes must know.
         size = shoes[0].lining.end - shoes[0].lining.start
-        shoes = tuple(shoe.of_size(size) for shoe in shoes)
+        shoes = tuple(shoe.shoe_in_brake_of_size(size) for shoe in shoes)
         for i, shoe in enumerate(shoes):
-            check_grip(f"shoe[{i}]", shoe)
+            check_abutment_has_no_grip(f"shoe[{i}]", shoe)
             # Moves along y and turns close the gap to a plane, moves along x do not.
-            check_motions(f"shoe[{i}]", shoe, slice(1, 3))
+            check_motions_close_gap_differently(f"shoe[{i}]", shoe, slice(1, 3))
             if shoe.guide is not None and abs(math.sin(shoe.guide.direction)) < 1e-6:
-                shown = f"shoe[{i}].guide.direction = {deg(shoe.guide.direction)}"
+                shown = f"shoe[{i}].guide.direction = {deg_text(shoe.guide.direction)}"
                 raise ValueError(f"{shown}: must lead to the plane, not along it")
         return self.model_copy(update={"shoes": shoes})
 
 
-def any_from(
+def make_brake_from_data(
     data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> Brake:
     """Make a brake from the nested data of a brake file.
@@ -308,7 +316,9 @@ def any_from(
     unit_required : whether numbers without unit are refused; otherwise they count as SI
     base : folder from which relative paths of mesh files start
     """
-    return validated(Brake.shape_of(data), data, unit_required=unit_required, base=base)
+    return make_validated_part(
+        Brake.brake_class_for_file_data(data), data, unit_required=unit_required, base=base
+    )
 
 
 def read_any(path: Path | str, text: str | None = None) -> Brake:
@@ -336,14 +346,14 @@ def read_any(path: Path | str, text: str | None = None) -> Brake:
     0.3
     """
     path = Path(path)
-    data = read_toml(path) if text is None else toml_data(text, path)
+    data = read_data_of_brake_file(path) if text is None else parse_text_of_brake_file(text, path)
     try:
-        return any_from(data, unit_required=True, base=path.parent)
+        return make_brake_from_data(data, unit_required=True, base=path.parent)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 
 
-def read_drum(path: Path, what: str, text: str | None = None) -> Brake:
+def read_brake_file_with_drum(path: Path, what: str, text: str | None = None) -> Brake:
     """Read a brake from a TOML file and require that it is a brake on a drum.
 
     `text` is the content of the file if it has been read already. Raises BadInput as `read_any`

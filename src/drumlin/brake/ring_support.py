@@ -2,19 +2,19 @@
 
 Finite elements take any support of a ring. The closed form of the foundation model, the triangles
 of the verification and the reduced model take plain rings only, whose far edge is fixed or free
-(see `Ring.is_plain`). They all call this module, so that they
+(see `Ring.has_fixed_or_free_far_edge`). They all call this module, so that they
 refuse a ring in the same words.
 """
 
 from drumlin.brake.brake import Brake
 
 
-def plain_ring_only(brake: Brake, model: str) -> str | None:
+def reason_if_ring_support_is_not_plain(brake: Brake, model: str) -> str | None:
     """Why a model that takes plain rings only does not apply to a brake; None if it applies.
 
     `model` is the name of the model in the text.
     """
-    if brake.ring is None or brake.ring.is_plain:
+    if brake.ring is None or brake.ring.has_fixed_or_free_far_edge:
         return None
     return (
         f"drum.ring.support = {brake.ring.support!r}: "

@@ -22,7 +22,7 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 QUANTITY = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?\s*[A-Za-zµμ°%1].*$"
 
 
-def quantity(si: str) -> dict[str, Any]:
+def schema_of_quantity(si: str) -> dict[str, Any]:
     """The schema of a quantity: a text of a number and a unit of the same dimension as `si`."""
     said = f"{QUANTITY_NAMES[si]} with its unit, such as {EXAMPLES[si]!r}"
     return {"type": "string", "pattern": QUANTITY, "description": said, "examples": [EXAMPLES[si]]}
@@ -40,10 +40,10 @@ class UnitSchema(GenerateJsonSchema):
         pydantic calls this method for each field with a validator that precedes pydantic's own.
         """
         found, function = super().function_before_schema(schema), schema["function"]["function"]
-        if function is fields._from_polar:
+        if function is fields._point_from_polar_coordinates:
             return {"anyOf": [found, _POLAR]}
         if isinstance(function, partial):
-            return _with_units(found, function.keywords.get("si"))
+            return _schema_with_units(found, function.keywords.get("si"))
         return found
 
 
@@ -51,13 +51,13 @@ class UnitSchema(GenerateJsonSchema):
 _POLAR = {
     "type": "object",
     "description": "about the drum's centre, counter-clockwise from +x",
-    "properties": {"radius": quantity("m"), "angle": quantity("rad")},
+    "properties": {"radius": schema_of_quantity("m"), "angle": schema_of_quantity("rad")},
     "required": ["radius", "angle"],
     "additionalProperties": False,
 }
 
 
-def _with_units(found: JsonSchemaValue, si: str | None) -> JsonSchemaValue:
+def _schema_with_units(found: JsonSchemaValue, si: str | None) -> JsonSchemaValue:
     """Convert the schema of numbers in SI to the schema of texts with units.
 
     Parameters
@@ -66,9 +66,9 @@ def _with_units(found: JsonSchemaValue, si: str | None) -> JsonSchemaValue:
     si : SI unit of the number; None if any unit is allowed
     """
     if "anyOf" in found:
-        return {**found, "anyOf": [_with_units(part, si) for part in found["anyOf"]]}
+        return {**found, "anyOf": [_schema_with_units(part, si) for part in found["anyOf"]]}
     if found.get("type") == "number":
-        return quantity(si) if si else {"type": "string", "pattern": QUANTITY}
+        return schema_of_quantity(si) if si else {"type": "string", "pattern": QUANTITY}
     # Any other schema is that of a table of numbers: rows of two quantities.
     row = {
         "type": "array",
@@ -83,14 +83,14 @@ def _with_units(found: JsonSchemaValue, si: str | None) -> JsonSchemaValue:
     }
 
 
-def written(schema: Any) -> Any:
+def schema_reduced_to_file_content(schema: Any) -> Any:
     """Remove from a schema all entries that do not hold for TOML files, at every level.
 
     These are defaults in SI units, titles that pydantic makes of Python's names, and the value
     null, which TOML does not have.
     """
     if isinstance(schema, list):
-        return [written(part) for part in schema if part != {"type": "null"}]
+        return [schema_reduced_to_file_content(part) for part in schema if part != {"type": "null"}]
     if not isinstance(schema, dict):
         return schema
     found: dict[str, Any] = {}
@@ -101,9 +101,11 @@ def written(schema: Any) -> Any:
             continue
         # The keys below these two entries are names of fields and classes, which all stay.
         if key in {"properties", "$defs"}:
-            found[key] = {name: written(part) for name, part in value.items()}
+            found[key] = {
+                name: schema_reduced_to_file_content(part) for name, part in value.items()
+            }
         else:
-            found[key] = written(value)
+            found[key] = schema_reduced_to_file_content(value)
     # A choice that has one option left is replaced by this option.
     choices = found.get("anyOf", ())
     if len(choices) == 1:
@@ -122,7 +124,7 @@ The schema calls them Brake, Lining, Shoe and Body; editors of users may rely on
 def brake_schema() -> dict[str, Any]:
     """The JSON schema of a brake file, for brakes on a drum and on a plane."""
     made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
-    found = json.loads(IN_FILES.sub(r'"\1\2\3"', json.dumps(written(made))))
+    found = json.loads(IN_FILES.sub(r'"\1\2\3"', json.dumps(schema_reduced_to_file_content(made))))
     return {
         "$schema": DIALECT,
         "title": "drumlin brake file",

@@ -27,7 +27,7 @@ from pydantic import (
 )
 
 from drumlin.base.arrays import Floats
-from drumlin.base.files import keep_input
+from drumlin.base.files import register_protected_input_file
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import Angle, Name, Part, Place, Point
 
@@ -40,7 +40,7 @@ MOVES = {
     "abutment": "its foot slides on an abutment, it has no hinge",
     "guide": "it moves along a guide, it has no hinge",
 }
-"""How a shoe moves on each support, for error messages, by `Held.held_by`."""
+"""How a shoe moves on each support, for error messages, by `Held.kind_of_support`."""
 
 UNHELD = 2
 """Value of `sense` by which `Held.freedoms` gives the motions of a shoe without its abutment."""
@@ -90,23 +90,23 @@ class Freedoms(NamedTuple):
     names: tuple[str, ...]
 
 
-def turn_about(point: Point) -> Floats:
+def motion_of_turn_about_point(point: Point) -> Floats:
     """Rigid-body motion (3,), dx, dy and turn, of a rotation by 1 rad about a point."""
     return np.array([point.y, -point.x, 1.0])
 
 
-def slide_along(angle: float) -> Floats:
+def motion_of_slide_in_direction(angle: float) -> Floats:
     """Rigid-body motion (3,), dx, dy and turn, of a unit translation in a direction [rad]."""
     return np.array([math.cos(angle), math.sin(angle), 0.0])
 
 
-def work_on(motions: Floats, force: Floats, point: Floats) -> Floats:
+def work_of_force_on_motions(motions: Floats, force: Floats, point: Floats) -> Floats:
     """Work (k,) that a force (2,) [N] at a point (2,) [m] does on k rigid-body motions (k, 3)."""
     (x, y), (fx, fy) = point, force
     return motions @ np.array([fx, fy, x * fy - y * fx])
 
 
-def wrench(forces: Floats, points: Floats) -> Floats:
+def resultant_force_and_moment(forces: Floats, points: Floats) -> Floats:
     """Resultant (3,) of forces (..., 2) [N] at points (..., 2) [m].
 
     It has the components in x and y [N] and the moment about the origin [N m].
@@ -115,7 +115,7 @@ def wrench(forces: Floats, points: Floats) -> Floats:
     return np.array([forces[..., 0].sum(), forces[..., 1].sum(), moments.sum()])
 
 
-def moved(motions: Floats, xy: Floats) -> Floats:
+def displacements_in_rigid_body_motions(motions: Floats, xy: Floats) -> Floats:
     """Displacements (2, n, k) of the points xy (2, n) [m] in k rigid-body motions (k, 3)."""
     x, y = xy[..., None]
     dx, dy, turn = motions.T
@@ -153,7 +153,7 @@ class Held(Part):
     actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
 
     @model_validator(mode="after")
-    def _check_support(self) -> Self:
+    def _check_has_one_support(self) -> Self:
         """Raise ValueError unless the shoe has one of the four supports."""
         given = [key for key in MAIN_SUPPORTS if getattr(self, key) is not None]
         if not given:
@@ -172,7 +172,7 @@ class Held(Part):
         return self
 
     @property
-    def held_by(self) -> str:
+    def kind_of_support(self) -> str:
         """The kind of the shoe's support: "hinge", "pivot", "abutment" or "guide"."""
         if self.hinge is not None:
             return "hinge" if self.pivot is None else "pivot"
@@ -243,11 +243,11 @@ class Held(Part):
         """
         at = self.actuation.point.xy
         # Every shoe except a guided one turns about its pin. A lever or an abutment adds a mode.
-        motions, names = [turn_about(self.pin)], ["turn"]
+        motions, names = [motion_of_turn_about_point(self.pin)], ["turn"]
         if self.guide is not None:
-            motions, names = [slide_along(self.guide.direction)], ["slide"]
+            motions, names = [motion_of_slide_in_direction(self.guide.direction)], ["slide"]
         elif self.pivot is not None:
-            motions.append(turn_about(self.pivot))
+            motions.append(motion_of_turn_about_point(self.pivot))
             names.append("tilt")
         tests = list(motions)
         if self.abutment is not None and sense != 0:
@@ -255,17 +255,17 @@ class Held(Part):
             # Friction rotates the test mode by the friction angle, so that it stays perpendicular
             # to the reaction.
             leaning = (sense != UNHELD) * sense * math.atan(self.abutment.friction)
-            motions.append(slide_along(along))
-            tests.append(slide_along(along + leaning))
+            motions.append(motion_of_slide_in_direction(along))
+            tests.append(motion_of_slide_in_direction(along + leaning))
             names.append("slide")
         # Without the abutment the foot also moves along the normal of the face.
         if self.abutment is not None and sense == UNHELD:
-            motions.append(slide_along(self.abutment.direction))
+            motions.append(motion_of_slide_in_direction(self.abutment.direction))
             tests.append(motions[-1])
             names.append("off")
         moved, tested = np.array(motions), np.array(tests)
-        work = work_on(tested, self.actuation.vector, at)
-        tip = work_on(moved, self.actuation.direction_vector, at)
+        work = work_of_force_on_motions(tested, self.actuation.force_vector, at)
+        tip = work_of_force_on_motions(moved, self.actuation.unit_vector_of_force, at)
         # With a pivot the actuation acts on the lever. It does no work as the shoe tilts about it.
         if self.pivot is not None:
             work[1] = tip[1] = 0.0
@@ -282,7 +282,10 @@ class Held(Part):
 
         def equal_changes(row: int, change: Floats) -> SupportChange:
             """The same derivative (3,) of the rigid-body mode and of the test mode `row`."""
-            return SupportChange(_change_of_mode(k, row, change), _change_of_mode(k, row, change))
+            return SupportChange(
+                _changes_of_one_mode_alone(k, row, change),
+                _changes_of_one_mode_alone(k, row, change),
+            )
 
         def changes_with_point(row: int) -> tuple[SupportChange, ...]:
             """Derivatives of mode `row`, a turn about a point, as the point moves in x and y."""
@@ -292,7 +295,7 @@ class Held(Part):
 
         if self.guide is not None:
             # The derivative of a unit vector by its angle is the vector turned by 90 deg.
-            turned = slide_along(self.guide.direction + math.pi / 2)
+            turned = motion_of_slide_in_direction(self.guide.direction + math.pi / 2)
             return {"guide.direction": (equal_changes(0, turned),)}
         if self.abutment is None:
             of_hinge = {"hinge": changes_with_point(0)}
@@ -304,13 +307,13 @@ class Held(Part):
         # The test mode is rotated by the friction angle, the motion stays along the face. The
         # derivative of each with respect to the face's direction is perpendicular to it.
         mu, along = self.abutment.friction, self.abutment.direction + math.pi / 2
-        tested = slide_along(along + sense * math.atan(mu) + math.pi / 2)
-        of_motion = slide_along(along + math.pi / 2)
-        change_of_motion = _change_of_mode(k, 1, of_motion)
-        change_of_test = _change_of_mode(k, 1, tested)
+        tested = motion_of_slide_in_direction(along + sense * math.atan(mu) + math.pi / 2)
+        of_motion = motion_of_slide_in_direction(along + math.pi / 2)
+        change_of_motion = _changes_of_one_mode_alone(k, 1, of_motion)
+        change_of_test = _changes_of_one_mode_alone(k, 1, tested)
         found["abutment.direction"] = (SupportChange(change_of_motion, change_of_test),)
         if mu > 0:
-            of_test = _change_of_mode(k, 1, sense * tested / (1 + mu**2))
+            of_test = _changes_of_one_mode_alone(k, 1, sense * tested / (1 + mu**2))
             found["abutment.friction"] = (SupportChange(np.zeros((k, 3)), of_test),)
         return found
 
@@ -323,7 +326,7 @@ def _absolute_mesh_path(mesh: Path | None, info: ValidationInfo) -> Path | None:
     base = (info.context or {}).get("base")
     if mesh is None or base is None:
         return mesh
-    keep_input(base / mesh)
+    register_protected_input_file(base / mesh)
     return Path(base / mesh)
 
 
@@ -363,7 +366,7 @@ class MeshGroups(Part):
     hinge: GroupNames = None
     actuation: GroupNames = None
 
-    def names_of(self, group: str) -> list[str]:
+    def names_of_group_in_mesh_file(self, group: str) -> list[str]:
         """The names, in lower case, that the mesh file has for one of drumlin's groups."""
         given = getattr(self, group)
         if given is None:
@@ -393,7 +396,7 @@ class Meshed(Held):
     groups: MeshGroups = MeshGroups()
 
     @model_validator(mode="after")
-    def _check_mesh_keys(self) -> Self:
+    def _check_mesh_keys_have_mesh_file(self) -> Self:
         """Raise ValueError if a shoe without mesh file has a key about a mesh file."""
         for key in ("mesh_unit", "mesh_frame", "mesh_interference", "groups"):
             if self.mesh is None and getattr(self, key) != type(self).model_fields[key].default:
@@ -403,14 +406,14 @@ class Meshed(Held):
         return self
 
 
-def _change_of_mode(count: int, row: int, change: Floats) -> Floats:
+def _changes_of_one_mode_alone(count: int, row: int, change: Floats) -> Floats:
     """Derivatives (count, 3) of `count` modes, zero except for mode `row`, which has `change`."""
     found = np.zeros((count, 3))
     found[row] = change
     return found
 
 
-def check_motions(key: str, shoe: Held, columns: slice) -> None:
+def check_motions_close_gap_differently(key: str, shoe: Held, columns: slice) -> None:
     """Raise ValueError if the two rigid-body modes of a shoe close its gap in the same way.
 
     A combination of the two modes would then leave the gap unchanged, so that contact could not

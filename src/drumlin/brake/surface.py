@@ -32,7 +32,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.units import deg, mm
+from drumlin.brake.units import deg_text, mm_text
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class FrictionSurface:
         """Whether the surface is a plane and not a drum."""
         return self.period == 0
 
-    def unlike(self, other: "FrictionSurface") -> str | None:
+    def reason_why_not_on_surface(self, other: "FrictionSurface") -> str | None:
         """Text for an error message that the shoes do not press on the surface `other`.
 
         It is None if this surface is `other`.
@@ -107,7 +107,7 @@ class FrictionSurface:
             return np.array([np.ones(np.shape(q)), np.zeros(np.shape(q))])
         return np.array([-np.sin(q), np.cos(q)])
 
-    def outwards(self, q: Floats) -> Floats:
+    def unit_normals_into_surface(self, q: Floats) -> Floats:
         """Unit normals (2, ...) of the surface at the coordinates q.
 
         They point from an internal lining into the drum, or from a lining into the plane.
@@ -116,10 +116,10 @@ class FrictionSurface:
             return np.array([np.zeros(np.shape(q)), -np.ones(np.shape(q))])
         return np.array([np.cos(q), np.sin(q)])
 
-    def levers(self, q: Floats, size: float) -> Floats:
+    def moments_of_unit_forces_on_surface(self, q: Floats, size: float) -> Floats:
         """Moments (2, ...) [m] about the origin of unit forces on the surface at the coordinates q.
 
-        The first row is for unit forces along the normals that `outwards`
+        The first row is for unit forces along the normals that `unit_normals_into_surface`
         gives, the second row for unit forces along the surface. `size` [m] is the drum's radius.
         """
         zero = np.zeros(np.shape(q))
@@ -150,7 +150,7 @@ DRUM = FrictionSurface(
     unit="rad",
     shown_unit="deg",
     shown=math.degrees(1),
-    place=deg,
+    place=deg_text,
     axis="angle θ [deg]",
     figure_axis="angle on the drum θ [deg]",
     page_axis="angle on the drum θ [deg]",
@@ -175,7 +175,7 @@ PLANE = FrictionSurface(
     unit="m",
     shown_unit="mm",
     shown=1e3,
-    place=mm,
+    place=mm_text,
     axis="place x [mm]",
     figure_axis="place x [mm]",
     page_axis="place on the plane x [mm]",

@@ -66,7 +66,7 @@ COMMON = {
 
 
 @functools.cache
-def _registry() -> Any:
+def _pint_unit_registry() -> Any:
     """The units that the package pint knows.
 
     pint takes 0.25 s to load. It is loaded only for a unit that is not in COMMON.
@@ -77,21 +77,21 @@ def _registry() -> Any:
 
 
 @functools.cache
-def _factor(unit: str, si: str) -> float:
+def _si_factor_of_unit(unit: str, si: str) -> float:
     """Factor that converts a number in `unit` to the SI unit `si`.
 
     Raises ValueError if `unit` is unknown or has another dimension than `si`.
     """
     common = COMMON.get(si, {}).get(unit.strip())
-    return _factor_by_pint(unit, si) if common is None else common
+    return _si_factor_of_unit_by_pint(unit, si) if common is None else common
 
 
-def _factor_by_pint(unit: str, si: str) -> float:
+def _si_factor_of_unit_by_pint(unit: str, si: str) -> float:
     """Factor that converts a number in `unit` to the SI unit `si`, as the package pint knows it.
 
     Raises ValueError if `unit` is unknown or has another dimension than `si`.
     """
-    registry = _registry()
+    registry = _pint_unit_registry()
     try:
         factor, base = registry.get_base_units(registry.parse_units(unit.strip()))
         si_factor, si_base = registry.get_base_units(si)
@@ -105,7 +105,7 @@ def _factor_by_pint(unit: str, si: str) -> float:
     return float(factor / si_factor)
 
 
-def to_si(value: object, si: str, *, unit_required: bool) -> float:
+def quantity_in_si(value: object, si: str, *, unit_required: bool) -> float:
     """Convert a quantity to a number in SI units.
 
     Parameters
@@ -131,7 +131,7 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
             raise ValueError(
                 f"must be {QUANTITY_NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}"
             )
-        number: float = float(match.group(1)) * _factor(match.group(2), si)
+        number: float = float(match.group(1)) * _si_factor_of_unit(match.group(2), si)
     elif isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"must be {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     elif unit_required:
@@ -145,22 +145,22 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
     return float(number) if abs(number) >= SMALLEST else 0.0
 
 
-def quantity(key: str, text: str, si: str) -> float:
+def option_value_in_si(key: str, text: str, si: str) -> float:
     """Convert the text of a command's option to a number in SI units.
 
     Raises BadInput for a text that is no such quantity; `key` is the option in the message.
     """
     try:
-        return to_si(text, si, unit_required=True)
+        return quantity_in_si(text, si, unit_required=True)
     except ValueError as error:
         raise BadInput(f"{key} = {text!r}: {error}") from error
 
 
-def mm(length: float) -> str:
+def mm_text(length: float) -> str:
     """A length [m] as text in mm."""
     return f"{length * 1e3:.6g} mm"
 
 
-def deg(angle: float) -> str:
+def deg_text(angle: float) -> str:
     """An angle [rad] as text in degrees."""
     return f"{math.degrees(angle):.6g} deg"

@@ -11,9 +11,16 @@ from pydantic.fields import FieldInfo
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Actuation, Lobes, Misfit, Table
-from drumlin.brake.fields import Material, Orthotropic, Part, Point, row_units_in, unit_in
+from drumlin.brake.fields import (
+    Material,
+    Orthotropic,
+    Part,
+    Point,
+    si_unit_of_field_type,
+    si_units_of_table_field,
+)
 from drumlin.brake.support import Held
-from drumlin.brake.units import COMMON, to_si
+from drumlin.brake.units import COMMON, quantity_in_si
 
 INLINE = (Material, Orthotropic, Point, Misfit, Lobes, Table)
 """Classes of parts that a brake file has in one line, in braces, and not as a table of lines."""
@@ -22,17 +29,17 @@ READABLE = {"m": ("mm", "m"), "rad": ("deg",), "Pa": ("GPa", "MPa"), "N": ("kN",
 """Units for a written file, by SI unit. The first unit with a short and exact number is used."""
 
 
-def brake_text(brake: Part) -> str:
+def brake_file_text(brake: Part) -> str:
     """The text of a brake file from which exactly this brake is read again.
 
     Keys with their default value are left out. Paths of mesh files are written as they are in the
     brake: relative paths are valid from the current folder only. Raises BadInput for a path that is
     no UTF-8, because a brake file cannot name it.
     """
-    return "\n".join(_table(_as_given(brake), "")).strip() + "\n"
+    return "\n".join(_toml_lines_of_part(_brake_without_derived_forces(brake), "")).strip() + "\n"
 
 
-def _as_given(brake: Part) -> Part:
+def _brake_without_derived_forces(brake: Part) -> Part:
     """The brake as its file describes it: without forces that follow from a drive or a strut.
 
     A brake file must not give these forces. A force that follows from a drive is set to nan.
@@ -52,7 +59,7 @@ def _as_given(brake: Part) -> Part:
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def _fields(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
+def _values_other_than_defaults(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
     """Key in the file, value and pydantic field of each value of a part that is no default."""
     for name, field in type(part).model_fields.items():
         value = getattr(part, name)
@@ -65,20 +72,20 @@ def _fields(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
             yield field.alias or name, value, field
 
 
-def _table(part: Part, path: str) -> Iterator[str]:
+def _toml_lines_of_part(part: Part, path: str) -> Iterator[str]:
     """Lines of a part as a TOML table: first its own keys, then the tables of the parts in it.
 
     `path` is the dotted name of the table; it is "" for the whole brake.
     """
     # TOML requires that the keys of a table precede the tables within it.
     below = []
-    for key, value, field in _fields(part):
+    for key, value, field in _values_other_than_defaults(part):
         parts = value if isinstance(value, tuple) else (value,)
         tables = [isinstance(item, Part) and not isinstance(item, INLINE) for item in parts]
         if value != () and all(tables):
             below.append((key, value))
         else:
-            yield f"{key} = {_value(value, field)}"
+            yield f"{key} = {_toml_text_of_value(value, field)}"
     # A tuple of parts, such as the shoes, becomes an array of tables, [[name]].
     for key, value in below:
         name = f"{path}.{key}" if path else key
@@ -87,29 +94,29 @@ def _table(part: Part, path: str) -> Iterator[str]:
         for item in items:
             yield ""
             yield f"[[{name}]]" if several else f"[{name}]"
-            yield from _table(item, name)
+            yield from _toml_lines_of_part(item, name)
 
 
-def _value(value: Any, field: FieldInfo) -> str:
+def _toml_text_of_value(value: Any, field: FieldInfo) -> str:
     """The text of a value of a part in TOML; `field` is the pydantic field, which has its unit."""
     if isinstance(value, Part):
-        return _inline(value)
+        return _toml_text_of_part_in_one_line(value)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str | Path):
-        return _quoted(str(value))
+        return _toml_text_in_quotes(str(value))
     if isinstance(value, tuple) and any(isinstance(item, Part) for item in value):
-        return "[" + ", ".join(_inline(item) for item in value) + "]"
+        return "[" + ", ".join(_toml_text_of_part_in_one_line(item) for item in value) + "]"
     # The units of a table of numbers, or of a number, are found from the type of the field.
     kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     if isinstance(value, tuple):
-        place, size = row_units_in(kind)
+        place, size = si_units_of_table_field(kind)
         rows = [f"[{quantity_text(a, place)}, {quantity_text(b, size)}]" for a, b in value]
         return f"[{', '.join(rows)}]"
-    return quantity_text(value, unit_in(kind) or "")
+    return quantity_text(value, si_unit_of_field_type(kind) or "")
 
 
-def _quoted(text: str) -> str:
+def _toml_text_in_quotes(text: str) -> str:
     """A text in quotes for TOML. Raises BadInput for a text that is no UTF-8.
 
     The escape sequences are those of JSON, which TOML takes, and one for the character DEL.
@@ -123,9 +130,12 @@ def _quoted(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def _inline(part: Part) -> str:
+def _toml_text_of_part_in_one_line(part: Part) -> str:
     """The text of a part in TOML in one line: { key = value, ... }."""
-    pairs = [f"{key} = {_value(value, field)}" for key, value, field in _fields(part)]
+    pairs = [
+        f"{key} = {_toml_text_of_value(value, field)}"
+        for key, value, field in _values_other_than_defaults(part)
+    ]
     return f"{{ {', '.join(pairs)} }}"
 
 
@@ -139,6 +149,9 @@ def quantity_text(value: float, si: str) -> str:
     # A readable unit is used only if reading the text gives exactly the same number.
     for unit in READABLE.get(si, ()):
         text = f"{value / COMMON[si][unit]:.12g} {unit}"
-        if to_si(text, si, unit_required=True) == value and "e" not in text.split(maxsplit=1)[0]:
+        if (
+            quantity_in_si(text, si, unit_required=True) == value
+            and "e" not in text.split(maxsplit=1)[0]
+        ):
             return json.dumps(text)
     return json.dumps(f"{value!r} {si}")

@@ -6,7 +6,7 @@ The torque, a table of the shoes, warnings and the estimated errors are printed.
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from drumlin.cli.terminal import Column, print_columns, tell
+from drumlin.cli.terminal import Column, print_folded_line, print_table_fitted_to_terminal
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
     from drumlin.response.response import FlatMerit, Merit, Response
 
-LEAST_OF_SHOES = ["shoe_factor", "reaction", "normal_force", "at"]
+SHOE_COLUMNS_LEFT_OUT_FIRST = ["shoe_factor", "reaction", "normal_force", "at"]
 """Columns of the printed table of shoes that a narrow terminal has no room for.
 
 They are left out in this order, until the other columns fit.
@@ -27,26 +27,26 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
     Lines on shoes that do not touch the drum are printed first. `verbose` is whether reactions,
     figures of merit, solution steps, times and neglected effects are printed, too.
     """
-    notes = _Notes.of(response)
-    tell(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
+    notes = _Notes.sorted_from_response(response)
+    print_folded_line(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
     for line in notes.apart:
-        tell(line)
-    _print_effect(brake, response)
-    _print_shoes(brake, response)
+        print_folded_line(line)
+    _print_torque_and_brake_factor(brake, response)
+    _print_table_of_shoes(brake, response)
     # Warnings and estimated errors stand below the table: the last lines stay on the screen.
     energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
     if energised:
-        tell(f"self-energising: {', '.join(energised)}")
+        print_folded_line(f"self-energising: {', '.join(energised)}")
     for line in notes.warnings:
-        tell(line)
+        print_folded_line(line)
     if response.error is not None:
-        tell(_error_text(brake.surface.effect, response.error))
+        print_folded_line(_estimated_errors_as_line(brake.surface.effect, response.error))
     if response.plane_stress_error is not None:
-        tell(_model_error_text(brake.surface.effect, response))
+        print_folded_line(_plane_stress_errors_as_line(brake.surface.effect, response))
     for line in notes.held:
-        tell(line)
+        print_folded_line(line)
     if verbose:
-        _print_more(response, notes.others)
+        _print_verbose_details(response, notes.others)
 
 
 class _Notes(NamedTuple):
@@ -66,7 +66,7 @@ class _Notes(NamedTuple):
     others: list[str]
 
     @classmethod
-    def of(cls, response: "Response") -> "_Notes":
+    def sorted_from_response(cls, response: "Response") -> "_Notes":
         """The notes of a response, sorted by the words that each note begins with or contains."""
         notes = cls([], [], [], [])
         for line in response.notes:
@@ -81,7 +81,7 @@ class _Notes(NamedTuple):
         return notes
 
 
-def _print_effect(brake: "Brake", response: "Response") -> None:
+def _print_torque_and_brake_factor(brake: "Brake", response: "Response") -> None:
     """Print the torque of a brake, or the braking force of a brake on a plane, as one line.
 
     The brake factor follows, if the brake has one. A second line says where the solution has not
@@ -94,12 +94,12 @@ def _print_effect(brake: "Brake", response: "Response") -> None:
     line = f"{surface.effect} {response.effect:.6g} {surface.effect_unit}"
     if factor is not None:
         line += f", brake factor {factor:.4g} = {surface.factor}, F the mean actuation force"
-    tell(line)
+    print_folded_line(line)
     if not response.converged:
-        tell("not converged")
+        print_folded_line("not converged")
 
 
-def _error_text(effect: str, error: "Mapping[str, float]") -> str:
+def _estimated_errors_as_line(effect: str, error: "Mapping[str, float]") -> str:
     """The estimated relative errors of pressure, torque, peak and reaction as one line of text.
 
     `effect` is the printed name of the torque, or of the braking force on a plane.
@@ -112,7 +112,7 @@ def _error_text(effect: str, error: "Mapping[str, float]") -> str:
     return line
 
 
-def _model_error_text(effect: str, response: "Response") -> str:
+def _plane_stress_errors_as_line(effect: str, response: "Response") -> str:
     """The estimated relative errors of the plane-stress assumption as one line of text.
 
     Where the errors of the mesh are known too, the line also gives the sums of both errors.
@@ -140,29 +140,33 @@ def _model_error_text(effect: str, response: "Response") -> str:
     return line
 
 
-def _print_shoes(brake: "Brake", response: "Response") -> None:
+def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
     """Print a table with a row for each shoe.
 
     A line below the table says if a peak pressure was looked for away from the lining's ends only.
     """
-    from drumlin.response.response import peak_place
+    from drumlin.response.response import place_of_peak_pressure
 
-    places = [peak_place(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
+    places = [place_of_peak_pressure(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     shown = brake.surface.shown
     # The angle or length where the pressure of each shoe peaks, as text. Adding 0.0 turns a
     # negative zero into a zero without sign.
     at = ["" if place is None else f"{place.at * shown + 0.0:.1f}" for place in places]
-    print_columns(_shoes_table(brake, response, at), LEAST_OF_SHOES)
+    print_table_fitted_to_terminal(
+        _columns_of_shoe_table(brake, response, at), SHOE_COLUMNS_LEFT_OUT_FIRST
+    )
     if any(place is not None and place.zone for place in places):
-        tell("peak p: the largest, half a lining's thickness at each end left out")
+        print_folded_line("peak p: the largest, half a lining's thickness at each end left out")
 
 
-def _shoes_table(brake: "Brake", response: "Response", at: list[str]) -> dict[str, Column]:
+def _columns_of_shoe_table(
+    brake: "Brake", response: "Response", at: list[str]
+) -> dict[str, Column]:
     """The columns of the printed table of shoes, by a key.
 
     `at` holds the place where the pressure of each shoe peaks, as text.
     """
-    from drumlin.response.show import arcs_text
+    from drumlin.response.show import text_of_contact_arcs
 
     surface = brake.surface
     unit = surface.shown_unit
@@ -185,7 +189,7 @@ def _shoes_table(brake: "Brake", response: "Response", at: list[str]) -> dict[st
             "normal_force": f"{shoe.normal_force:.6g}",
             "peak": f"{shoe.peak_pressure * 1e-6:.4g}",
             # In the cell of a shoe, each arc in contact stands on a line of its own.
-            "contact": arcs_text(shoe, surface).replace(", ", "\n"),
+            "contact": text_of_contact_arcs(shoe, surface).replace(", ", "\n"),
             "reaction": f"{math.hypot(*shoe.hinge_reaction):.6g}",
             # A shoe without an actuation force of its own has no shoe factor.
             "shoe_factor": f"{effect / force:.3f}" if force else "",
@@ -195,7 +199,7 @@ def _shoes_table(brake: "Brake", response: "Response", at: list[str]) -> dict[st
     return table
 
 
-def _print_more(response: "Response", notes: list[str]) -> None:
+def _print_verbose_details(response: "Response", notes: list[str]) -> None:
     """Print what only --verbose shows.
 
     These are hinge reactions and figures of merit of each shoe, solution steps, balance of forces,
@@ -204,22 +208,23 @@ def _print_more(response: "Response", notes: list[str]) -> None:
     # One line for each shoe: the force of its hinge and its figures of merit.
     for shoe, merit in zip(response.shoes, response.merits, strict=True):
         x, y = shoe.hinge_reaction
-        tell(f"shoe {shoe.name!r}: hinge reaction ({x:.6g}, {y:.6g}) N; {_merit_text(merit)}")
+        figures = _figures_of_merit_as_line(merit)
+        print_folded_line(f"shoe {shoe.name!r}: hinge reaction ({x:.6g}, {y:.6g}) N; {figures}")
     times = [f"{phase} {seconds * 1e3:.1f}" for phase, seconds in response.seconds.items()]
     if times:
         balance = response.balance
-        tell(
+        print_folded_line(
             f"{response.iterations} active-set steps; balance: force {balance.force:.1e}, "
             f"moment {balance.moment:.1e}; ms: {', '.join(times)}"
         )
     for line in notes:
-        tell(line)
+        print_folded_line(line)
     # Effects that the model neglects.
     for line in response.left_out:
-        tell(f"left out: {line}")
+        print_folded_line(f"left out: {line}")
 
 
-def _merit_text(merit: "Merit | FlatMerit") -> str:
+def _figures_of_merit_as_line(merit: "Merit | FlatMerit") -> str:
     """The figures of merit of one shoe as a line of text; unknown figures are left out.
 
     The names are those of the JSON file. The angle of the resultant force is in degrees.

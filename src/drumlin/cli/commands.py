@@ -11,24 +11,27 @@ from drumlin.cli.outputs import export, mesh, view
 from drumlin.cli.solving import compare, hold, sensitivity, solve, wear
 from drumlin.cli.starting import init, schema
 from drumlin.cli.studying import study, sweep
-from drumlin.cli.terminal import tell
+from drumlin.cli.terminal import print_folded_line
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 
 
-def _version(asked: bool) -> None:
+def _print_version_and_exit(asked: bool) -> None:
     """Print the version of drumlin and end the process, if --version is given (`asked`)."""
     if asked:
-        tell(f"drumlin {__version__}")
+        print_folded_line(f"drumlin {__version__}")
         raise typer.Exit
 
 
 @app.callback()
-def _all(
+def _options_before_any_command(
     version: Annotated[
         bool,
         typer.Option(
-            "--version", callback=_version, is_eager=True, help="print the version and end"
+            "--version",
+            callback=_print_version_and_exit,
+            is_eager=True,
+            help="print the version and end",
         ),
     ] = False,
 ) -> None:

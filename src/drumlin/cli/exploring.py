@@ -6,7 +6,7 @@ import typer
 
 import drumlin
 from drumlin.cli.options import BrakeFile
-from drumlin.cli.terminal import note, tell
+from drumlin.cli.terminal import print_folded_line, print_note_to_standard_error
 
 
 def explore(
@@ -20,17 +20,17 @@ def explore(
 
     Ctrl-C ends it.
     """
-    from drumlin.explore.serve import serve
+    from drumlin.explore.serve import serve_page_of_brake
 
     brake = drumlin.read_brake(brake_file)
 
-    def ready(address: str) -> None:
+    def print_address_and_open_browser(address: str) -> None:
         """Print the page's address and open a browser there, once the server listens."""
-        tell(f"{brake.title}: {address}", at_once=True)
-        note("Ctrl-C ends it")
+        print_folded_line(f"{brake.title}: {address}", at_once=True)
+        print_note_to_standard_error("Ctrl-C ends it")
         if browser:
             import webbrowser
 
             webbrowser.open(address)
 
-    serve(brake, brake_file.stem, port, ready)
+    serve_page_of_brake(brake, brake_file.stem, port, print_address_and_open_browser)

@@ -9,8 +9,14 @@ from typing import Annotated
 import typer
 
 import drumlin
-from drumlin.cli.options import BrakeFile, Elements, Penalty, given, penalty_number
-from drumlin.cli.terminal import busy, tell
+from drumlin.cli.options import (
+    BrakeFile,
+    Elements,
+    Penalty,
+    options_given_by_user,
+    penalty_as_number,
+)
+from drumlin.cli.terminal import print_folded_line, show_spinner_beside_words
 
 
 def cost(
@@ -31,16 +37,16 @@ def cost(
 
     The parts are assembly, one factorisation and one back-substitution.
     """
-    from drumlin.verification.cost import cost_report_lines
+    from drumlin.verification.cost import time_and_memory_report_lines
 
     brake = drumlin.read_brake(brake_file)
-    options = given(elements=elements, penalty=penalty_number(penalty))
-    with busy("measuring"):
-        lines = cost_report_lines(brake, model, by_size=by_size, **options)
+    options = options_given_by_user(elements=elements, penalty=penalty_as_number(penalty))
+    with show_spinner_beside_words("measuring"):
+        lines = time_and_memory_report_lines(brake, model, by_size=by_size, **options)
         first = next(lines)
-    tell(first, at_once=True)
+    print_folded_line(first, at_once=True)
     for line in lines:
-        tell(line, at_once=True)
+        print_folded_line(line, at_once=True)
 
 
 def reference(
@@ -55,18 +61,20 @@ def reference(
     Two programs that share nothing but the brake compute them.
     """
     path = output or Path(f"{brake_file.stem}.reference.json")
-    with busy("columns of high degree, then triangles"):
+    with show_spinner_beside_words("columns of high degree, then triangles"):
         found = drumlin.reference(brake_file, path)
     effect, unit = found.surface.effect, found.surface.effect_unit
-    tell(f"{effect} {found.torque.value:.10g} {unit}, uncertainty {found.torque.uncertainty:.1e}")
+    print_folded_line(
+        f"{effect} {found.torque.value:.10g} {unit}, uncertainty {found.torque.uncertainty:.1e}"
+    )
     for shoe in found.shoes:
-        tell(
+        print_folded_line(
             f"  shoe {shoe.name!r}: {effect} {shoe.torque.value:.10g} {unit}, "
             f"uncertainty {shoe.torque.uncertainty:.1e}; p uncertain by "
             f"{shoe.pressure_uncertainty:.1e} of its peak away from the edges, "
             f"{shoe.distance:.1e} in L2"
         )
-    tell(f"reference: {path}")
+    print_folded_line(f"reference: {path}")
 
 
 def check(
@@ -91,8 +99,8 @@ def check(
 
     The last line is the verdict. The exit status is 0 whatever the verdict is.
     """
-    with busy("reading") as say:
+    with show_spinner_beside_words("reading") as say:
         found = drumlin.check(brake_file, result, reference=known, tolerance=tolerance, say=say)
-    tell(f"reference: {found.reference}")
+    print_folded_line(f"reference: {found.reference}")
     for line in found.lines():
-        tell(line)
+        print_folded_line(line)

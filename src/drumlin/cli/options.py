@@ -107,17 +107,17 @@ Guided = Annotated[
 ReportFolder = Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")]
 
 
-def given(**options: Any) -> dict[str, Any]:
+def options_given_by_user(**options: Any) -> dict[str, Any]:
     """The options that the user has given: all options whose value is not None, by name.
 
     Raises BadInput for a number of elements out of range.
     """
-    from drumlin.models import given_options
+    from drumlin.models import options_with_values
 
-    return given_options(**options)
+    return options_with_values(**options)
 
 
-def penalty_number(penalty: str | None) -> float | None:
+def penalty_as_number(penalty: str | None) -> float | None:
     """The contact stiffness that --penalty gives, as a number; None if the option is not given.
 
     Raises BadInput where the given text is no number.

@@ -7,8 +7,8 @@ import typer
 
 import drumlin
 from drumlin.base.errors import BadInput
-from drumlin.cli.options import BrakeFile, Elements, Kind, given
-from drumlin.cli.terminal import busy, tell
+from drumlin.cli.options import BrakeFile, Elements, Kind, options_given_by_user
+from drumlin.cli.terminal import print_folded_line, show_spinner_beside_words
 
 
 def view(
@@ -20,7 +20,7 @@ def view(
     kind: Kind = None,
 ) -> None:
     """Draw a brake and its mesh."""
-    from drumlin.base.files import check_outputs
+    from drumlin.base.files import check_output_files_are_writable
     from drumlin.report.figures import save_figure
     from drumlin.report.view import draw_brake_with_meshes
 
@@ -28,10 +28,13 @@ def view(
     picture = output or Path(f"{brake_file.stem}.png")
     if picture.suffix not in {".png", ".svg"}:
         raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
-    check_outputs(picture)
-    with busy("drawing"):
-        save_figure(draw_brake_with_meshes(brake, **given(elements=elements, kind=kind)), picture)
-    tell(f"picture: {picture}")
+    check_output_files_are_writable(picture)
+    with show_spinner_beside_words("drawing"):
+        save_figure(
+            draw_brake_with_meshes(brake, **options_given_by_user(elements=elements, kind=kind)),
+            picture,
+        )
+    print_folded_line(f"picture: {picture}")
 
 
 def mesh(
@@ -50,25 +53,28 @@ def mesh(
     ] = "msh",
 ) -> None:
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
-    from drumlin.base.files import check_outputs
-    from drumlin.fem.mesh.file import write_mesh
-    from drumlin.fem.preparation.prepare import prepare
-    from drumlin.fem.solve import check_division_options
+    from drumlin.base.files import check_output_files_are_writable
+    from drumlin.fem.mesh.file import write_shoe_mesh_to_file
+    from drumlin.fem.preparation.prepare import make_prepared_model
+    from drumlin.fem.solve import require_division_options_have_effect
 
     if name is not None and Path(name).name != name:
         raise BadInput(
             f"--name = {name!r}: must be a word without folders; --output names the folder"
         )
-    brake, options = drumlin.read_brake(brake_file), given(elements=elements, kind=kind)
-    brake.check_meshable()
-    check_division_options(brake, **options)
+    brake, options = (
+        drumlin.read_brake(brake_file),
+        options_given_by_user(elements=elements, kind=kind),
+    )
+    brake.check_shoes_can_be_meshed()
+    require_division_options_have_effect(brake, **options)
     paths = [output / f"{name or brake_file.stem}_{shoe.name}.{suffix}" for shoe in brake.shoes]
-    check_outputs(*paths)
-    with busy("meshing"):
-        scene = prepare(brake, **options)
+    check_output_files_are_writable(*paths)
+    with show_spinner_beside_words("meshing"):
+        scene = make_prepared_model(brake, **options)
         for path, shoe, body in zip(paths, brake.shoes, scene.bodies, strict=True):
-            write_mesh(path, body.mesh, shoe)
-            tell(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
+            write_shoe_mesh_to_file(path, body.mesh, shoe)
+            print_folded_line(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
 
 
 def export(
@@ -84,9 +90,9 @@ def export(
     ] = "fem",
 ) -> None:
     """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
-    from drumlin.base.files import check_folder
-    from drumlin.brake.plane_brake import read_drum
-    from drumlin.fem.solve import check_division_options
+    from drumlin.base.files import check_path_can_be_folder
+    from drumlin.brake.plane_brake import read_brake_file_with_drum
+    from drumlin.fem.solve import require_division_options_have_effect
     from drumlin.peers import calculix, solid_deck
 
     if model not in {"fem", "solid"}:
@@ -95,13 +101,20 @@ def export(
         raise BadInput("--kind belongs to --model fem; solid shoes are of hexahedra")
     if to != "calculix":
         raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
-    brake, options = read_drum(brake_file, "export"), given(elements=elements, kind=kind)
-    check_division_options(brake, **options)
-    check_folder(output)
-    with busy("writing"):
-        write = calculix.export if model == "fem" else solid_deck.export
+    brake, options = (
+        read_brake_file_with_drum(brake_file, "export"),
+        options_given_by_user(elements=elements, kind=kind),
+    )
+    require_division_options_have_effect(brake, **options)
+    check_path_can_be_folder(output)
+    with show_spinner_beside_words("writing"):
+        write = (
+            calculix.export_calculix_decks
+            if model == "fem"
+            else solid_deck.export_solid_calculix_decks
+        )
         paths, apart = write(brake, output, brake_file.stem, **options)
     for path in paths:
-        tell(str(path))
+        print_folded_line(str(path))
     for name in apart:
-        tell(f"shoe {name!r}: no deck, its force does not turn it towards the drum")
+        print_folded_line(f"shoe {name!r}: no deck, its force does not turn it towards the drum")

@@ -16,9 +16,15 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import Any, NoReturn
 
-from drumlin.base.errors import BadInput, NoAnswer, Stopped, ended, file_fault
+from drumlin.base.errors import (
+    BadInput,
+    NoAnswer,
+    Stopped,
+    exception_for_unusable_file,
+    run_and_return_exit_status,
+)
 
-COMPLETING = "_DRUMLIN_COMPLETE"
+SHELL_COMPLETION_VARIABLE = "_DRUMLIN_COMPLETE"
 """Environment variable that a shell sets to complete a command line with the Tab key.
 
 The library click then answers with the words that may come next.
@@ -33,25 +39,25 @@ again, which takes 3 % of the time of a solve.
 
 def main() -> NoReturn:
     """Run the command line of this process, and end the process with its exit status."""
-    sys.exit(ended(_main))
+    sys.exit(run_and_return_exit_status(_prepare_process_and_run_command))
 
 
-def _main() -> int:
+def _prepare_process_and_run_command() -> int:
     """Prepare signals, streams and imports of this process and run its command; the exit status."""
-    _catch_signals()
-    _settle_streams()
-    _settle_imports()
+    _make_end_signals_raise_stopped()
+    _make_output_streams_usable()
+    _exclude_current_folder_from_imports()
     gc.set_threshold(GARBAGE_THRESHOLD)
     # Python's warnings concern programmers, not users. `python -W default` shows them.
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
     try:
-        return run(sys.argv[1:])
+        return run_command_line(sys.argv[1:])
     finally:
-        _flush_output()
+        _flush_standard_output()
 
 
-def _catch_signals() -> None:
+def _make_end_signals_raise_stopped() -> None:
     """Let the signals SIGTERM and SIGHUP raise Stopped in this process.
 
     A signal that the process was started to ignore, as under nohup, stays ignored.
@@ -59,10 +65,10 @@ def _catch_signals() -> None:
     for name in ("SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) != signal.SIG_IGN:
-            signal.signal(number, _stop)
+            signal.signal(number, _raise_stopped_for_signal)
 
 
-def _flush_output() -> None:
+def _flush_standard_output() -> None:
     """Write out the printed lines that standard output still buffers.
 
     Raises DrumlinError where the lines cannot be written, as on a full disk, and BrokenPipeError
@@ -76,17 +82,17 @@ def _flush_output() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         if isinstance(error, BrokenPipeError):
             raise
-        raise file_fault("standard output", "written", error) from error
+        raise exception_for_unusable_file("standard output", "written", error) from error
 
 
-def run(words: Sequence[str]) -> int:
+def run_command_line(words: Sequence[str]) -> int:
     """Run the command that `words` name in this process; returns the exit status.
 
     Raises DrumlinError for bad input and for no answer; other exceptions are faults of drumlin.
     """
     import typer
 
-    from drumlin.base.files import inputs_kept
+    from drumlin.base.files import protect_input_files
     from drumlin.cli.commands import app
 
     # Only Python code can pass a word with a NUL character; some versions of typer fail on it.
@@ -95,9 +101,9 @@ def run(words: Sequence[str]) -> int:
             raise BadInput(f"argument {word!r}: it holds a NUL character, which is not allowed")
     command = typer.main.get_command(app)
     # If a shell asks how to complete a command line, click prints the answer and ends the process.
-    if COMPLETING in os.environ:
+    if SHELL_COMPLETION_VARIABLE in os.environ:
         command(list(words), prog_name="drumlin")
-    with inputs_kept():
+    with protect_input_files():
         try:
             with command.make_context("drumlin", list(words) or ["--help"]) as context:
                 command.invoke(context)
@@ -108,11 +114,11 @@ def run(words: Sequence[str]) -> int:
             # is click's, or that of the copy of click inside typer.
             if not hasattr(error, "format_message"):
                 raise
-            raise BadInput(_refused(error)) from error
+            raise BadInput(_usage_error_as_line(error)) from error
     return 0
 
 
-def _refused(error: Any) -> str:
+def _usage_error_as_line(error: Any) -> str:
     """A usage error of the command line, such as a wrong option, as one line of text.
 
     Where the value of an option is no number, the line names the option and its value: newer
@@ -127,7 +133,7 @@ def _refused(error: Any) -> str:
     return str(error.format_message())
 
 
-def _stop(number: int, _: object) -> None:
+def _raise_stopped_for_signal(number: int, _: object) -> None:
     """Raise Stopped for the signal with a number; the handler of SIGTERM and SIGHUP.
 
     From now on the signal is ignored, so that a second signal cannot interrupt the cleaning up.
@@ -136,7 +142,7 @@ def _stop(number: int, _: object) -> None:
     raise Stopped(number)
 
 
-def _settle_streams() -> None:
+def _make_output_streams_usable() -> None:
     """Make standard output and standard error usable.
 
     A closed standard error is replaced by a null device. A letter that the terminal does not know,
@@ -151,14 +157,14 @@ def _settle_streams() -> None:
             stream.reconfigure(errors="replace")
 
 
-def _settle_imports() -> None:
+def _exclude_current_folder_from_imports() -> None:
     """Keep Python from importing files of the current folder, and matplotlib from opening windows.
 
     Both settings also hold for processes that this process starts.
     """
     os.environ["PYTHONSAFEPATH"] = "1"
     os.environ["MPLBACKEND"] = "agg"
-    if not sys.flags.safe_path and _from_here(sys.path[:1]):
+    if not sys.flags.safe_path and _is_current_folder_searched_first(sys.path[:1]):
         del sys.path[0]
         # A drumlin that runs in its source folder was found by the path deleted above. Its source
         # folder is added at the end of the search path, so that further modules are found.
@@ -167,7 +173,7 @@ def _settle_imports() -> None:
             sys.path.append(root)
 
 
-def _from_here(first: Sequence[str]) -> bool:
+def _is_current_folder_searched_first(first: Sequence[str]) -> bool:
     """Whether the first folder of Python's search path is the current folder.
 
     It is with `python -m` and `python -c`. `first` holds the first folder, or is empty.

@@ -14,7 +14,14 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.cli import options as of
 from drumlin.cli.answer import print_response
 from drumlin.cli.options import BrakeFile, Elements, FiniteWidth, Kind, Penalty
-from drumlin.cli.terminal import Column, busy, note, print_columns, print_table, tell
+from drumlin.cli.terminal import (
+    Column,
+    print_folded_line,
+    print_note_to_standard_error,
+    print_table_fitted_to_terminal,
+    print_table_of_compared_models,
+    show_spinner_beside_words,
+)
 
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
@@ -40,14 +47,14 @@ def solve(
     verbose: of.Verbose = False,
 ) -> None:
     """Solve a brake, or several, by one model."""
-    from drumlin.base.files import check_outputs
+    from drumlin.base.files import check_output_files_are_writable
 
     brakes = [drumlin.read_brake(brake_file) for brake_file in brake_files]
-    check_outputs(json_file, pressure, fields)
-    options = of.given(
+    check_output_files_are_writable(json_file, pressure, fields)
+    options = of.options_given_by_user(
         elements=elements,
         kind=kind,
-        penalty=of.penalty_number(penalty),
+        penalty=of.penalty_as_number(penalty),
         tolerance=tolerance,
         sections=sections,
         lift=lift,
@@ -55,17 +62,17 @@ def solve(
         across=across,
         fields=fields,
     )
-    _check_solvable(brakes, model, options)
-    _check_one_brake(brakes, {"--pressure": pressure, "--fields": fields})
+    _check_model_applies_and_takes_options(brakes, model, options)
+    _check_outputs_are_for_one_brake(brakes, {"--pressure": pressure, "--fields": fields})
     answers: list[_SolvedBrake] = []
     # --no-model-error concerns plane stress only. Other models have no such error, so that the
     # option is added after the check of the options.
     options |= {"model_error": False} if no_model_error else {}
-    for answer in _answers(brake_files, brakes, model, options):
+    for answer in _solve_brakes_one_by_one(brake_files, brakes, model, options):
         separated = any(earlier.response is not None for earlier in answers)
-        _print_answer(answer, pressure, separated=separated, verbose=verbose)
+        _print_answer_and_write_pressures(answer, pressure, separated=separated, verbose=verbose)
         answers.append(answer)
-    _finish(answers, json_file)
+    _write_json_and_require_all_answers(answers, json_file)
 
 
 class _SolvedBrake(NamedTuple):
@@ -92,19 +99,23 @@ class _SolvedBrake(NamedTuple):
         return name | self.response.as_dict()
 
 
-def _check_solvable(brakes: "list[Brake]", model: str, options: dict[str, Any]) -> None:
+def _check_model_applies_and_takes_options(
+    brakes: "list[Brake]", model: str, options: dict[str, Any]
+) -> None:
     """Raise BadInput where the model does not apply to a brake or does not take an option.
 
     The check is done before any brake is solved.
     """
-    from drumlin.models import check_options, pick
+    from drumlin.models import check_options_belong_to_model, model_by_name
 
     for brake in brakes:
-        pick(model, brake)
-    check_options(model, options)
+        model_by_name(model, brake)
+    check_options_belong_to_model(model, options)
 
 
-def _check_one_brake(brakes: "list[Brake]", outputs: dict[str, Path | None]) -> None:
+def _check_outputs_are_for_one_brake(
+    brakes: "list[Brake]", outputs: dict[str, Path | None]
+) -> None:
     """Raise BadInput where a file for a single brake is asked for, but several brakes are given.
 
     `outputs` holds the path of each file by the name of its option; None: not asked for.
@@ -114,7 +125,7 @@ def _check_one_brake(brakes: "list[Brake]", outputs: dict[str, Path | None]) -> 
             raise BadInput(f"{option} writes the file of one brake; give one brake file")
 
 
-def _answers(
+def _solve_brakes_one_by_one(
     brake_files: list[Path], brakes: "list[Brake]", model: str, options: dict[str, Any]
 ) -> Iterator[_SolvedBrake]:
     """Solve brakes by a model one after the other and yield the answer of each.
@@ -124,7 +135,7 @@ def _answers(
     """
     for brake_file, brake in zip(brake_files, brakes, strict=True):
         try:
-            with busy(f"solving by {model}"):
+            with show_spinner_beside_words(f"solving by {model}"):
                 response = drumlin.solve(brake, model, **options)
         except NoAnswer as error:
             if len(brakes) == 1:
@@ -134,7 +145,7 @@ def _answers(
             yield _SolvedBrake(brake_file, brake, response, None)
 
 
-def _print_answer(
+def _print_answer_and_write_pressures(
     answer: _SolvedBrake, pressure: Path | None, *, separated: bool, verbose: bool
 ) -> None:
     """Print the answer of a brake and write its pressures, or print why there is no answer.
@@ -147,19 +158,21 @@ def _print_answer(
     verbose : whether figures of merit, steps, times and neglected effects are printed
     """
     if answer.response is None:
-        note(f"{answer.brake_file}: {answer.failure}")
+        print_note_to_standard_error(f"{answer.brake_file}: {answer.failure}")
         return
     if pressure is not None:
         from drumlin.base.files import write_text
-        from drumlin.verification.check import curves_text
+        from drumlin.verification.check import pressure_curves_as_csv
 
-        write_text(pressure, curves_text(answer.response, answer.brake.surface))
+        write_text(pressure, pressure_curves_as_csv(answer.response, answer.brake.surface))
     if separated:
-        tell("")
+        print_folded_line("")
     print_response(answer.brake, answer.response, verbose=verbose)
 
 
-def _finish(answers: list[_SolvedBrake], json_file: Path | None) -> None:
+def _write_json_and_require_all_answers(
+    answers: list[_SolvedBrake], json_file: Path | None
+) -> None:
     """Write the answers of all brakes as JSON. Raises NoAnswer where a brake has no answer."""
     from drumlin.base.files import write_json
 
@@ -180,27 +193,27 @@ def compare(
     finite_width: FiniteWidth = False,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
-    from drumlin.base.files import check_folder
-    from drumlin.brake.file import toml_text
+    from drumlin.base.files import check_path_can_be_folder
+    from drumlin.brake.file import read_text_of_brake_file
     from drumlin.report.comparison import write_comparison_page
 
-    text = toml_text(brake_file)
+    text = read_text_of_brake_file(brake_file)
     brake = drumlin.read_brake(brake_file, text)
     folder = output or Path("reports") / brake_file.stem
-    check_folder(folder)
-    options = of.given(
+    check_path_can_be_folder(folder)
+    options = of.options_given_by_user(
         elements=elements,
         kind=kind,
-        penalty=of.penalty_number(penalty),
+        penalty=of.penalty_as_number(penalty),
         finite_width=finite_width,
     )
-    with busy("comparing the models"):
+    with show_spinner_beside_words("comparing the models"):
         result = write_comparison_page(brake, text, folder, options)
-    tell(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
-    print_table(result.table, result.columns)
+    print_folded_line(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
+    print_table_of_compared_models(result.table, result.columns)
     for line in result.notes:
-        tell(line)
-    tell(f"report: {result.page}")
+        print_folded_line(line)
+    print_folded_line(f"report: {result.page}")
 
 
 def hold(
@@ -213,37 +226,37 @@ def hold(
     penalty: Penalty = None,
 ) -> None:
     """Turn the drum against its shoes, from rest through partial slip to full slip."""
-    from drumlin.base.files import check_outputs, write_json
+    from drumlin.base.files import check_output_files_are_writable, write_json
 
     brake = drumlin.read_brake(brake_file)
-    check_outputs(json_file)
-    with busy("holding") as say:
+    check_output_files_are_writable(json_file)
+    with show_spinner_beside_words("holding") as say:
         run = drumlin.hold(
             brake,
             rotation=rotation,
             steps=steps,
             elements=elements,
             kind=kind,
-            penalty=of.penalty_number(penalty),
+            penalty=of.penalty_as_number(penalty),
             say=say,
         )
     if json_file is not None:
         write_json(json_file, run.as_dict())
-    print_columns(_states_table(run), [])
+    print_table_fitted_to_terminal(_table_columns_of_holding_states(run), [])
     for line in run.states[-1].notes:
-        tell(line)
+        print_folded_line(line)
 
 
-def _states_table(run: "HoldingRun") -> dict[str, Column]:
+def _table_columns_of_holding_states(run: "HoldingRun") -> dict[str, Column]:
     """The states of a brake that is turned from rest, as columns of a printed table.
 
     The columns are rotation, torque, sticking part of the contact and dissipated energy.
     """
-    from drumlin.base.texts import formatted
+    from drumlin.base.texts import number_as_text
 
     surface, states = run.brake.surface, run.states
     turned = [f"{at.rotation * surface.shown:.6f}" for at in states]
-    moments = [formatted(at.torque, ".4f") for at in states]
+    moments = [number_as_text(at.torque, ".4f") for at in states]
     sticking = [f"{100 * at.sticking:.1f}" for at in states]
     dissipated = [f"{at.dissipated:.5g}" for at in states]
     return {
@@ -262,19 +275,19 @@ def sensitivity(
     penalty: Penalty = None,
 ) -> None:
     """How the torque changes with friction, force, moduli, clearance and hinge: exact slopes."""
-    from drumlin.base.files import check_outputs, write_json
+    from drumlin.base.files import check_output_files_are_writable, write_json
     from drumlin.fem.analysis.sensitivity import sensitivity_as_text_lines
 
     brake = drumlin.read_brake(brake_file)
-    check_outputs(json_file)
-    stiffness = of.penalty_number(penalty)
-    with busy("sensitivity"):
+    check_output_files_are_writable(json_file)
+    stiffness = of.penalty_as_number(penalty)
+    with show_spinner_beside_words("sensitivity"):
         found = drumlin.sensitivity(brake, elements=elements, kind=kind, penalty=stiffness)
     if json_file is not None:
         write_json(json_file, found.as_dict())
-    tell(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
+    print_folded_line(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
     for line in sensitivity_as_text_lines(found, brake):
-        tell(line)
+        print_folded_line(line)
 
 
 def wear(
@@ -294,11 +307,11 @@ def wear(
     lift: of.Lift = None,
 ) -> None:
     """Wear the linings by Archard's law until the pressure is that of the rigid-shoe law."""
-    from drumlin.base.files import check_outputs, write_json
+    from drumlin.base.files import check_output_files_are_writable, write_json
 
     brake = drumlin.read_brake(brake_file)
-    check_outputs(json_file)
-    with busy("running in") as say:
+    check_output_files_are_writable(json_file)
+    with show_spinner_beside_words("running in") as say:
         run = drumlin.wear(
             brake,
             model,
@@ -318,4 +331,4 @@ def wear(
     if json_file is not None:
         write_json(json_file, run.as_dict())
     for line in run.lines():
-        tell(line)
+        print_folded_line(line)

@@ -9,27 +9,32 @@ from typing import Annotated
 import typer
 
 from drumlin.base.errors import BadInput
-from drumlin.base.texts import nearest
-from drumlin.cli.terminal import tell, write
+from drumlin.base.texts import did_you_mean_hint
+from drumlin.cli.terminal import print_folded_line, print_text_unchanged
 
 
 def init(
     name: Annotated[
-        str | None, typer.Argument(metavar="[NAME]", help="an example; without one they are listed")
+        str | None,
+        typer.Argument(
+            metavar="[NAME]", help="an text_of_example_brake; without one they are listed"
+        ),
     ] = None,
 ) -> None:
     """List the example brakes, or print one of them: drumlin init double_shoe > my.toml."""
     import tomllib
 
-    from drumlin.studies import example, examples
+    from drumlin.studies import paths_of_example_brakes, text_of_example_brake
 
     if name is not None:
-        write(example(name))
+        print_text_unchanged(text_of_example_brake(name))
         return
-    found = examples()
+    found = paths_of_example_brakes()
     wide = max(map(len, found))
     for key, path in found.items():
-        tell(f"{key:{wide}}  {tomllib.loads(path.read_text(encoding='utf-8'))['title']}")
+        print_folded_line(
+            f"{key:{wide}}  {tomllib.loads(path.read_text(encoding='utf-8'))['title']}"
+        )
 
 
 def schema(
@@ -40,12 +45,12 @@ def schema(
     An editor completes a file whose first line names the schema: #:schema FILE.
     """
     from drumlin.brake.schema import brake_schema
-    from drumlin.sweeps.schema import sweep_schema
+    from drumlin.sweeps.schema import json_schema_of_sweep_file
 
-    made = {"brake": brake_schema, "sweep": sweep_schema}
+    made = {"brake": brake_schema, "sweep": json_schema_of_sweep_file}
     if kind not in made:
         raise BadInput(
-            f"KIND = {kind!r}: unknown kind of file{nearest(kind, made)}; allowed: "
+            f"KIND = {kind!r}: unknown kind of file{did_you_mean_hint(kind, made)}; allowed: "
             f"{', '.join(made)}"
         )
-    write(json.dumps(made[kind](), indent=1, ensure_ascii=False) + "\n")
+    print_text_unchanged(json.dumps(made[kind](), indent=1, ensure_ascii=False) + "\n")

@@ -6,12 +6,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drumlin.base.errors import NoAnswer
-from drumlin.cli.terminal import busy, note, progress, progress_if_long, tell
+from drumlin.cli.terminal import (
+    print_folded_line,
+    print_note_to_standard_error,
+    show_progress_bar,
+    show_progress_bar_if_long,
+    show_spinner_beside_words,
+)
 
 if TYPE_CHECKING:
     from drumlin.sweeps.cases import Row
 
-MOST_REASONS = 3
+MAX_PRINTED_REASONS = 3
 """Number of reasons for failed cases that are printed after a sweep, the most frequent first.
 
 The table of the sweep gives the reason of each case.
@@ -26,11 +32,11 @@ def study(
     ] = False,
 ) -> None:
     """Run a study from studies/ and write its report into reports/NAME."""
-    from drumlin.studies import run
+    from drumlin.studies import run_study_and_write_report
 
-    with busy(f"study {name}") as say:
-        page = run(name, output, short=short, say=say)
-    tell(f"report: {page}")
+    with show_spinner_beside_words(f"study {name}") as say:
+        page = run_study_and_write_report(name, output, short=short, say=say)
+    print_folded_line(f"report: {page}")
 
 
 def sweep(
@@ -48,25 +54,30 @@ def sweep(
 
     After a stop the same command goes on with the missing cases.
     """
-    from drumlin.base.files import check_outputs
+    from drumlin.base.files import check_output_files_are_writable
     from drumlin.sweeps.file import read_sweep
-    from drumlin.sweeps.run import solve_and_keep_rows, table_rows
-    from drumlin.sweeps.table import check_table_file, write_table
+    from drumlin.sweeps.run import rows_of_sweep_table, solve_sweep_with_journal
+    from drumlin.sweeps.table import check_table_file_is_writable, write_table_file
 
-    with progress_if_long(f"reading {sweep_file.name}") as judged:
+    with show_progress_bar_if_long(f"reading {sweep_file.name}") as judged:
         made = read_sweep(sweep_file, judged)
     table_file = output or Path(f"{sweep_file.stem}.csv")
-    check_table_file(table_file)
-    check_outputs(table_file)
-    rows = solve_and_keep_rows(
-        made, table_file, jobs=jobs, scheduler=scheduler, progress=progress, say=note
+    check_table_file_is_writable(table_file)
+    check_output_files_are_writable(table_file)
+    rows = solve_sweep_with_journal(
+        made,
+        table_file,
+        jobs=jobs,
+        scheduler=scheduler,
+        progress=show_progress_bar,
+        say=print_note_to_standard_error,
     )
-    with busy(f"writing {table_file.name}"):
-        write_table(table_rows(made, rows, sweep_file), table_file)
-    _tell_outcome(rows, table_file)
+    with show_spinner_beside_words(f"writing {table_file.name}"):
+        write_table_file(rows_of_sweep_table(made, rows, sweep_file), table_file)
+    _print_outcome_of_sweep(rows, table_file)
 
 
-def _tell_outcome(rows: "list[Row]", table_file: Path) -> None:
+def _print_outcome_of_sweep(rows: "list[Row]", table_file: Path) -> None:
     """Print how many cases of a sweep have failed, the most frequent reasons, and the table's path.
 
     Raises NoAnswer where every case has failed.
@@ -75,9 +86,11 @@ def _tell_outcome(rows: "list[Row]", table_file: Path) -> None:
 
     statuses = [row["status"] for row in rows]
     failed = Counter(status.removeprefix("failed: ") for status in statuses if status != "solved")
-    tell(f"{len(rows)} cases: {len(rows) - failed.total()} solved, {failed.total()} failed")
-    for reason, count in failed.most_common(MOST_REASONS):
-        tell(f"  failed, {count}: {reason}")
-    tell(f"table: {table_file}")
+    print_folded_line(
+        f"{len(rows)} cases: {len(rows) - failed.total()} solved, {failed.total()} failed"
+    )
+    for reason, count in failed.most_common(MAX_PRINTED_REASONS):
+        print_folded_line(f"  failed, {count}: {reason}")
+    print_folded_line(f"table: {table_file}")
     if failed.total() == len(rows):
         raise NoAnswer("sweep: no case has an answer; the table says why")

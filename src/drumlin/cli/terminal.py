@@ -8,8 +8,8 @@ from contextlib import ExitStack, contextmanager
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from drumlin.base.errors import file_fault
-from drumlin.base.texts import one_line
+from drumlin.base.errors import exception_for_unusable_file
+from drumlin.base.texts import printable_single_line
 
 if TYPE_CHECKING:
     from drumlin.comparison import TableColumn
@@ -19,7 +19,7 @@ UNPRINTED_COLUMNS = ("case", "rotation")
 
 They have the same value in all rows, since the table is of one brake.
 """
-LEAST_COMPARED = [
+COMPARED_COLUMNS_LEFT_OUT_FIRST = [
     "self_energising",
     "contact",
     "reaction_error",
@@ -36,34 +36,37 @@ PIPE_WIDTH = 200
 """Width [characters] of the table of `drumlin compare` in a file or a pipe, not a terminal."""
 STATUS_WIDTH = 10
 """Smallest width [characters] of the column "status"; a longer status is folded into lines."""
-LONGEST_PRINTED = 10_000
+MAX_PRINTED_CHARACTERS = 10_000
 """Largest number of characters of a printed line.
 
 A longer line is cut: a text that comes from the user's file may have any length.
 """
 
 
-def tell(line: str, *, at_once: bool = False) -> None:
+def print_folded_line(line: str, *, at_once: bool = False) -> None:
     """Print a line to standard output, folded between words to the width of the terminal.
 
     Characters that cannot be printed, as in the name of a file, are escaped. `at_once` is whether
     the line is flushed, so that a reader sees it before the next line is printed.
     """
-    line, width = one_line(line, LONGEST_PRINTED), shutil.get_terminal_size().columns
+    line, width = (
+        printable_single_line(line, MAX_PRINTED_CHARACTERS),
+        shutil.get_terminal_size().columns,
+    )
     # A line of two words, such as "report: PATH", is not folded: a folded path cannot be copied.
     if len(line) > width and len(line.split()) > 2:
-        line = _folded(line, width, more=" " * (len(line) - len(line.lstrip()) + 2))
-    with _printing():
+        line = _text_folded_to_width(line, width, more=" " * (len(line) - len(line.lstrip()) + 2))
+    with _turn_output_faults_into_drumlin_errors():
         print(line, flush=at_once)
 
 
-def write(text: str) -> None:
+def print_text_unchanged(text: str) -> None:
     """Print a text to standard output as it is: neither folded nor escaped, without a line end."""
-    with _printing():
+    with _turn_output_faults_into_drumlin_errors():
         sys.stdout.write(text)
 
 
-def _folded(text: str, width: int, more: str = "") -> str:
+def _text_folded_to_width(text: str, width: int, more: str = "") -> str:
     """A text folded into lines of at most `width` characters.
 
     All lines but the first begin with `more`. A word longer than a line is not broken.
@@ -71,13 +74,13 @@ def _folded(text: str, width: int, more: str = "") -> str:
     return fill(text, width, break_long_words=False, break_on_hyphens=False, subsequent_indent=more)
 
 
-def note(line: str) -> None:
+def print_note_to_standard_error(line: str) -> None:
     """Print a message of one line to standard error. The answer itself goes to standard output."""
-    print(f"drumlin: {one_line(line)}", file=sys.stderr)
+    print(f"drumlin: {printable_single_line(line)}", file=sys.stderr)
 
 
 @contextmanager
-def _printing() -> Iterator[None]:
+def _turn_output_faults_into_drumlin_errors() -> Iterator[None]:
     """Turn a failed write to standard output within the block into a DrumlinError of one line.
 
     A reader that has closed its pipe, such as `head`, is no fault: BrokenPipeError is passed on.
@@ -87,19 +90,19 @@ def _printing() -> Iterator[None]:
     except BrokenPipeError:
         raise
     except OSError as error:
-        raise file_fault("standard output", "written", error) from error
+        raise exception_for_unusable_file("standard output", "written", error) from error
 
 
-BAR_AFTER = 2.0
-"""Seconds after which `progress_if_long` shows a bar.
+SECONDS_BEFORE_PROGRESS_BAR = 2.0
+"""Seconds after which `show_progress_bar_if_long` shows a bar.
 
 Reading most sweep files takes less, and a bar would only flash up.
 """
 
 
 @contextmanager
-def progress_if_long(words: str) -> Iterator[Callable[[int, int], None]]:
-    """Show a bar with the time left, on a terminal, once the block has run for BAR_AFTER seconds.
+def show_progress_bar_if_long(words: str) -> Iterator[Callable[[int, int], None]]:
+    """Show a bar with the time left, on a terminal, after SECONDS_BEFORE_PROGRESS_BAR seconds.
 
     The context is a function, to be called with the number of finished cases and of all cases.
     """
@@ -107,18 +110,21 @@ def progress_if_long(words: str) -> Iterator[Callable[[int, int], None]]:
     with ExitStack() as shown:
         bars: list[Callable[[int, int], None]] = []
 
-        def done(finished: int, of: int) -> None:
-            """Move the bar to `finished` of `of` cases, and show it once BAR_AFTER is over."""
-            if not bars and time.monotonic() - start > BAR_AFTER:
-                bars.append(shown.enter_context(progress(words)))
+        def show_and_move_progress_bar(finished: int, of: int) -> None:
+            """Move the bar to `finished` of `of` cases.
+
+            The bar is shown once SECONDS_BEFORE_PROGRESS_BAR is over.
+            """
+            if not bars and time.monotonic() - start > SECONDS_BEFORE_PROGRESS_BAR:
+                bars.append(shown.enter_context(show_progress_bar(words)))
             for bar in bars:
                 bar(finished, of)
 
-        yield done
+        yield show_and_move_progress_bar
 
 
 @contextmanager
-def progress(words: str) -> Iterator[Callable[[int, int], None]]:
+def show_progress_bar(words: str) -> Iterator[Callable[[int, int], None]]:
     """Show a bar with the time left while the block runs, if standard error is a terminal.
 
     `words` stand before the bar. The context is a function, to be called with the number of
@@ -148,7 +154,7 @@ def progress(words: str) -> Iterator[Callable[[int, int], None]]:
 
 
 @contextmanager
-def busy(words: str) -> Iterator[Callable[[str], None]]:
+def show_spinner_beside_words(words: str) -> Iterator[Callable[[str], None]]:
     """Show a spinner beside `words` while the block runs, if standard error is a terminal.
 
     The context is a function, to be called with other words for the next step of the work.
@@ -185,7 +191,7 @@ class Column(NamedTuple):
         return max(len(line) for cell in (self.head, *self.cells) for line in cell.split("\n"))
 
 
-def print_columns(
+def print_table_fitted_to_terminal(
     columns: Mapping[str, Column], least: Sequence[str], width: int | None = None
 ) -> None:
     """Print a table, on a narrow terminal without its least important columns.
@@ -205,13 +211,13 @@ def print_columns(
         needed = sum(column.width + 2 for column in shown.values()) - 2
         if key in shown and needed > width:
             cut.append(shown.pop(key).title)
-    with _printing():
-        print("\n".join(_lines(shown.values())))
+    with _turn_output_faults_into_drumlin_errors():
+        print("\n".join(_lines_of_printed_table(shown.values())))
     if cut:
-        tell(f"not shown here, the terminal is too narrow: {', '.join(cut)}")
+        print_folded_line(f"not shown here, the terminal is too narrow: {', '.join(cut)}")
 
 
-def _lines(columns: Collection[Column]) -> list[str]:
+def _lines_of_printed_table(columns: Collection[Column]) -> list[str]:
     """The lines of a printed table without ruled lines, with two spaces between the columns."""
     from rich.console import Console
     from rich.table import Table
@@ -230,7 +236,9 @@ def _lines(columns: Collection[Column]) -> list[str]:
     return [line.rstrip() for line in text.get().splitlines()]
 
 
-def print_table(table: Sequence[dict[str, Any]], shown: "Sequence[TableColumn]") -> None:
+def print_table_of_compared_models(
+    table: Sequence[dict[str, Any]], shown: "Sequence[TableColumn]"
+) -> None:
     """Print the table of a comparison of models.
 
     `table` holds a row for each model and shoe, `shown` the columns. Columns without a value are
@@ -247,7 +255,7 @@ def print_table(table: Sequence[dict[str, Any]], shown: "Sequence[TableColumn]")
         head = fill(column.heading, 9, break_long_words=False)
         if column.unit:
             head += f"\n[{column.unit}]"
-        cells = [one_line(column.text(row)) for row in table]
+        cells = [printable_single_line(column.text(row)) for row in table]
         has_words = column.key in {"shoe", "model", "status"}
         columns[column.key] = Column(column.title, head, cells, left=has_words)
     # The status of a model may be a long reason: it is folded into the width that is left.
@@ -255,6 +263,6 @@ def print_table(table: Sequence[dict[str, Any]], shown: "Sequence[TableColumn]")
     if status is not None:
         others = [other for key, other in columns.items() if key != "status"]
         room = width - sum(other.width + 2 for other in others)
-        folded = [_folded(cell, max(room, STATUS_WIDTH)) for cell in status.cells]
+        folded = [_text_folded_to_width(cell, max(room, STATUS_WIDTH)) for cell in status.cells]
         columns["status"] = status._replace(cells=folded)
-    print_columns(columns, LEAST_COMPARED, width)
+    print_table_fitted_to_terminal(columns, COMPARED_COLUMNS_LEFT_OUT_FIRST, width)

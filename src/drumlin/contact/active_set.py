@@ -12,7 +12,7 @@ shoe is its rotation. C p = h are the equilibria in the rigid-body modes; withou
 A trial contact set gives each node a pressure or a gap. A node is wrong if its pressure or its gap
 is negative. The active-set method is a semismooth Newton method: all wrong nodes change at once
 (block principal pivoting: Kostreva 1978; Judice & Pires 1994). If the wrong nodes do not become
-fewer, `follow_solution_from_wider_gaps` changes one node at a time (Lemke 1965).
+fewer, `find_contact_set_by_closing_wide_gaps` changes one node at a time (Lemke 1965).
 """
 
 import math
@@ -31,10 +31,10 @@ from drumlin.contact.equations import (
     BorderedEquations,
     ContactProblem,
     ContactSetEquations,
-    EquilibratedSystem,
-    equilibrate_problem,
-    is_bordering_cheaper,
-    resists_all_rigid_body_modes,
+    ScaledContactSystem,
+    can_contact_resist_all_rigid_body_modes,
+    is_bordered_system_cheaper_than_new_factors,
+    scale_contact_problem,
 )
 
 MOST_PIVOT_STEPS = 120
@@ -73,8 +73,8 @@ MOST_STEPS_WITHOUT_PROGRESS = 5
 
 A contact node is wrong if its pressure or its gap is negative. If the number of wrong nodes has not
 fallen, the solution is followed along a path on which one node changes at a time, see
-`follow_solution_from_wider_gaps`. The path needs a step for each node that changes. Judice and
-Pires (1994) wait for up to ten steps. On 50 random holding brakes a limit of one step takes 1.2
+`find_contact_set_by_closing_wide_gaps`. The path needs a step for each node that changes. Judice
+and Pires (1994) wait for up to ten steps. On 50 random holding brakes a limit of one step takes 1.2
 times as many factorisations as five. Limits from five to twelve steps lie within 2 % of each other.
 The solutions are the same with any limit.
 """
@@ -127,7 +127,7 @@ class Contact:
     active: Bools
     steps: int
     stable: bool
-    system: EquilibratedSystem
+    system: ScaledContactSystem
     pressure_change: Callable[[Floats], Floats]
 
 
@@ -157,10 +157,10 @@ def solve_contact_problem(problem: ContactProblem, start: Bools | None = None) -
         if no pressures balance the actuation, or if neither method converges
     """
     try:
-        return solve_by_block_pivoting(problem, start)
+        return solve_contact_by_block_pivoting(problem, start)
     except ContactSetNotConverged as unsettled:
-        active, steps = follow_solution_from_wider_gaps(problem)
-        found = solve_by_block_pivoting(problem, active)
+        active, steps = find_contact_set_by_closing_wide_gaps(problem)
+        found = solve_contact_by_block_pivoting(problem, active)
         return replace(found, steps=unsettled.steps + steps + found.steps)
 
 
@@ -185,11 +185,11 @@ class _TrialSolution(NamedTuple):
     wrong: Bools
 
 
-def solve_by_block_pivoting(
+def solve_contact_by_block_pivoting(
     problem: ContactProblem,
     start: Bools | None = None,
     most_steps: int = MOST_PIVOT_STEPS,
-    scales_of: EquilibratedSystem | None = None,
+    scales_of: ScaledContactSystem | None = None,
 ) -> Contact:
     """Solve a contact problem by changing all wrong nodes at once, and return its solution.
 
@@ -201,7 +201,7 @@ def solve_by_block_pivoting(
     start : contact set (n,) of the first step; by default the guess of
         `guess_contact_set_from_coarse_problem`
     most_steps : limit of the steps
-    scales_of : system whose scales are used, see `equilibrate_problem`
+    scales_of : system whose scales are used, see `scale_contact_problem`
 
     Raises
     ------
@@ -210,22 +210,22 @@ def solve_by_block_pivoting(
     NoAnswer
         if no pressures balance the actuation
     """
-    system = equilibrate_problem(problem, scales_of)
+    system = scale_contact_problem(problem, scales_of)
     active = guess_contact_set_from_coarse_problem(problem) if start is None else start.copy()
     fewest, patience = system.n + 1, MOST_STEPS_WITHOUT_PROGRESS
     base: ContactSetEquations | None = None
     for step in range(1, most_steps + 1):
         # If the touching nodes leave a rigid-body mode free, the equations are singular. The nodes
         # that the actuation closes first are then added.
-        if not _contact_set_resists_modes(problem, active):
-            active = active | _find_first_contact_set(system.problem)
+        if not _can_contact_set_resist_rigid_body_modes(problem, active):
+            active = active | _find_nodes_that_touch_first(system.scaled_contact_problem)
         equations = _factorise_contact_set(system, active, base)
         if not isinstance(equations, BorderedEquations):
             base = equations
-        trial = _solve_on_trial_set(system, equations, active)
+        trial = _solve_on_trial_contact_set(system, equations, active)
         count = int(np.count_nonzero(trial.wrong))
         if not count:
-            return _refine_solution_once(system, equations, active, trial, step)
+            return _refine_contact_solution_once(system, equations, active, trial, step)
         # The search ends if the number of wrong nodes has not fallen for some steps.
         if count < fewest:
             fewest, patience = count, MOST_STEPS_WITHOUT_PROGRESS
@@ -238,20 +238,20 @@ def solve_by_block_pivoting(
 
 
 def _factorise_contact_set(
-    system: EquilibratedSystem, active: Bools, base: ContactSetEquations | None
+    system: ScaledContactSystem, active: Bools, base: ContactSetEquations | None
 ) -> ContactSetEquations | BorderedEquations:
     """Factorise the equations of a contact set (n,), and return them.
 
     The factors of the earlier equations `base` are reused if few nodes differ.
     """
-    on = system.free_unknowns(active)
-    if base is not None and is_bordering_cheaper(base, on):
+    on = system.mark_unknowns_of_contact_set(active)
+    if base is not None and is_bordered_system_cheaper_than_new_factors(base, on):
         return BorderedEquations(base, system.K, on)
     return ContactSetEquations(system.K, on)
 
 
-def _solve_on_trial_set(
-    system: EquilibratedSystem, equations: ContactSetEquations, active: Bools
+def _solve_on_trial_contact_set(
+    system: ScaledContactSystem, equations: ContactSetEquations, active: Bools
 ) -> _TrialSolution:
     """Solve the equations of a trial contact set (n,), and mark nodes with negative values."""
     K, r, n = system.K, system.r, system.n
@@ -270,8 +270,8 @@ def _solve_on_trial_set(
     return _TrialSolution(x, p, w, residual, wrong)
 
 
-def _refine_solution_once(
-    system: EquilibratedSystem,
+def _refine_contact_solution_once(
+    system: ScaledContactSystem,
     equations: ContactSetEquations,
     active: Bools,
     trial: _TrialSolution,
@@ -291,7 +291,7 @@ def _refine_solution_once(
         y=x[n:],
         active=active,
         steps=steps,
-        stable=resists_all_rigid_body_modes(equations, system),
+        stable=can_contact_resist_all_rigid_body_modes(equations, system),
         system=system,
         pressure_change=partial(_pressure_change_by_gap_change, equations, system),
     )
@@ -299,7 +299,7 @@ def _refine_solution_once(
 
 def _next_contact_set(
     problem: ContactProblem,
-    system: EquilibratedSystem,
+    system: ScaledContactSystem,
     equations: ContactSetEquations,
     active: Bools,
     trial: _TrialSolution,
@@ -314,7 +314,7 @@ def _next_contact_set(
     a short contact moves along the lining node by node.
     """
     wanted = active ^ trial.wrong
-    if _contact_set_resists_modes(problem, wanted):
+    if _can_contact_set_resist_rigid_body_modes(problem, wanted):
         return wanted
     # All nodes that penetrate join the set. The nodes that pull leave it one after the other, the
     # strongest pull first, as long as the remaining nodes resist all modes.
@@ -323,7 +323,7 @@ def _next_contact_set(
     leaving = leaving[np.argsort(trial.p[leaving], kind="stable")]
     for node in leaving:
         found[node] = False
-        found[node] = not _contact_set_resists_modes(problem, found)
+        found[node] = not _can_contact_set_resist_rigid_body_modes(problem, found)
     if not np.array_equal(found, active) or not len(leaving):
         return found
     # No node could leave: the node that pulls most is exchanged for the first that touches.
@@ -379,12 +379,12 @@ class _PathSegment(NamedTuple):
     value: Floats
     slope: Floats
 
-    def values_at(self, s: float) -> Floats:
+    def pressures_and_gaps_at(self, s: float) -> Floats:
         """Return the pressures of the contact set and the gaps of all other nodes (n,) at s."""
         return self.value + s * self.slope
 
 
-def follow_solution_from_wider_gaps(problem: ContactProblem) -> tuple[Bools, int]:
+def find_contact_set_by_closing_wide_gaps(problem: ContactProblem) -> tuple[Bools, int]:
     """Follow the solution of a contact problem from widened gaps to the true gaps.
 
     The gaps are q + s e, with s = 1 where the path begins and s = 0 where it ends. At s = 1 only
@@ -402,21 +402,21 @@ def follow_solution_from_wider_gaps(problem: ContactProblem) -> tuple[Bools, int
     NoAnswer
         if the path goes on for ever
     """
-    system = equilibrate_problem(problem)
+    system = scale_contact_problem(problem)
     K, n = system.K, system.n
-    active = _find_first_contact_set(system.problem, one_node_per_mode=True)
+    active = _find_nodes_that_touch_first(system.scaled_contact_problem, one_node_per_mode=True)
     s, direction, last = 1.0, -1, -1
     lift = np.zeros(len(system.r))
     for step in range(MOST_SET_CHANGES * n):
-        equations = ContactSetEquations(K, system.free_unknowns(active))
+        equations = ContactSetEquations(K, system.mark_unknowns_of_contact_set(active))
         if step == 0:
-            lift[:n] = _extra_gaps_at_path_start(system, equations, active)
-        line = _path_segment_of_contact_set(system, equations, active, lift)
+            lift[:n] = _added_gaps_that_open_other_nodes(system, equations, active)
+        line = _linear_pressures_and_gaps_on_contact_set(system, equations, active, lift)
         # The pressure or gap of the node that has changed last is zero, and must grow from zero.
         # Its slope therefore gives the sense in which s changes.
         if step > 0:
             direction = 1 if line.slope[last] > 0 else -1
-        reach = _path_steps_until_zero(line, s, direction)
+        reach = _steps_until_pressure_or_gap_vanishes(line, s, direction)
         if direction < 0 and reach.min() >= s:
             return active, step + 1
         last = int(reach.argmin())
@@ -425,11 +425,11 @@ def follow_solution_from_wider_gaps(problem: ContactProblem) -> tuple[Bools, int
             break
         leaves = active[last]
         active[last] = not active[last]
-        if leaves and not _contact_set_resists_modes(problem, active):
+        if leaves and not _can_contact_set_resist_rigid_body_modes(problem, active):
             # Without the leaving node the shoe is free to move in a rigid-body mode. The node that
             # stops this motion takes its place.
             active[last] = True
-            gaps = np.where(active, 0.0, line.values_at(s))
+            gaps = np.where(active, 0.0, line.pressures_and_gaps_at(s))
             touched = _find_node_that_closes_first(K, equations, gaps, last, active)
             if touched is None:
                 break
@@ -438,8 +438,8 @@ def follow_solution_from_wider_gaps(problem: ContactProblem) -> tuple[Bools, int
     raise NoAnswer("no equilibrium found: from wider gaps the contact never reaches the true ones")
 
 
-def _extra_gaps_at_path_start(
-    system: EquilibratedSystem, equations: ContactSetEquations, active: Bools
+def _added_gaps_that_open_other_nodes(
+    system: ScaledContactSystem, equations: ContactSetEquations, active: Bools
 ) -> Floats:
     """Return gaps (n,) which, added to the true gaps, open all nodes outside a contact set (n,).
 
@@ -452,8 +452,8 @@ def _extra_gaps_at_path_start(
     return np.where(active, 0.0, np.maximum(-w, 0.0) + smallest * uneven)
 
 
-def _path_segment_of_contact_set(
-    system: EquilibratedSystem, equations: ContactSetEquations, active: Bools, lift: Floats
+def _linear_pressures_and_gaps_on_contact_set(
+    system: ScaledContactSystem, equations: ContactSetEquations, active: Bools, lift: Floats
 ) -> _PathSegment:
     """Return pressures and gaps on a contact set (n,) as linear functions of s.
 
@@ -465,7 +465,7 @@ def _path_segment_of_contact_set(
     return _PathSegment(np.where(active, x[:n], w), np.where(active, dx[:n], dw))
 
 
-def _path_steps_until_zero(line: _PathSegment, s: float, direction: int) -> Floats:
+def _steps_until_pressure_or_gap_vanishes(line: _PathSegment, s: float, direction: int) -> Floats:
     """Return the change of s (n,) after which the pressure or gap of each node falls to zero.
 
     The change is inf where the pressure or gap grows. `direction` is the sense, +1 or -1, in which
@@ -473,7 +473,7 @@ def _path_steps_until_zero(line: _PathSegment, s: float, direction: int) -> Floa
     """
     falls = direction * line.slope < 0
     reach = np.full(len(falls), np.inf)
-    reach[falls] = np.maximum(line.values_at(s), 0.0)[falls] / np.abs(line.slope[falls])
+    reach[falls] = np.maximum(line.pressures_and_gaps_at(s), 0.0)[falls] / np.abs(line.slope[falls])
     return reach
 
 
@@ -490,13 +490,13 @@ def guess_contact_set_from_coarse_problem(problem: ContactProblem) -> Bools:
     if count < COARSE_GUESS_FROM_NODES:
         return active
     try:
-        coarse = solve_by_block_pivoting(coarsen_problem(problem)).p > 0
+        coarse = solve_contact_by_block_pivoting(contact_problem_on_every_other_node(problem)).p > 0
     except NoAnswer:
         return active
-    return expand_coarse_contact_set(coarse, count)
+    return contact_set_on_all_nodes(coarse, count)
 
 
-def expand_coarse_contact_set(coarse: Bools, count: int) -> Bools:
+def contact_set_on_all_nodes(coarse: Bools, count: int) -> Bools:
     """Return the contact set (count,) on all nodes that belongs to one on every other node.
 
     The neighbours of a node of the coarse set belong to the fine set as well.
@@ -509,7 +509,7 @@ def expand_coarse_contact_set(coarse: Bools, count: int) -> Bools:
     return active
 
 
-def coarsen_problem(problem: ContactProblem) -> ContactProblem:
+def contact_problem_on_every_other_node(problem: ContactProblem) -> ContactProblem:
     """Return the contact problem on every other node.
 
     The pressure is linear between the nodes that are kept. With the matrix P of this interpolation
@@ -517,15 +517,15 @@ def coarsen_problem(problem: ContactProblem) -> ContactProblem:
     """
     A, q, B, C, h = problem
     return ContactProblem(
-        restrict_to_every_other_node(restrict_to_every_other_node(A, 1)),
-        restrict_to_every_other_node(q),
-        restrict_to_every_other_node(B),
-        restrict_to_every_other_node(C, 1),
+        restrict_array_to_every_other_node(restrict_array_to_every_other_node(A, 1)),
+        restrict_array_to_every_other_node(q),
+        restrict_array_to_every_other_node(B),
+        restrict_array_to_every_other_node(C, 1),
         h,
     )
 
 
-def interpolate_coarse_pressures(coarse: Floats, count: int) -> Floats:
+def interpolate_pressures_to_all_nodes(coarse: Floats, count: int) -> Floats:
     """Return pressures at all nodes (count,), interpolated from pressures at every other node."""
     p = np.empty(count)
     p[::2] = coarse
@@ -534,7 +534,7 @@ def interpolate_coarse_pressures(coarse: Floats, count: int) -> Floats:
     return p
 
 
-def restrict_to_every_other_node(rows: Floats, axis: int = 0) -> Floats:
+def restrict_array_to_every_other_node(rows: Floats, axis: int = 0) -> Floats:
     """Return every other row of an array, with half of each dropped row added to its neighbours.
 
     Rows (n, ...) become ((n + 1) // 2, ...). The result is P^T times the rows, with the matrix P
@@ -550,7 +550,7 @@ def restrict_to_every_other_node(rows: Floats, axis: int = 0) -> Floats:
 
 
 def _pressure_change_by_gap_change(
-    equations: ContactSetEquations, system: EquilibratedSystem, dq: Floats
+    equations: ContactSetEquations, system: ScaledContactSystem, dq: Floats
 ) -> Floats:
     """Return the change of the pressures (n,) under a change dq (n,) of the weighted gaps.
 
@@ -561,7 +561,7 @@ def _pressure_change_by_gap_change(
     return (system.column_scales * equations.solve(system.row_scales * dr))[: system.n]
 
 
-def _contact_set_resists_modes(problem: ContactProblem, active: Bools) -> bool:
+def _can_contact_set_resist_rigid_body_modes(problem: ContactProblem, active: Bools) -> bool:
     """Whether the nodes of a contact set (n,) can hold the shoes in place in each rigid-body mode.
 
     A shoe with several modes needs at least as many touching nodes as modes.
@@ -584,12 +584,14 @@ def _contact_set_resists_modes(problem: ContactProblem, active: Bools) -> bool:
         return False
     resisting = (
         np.count_nonzero(moved[:, of].any(axis=1)) >= len(of)
-        for of in _group_modes_of_same_nodes(B != 0)
+        for of in _group_modes_that_move_the_same_nodes(B != 0)
     )
     return all(resisting)
 
 
-def _find_first_contact_set(problem: ContactProblem, *, one_node_per_mode: bool = False) -> Bools:
+def _find_nodes_that_touch_first(
+    problem: ContactProblem, *, one_node_per_mode: bool = False
+) -> Bools:
     """Mark the nodes (n,) that touch first as the actuation moves the open shoes.
 
     A shoe with a single rigid-body mode touches at the node whose gap the mode closes first, or at
@@ -600,23 +602,25 @@ def _find_first_contact_set(problem: ContactProblem, *, one_node_per_mode: bool 
     n = len(q)
     touching, p = np.zeros(n, dtype=bool), np.zeros(n)
     # The pressures of a shoe that pushes another shoe give the load on the other shoe.
-    for modes in _order_mode_groups_by_load_path(
-        _group_modes_of_same_nodes(B != 0), B != 0, C != 0
+    for modes in _sort_shoes_modes_by_load_path(
+        _group_modes_that_move_the_same_nodes(B != 0), B != 0, C != 0
     ):
         load = h[modes] - C[modes] @ p
         if len(modes) > 1:
             moved = (B[:, modes] != 0).any(axis=1)
-            first = _find_balancing_nodes(q, B[:, modes], C[modes], load, moved)
+            first = _find_nodes_that_balance_load_on_modes(q, B[:, modes], C[modes], load, moved)
             touching[first] = True
         else:
-            reach = _mode_motions_until_contact(problem, modes[0], load)
+            reach = _motion_in_mode_until_each_node_touches(problem, modes[0], load)
             first = np.array([reach.argmin()])
             touching[first if one_node_per_mode else reach <= reach.min()] = True
         p[first] = np.linalg.solve(C[modes][:, first], load)
     return touching
 
 
-def _mode_motions_until_contact(problem: ContactProblem, mode: int, load: Floats) -> Floats:
+def _motion_in_mode_until_each_node_touches(
+    problem: ContactProblem, mode: int, load: Floats
+) -> Floats:
     """Return the size (n,) of the motion in a rigid-body mode at which each node touches.
 
     The size is inf for a node whose pressure does not resist the load on the mode. Raises NoAnswer
@@ -632,7 +636,7 @@ def _mode_motions_until_contact(problem: ContactProblem, mode: int, load: Floats
     return reach
 
 
-def _order_mode_groups_by_load_path(
+def _sort_shoes_modes_by_load_path(
     mode_groups: list[list[int]], moves: Bools, bears: Bools
 ) -> list[list[int]]:
     """Return the sets of modes, one for each shoe, in the order in which the load is passed on.
@@ -664,7 +668,7 @@ def _order_mode_groups_by_load_path(
     return found
 
 
-def _group_modes_of_same_nodes(moved: Bools) -> list[list[int]]:
+def _group_modes_that_move_the_same_nodes(moved: Bools) -> list[list[int]]:
     """Return the lists of modes that move the same nodes, which are the modes of one shoe.
 
     `moved` (n, k) says whether a mode moves a node.
@@ -680,7 +684,9 @@ def _group_modes_of_same_nodes(moved: Bools) -> list[list[int]]:
     return found
 
 
-def _find_balancing_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Bools) -> Ints:
+def _find_nodes_that_balance_load_on_modes(
+    q: Floats, B: Floats, C: Floats, h: Floats, moved: Bools
+) -> Ints:
     """Return the numbers of k nodes at which a shoe with k rigid-body modes touches first.
 
     The pressures of these nodes balance the load on the modes. Of all sets of k such nodes the set

@@ -56,7 +56,7 @@ class ContactProblem(NamedTuple):
     h: Floats
 
 
-class EquilibratedSystem(NamedTuple):
+class ScaledContactSystem(NamedTuple):
     """A contact problem whose rows and columns are scaled to entries of similar size.
 
     The weighted gaps and the imbalances of the modes are r + K x. Here x = (p, y) are pressures and
@@ -78,12 +78,12 @@ class EquilibratedSystem(NamedTuple):
     n: int
 
     @property
-    def problem(self) -> ContactProblem:
+    def scaled_contact_problem(self) -> ContactProblem:
         """The scaled contact problem, as views of K and r."""
         K, r, n = self.K, self.r, self.n
         return ContactProblem(K[:n, :n], r[:n], K[:n, n:], K[n:, :n], -r[n:])
 
-    def free_unknowns(self, active: Bools) -> Bools:
+    def mark_unknowns_of_contact_set(self, active: Bools) -> Bools:
         """Mark the unknowns (n + k,) that a contact set (n,) does not set to zero.
 
         These are the pressures of the contact set and all rigid-body motions.
@@ -94,9 +94,9 @@ class EquilibratedSystem(NamedTuple):
         return unknowns
 
 
-def equilibrate_problem(
-    problem: ContactProblem, scales_of: EquilibratedSystem | None = None
-) -> EquilibratedSystem:
+def scale_contact_problem(
+    problem: ContactProblem, scales_of: ScaledContactSystem | None = None
+) -> ScaledContactSystem:
     """Return a scaled contact problem, in which A has a unit diagonal, B unit columns, C unit rows.
 
     The scale factors are positive, so that neither the signs of pressures and gaps nor the contact
@@ -105,7 +105,7 @@ def equilibrate_problem(
     A, q, B, C, h = problem
     n, k = B.shape
     rows, columns = (
-        _row_and_column_scales(problem)
+        _row_and_column_scale_factors(problem)
         if scales_of is None
         else (scales_of.row_scales, scales_of.column_scales)
     )
@@ -117,10 +117,10 @@ def equilibrate_problem(
     gap_rows = K[:n]
     gap_rows *= columns
     r = rows * np.concatenate([q, -h])
-    return EquilibratedSystem(K, r, rows, columns, n)
+    return ScaledContactSystem(K, r, rows, columns, n)
 
 
-def _row_and_column_scales(problem: ContactProblem) -> tuple[Floats, Floats]:
+def _row_and_column_scale_factors(problem: ContactProblem) -> tuple[Floats, Floats]:
     """Return the scale factors (n + k,) of the rows, and those of the columns, of a problem."""
     A, _, B, C, _ = problem
     k = B.shape[1]
@@ -133,13 +133,13 @@ def _row_and_column_scales(problem: ContactProblem) -> tuple[Floats, Floats]:
     return rows, np.concatenate([of_nodes, of_modes[:k]])
 
 
-def condition_number(problem: ContactProblem, active: Bools) -> float:
+def condition_number_on_contact_set(problem: ContactProblem, active: Bools) -> float:
     """Return the condition number, in the 1-norm, of the scaled equations of a contact set (n,).
 
     LAPACK's routine gecon estimates the condition number from the LU factors.
     """
-    system = equilibrate_problem(problem)
-    unknowns = np.flatnonzero(system.free_unknowns(active))
+    system = scale_contact_problem(problem)
+    unknowns = np.flatnonzero(system.mark_unknowns_of_contact_set(active))
     matrix = system.K[unknowns[:, None], unknowns]
     if not matrix.size:
         return 1.0
@@ -162,7 +162,7 @@ class ContactSetEquations:
         self._free_numbers = free.nonzero()[0]
         whole = len(self._free_numbers) == len(K)
         matrix = K.copy() if whole else K.take(self._free_numbers, 0).take(self._free_numbers, 1)
-        self._factors = _factorise_transposed(matrix)
+        self._factors = _factorise_transposed_matrix(matrix)
 
     def solve(self, r: Floats) -> Floats:
         """Return x with r + K x = 0 in the rows of the free unknowns; all other x are 0.
@@ -170,20 +170,20 @@ class ContactSetEquations:
         r and x are (n + k,), or (n + k, m) for m right-hand sides.
         """
         x = np.zeros(r.shape)
-        x[self._free_numbers] = self._solve_free_unknowns(-r[self._free_numbers])
+        x[self._free_numbers] = self._solve_for_unknowns_of_contact_set(-r[self._free_numbers])
         return x
 
     @property
     def determinant_sign(self) -> int:
         """The sign of the determinant, +1 or -1."""
-        return _determinant_sign(self._factors)
+        return _determinant_sign_from_lu_factors(self._factors)
 
-    def _solve_free_unknowns(self, right: Floats) -> Floats:
+    def _solve_for_unknowns_of_contact_set(self, right: Floats) -> Floats:
         """Return the f free unknowns (f,) for a right-hand side (f,).
 
         For m right-hand sides both are (f, m).
         """
-        return _solve_with_factors(self._factors, right)
+        return _solve_with_lu_factors(self._factors, right)
 
 
 class BorderedEquations(ContactSetEquations):
@@ -208,13 +208,13 @@ class BorderedEquations(ContactSetEquations):
         border = np.zeros((len(base._free_numbers), released + len(added)))
         border[self._released, np.arange(released)] = -1.0
         border[:, released:] = K[base._free_numbers[:, None], added]
-        self._base_solution_per_border_unknown = -base._solve_free_unknowns(border)
+        self._base_solution_per_border_unknown = -base._solve_for_unknowns_of_contact_set(border)
         self._rows_of_added_nodes = K[added[:, None], base._free_numbers]
         # The Schur complement gives pressures at released and gaps at added nodes, per unknown of
         # the border.
-        schur = self._pressures_and_gaps_at_border(self._base_solution_per_border_unknown)
+        schur = self._released_pressures_and_added_gaps(self._base_solution_per_border_unknown)
         schur[released:, released:] += K[added[:, None], added]
-        self._schur_factors = _factorise_transposed(schur)
+        self._schur_factors = _factorise_transposed_matrix(schur)
 
     @property
     def determinant_sign(self) -> int:
@@ -223,36 +223,38 @@ class BorderedEquations(ContactSetEquations):
         It is the product of the signs of the base and of the Schur complement. By Jacobi's theorem
         on complementary minors the product holds for released nodes too.
         """
-        return self._base_equations.determinant_sign * _determinant_sign(self._schur_factors)
+        return self._base_equations.determinant_sign * _determinant_sign_from_lu_factors(
+            self._schur_factors
+        )
 
-    def _pressures_and_gaps_at_border(self, solution: Floats) -> Floats:
+    def _released_pressures_and_added_gaps(self, solution: Floats) -> Floats:
         """Return the pressures of released nodes, and then the weighted gaps of added nodes.
 
         `solution` holds the free unknowns of the base.
         """
         return np.concatenate([solution[self._released], self._rows_of_added_nodes @ solution])
 
-    def _solve_free_unknowns(self, right: Floats) -> Floats:
+    def _solve_for_unknowns_of_contact_set(self, right: Floats) -> Floats:
         """Return the free unknowns: those of the base, with released ones 0, then the added ones.
 
         `right` is the right-hand side in the same order.
         """
         size, released = len(self._base_equations._free_numbers), len(self._released)
-        solution = self._base_equations._solve_free_unknowns(right[:size])
+        solution = self._base_equations._solve_for_unknowns_of_contact_set(right[:size])
         # The border's unknowns bring the pressures of released nodes to zero, and the gaps of added
         # nodes to their right-hand side.
         no_pressure = np.zeros((released, *right.shape[1:]))
         wanted = np.concatenate([no_pressure, right[size:]])
-        border = _solve_with_factors(
-            self._schur_factors, wanted - self._pressures_and_gaps_at_border(solution)
+        border = _solve_with_lu_factors(
+            self._schur_factors, wanted - self._released_pressures_and_added_gaps(solution)
         )
         solution += self._base_solution_per_border_unknown @ border
         solution[self._released] = 0.0
         return np.concatenate([solution, border[released:]])
 
 
-def resists_all_rigid_body_modes(
-    equations: ContactSetEquations, system: EquilibratedSystem
+def can_contact_resist_all_rigid_body_modes(
+    equations: ContactSetEquations, system: ScaledContactSystem
 ) -> bool:
     """Whether the contact on a contact set resists every rigid-body mode of the shoes.
 
@@ -277,7 +279,7 @@ def resists_all_rigid_body_modes(
     return not ((values.imag == 0) & (values.real < 0)).any()
 
 
-def _factorise_transposed(matrix: Floats) -> tuple[Floats, Ints]:
+def _factorise_transposed_matrix(matrix: Floats) -> tuple[Floats, Ints]:
     """Return LU factors and pivots of the transposed matrix; the matrix itself is overwritten.
 
     The transposed matrix lies column by column in memory, as LAPACK requires. Raises NoAnswer for a
@@ -291,13 +293,13 @@ def _factorise_transposed(matrix: Floats) -> tuple[Floats, Ints]:
     return lu, pivots
 
 
-def _solve_with_factors(factors: tuple[Floats, Ints], right: Floats) -> Floats:
+def _solve_with_lu_factors(factors: tuple[Floats, Ints], right: Floats) -> Floats:
     """Return the solution for a right-hand side, by LU factors and pivots of the transpose."""
     # LAPACK is called directly, since scipy's checks take longer than these small systems.
     return dgetrs(*factors, right, trans=1)[0] if len(right) else right
 
 
-def _determinant_sign(factors: tuple[Floats, Ints]) -> int:
+def _determinant_sign_from_lu_factors(factors: tuple[Floats, Ints]) -> int:
     """Return the sign of the determinant, +1 or -1, from LU factors and pivots.
 
     Each negative diagonal entry and each swap of rows changes the sign.
@@ -308,7 +310,7 @@ def _determinant_sign(factors: tuple[Floats, Ints]) -> int:
     return 1 if (negative + swaps) % 2 == 0 else -1
 
 
-def is_bordering_cheaper(base: ContactSetEquations, free: Bools) -> bool:
+def is_bordered_system_cheaper_than_new_factors(base: ContactSetEquations, free: Bools) -> bool:
     """Whether a bordered system costs less than new LU factors of a contact set.
 
     `free` (n + k,) marks the free unknowns of the contact set. The bordered system would reuse the

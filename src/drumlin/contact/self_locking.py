@@ -28,14 +28,14 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.contact.active_set import (
     Contact,
-    coarsen_problem,
-    expand_coarse_contact_set,
-    interpolate_coarse_pressures,
-    restrict_to_every_other_node,
-    solve_by_block_pivoting,
+    contact_problem_on_every_other_node,
+    contact_set_on_all_nodes,
+    interpolate_pressures_to_all_nodes,
+    restrict_array_to_every_other_node,
+    solve_contact_by_block_pivoting,
     solve_contact_problem,
 )
-from drumlin.contact.equations import ContactProblem, equilibrate_problem
+from drumlin.contact.equations import ContactProblem, scale_contact_problem
 
 LARGEST_SOUGHT_FRICTION = 1e3
 """Friction coefficient up to which the limit of self-locking is sought.
@@ -104,7 +104,7 @@ class FrictionDependentProblem(NamedTuple):
     C_per_friction: Floats
 
     @classmethod
-    def from_two_problems(
+    def from_problems_at_two_frictions(
         cls, frictionless: ContactProblem, other: ContactProblem, friction: float = 1.0
     ) -> "FrictionDependentProblem":
         """Make the linear function of mu from the problems at mu = 0 and at another friction."""
@@ -114,7 +114,7 @@ class FrictionDependentProblem(NamedTuple):
             (other.C - frictionless.C) / friction,
         )
 
-    def problem_at(self, friction: float) -> ContactProblem:
+    def contact_problem_with_friction(self, friction: float) -> ContactProblem:
         """The contact problem at a friction coefficient."""
         A, q, B, C, h = self.frictionless
         return ContactProblem(
@@ -154,7 +154,7 @@ class FrictionBeyondLimit(NoAnswer):
         self.limit = limit
 
 
-def find_friction_limit(
+def find_friction_limit_of_contact(
     problem: FrictionDependentProblem,
     largest_friction: float = LARGEST_SOUGHT_FRICTION,
     known_answer: tuple[float, Contact] | None = None,
@@ -171,16 +171,17 @@ def find_friction_limit(
     largest_friction : friction coefficient at which the search ends without a limit
     known_answer : a friction coefficient and its solution, from which the search starts in place of
         mu = 0
-    areas : areas (n,) of the nodes [m^2]; by default 1, see `solve_on_path_from_zero_friction`
+    areas : areas (n,) of the nodes [m^2]; by default 1, see
+        `solve_contact_reached_from_zero_friction`
 
     Raises
     ------
     NoAnswer
         if there is no solution at mu = 0
     """
-    areas = _areas_or_ones(problem.frictionless, areas)
+    areas = _node_areas_or_ones(problem.frictionless, areas)
     mu, found = (
-        (0.0, _solve_without_friction(problem.frictionless))
+        (0.0, _solve_contact_without_friction(problem.frictionless))
         if known_answer is None
         else known_answer
     )
@@ -189,8 +190,8 @@ def find_friction_limit(
     while mu < largest_friction:
         steps += 1
         target = min(mu + step, largest_friction)
-        after = _find_stable_solution(problem, target, found.active)
-        if after is not None and _continues_solution(after, found, areas):
+        after = _find_stable_contact_or_none(problem, target, found.active)
+        if after is not None and _is_same_solution_at_more_friction(after, found, areas):
             step = min(2 * step, LARGEST_FRICTION_STEP * max(1.0, mu))
             found, mu = after, target
             continue
@@ -198,12 +199,12 @@ def find_friction_limit(
         # is the limit. Otherwise the step is halved.
         if not np.array_equal(critical_set, found.active):
             try:
-                critical = next_singular_friction(problem, mu, found.active)
+                critical = next_friction_with_singular_contact_set(problem, mu, found.active)
             except np.linalg.LinAlgError:
                 # The last step has met the singular friction itself.
                 critical = mu
             critical_set = found.active
-            if _contact_set_holds_up_to(problem, mu, critical, found.active):
+            if _is_contact_set_valid_up_to_friction(problem, mu, critical, found.active):
                 return FrictionLimit(critical, False, found, mu, steps)
         step = 0.5 * (target - mu)
         if step < FRICTION_RESOLUTION * max(mu, 1e-3):
@@ -211,17 +212,17 @@ def find_friction_limit(
     return FrictionLimit(np.inf, False, found, mu, steps)
 
 
-def _continues_solution(after: Contact, before: Contact, areas: Floats) -> bool:
+def _is_same_solution_at_more_friction(after: Contact, before: Contact, areas: Floats) -> bool:
     """Whether a solution continues the solution at the last, smaller friction coefficient.
 
     It does if the same nodes touch, or if the contact force has grown by little.
     """
-    return np.array_equal(after.active, before.active) or _contact_force_grows_little(
+    return np.array_equal(after.active, before.active) or _is_growth_of_contact_force_small(
         after, before, areas
     )
 
 
-def _contact_set_holds_up_to(
+def _is_contact_set_valid_up_to_friction(
     problem: FrictionDependentProblem, mu: float, singular_friction: float, active: Bools
 ) -> bool:
     """Whether a contact set (n,) that holds at mu also holds just below its singular friction.
@@ -234,10 +235,12 @@ def _contact_set_holds_up_to(
     if singular_friction - mu < FRICTION_RESOLUTION * max(mu, 1e-3):
         return True
     near = mu + (singular_friction - mu) * (1 - POLE_DISTANCE)
-    return _find_stable_solution(problem, near, active, 1) is not None
+    return _find_stable_contact_or_none(problem, near, active, 1) is not None
 
 
-def _solve_without_friction(frictionless: ContactProblem, start: Bools | None = None) -> Contact:
+def _solve_contact_without_friction(
+    frictionless: ContactProblem, start: Bools | None = None
+) -> Contact:
     """Solve the contact problem at mu = 0. Raises NoAnswer if its solution is unstable."""
     found = solve_contact_problem(frictionless, start)
     if not found.stable:
@@ -265,7 +268,7 @@ class _DirectSolution(NamedTuple):
     refusal: str
 
 
-def solve_on_path_from_zero_friction(
+def solve_contact_reached_from_zero_friction(
     problem_at: Callable[[float], ContactProblem],
     friction: float,
     start: Bools | None = None,
@@ -303,17 +306,19 @@ def solve_on_path_from_zero_friction(
         if there is no solution for another reason
     """
     if friction == 0:
-        return _solve_without_friction(problem_at(0.0), start)
+        return _solve_contact_without_friction(problem_at(0.0), start)
     problem = problem_at(friction)
-    areas = _areas_or_ones(problem, areas)
+    areas = _node_areas_or_ones(problem, areas)
     # First, the direct solution is tried, with many nodes from the contact on every other node.
     if len(problem.q) > COARSE_PATH_ABOVE_NODES:
-        like = _solve_near_coarse_solution(
+        like = _solve_and_check_by_coarse_solution(
             problem, problem_at(0.0), friction, start, areas, rigid_law_limit
         )
         if like is not None:
             return like
-    at_once = _solve_directly(problem_at, problem, friction, start, areas, rigid_law_limit)
+    at_once = _solve_contact_directly_at_friction(
+        problem_at, problem, friction, start, areas, rigid_law_limit
+    )
     if at_once.is_on_path and at_once.contact is not None:
         return at_once.contact
     # Second, the solution is followed in steps of friction, if possible from half of the friction.
@@ -322,8 +327,10 @@ def solve_on_path_from_zero_friction(
     if half is not None and _is_on_path_from_zero_friction(problem_at, 0.5 * friction, half, areas):
         known = (0.5 * friction, half)
     try:
-        end = find_friction_limit(
-            FrictionDependentProblem.from_two_problems(problem_at(0.0), problem_at(1.0)),
+        end = find_friction_limit_of_contact(
+            FrictionDependentProblem.from_problems_at_two_frictions(
+                problem_at(0.0), problem_at(1.0)
+            ),
             friction,
             known,
             areas,
@@ -336,14 +343,14 @@ def solve_on_path_from_zero_friction(
     if np.isinf(end.friction):
         return end.last_contact
     raise FrictionBeyondLimit(
-        self_locking_refusal(
+        self_locking_error_text(
             friction, end.friction, rigid_law_limit=rigid_law_limit, brake_words=brake_words
         ),
         end,
     )
 
 
-def _solve_directly(
+def _solve_contact_directly_at_friction(
     problem_at: Callable[[float], ContactProblem],
     problem: ContactProblem,
     friction: float,
@@ -355,23 +362,23 @@ def _solve_directly(
 
     The contact at half of the friction is solved too. It shows whether the solution is certain.
     `problem` is the problem at `friction`. The other parameters are those of
-    `solve_on_path_from_zero_friction`.
+    `solve_contact_reached_from_zero_friction`.
     """
     found = half = None
     try:
-        found = solve_by_block_pivoting(problem, start)
+        found = solve_contact_by_block_pivoting(problem, start)
         if not (found.stable and friction < rigid_law_limit):
             return _DirectSolution(found, None, False, False, "self-locking, no stable equilibrium")
-        half = solve_by_block_pivoting(
+        half = solve_contact_by_block_pivoting(
             problem_at(0.5 * friction), found.active, scales_of=found.system
         )
-        sure = _contact_force_grows_little(found, half, areas)
+        sure = _is_growth_of_contact_force_small(found, half, areas)
     except NoAnswer as error:
         return _DirectSolution(found, half, False, False, str(error))
     return _DirectSolution(found, half, True, sure, "self-locking, no stable equilibrium")
 
 
-def self_locking_refusal(
+def self_locking_error_text(
     friction: float, limit: float, *, rigid_law_limit: float, brake_words: str
 ) -> str:
     """Return the text that refuses a friction coefficient beyond the limit of self-locking.
@@ -389,7 +396,7 @@ def self_locking_refusal(
     )
 
 
-def _solve_near_coarse_solution(
+def _solve_and_check_by_coarse_solution(
     problem: ContactProblem,
     frictionless: ContactProblem,
     friction: float,
@@ -405,7 +412,7 @@ def _solve_near_coarse_solution(
     Parameters
     ----------
     problem, frictionless : the problems at the friction coefficient and at mu = 0
-    friction, areas, rigid_law_limit : parameters of `solve_on_path_from_zero_friction`
+    friction, areas, rigid_law_limit : parameters of `solve_contact_reached_from_zero_friction`
     start : contact set (n,) of the first step; by default the contact set of the coarse solution
 
     Returns
@@ -413,24 +420,26 @@ def _solve_near_coarse_solution(
     the solution on all nodes; None if it differs from the coarse solution, is unstable or does not
     converge
     """
-    coarse = FrictionDependentProblem.from_two_problems(
-        coarsen_problem(frictionless), coarsen_problem(problem), friction
+    coarse = FrictionDependentProblem.from_problems_at_two_frictions(
+        contact_problem_on_every_other_node(frictionless),
+        contact_problem_on_every_other_node(problem),
+        friction,
     )
     try:
-        like = solve_on_path_from_zero_friction(
-            coarse.problem_at,
+        like = solve_contact_reached_from_zero_friction(
+            coarse.contact_problem_with_friction,
             friction,
             None,
-            restrict_to_every_other_node(areas),
+            restrict_array_to_every_other_node(areas),
             rigid_law_limit=rigid_law_limit,
             brake_words="",
         )
-        first = expand_coarse_contact_set(like.p > 0, len(problem.q)) if start is None else start
-        found = solve_by_block_pivoting(problem, first)
+        first = contact_set_on_all_nodes(like.p > 0, len(problem.q)) if start is None else start
+        found = solve_contact_by_block_pivoting(problem, first)
     except NoAnswer:
         return None
     # The two solutions are one if the elastic work of their difference is small.
-    off = interpolate_coarse_pressures(like.p, len(found.p)) - found.p
+    off = interpolate_pressures_to_all_nodes(like.p, len(found.p)) - found.p
     work_off = float(off @ (problem.A @ off))
     work = float(found.p @ (problem.A @ found.p))
     same = work_off < LARGEST_DIFFERENCE_BETWEEN_MESHES**2 * work
@@ -446,15 +455,15 @@ def _is_on_path_from_zero_friction(
     friction on. The friction must be below the limit of the rigid shoe.
     """
     try:
-        half = solve_by_block_pivoting(
+        half = solve_contact_by_block_pivoting(
             problem_at(0.5 * friction), found.active, scales_of=found.system
         )
-        return found.stable and _contact_force_grows_little(found, half, areas)
+        return found.stable and _is_growth_of_contact_force_small(found, half, areas)
     except NoAnswer:
         return False
 
 
-def _contact_force_grows_little(found: Contact, before: Contact, areas: Floats) -> bool:
+def _is_growth_of_contact_force_small(found: Contact, before: Contact, areas: Floats) -> bool:
     """Whether the contact force grows by at most LARGEST_FORCE_GROWTH from an earlier solution.
 
     `before` is the earlier solution, which must be stable. The contact force is the sum of
@@ -466,12 +475,12 @@ def _contact_force_grows_little(found: Contact, before: Contact, areas: Floats) 
     return before.stable and force <= (1 + LARGEST_FORCE_GROWTH) * force_before
 
 
-def _areas_or_ones(problem: ContactProblem, areas: Floats | None) -> Floats:
+def _node_areas_or_ones(problem: ContactProblem, areas: Floats | None) -> Floats:
     """The areas (n,) of the nodes, or 1 for each node if `areas` is None."""
     return np.ones(len(problem.q)) if areas is None else areas
 
 
-def next_singular_friction(
+def next_friction_with_singular_contact_set(
     problem: FrictionDependentProblem, friction: float, active: Bools
 ) -> float:
     """Return the smallest friction above `friction` at which a contact set (n,) has no solution.
@@ -481,9 +490,9 @@ def next_singular_friction(
     the singular friction mu - 1/gamma. Raises numpy's LinAlgError where K is singular at `friction`
     itself.
     """
-    system = equilibrate_problem(problem.problem_at(friction))
+    system = scale_contact_problem(problem.contact_problem_with_friction(friction))
     nodes = np.flatnonzero(active)
-    unknowns = np.flatnonzero(system.free_unknowns(active))
+    unknowns = np.flatnonzero(system.mark_unknowns_of_contact_set(active))
     # K1 has columns of pressures alone: friction does not act on rigid-body motions.
     K1 = np.vstack([problem.A_per_friction[nodes][:, nodes], problem.C_per_friction[:, nodes]])
     K1 *= system.row_scales[unknowns, None] * system.column_scales[nodes]
@@ -517,7 +526,7 @@ class StartSetComparison(NamedTuple):
     difference: float
 
 
-def compare_answers_from_start_sets(
+def compare_solutions_from_first_contact_sets(
     problem: ContactProblem, answer: Contact, starts: list[Bools], tolerance: float = 1e-6
 ) -> StartSetComparison:
     """Solve a contact problem from several first contact sets, and compare the solutions.
@@ -549,7 +558,7 @@ def compare_answers_from_start_sets(
     return StartSetComparison(len(starts), **counts, difference=largest)
 
 
-def smallest_singular_friction_of_all_sets(problem: FrictionDependentProblem) -> float:
+def smallest_singular_friction_of_contact_sets(problem: FrictionDependentProblem) -> float:
     """Return the smallest mu > 0 at which K0 + mu K1 is singular on any contact set, or inf.
 
     Below this friction the determinants of all contact sets have the same sign, and every load and
@@ -564,11 +573,11 @@ def smallest_singular_friction_of_all_sets(problem: FrictionDependentProblem) ->
         # A contact set that leaves a mode free is singular at any friction. No solution has such a
         # set, and its error is ignored.
         with suppress(np.linalg.LinAlgError):
-            smallest = min(smallest, next_singular_friction(problem, 0.0, active))
+            smallest = min(smallest, next_friction_with_singular_contact_set(problem, 0.0, active))
     return smallest
 
 
-def _find_stable_solution(
+def _find_stable_contact_or_none(
     problem: FrictionDependentProblem, friction: float, start: Bools, most_steps: int = 30
 ) -> Contact | None:
     """Return the stable solution at a friction coefficient, or None if there is none.
@@ -577,7 +586,9 @@ def _find_stable_solution(
     steps.
     """
     try:
-        found = solve_by_block_pivoting(problem.problem_at(friction), start, most_steps)
+        found = solve_contact_by_block_pivoting(
+            problem.contact_problem_with_friction(friction), start, most_steps
+        )
     except NoAnswer:
         return None
     return found if found.stable else None

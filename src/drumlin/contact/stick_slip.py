@@ -126,7 +126,7 @@ class Increment:
     steps: int
 
     @property
-    def history(self) -> SlipHistory:
+    def history_for_next_increment(self) -> SlipHistory:
         """The tractions and slips from which the next increment starts."""
         return SlipHistory(self.t, self.s)
 
@@ -149,12 +149,12 @@ def solve_load_increment(
         if neither Newton's method nor a path of solutions converges; the paths begin at the given
         states and at wide gaps
     """
-    system, scales = _scale_equations(problem, mu, history)
+    system, scales = _scale_increment_equations(problem, mu, history)
     # The methods are tried in this order, the fastest first, until one converges.
     for method in (
-        _find_states_by_newton,
-        _find_states_by_path_from_states,
-        _find_states_by_path_from_wide_gaps,
+        _find_stick_and_slip_by_newton,
+        _find_stick_and_slip_from_balanced_load,
+        _find_stick_and_slip_from_wide_gaps,
     ):
         try:
             settled = method(system, start)
@@ -201,7 +201,7 @@ class _SettledStates(NamedTuple):
     steps: int
 
 
-def _scale_equations(
+def _scale_increment_equations(
     problem: FrictionalProblem, mu: float | Floats, history: SlipHistory
 ) -> tuple[_FrictionalSystem, Floats]:
     """Return the scaled equations of a load increment, and the scale factors (2n,).
@@ -259,12 +259,12 @@ class _StateEquations:
                 [balance, np.zeros((k, k))],
             ]
         )
-        self._factors = _equilibrate_and_factorise(matrix)
+        self._factors = _scale_and_factorise_matrix(matrix)
 
-    def solve_under_loads(self, q: Floats, h: Floats) -> _IncrementSolution:
+    def solve_increment_under_loads(self, q: Floats, h: Floats) -> _IncrementSolution:
         """Return the solution of the equations under the loads q (2n,) and h (k,)."""
         right = np.concatenate([-q[self.unknown_numbers], h])
-        solution = _solve_with_scaled_factors(self._factors, right)
+        solution = _solve_with_scaled_lu_factors(self._factors, right)
         basic, y = solution[: len(self.unknown_numbers)], solution[len(self.unknown_numbers) :]
         n, m = len(self.state), len(self.pressed_nodes)
         v = q + self.columns_of_unknowns @ basic + self.system.B @ y
@@ -274,7 +274,7 @@ class _StateEquations:
         z[n + self.pressed_nodes] += self.traction_per_pressure * basic[:m]
         return _IncrementSolution(z, v, y)
 
-    def distances_to_state_changes(self, solution: _IncrementSolution) -> Floats:
+    def margins_before_nodes_change_state(self, solution: _IncrementSolution) -> Floats:
         """Return the distances (2, n) of each node from its two possible changes of state.
 
         The distances are the gap of an open node, the margins mu p - t and mu p + t of a sticking
@@ -295,13 +295,14 @@ class _StateEquations:
 NEXT_STATE = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
 """The next state of a contact node (4, 2), by its present state and the violated condition.
 
-Each state has two conditions. Their order is that of `_StateEquations.distances_to_state_changes`.
-An open node that closes becomes FORWARD or BACKWARD by the sign of its slip. The table has FORWARD
-alone, and the code that uses the table corrects it.
+Each state has two conditions. Their order is that of
+`_StateEquations.margins_before_nodes_change_state`. An open node that closes becomes FORWARD or
+BACKWARD by the sign of its slip. The table has FORWARD alone, and the code that uses the table
+corrects it.
 """
 
 
-def _find_states_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledStates:
+def _find_stick_and_slip_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledStates:
     """Find open, sticking and slipping nodes by Newton's method, in which all nodes change at once.
 
     `start` (n,) are the states of the first step. Raises NoAnswer if the number of nodes in a wrong
@@ -310,9 +311,9 @@ def _find_states_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledSt
     state, fewest, patience = start, 3 * len(start), MOST_STEPS_WITHOUT_PROGRESS
     for step in range(1, MOST_STATE_NEWTON_STEPS + 1):
         equations = _StateEquations(system, state)
-        point = equations.solve_under_loads(system.q, system.h)
-        round_off = STATE_ROUND_OFF * _scales_of_distances(system, equations, point)
-        outside = equations.distances_to_state_changes(point) < -round_off
+        point = equations.solve_increment_under_loads(system.q, system.h)
+        round_off = STATE_ROUND_OFF * _round_off_scales_of_margins(system, equations, point)
+        outside = equations.margins_before_nodes_change_state(point) < -round_off
         wrong = int(np.count_nonzero(outside))
         if not wrong:
             return _SettledStates(state, point, step)
@@ -323,11 +324,11 @@ def _find_states_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledSt
             patience -= 1
         if patience < 0:
             break
-        state = _next_states(system, state, point, outside)
+        state = _next_stick_and_slip_states(system, state, point, outside)
     raise NoAnswer("not converged: stick and slip do not settle")
 
 
-def _next_states(
+def _next_stick_and_slip_states(
     system: _FrictionalSystem, state: Ints, solution: _IncrementSolution, outside: Bools
 ) -> Ints:
     """Return the states (n,) of the nodes for the next step of Newton's method.
@@ -349,7 +350,7 @@ def _next_states(
     return wanted
 
 
-def _scales_of_distances(
+def _round_off_scales_of_margins(
     system: _FrictionalSystem, equations: _StateEquations, solution: _IncrementSolution
 ) -> Floats:
     """Return the numbers (2, n) against which the distances to a change of state are judged.
@@ -365,15 +366,17 @@ def _scales_of_distances(
     return np.array([np.where(opened, of_v, of_z), np.where(sticks, of_z, of_v)])
 
 
-def _find_states_by_path_from_states(system: _FrictionalSystem, start: Ints) -> _SettledStates:
+def _find_stick_and_slip_from_balanced_load(
+    system: _FrictionalSystem, start: Ints
+) -> _SettledStates:
     """Find open, sticking and slipping nodes on a path of solutions.
 
     The path begins at a load that the states `start` (n,) balance, and ends at the true load.
     """
-    return _follow_path_of_loads(system, start, from_wide_gaps=False)
+    return _follow_stick_and_slip_to_true_load(system, start, from_wide_gaps=False)
 
 
-def _find_states_by_path_from_wide_gaps(system: _FrictionalSystem, start: Ints) -> _SettledStates:
+def _find_stick_and_slip_from_wide_gaps(system: _FrictionalSystem, start: Ints) -> _SettledStates:
     """Find open, sticking and slipping nodes on a path of solutions from widened gaps.
 
     Where the path begins, only the nodes that the actuation closes first touch, and they slip. Of
@@ -394,7 +397,7 @@ def _find_states_by_path_from_wide_gaps(system: _FrictionalSystem, start: Ints) 
         # The node slips in the sense in which its friction does not lock the mode.
         helps = system.C[mode, n + first] * load >= 0
         state[first] = FORWARD if helps else BACKWARD
-    return _follow_path_of_loads(system, state, from_wide_gaps=True)
+    return _follow_stick_and_slip_to_true_load(system, state, from_wide_gaps=True)
 
 
 class _StateChange(NamedTuple):
@@ -413,7 +416,7 @@ class _StateChange(NamedTuple):
     load_change: float
 
 
-def _follow_path_of_loads(
+def _follow_stick_and_slip_to_true_load(
     system: _FrictionalSystem, state: Ints, *, from_wide_gaps: bool
 ) -> _SettledStates:
     """Follow the path of solutions under the loads q + r e and h + r f from r = 1 to r = 0.
@@ -425,19 +428,19 @@ def _follow_path_of_loads(
     """
     state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
     equations = _StateEquations(system, state)
-    e, f = _loads_that_admit_states(system, equations, from_wide_gaps)
+    e, f = _added_loads_that_make_states_hold(system, equations, from_wide_gaps)
     for passed in range(1, MOST_STATE_CHANGES * len(state) + 1):
         # In the present states the solution is point + r slope, and so are the distances of the
         # nodes from a change of state.
-        point = equations.solve_under_loads(system.q, system.h)
-        slope = equations.solve_under_loads(e, f)
-        value = equations.distances_to_state_changes(point)
-        change = equations.distances_to_state_changes(slope)
+        point = equations.solve_increment_under_loads(system.q, system.h)
+        slope = equations.solve_increment_under_loads(e, f)
+        value = equations.margins_before_nodes_change_state(point)
+        change = equations.margins_before_nodes_change_state(slope)
         # The node that has changed last is exactly at a limit of its new state and must move away
         # from it. This gives the sense in which r changes.
         if node >= 0:
             direction = float(np.sign(change[edge, node]))
-        met = _next_state_change(value, change, r, direction)
+        met = _next_change_between_stick_and_slip(value, change, r, direction)
         node, edge = met.node, met.edge
         if direction < 0 and met.load_change >= r:
             return _SettledStates(state, point, passed)
@@ -459,7 +462,9 @@ def _follow_path_of_loads(
     )
 
 
-def _next_state_change(value: Floats, change: Floats, r: float, direction: float) -> _StateChange:
+def _next_change_between_stick_and_slip(
+    value: Floats, change: Floats, r: float, direction: float
+) -> _StateChange:
     """Return the change of state that comes next on a path of solutions.
 
     Parameters
@@ -476,15 +481,15 @@ def _next_state_change(value: Floats, change: Floats, r: float, direction: float
     return _StateChange(node, edge, reach[edge, node])
 
 
-def _loads_that_admit_states(
+def _added_loads_that_make_states_hold(
     system: _FrictionalSystem, equations: _StateEquations, from_wide_gaps: bool
 ) -> tuple[Floats, Floats]:
     """Return loads to add to q (2n,) and h (k,) under which the present states are a solution.
 
     With `from_wide_gaps` the added loads also widen the gaps of all open nodes.
     """
-    point, state = equations.solve_under_loads(system.q, system.h), equations.state
-    margin = _enlarged_distances(system, equations, point, from_wide_gaps)
+    point, state = equations.solve_increment_under_loads(system.q, system.h), equations.state
+    margin = _margins_enlarged_until_positive(system, equations, point, from_wide_gaps)
     (p, t), (w, slip) = np.split(point.z, 2), np.split(point.v, 2)
     opened, sticks = state == OPEN, state == STICK
     slips = (state == FORWARD) | (state == BACKWARD)
@@ -519,7 +524,7 @@ class _StateDistances(NamedTuple):
     enlarged: Bools
 
 
-def _enlarged_distances(
+def _margins_enlarged_until_positive(
     system: _FrictionalSystem,
     equations: _StateEquations,
     solution: _IncrementSolution,
@@ -533,8 +538,8 @@ def _enlarged_distances(
     state = equations.state
     n = len(state)
     uneven = 1 + np.arange(2 * n).reshape(2, n) * GOLDEN_RATIO % 1
-    slack = SMALLEST_EXTRA_GAP * _scales_of_distances(system, equations, solution)
-    margin = equations.distances_to_state_changes(solution)
+    slack = SMALLEST_EXTRA_GAP * _round_off_scales_of_margins(system, equations, solution)
+    margin = equations.margins_before_nodes_change_state(solution)
     lifted = margin <= 0
     if from_wide_gaps:
         lifted[0] |= state == OPEN
@@ -552,7 +557,7 @@ class _ScaledFactors(NamedTuple):
     column_scales: Floats
 
 
-def _equilibrate_and_factorise(matrix: Floats) -> _ScaledFactors:
+def _scale_and_factorise_matrix(matrix: Floats) -> _ScaledFactors:
     """Return the LU factors of a matrix whose rows and columns are scaled to a largest entry of 1.
 
     The scales make up for the different units of pressures and motions. Raises NoAnswer if the
@@ -569,7 +574,7 @@ def _equilibrate_and_factorise(matrix: Floats) -> _ScaledFactors:
     return _ScaledFactors(lu, pivots, row, column)
 
 
-def _solve_with_scaled_factors(factors: _ScaledFactors, right: Floats) -> Floats:
+def _solve_with_scaled_lu_factors(factors: _ScaledFactors, right: Floats) -> Floats:
     """Return the solution for a right-hand side, by the LU factors of a scaled matrix."""
     if not right.size:
         return right
@@ -586,12 +591,12 @@ def stick_and_slip_arcs(nodes: Floats, state: Ints) -> dict[str, tuple[tuple[flo
     """
     edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
     return {
-        "stick": _intervals_where_true(edges, state == STICK),
-        "slip": _intervals_where_true(edges, (state == FORWARD) | (state == BACKWARD)),
+        "stick": _intervals_of_true_values(edges, state == STICK),
+        "slip": _intervals_of_true_values(edges, (state == FORWARD) | (state == BACKWARD)),
     }
 
 
-def _intervals_where_true(edges: Floats, where: Bools) -> tuple[tuple[float, float], ...]:
+def _intervals_of_true_values(edges: Floats, where: Bools) -> tuple[tuple[float, float], ...]:
     """Return the start and the end of each run of true values.
 
     The value i lies between edges[i] and edges[i + 1].

@@ -12,28 +12,28 @@ from typing import Any, NamedTuple
 from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
-from drumlin.explore.knobs import LARGEST_WEAR, KnobSetting, brake_of, knobs_of
-from drumlin.fem.analysis.self_locking import friction_limits_of_groups
+from drumlin.explore.knobs import LARGEST_WEAR, KnobSetting, brake_at_knob_setting, knobs_for_brake
+from drumlin.fem.analysis.self_locking import self_locking_limits_of_shoe_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.cache import brake_without_loads
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.cache import brake_without_loads_and_clearances
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
-from drumlin.laws import LAWS, locking_friction
-from drumlin.lining_wear.archard import WearLaw, WearState, interpolate_state
-from drumlin.lining_wear.linings import WearSetup, fem_wear_setup
+from drumlin.laws import LAWS, self_locking_friction_of_hinged_shoe
+from drumlin.lining_wear.archard import WearLaw, WearState, interpolate_wear_state_at_distance
+from drumlin.lining_wear.linings import WearSetup, wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
-    COEFFICIENT,
-    WORN_OUT,
+    DEFAULT_WEAR_COEFFICIENT,
+    WORN_OUT_FRACTION,
     brake_with_worn_linings,
-    run_in,
-    unit_sliding_distance,
+    run_brake_linings_in,
+    unit_of_sliding_distance,
 )
-from drumlin.models import pick
+from drumlin.models import model_by_name
 from drumlin.response import Response
-from drumlin.response.merit import with_merits
-from drumlin.response.norms import pressure_distance, relative
+from drumlin.response.merit import response_with_figures_of_merit
+from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
 
 EXPLORE_LEVEL = LEVELS[1]
 """The fixed division of the shoes into hp elements, for shoes without a mesh file.
@@ -124,19 +124,19 @@ class StatedError(NamedTuple):
     own: Mapping[str, float] | None
 
 
-class Latest:
+class LatestValueCache:
     """A cache for one value: it holds the value that was made last, and the key of this value."""
 
     def __init__(self) -> None:
         self._key: Any = None
         self._value: Any = None
 
-    def kept(self, key: Any) -> Any:
+    def stored_value_or_none(self, key: Any) -> Any:
         """The stored value if it was made for `key`, else None."""
         return self._value if key == self._key else None
 
     def get(self, key: Any, make: Callable[[], Any]) -> Any:
-        """The value for `key`: the stored value if it has this key, else a new one from `make`."""
+        """The value for `key`: the stored value if it has this key, else a newly prepared model."""
         if self._value is None or key != self._key:
             self._value = make()
             self._key = key
@@ -152,96 +152,104 @@ class Explorer:
     """
 
     def __init__(self, brake: Brake) -> None:
-        pick("fem", brake)
-        self.brake, self.knobs = brake, knobs_of(brake)
-        self._scene = Latest()
-        self._worn = Latest()
-        self._limits = Latest()
-        self._stated = Latest()
+        model_by_name("fem", brake)
+        self.brake, self.knobs = brake, knobs_for_brake(brake)
+        self._scene = LatestValueCache()
+        self._worn = LatestValueCache()
+        self._limits = LatestValueCache()
+        self._stated = LatestValueCache()
 
     def answer(self, setting: KnobSetting) -> ExploredAnswer:
         """The answer for a setting of the sliders. Where a model has no answer, it says why."""
         answer = ExploredAnswer(setting, law_name=setting.law)
         # The answer is completed step by step. The steps before a failure stay in it.
         try:
-            brake = brake_of(self.brake, self.knobs, setting)
+            brake = brake_at_knob_setting(self.brake, self.knobs, setting)
             answer = replace(answer, brake=brake)
             # Wear changes the shape of the linings; it is not computed on a plane.
-            scene, wear = self.scene(brake), setting.values.get("wear", 0.0)
+            scene, wear = self.prepared_model_of_brake(brake), setting.values.get("wear", 0.0)
             if wear > 0 and not brake.surface.straight:
-                brake, distance = self._worn_brake(scene, brake, wear)
+                brake, distance = self._brake_worn_over_distance(scene, brake, wear)
                 answer = replace(answer, brake=brake, distance=distance)
             found = solve_prepared_model(scene, brake)
             # On a plane the page shows the braking force, which is a figure of merit.
             if brake.surface.straight:
-                found = with_merits(brake, found)
+                found = response_with_figures_of_merit(brake, found)
             answer = replace(answer, found=found)
         except DrumlinError as error:
             answer = replace(answer, failure=str(error))
-        return _with_law(answer)
+        return _answer_completed_by_law(answer)
 
-    def scene(self, brake: Brake) -> PreparedModel:
+    def prepared_model_of_brake(self, brake: Brake) -> PreparedModel:
         """The prepared finite-element model: meshes and condensed stiffness of a brake's shoes.
 
         The same model serves every friction coefficient, force and clearance.
         """
 
-        def make() -> PreparedModel:
+        def prepare_model_with_friction() -> PreparedModel:
             """Prepare the model with a friction coefficient of 1; it serves friction 0, too."""
             rough = vary(brake, {"friction": 1.0})
             if any(shoe.mesh for shoe in rough.shoes):
-                return prepare(rough)
-            return prepare(rough, EXPLORE_LEVEL)
+                return make_prepared_model(rough)
+            return make_prepared_model(rough, EXPLORE_LEVEL)
 
         # Brakes that differ in loads or friction only have the same key in the cache.
-        key = brake_without_loads(brake).model_copy(update={"friction": 1.0})
-        return self._scene.get(key, make)
+        key = brake_without_loads_and_clearances(brake).model_copy(update={"friction": 1.0})
+        return self._scene.get(key, prepare_model_with_friction)
 
-    def _worn_brake(self, scene: PreparedModel, brake: Brake, wear: float) -> _WornBrake:
+    def _brake_worn_over_distance(
+        self, scene: PreparedModel, brake: Brake, wear: float
+    ) -> _WornBrake:
         """The brake after a sliding distance of `wear`, in units 1/(k K), has worn its linings.
 
         Raises NoAnswer where a lining is worn out before.
         """
-        run = self._worn.get(brake, lambda: _run(scene, brake))
-        state = interpolate_state(run.states, wear * run.unit)
+        run = self._worn.get(brake, lambda: _run_in_over_range_of_wear_knob(scene, brake))
+        state = interpolate_wear_state_at_distance(run.states, wear * run.unit)
         for surface in run.setup.surfaces:
             # A lining that has lost more than the allowed part of its thickness has no answer.
             deepest, lining = state.depth[surface.part].max(), brake.shoes[surface.shoe].lining
-            if deepest > WORN_OUT * lining.thickness:
+            if deepest > WORN_OUT_FRACTION * lining.thickness:
                 raise NoAnswer(
                     f"shoe {surface.name!r}: worn out, "
                     f"{deepest * 1e3:.3g} mm would be worn off its lining"
                 )
         return _WornBrake(brake_with_worn_linings(run.setup, state), wear * run.unit)
 
-    def locking(self, brake: Brake) -> LockingFriction:
+    def locking_friction_of_groups(self, brake: Brake) -> LockingFriction:
         """The friction coefficient at which shoes lock, by finite elements.
 
         Shoes that do not lock up to HIGHEST_FRICTION have no entry. The result is empty where no
         shoe touches the drum.
         """
 
-        def make() -> LockingFriction:
+        def find_locking_friction() -> LockingFriction:
             """Find the limits of self-locking, with a friction coefficient of 1 in the brake."""
             rough = vary(brake, {"friction": 1.0})
             try:
-                found = friction_limits_of_groups(self.scene(brake), rough, HIGHEST_FRICTION)
+                found = self_locking_limits_of_shoe_groups(
+                    self.prepared_model_of_brake(brake), rough, HIGHEST_FRICTION
+                )
             except NoAnswer:
                 return {}
             return {members: limit.friction for members, limit in found.items()}
 
-        known: LockingFriction = self._limits.get(_at_any_friction(brake), make)
+        known: LockingFriction = self._limits.get(
+            _brake_with_unit_friction(brake), find_locking_friction
+        )
         return known
 
-    def known_locking(self, brake: Brake) -> LockingFriction | None:
+    def locking_friction_if_known(self, brake: Brake) -> LockingFriction | None:
         """The friction coefficient at which shoes lock if it is known already; else None.
 
         Finding it takes 30 to 100 ms.
         """
-        known: LockingFriction | None = self._limits.kept(_at_any_friction(brake))
+        known: LockingFriction | None = self._limits.stored_value_or_none(
+            _brake_with_unit_friction(brake)
+        )
         return known
 
-    def stated(self, answer: ExploredAnswer) -> StatedError | None:
+    def difference_from_accurate_answer(self, answer: ExploredAnswer) -> StatedError | None:
         """The difference between an answer of the page and the accurate answer of `drumlin.solve`.
 
         The accurate answer takes seconds to minutes. The result is None where the page or
@@ -251,34 +259,38 @@ class Explorer:
         if brake is None or found is None:
             return None
 
-        def make() -> StatedError | None:
+        def solve_accurately_and_compare() -> StatedError | None:
             """Solve the brake accurately and compare; None if that fails."""
             try:
                 finer = solve(brake)
             except DrumlinError:
                 return None
             # The shoe with the largest difference in pressure counts.
-            apart = max(map(pressure_distance, found.shoes, finer.shoes))
-            return StatedError(abs(relative(found.effect, finer.effect)), apart, finer.error)
+            apart = max(map(relative_distance_of_pressures, found.shoes, finer.shoes))
+            return StatedError(
+                abs(relative_error_of_number(found.effect, finer.effect)), apart, finer.error
+            )
 
-        known: StatedError | None = self._stated.get(brake, make)
+        known: StatedError | None = self._stated.get(brake, solve_accurately_and_compare)
         return known
 
 
-def _at_any_friction(brake: Brake) -> Brake:
+def _brake_with_unit_friction(brake: Brake) -> Brake:
     """The brake with a friction coefficient of 1: a cache key that does not depend on friction."""
     return brake.model_copy(update={"friction": 1.0})
 
 
-def _run(scene: PreparedModel, brake: Brake) -> _WearRun:
+def _run_in_over_range_of_wear_knob(scene: PreparedModel, brake: Brake) -> _WearRun:
     """The wear of a brake's linings up to the largest sliding distance of the page's slider."""
-    setup, law = fem_wear_setup(scene, brake), WearLaw(COEFFICIENT)
-    unit = unit_sliding_distance(setup, law)
-    states = run_in(setup, law, distance=LARGEST_WEAR * unit, tolerance=WEAR_TOLERANCE)
+    setup, law = wear_setup_by_finite_elements(scene, brake), WearLaw(DEFAULT_WEAR_COEFFICIENT)
+    unit = unit_of_sliding_distance(setup, law)
+    states = run_brake_linings_in(
+        setup, law, distance=LARGEST_WEAR * unit, tolerance=WEAR_TOLERANCE
+    )
     return _WearRun(setup, states, unit)
 
 
-def _with_law(answer: ExploredAnswer) -> ExploredAnswer:
+def _answer_completed_by_law(answer: ExploredAnswer) -> ExploredAnswer:
     """An answer of finite elements, completed by the law's response and limit of self-locking."""
     name, brake = answer.law_name, answer.brake
     if name is None or brake is None:
@@ -287,8 +299,11 @@ def _with_law(answer: ExploredAnswer) -> ExploredAnswer:
         # On a drum a formula gives the friction at which a shoe locks. The shoe that locks
         # at the smallest friction counts.
         if name in LAWS and not brake.surface.straight:
-            locking = min(locking_friction(brake, shoe, LAWS[name]) for shoe in brake.shoes)
+            locking = min(
+                self_locking_friction_of_hinged_shoe(brake, shoe, LAWS[name])
+                for shoe in brake.shoes
+            )
             answer = replace(answer, law_locking=locking)
-        return replace(answer, law=pick(name, brake).solve(brake))
+        return replace(answer, law=model_by_name(name, brake).solve(brake))
     except DrumlinError as error:
         return replace(answer, law_failure=str(error))

@@ -11,12 +11,12 @@ from urllib.parse import urlencode
 
 import numpy as np
 
-from drumlin.base.texts import one_line
+from drumlin.base.texts import printable_single_line
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.drive import Drive
-from drumlin.models import applicable
+from drumlin.models import applicable_models
 
 Changes = dict[str, Any]
 """New values of a brake file by their keys, such as {"friction": 0.3}; `vary` takes them."""
@@ -39,7 +39,7 @@ class _DriveKnob(NamedTuple):
     factor: float
 
 
-DRIVES = {
+CYLINDER_AND_CAM_KNOBS = {
     "pressure": _DriveKnob("pressure of the cylinder", "MPa", 1e6),
     "force": _DriveKnob("force of the cam", "kN", 1e3),
     "torque": _DriveKnob("torque of the cam", "N m", 1.0),
@@ -77,7 +77,7 @@ class Knob(NamedTuple):
         """The label of the knob, followed by its unit in brackets."""
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
-    def clamped(self, value: float) -> float:
+    def nearest_value_in_range(self, value: float) -> float:
         """The value within the knob's range that is nearest to `value` [unit of the knob]."""
         return min(max(value, self.low), self.high)
 
@@ -117,7 +117,7 @@ class KnobSetting:
         """The value of a knob [unit of the knob]; the brake file's value if it is not moved."""
         return self.values.get(knob.name, knob.start)
 
-    def turned(self, knob: Knob, value: float) -> "KnobSetting":
+    def setting_with_knob_moved(self, knob: Knob, value: float) -> "KnobSetting":
         """A copy of the setting with one knob moved to a value [unit of the knob]."""
         values = dict(self.values)
         values.pop(knob.name, None)
@@ -127,22 +127,22 @@ class KnobSetting:
         return replace(self, values=values)
 
 
-def motion_of(brake: Brake) -> str:
+def motion_key_of_brake_file(brake: Brake) -> str:
     """The name of the key that gives the sense of motion in a brake file, such as "rotation"."""
     return brake.direction_key.rpartition(".")[2]
 
 
-def laws_of(brake: Brake) -> tuple[str, ...]:
+def names_of_models_besides_fem(brake: Brake) -> tuple[str, ...]:
     """The names of all models that apply to the brake, other than the finite elements."""
-    return tuple(model.name for model in applicable(brake) if model.name != "fem")
+    return tuple(model.name for model in applicable_models(brake) if model.name != "fem")
 
 
-def start_of(brake: Brake) -> KnobSetting:
+def setting_at_brake_file_values(brake: Brake) -> KnobSetting:
     """The setting at which all knobs stand at the brake file's values; its law is the first."""
-    return KnobSetting(brake.direction, next(iter(laws_of(brake)), None))
+    return KnobSetting(brake.direction, next(iter(names_of_models_besides_fem(brake)), None))
 
 
-def knobs_of(brake: Brake) -> tuple[Knob, ...]:
+def knobs_for_brake(brake: Brake) -> tuple[Knob, ...]:
     """The knobs for a brake, in the order of the page.
 
     Where a quantity differs between the shoes, its knob shows the largest value. The other values
@@ -150,25 +150,25 @@ def knobs_of(brake: Brake) -> tuple[Knob, ...]:
     """
     R = brake.size * 1e3  # mm
     # The smallest steps of lengths are relative to the drum's radius.
-    fine = nice(R * 1e-5)
+    fine = nearest_1_2_5_power_of_ten(R * 1e-5)
     is_flat = brake.surface.straight
     knobs = [
-        _friction_knob(brake),
-        _force_knob(brake),
-        _shift_knob(brake, R),
-        _turn_knob(brake),
-        _clearance_knob(brake, fine),
+        _friction_coefficient_knob(brake),
+        _actuation_force_knob(brake),
+        _line_of_action_shift_knob(brake, R),
+        _line_of_action_angle_knob(brake),
+        _lining_clearance_knob(brake, fine),
         # On a plane there are no knobs of misfit and wear: a flat lining has no radius, and the
         # page computes no wear.
-        None if is_flat else _misfit_knob(brake, fine),
+        None if is_flat else _lining_radius_misfit_knob(brake, fine),
         None if is_flat else WEAR_KNOB,
-        _modulus_knob(brake, "lining", "lining modulus", "MPa", 1e6),
-        _modulus_knob(brake, "shoe", "shoe modulus", "GPa", 1e9),
+        _youngs_modulus_knob(brake, "lining", "lining modulus", "MPa", 1e6),
+        _youngs_modulus_knob(brake, "shoe", "shoe modulus", "GPa", 1e9),
     ]
     return tuple(knob for knob in knobs if knob is not None)
 
 
-def nice(value: float) -> float:
+def nearest_1_2_5_power_of_ten(value: float) -> float:
     """The number nearest to `value` (in ratio) that is 1, 2 or 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
     digits = (1, 2, 5, 10)
@@ -176,7 +176,7 @@ def nice(value: float) -> float:
     return float(nearest_digit * power)
 
 
-def _friction_knob(brake: Brake) -> Knob:
+def _friction_coefficient_knob(brake: Brake) -> Knob:
     """The knob of the friction coefficient between lining and drum."""
     return Knob(
         name="friction",
@@ -190,17 +190,17 @@ def _friction_knob(brake: Brake) -> Knob:
     )
 
 
-def _force_knob(brake: Brake) -> Knob | None:
+def _actuation_force_knob(brake: Brake) -> Knob | None:
     """The knob of the actuation, a force, pressure or torque; None where all forces are 0."""
     if brake.actuation is not None:
-        return _drive_knob(brake.actuation)
+        return _cylinder_or_cam_knob(brake.actuation)
     forces = [shoe.actuation.force for shoe in brake.shoes]
     largest = max(forces, key=abs)
     if largest == 0:
         return None
     low, high = sorted([0.0, 3 * largest * 1e-3])
 
-    def changes(value: float) -> Changes:
+    def new_forces_on_shoes(value: float) -> Changes:
         """New forces on all shoes, in the brake file's proportion; the largest is `value` [kN]."""
         made: Changes = {}
         for i, force in enumerate(forces):
@@ -211,28 +211,37 @@ def _force_knob(brake: Brake) -> Knob | None:
     label = "force on each shoe" if len(forces) > 1 else "force"
     if len(set(forces)) > 1:
         label = "largest force"
-    step = nice(abs(largest) * 1e-5)
-    return Knob("force", label, "kN", low, high, step, largest * 1e-3, changes)
+    step = nearest_1_2_5_power_of_ten(abs(largest) * 1e-5)
+    return Knob("force", label, "kN", low, high, step, largest * 1e-3, new_forces_on_shoes)
 
 
-def _drive_knob(drive: Drive) -> Knob:
+def _cylinder_or_cam_knob(drive: Drive) -> Knob:
     """The knob of an actuation of all shoes: pressure of a cylinder, force or torque of a cam."""
     # A brake file gives one of the keys pressure, force and torque.
-    key = next(key for key in DRIVES if getattr(drive, key) is not None)
+    key = next(key for key in CYLINDER_AND_CAM_KNOBS if getattr(drive, key) is not None)
     value = getattr(drive, key)
-    label, unit, factor = DRIVES[key]
+    label, unit, factor = CYLINDER_AND_CAM_KNOBS[key]
     start = value / factor
     # A cylinder must have a pressure above 0, so that its knob begins at 1 % of the file's value.
     low, high = sorted([0.0 if key != "pressure" else 0.01 * start, 3 * start])
 
-    def changes(value: float) -> Changes:
+    def new_pressure_force_or_torque(value: float) -> Changes:
         """A new pressure of the cylinder, or force or torque of the cam: `value` [unit]."""
         return {f"actuation.{key}": value * factor}
 
-    return Knob("force", label, unit, low, high, nice(abs(start) * 1e-2), start, changes)
+    return Knob(
+        "force",
+        label,
+        unit,
+        low,
+        high,
+        nearest_1_2_5_power_of_ten(abs(start) * 1e-2),
+        start,
+        new_pressure_force_or_torque,
+    )
 
 
-def _shift_knob(brake: Brake, R: float) -> Knob:
+def _line_of_action_shift_knob(brake: Brake, R: float) -> Knob:
     """The knob that moves the lines of action of all forces away from the hinges, in mm.
 
     R [mm] is the drum's radius, on a plane the length of the first lining.
@@ -241,22 +250,22 @@ def _shift_knob(brake: Brake, R: float) -> Knob:
         name="shift",
         label="line of action, moved out",
         unit="mm",
-        low=-nice(R / 5),
-        high=nice(R / 5),
-        step=nice(R / 400),
+        low=-nearest_1_2_5_power_of_ten(R / 5),
+        high=nearest_1_2_5_power_of_ten(R / 5),
+        step=nearest_1_2_5_power_of_ten(R / 400),
         start=0.0,
-        changes=lambda value: _shifted_forces(brake, value * 1e-3),
+        changes=lambda value: _new_points_of_shifted_forces(brake, value * 1e-3),
     )
 
 
-def _shifted_forces(brake: Brake, by: float) -> Changes:
+def _new_points_of_shifted_forces(brake: Brake, by: float) -> Changes:
     """New points of all forces, each moved across its line of action by the length `by` [m].
 
     A positive length moves the line of action away from the shoe's hinge.
     """
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
-        along, point = shoe.actuation.direction_vector, shoe.actuation.point
+        along, point = shoe.actuation.unit_vector_of_force, shoe.actuation.point
         arm = point.xy - shoe.pin.xy
         # The sign of the force's moment about the hinge tells the side on which the hinge lies.
         moment = float(arm[0] * along[1] - arm[1] * along[0])
@@ -265,7 +274,7 @@ def _shifted_forces(brake: Brake, by: float) -> Changes:
     return changes
 
 
-def _turn_knob(brake: Brake) -> Knob:
+def _line_of_action_angle_knob(brake: Brake) -> Knob:
     """The knob that turns the lines of action of all forces, in degrees."""
     return Knob(
         name="turn",
@@ -275,11 +284,11 @@ def _turn_knob(brake: Brake) -> Knob:
         high=30.0,
         step=0.5,
         start=0.0,
-        changes=lambda value: _turned_forces(brake, math.radians(value)),
+        changes=lambda value: _new_directions_of_turned_forces(brake, math.radians(value)),
     )
 
 
-def _turned_forces(brake: Brake, by: float) -> Changes:
+def _new_directions_of_turned_forces(brake: Brake, by: float) -> Changes:
     """New directions of all forces, turned by an angle [rad]; on mirrored shoes the other way."""
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
@@ -288,7 +297,7 @@ def _turned_forces(brake: Brake, by: float) -> Changes:
     return changes
 
 
-def _clearance_knob(brake: Brake, step: float) -> Knob:
+def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
     """The knob of the clearance between linings and drum, with a smallest change `step` [mm].
 
     Where the shoes have different clearances, or tables of clearance, the knob's value is added to
@@ -298,7 +307,7 @@ def _clearance_knob(brake: Brake, step: float) -> Knob:
     same = len(set(given)) == 1 and isinstance(given[0], float | int)
     start = float(given[0]) * 1e3 if same and not isinstance(given[0], tuple) else 0.0
 
-    def changes(value: float) -> Changes:
+    def new_lining_clearances(value: float) -> Changes:
         """New clearances of all linings for the knob at `value` [mm]; all change by one length."""
         more = (value - start) * 1e-3
         made: Changes = {}
@@ -313,10 +322,10 @@ def _clearance_knob(brake: Brake, step: float) -> Knob:
     # The knob reaches twice as far into clearance as into interference.
     reach = max(100 * step, 2 * abs(start))
     label = "clearance" if same else "clearance, added to the file's"
-    return Knob("clearance", label, "mm", -reach, 2 * reach, step, start, changes)
+    return Knob("clearance", label, "mm", -reach, 2 * reach, step, start, new_lining_clearances)
 
 
-def _misfit_knob(brake: Brake, step: float) -> Knob:
+def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
     """The knob of the misfit: radius of the linings minus radius of the drum [mm].
 
     Where the linings have different radii, the knob's value is added to them. `step` [mm] is the
@@ -330,7 +339,7 @@ def _misfit_knob(brake: Brake, step: float) -> Knob:
     same = len(set(given)) == 1
     start = given[0] * 1e3 if same else 0.0
 
-    def changes(value: float) -> Changes:
+    def new_lining_radii(value: float) -> Changes:
         """New radii of all linings for the knob at `value` [mm]; all change by one length."""
         more = (value - start) * 1e-3
         made: Changes = {}
@@ -340,10 +349,12 @@ def _misfit_knob(brake: Brake, step: float) -> Knob:
 
     reach = max(200 * step, 2 * abs(start))
     label = "misfit: radius over the drum's" + ("" if same else ", added to the file's")
-    return Knob("misfit", label, "mm", -reach, reach, step, start, changes)
+    return Knob("misfit", label, "mm", -reach, reach, step, start, new_lining_radii)
 
 
-def _modulus_knob(brake: Brake, part: str, label: str, unit: str, factor: float) -> Knob | None:
+def _youngs_modulus_knob(
+    brake: Brake, part: str, label: str, unit: str, factor: float
+) -> Knob | None:
     """The knob of Young's modulus of the linings or the shoes; None where the file has no modulus.
 
     The knob reaches from a hundredth to a hundred times the modulus of the brake file. All moduli
@@ -360,27 +371,29 @@ def _modulus_knob(brake: Brake, part: str, label: str, unit: str, factor: float)
     # The moduli of the shoes that have one, by the position of the shoe.
     moduli: dict[int, float] = {}
     for i, shoe in enumerate(brake.shoes):
-        modulus = _shown_modulus(shoe, part)
+        modulus = _modulus_shown_by_knob(shoe, part)
         if modulus is not None:
             moduli[i] = modulus
     if not moduli:
         return None
     largest = max(moduli.values())
 
-    def changes(value: float) -> Changes:
+    def new_moduli_of_shoes(value: float) -> Changes:
         """New moduli of all linings or all shoes, in proportion; the largest is `value` [unit]."""
         times = value * factor / largest
         made: Changes = {}
         for i in moduli:
-            made |= _scaled_moduli(brake.shoes[i], i, part, times)
+            made |= _scaled_moduli_by_brake_key(brake.shoes[i], i, part, times)
         return made
 
     start = largest / factor
     label += "" if len(set(moduli.values())) == 1 else ", the largest"
-    return Knob(part, label, unit, start / 100, start * 100, 0.01, start, changes, log=True)
+    return Knob(
+        part, label, unit, start / 100, start * 100, 0.01, start, new_moduli_of_shoes, log=True
+    )
 
 
-def _shown_modulus(shoe: Shoe, part: str) -> float | None:
+def _modulus_shown_by_knob(shoe: Shoe, part: str) -> float | None:
     """The modulus [Pa] that the knob shows: through a lining's thickness, or along a shoe's body.
 
     This one of the moduli of an orthotropic material matters most to the contact pressure. It is
@@ -393,7 +406,7 @@ def _shown_modulus(shoe: Shoe, part: str) -> float | None:
     return shoe.body.material.E_along
 
 
-def _scaled_moduli(shoe: Shoe, i: int, part: str, times: float) -> Changes:
+def _scaled_moduli_by_brake_key(shoe: Shoe, i: int, part: str, times: float) -> Changes:
     """New values, by key of the brake file, of a part's moduli and bending stiffness.
 
     All are those of the brake file multiplied by a factor.
@@ -425,7 +438,7 @@ def _scaled_moduli(shoe: Shoe, i: int, part: str, times: float) -> Changes:
     return changes
 
 
-def brake_of(brake: Brake, knobs: Sequence[Knob], setting: KnobSetting) -> Brake:
+def brake_at_knob_setting(brake: Brake, knobs: Sequence[Knob], setting: KnobSetting) -> Brake:
     """The brake with the values of a setting, without wear.
 
     Raises BadInput where the parts of the changed brake do not fit together.
@@ -439,24 +452,24 @@ def brake_of(brake: Brake, knobs: Sequence[Knob], setting: KnobSetting) -> Brake
     return vary(brake, changes) if changes else brake
 
 
-def link_of(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:
+def link_query_of_setting(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:
     """The query of the page's address ("friction=0.3&law=sine") for a setting.
 
     It names all that differs from the brake file.
     """
-    start = start_of(brake)
+    start = setting_at_brake_file_values(brake)
     query = {}
     for knob in knobs:
         if knob.name in setting.values:
             query[knob.name] = f"{setting.values[knob.name]:.12g}"
     if setting.sense != start.sense:
-        query[motion_of(brake)] = setting.sense
+        query[motion_key_of_brake_file(brake)] = setting.sense
     if setting.law is not None and setting.law != start.law:
         query["law"] = setting.law
     return urlencode(query)
 
 
-def setting_from(
+def setting_from_link_query(
     knobs: Sequence[Knob], brake: Brake, query: Mapping[str, str]
 ) -> tuple[KnobSetting, tuple[str, ...]]:
     """The setting that a link names, and a line of text for each refused part of the link.
@@ -466,25 +479,34 @@ def setting_from(
     """
     # Begin at the brake file's values. Each entry of the link moves a knob, or chooses the sense of
     # motion or the law.
-    setting, lines = start_of(brake), list[str]()
+    setting, lines = setting_at_brake_file_values(brake), list[str]()
     knob_of = {knob.name: knob for knob in knobs}
-    words = {motion_of(brake): brake.directions, "law": laws_of(brake)}
+    words = {
+        motion_key_of_brake_file(brake): brake.directions,
+        "law": names_of_models_besides_fem(brake),
+    }
     for name, text in query.items():
         if name in knob_of:
-            setting, line = _turn_by_text(knob_of[name], text, setting)
+            setting, line = _setting_with_knob_moved_by_text(knob_of[name], text, setting)
             lines += [line] if line else []
         elif name in words and text in words[name]:
             setting = replace(setting, law=text) if name == "law" else replace(setting, sense=text)
         elif name in words:
             allowed = ", ".join(words[name]) or "none"
-            lines.append(one_line(f"link: {name} = {text!r}: left out; allowed: {allowed}", 200))
+            lines.append(
+                printable_single_line(f"link: {name} = {text!r}: left out; allowed: {allowed}", 200)
+            )
         else:
             allowed = ", ".join([*knob_of, *words])
-            lines.append(one_line(f"link: unknown name {name!r}; allowed: {allowed}", 300))
+            lines.append(
+                printable_single_line(f"link: unknown name {name!r}; allowed: {allowed}", 300)
+            )
     return setting, tuple(lines)
 
 
-def _turn_by_text(knob: Knob, text: str, setting: KnobSetting) -> tuple[KnobSetting, str]:
+def _setting_with_knob_moved_by_text(
+    knob: Knob, text: str, setting: KnobSetting
+) -> tuple[KnobSetting, str]:
     """A copy of the setting with a knob moved to the value `text` of a link, and a message.
 
     The message says why the value was refused or moved. It is empty where the value is a number
@@ -495,10 +517,12 @@ def _turn_by_text(knob: Knob, text: str, setting: KnobSetting) -> tuple[KnobSett
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        return setting, one_line(f"link: {knob.name} = {text!r}: left out; must be a number", 200)
-    inside = knob.clamped(value)
+        return setting, printable_single_line(
+            f"link: {knob.name} = {text!r}: left out; must be a number", 200
+        )
+    inside = knob.nearest_value_in_range(value)
     moved = (
         f"link: {knob.name} = {value:g}: moved to {inside:g}; "
         f"allowed: {knob.low:g} to {knob.high:g} {knob.unit}"
     )
-    return setting.turned(knob, inside), "" if inside == value else moved.rstrip()
+    return setting.setting_with_knob_moved(knob, inside), "" if inside == value else moved.rstrip()

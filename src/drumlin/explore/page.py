@@ -16,35 +16,35 @@ import jinja2
 import numpy as np
 
 from drumlin.base.errors import BadInput
-from drumlin.base.texts import one_line
+from drumlin.base.texts import printable_single_line
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
-from drumlin.brake.writing import brake_text
+from drumlin.brake.writing import brake_file_text
 from drumlin.explore.answers import Explorer
 from drumlin.explore.knobs import (
     LONGEST_LINK,
     Knob,
     KnobSetting,
-    laws_of,
-    link_of,
-    motion_of,
-    setting_from,
+    link_query_of_setting,
+    motion_key_of_brake_file,
+    names_of_models_besides_fem,
+    setting_from_link_query,
 )
 from drumlin.explore.picture import (
-    PETAL,
     PLACE_STEP,
+    PRESSURE_SCALE_DISTANCE,
     PRESSURE_STEP,
-    brake_extent,
-    centre_of,
-    drawing_of,
-    error_html,
-    head_html,
-    locking_html,
-    numbers_of,
-    path_of,
-    picture_of,
-    reach_of,
-    table_html,
+    centre_of_picture,
+    drawing_lines_of_brake,
+    error_of_finite_elements_as_html,
+    half_side_of_picture,
+    lowest_and_highest_place_of_linings,
+    picture_of_answer,
+    pressure_curve_as_whole_numbers,
+    self_locking_as_html,
+    svg_path_of_lines,
+    table_as_html,
+    torque_and_refusals_as_html,
 )
 from drumlin.report.figures import model_title
 from drumlin.report.palette import color_of_model
@@ -55,7 +55,7 @@ FORBIDDEN_LETTERS = frozenset('/\\:*?"<>|')
 HTML, JSON, TOML = "text/html; charset=utf-8", "application/json", "application/toml; charset=utf-8"
 """Media types of the replies: HTML for a page or message, JSON for data, TOML for a brake file."""
 
-MOST_TICKS = 9
+MAX_TICK_INTERVALS = 9
 """Largest number of intervals between the ticks of an axis. Numbers of more ticks would overlap."""
 
 
@@ -93,21 +93,21 @@ class _Request(NamedTuple):
     name: str
 
 
-def reply(explorer: Explorer, address: str, name: str) -> Reply:
+def reply_to_address(explorer: Explorer, address: str, name: str) -> Reply:
     """The reply to an address, which consists of a path and a query.
 
     No address raises an error: unreadable parts are ignored, and the reply says so. `name` is the
     beginning of the name of a file that the browser saves.
     """
-    path, query = split(address)
-    setting, lines = setting_from(explorer.knobs, explorer.brake, query)
+    path, query = path_and_query_of_address(address)
+    setting, lines = setting_from_link_query(explorer.knobs, explorer.brake, query)
     make = PAGE_PATHS.get(path)
     if make is None:
         return Reply(404, HTML, f"no such page; there are {', '.join(PAGE_PATHS)}")
     return make(_Request(explorer, setting, lines, name))
 
 
-def split(address: str) -> tuple[str, dict[str, str]]:
+def path_and_query_of_address(address: str) -> tuple[str, dict[str, str]]:
     """The path of an address and the values of its query by name.
 
     If a name occurs twice, its last value counts. An address that cannot be read gives "" and {}.
@@ -119,59 +119,61 @@ def split(address: str) -> tuple[str, dict[str, str]]:
         return "", {}
 
 
-def _reply_page(request: _Request) -> Reply:
+def _reply_with_html_page(request: _Request) -> Reply:
     """The HTML page with its sliders and with the drawing of the brake, which no slider changes."""
     setting, brake = request.setting, request.explorer.brake
-    low, high = brake_extent(brake)
+    low, high = lowest_and_highest_place_of_linings(brake)
     is_flat, size = brake.surface.straight, brake.size * 1e3
     # Radii of the dashed lines at which the curve of the highest pressure on the scale ends; on a
     # plane the height of this line.
-    rings = [-PETAL * size]
+    rings = [-PRESSURE_SCALE_DISTANCE * size]
     if not is_flat:
         signs = set(map(attrgetter("sign"), brake.shoes))
-        rings = sorted(size * (1 + sign * PETAL) for sign in signs)
+        rings = sorted(size * (1 + sign * PRESSURE_SCALE_DISTANCE) for sign in signs)
     # The colour of each model and the title of each law.
     colors, laws = {"fem": color_of_model("fem")}, {}
-    for law in laws_of(brake):
+    for law in names_of_models_besides_fem(brake):
         colors[law], laws[law] = color_of_model(law), model_title(law)
-    text = _template().render(
+    text = _page_template().render(
         title=brake.title,
         lines=request.lines,
-        knobs=list(map(partial(_slider_data, setting), request.explorer.knobs)),
-        motion=motion_of(brake),
+        knobs=list(map(partial(_slider_data_of_knob, setting), request.explorer.knobs)),
+        motion=motion_key_of_brake_file(brake),
         senses=brake.directions,
         laws=laws,
         setting=setting,
         colors=colors,
-        fixed={key: path_of(lines) for key, lines in drawing_of(brake).items()},
-        reach=reach_of(brake),
-        centre=centre_of(brake),
+        fixed={
+            key: svg_path_of_lines(lines) for key, lines in drawing_lines_of_brake(brake).items()
+        },
+        reach=half_side_of_picture(brake),
+        centre=centre_of_picture(brake),
         flat=is_flat,
         size=size,
-        petal=PETAL,
+        petal=PRESSURE_SCALE_DISTANCE,
         units=(PLACE_STEP, PRESSURE_STEP),
         rings=rings,
         place=brake.surface.page_axis,
         low=low,
         high=high,
-        ticks=_ticks(low, high, brake.surface.shown_unit),
+        ticks=_values_of_axis_ticks(low, high, brake.surface.shown_unit),
     )
     return Reply(200, HTML, text)
 
 
-def _ticks(low: float, high: float, unit: str) -> list[float]:
+def _values_of_axis_ticks(low: float, high: float, unit: str) -> list[float]:
     """The values of the ticks of an axis that reaches from `low` to `high`, in "deg" or "mm"."""
-    power = 10.0 ** math.floor(math.log10((high - low) / MOST_TICKS))
+    power = 10.0 ** math.floor(math.log10((high - low) / MAX_TICK_INTERVALS))
     steps = np.array([5, 10, 15, 30, 45, 60, 90])
     if unit != "deg":
         steps = np.array([1, 2, 5, 10]) * power
     # The finest step at which the numbers beside the ticks do not overlap.
-    step = steps[np.argmax((high - low) / steps <= MOST_TICKS)]
+    step = steps[np.argmax((high - low) / steps <= MAX_TICK_INTERVALS)]
     ticks = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step
     return list(ticks.tolist())
 
 
-def _template() -> jinja2.Template:
+def _page_template() -> jinja2.Template:
     """The jinja template from which the HTML page is made."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("drumlin", "explore"),
@@ -181,13 +183,13 @@ def _template() -> jinja2.Template:
     return environment.get_template("page.html")
 
 
-def _slider_data(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
+def _slider_data_of_knob(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
     """The data from which the page makes a knob's slider.
 
     A knob that changes its value by factors has a logarithmic slider.
     """
 
-    def place(value: float) -> float:
+    def place_on_slider(value: float) -> float:
         """The place of a knob's value on the slider: the value or its decimal logarithm."""
         return math.log10(value) if knob.log else value
 
@@ -197,76 +199,80 @@ def _slider_data(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
         "title": knob.title,
         "value": value,
         "changed": knob.name in setting.values,
-        "low": place(knob.low),
-        "high": place(knob.high),
+        "low": place_on_slider(knob.low),
+        "high": place_on_slider(knob.high),
         "step": knob.step,
-        "start": place(knob.start),
-        "place": place(value),
+        "start": place_on_slider(knob.start),
+        "place": place_on_slider(value),
         "log": knob.log,
     }
 
 
-def _reply_picture(request: _Request) -> Reply:
+def _reply_with_picture_data(request: _Request) -> Reply:
     """The data of the picture for a setting: pressure curves, contact, forces and texts."""
     explorer = request.explorer
     answer = explorer.answer(request.setting)
-    picture = picture_of(answer, explorer.brake)
+    picture = picture_of_answer(answer, explorer.brake)
     # The limit of self-locking takes time to find: the picture shows it if it is known already.
-    known = explorer.known_locking(answer.brake) if answer.brake is not None else None
-    whole_numbers = partial(numbers_of, scale=picture.scale)
+    known = explorer.locking_friction_if_known(answer.brake) if answer.brake is not None else None
+    whole_numbers = partial(pressure_curve_as_whole_numbers, scale=picture.scale)
     arcs = np.rint(np.array(picture.arcs) / PLACE_STEP).astype(int)
     # The texts of the reply are finished HTML, its curves are whole numbers.
     data = {
         "fem": list(map(whole_numbers, picture.fem)),
         "law": list(map(whole_numbers, picture.law)),
         "arcs": arcs.tolist(),
-        "forces": path_of(picture.forces),
+        "forces": svg_path_of_lines(picture.forces),
         "scale": picture.scale,
         "motion": picture.motion,
-        "head": head_html(picture, request.lines),
-        "table": table_html(picture.rows),
-        "locking": locking_html(answer, known),
-        "error": error_html(answer, None, asked=False),
+        "head": torque_and_refusals_as_html(picture, request.lines),
+        "table": table_as_html(picture.rows),
+        "locking": self_locking_as_html(answer, known),
+        "error": error_of_finite_elements_as_html(answer, None, asked=False),
         "torque": None if answer.found is None else answer.found.effect,
     }
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
 
-def _reply_slow_parts(request: _Request) -> Reply:
+def _reply_with_slow_results(request: _Request) -> Reply:
     """The data that take long to compute: limit of self-locking and errors; and the link.
 
     The page asks for these data when its sliders rest.
     """
     explorer = request.explorer
     answer = explorer.answer(request.setting)
-    locking = explorer.locking(answer.brake) if answer.brake is not None else None
+    locking = (
+        explorer.locking_friction_of_groups(answer.brake) if answer.brake is not None else None
+    )
     data = {
-        "locking": locking_html(answer, locking),
-        "error": error_html(answer, explorer.stated(answer), asked=True),
-        "link": link_of(explorer.knobs, explorer.brake, request.setting),
+        "locking": self_locking_as_html(answer, locking),
+        "error": error_of_finite_elements_as_html(
+            answer, explorer.difference_from_accurate_answer(answer), asked=True
+        ),
+        "link": link_query_of_setting(explorer.knobs, explorer.brake, request.setting),
     }
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
 
-def _reply_brake_file(request: _Request) -> Reply:
+def _reply_with_brake_file(request: _Request) -> Reply:
     """The brake file for a setting. Its clearances include the depth that wear has removed."""
     explorer, name = request.explorer, request.name
     answer = explorer.answer(request.setting)
     if answer.brake is None or answer.failure:
         return Reply(422, HTML, escape(answer.failure))
     # A comment at the top of the file names the link of the page from which the file comes.
-    link = link_of(explorer.knobs, explorer.brake, request.setting)
-    head = f"# {one_line(name)}, explored: {link or 'as it is'}\n"
+    link = link_query_of_setting(explorer.knobs, explorer.brake, request.setting)
+    head = f"# {printable_single_line(name)}, explored: {link or 'as it is'}\n"
     if answer.distance:
         head += "# Its clearances are tables of what wear has left.\n"
     try:
-        text = brake_text(_with_absolute_paths(answer.brake))
+        text = brake_file_text(_brake_with_absolute_mesh_paths(answer.brake))
     except BadInput as error:
         return Reply(422, HTML, escape(str(error)))
-    return Reply(200, TOML, head + text, f"{_file_name(name)}_explored.toml")
+    return Reply(200, TOML, head + text, f"{_file_name_for_any_system(name)}_explored.toml")
 
 
-def _with_absolute_paths(brake: Brake) -> Brake:
+def _brake_with_absolute_mesh_paths(brake: Brake) -> Brake:
     """A copy of the brake with absolute paths of its mesh files.
 
     The browser chooses the folder of the saved brake file, where relative paths would be wrong.
@@ -278,20 +284,20 @@ def _with_absolute_paths(brake: Brake) -> Brake:
     return vary(brake, meshes) if meshes else brake
 
 
-def _file_name(name: str) -> str:
+def _file_name_for_any_system(name: str) -> str:
     """The name with "_" in place of letters that a file name cannot have on some system."""
 
-    def allowed(letter: str) -> bool:
+    def is_letter_allowed(letter: str) -> bool:
         """Whether a file name can contain the letter on every operating system."""
         return letter not in FORBIDDEN_LETTERS and letter.isprintable()
 
-    return "".join(letter if allowed(letter) else "_" for letter in name)
+    return "".join(letter if is_letter_allowed(letter) else "_" for letter in name)
 
 
 PAGE_PATHS: Mapping[str, Callable[[_Request], Reply]] = {
-    "/": _reply_page,
-    "/picture": _reply_picture,
-    "/locking": _reply_slow_parts,
-    "/brake.toml": _reply_brake_file,
+    "/": _reply_with_html_page,
+    "/picture": _reply_with_picture_data,
+    "/locking": _reply_with_slow_results,
+    "/brake.toml": _reply_with_brake_file,
 }
 """The function that makes the reply, by the path of the address."""

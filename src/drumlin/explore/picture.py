@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.texts import formatted
+from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
 from drumlin.explore.answers import (
@@ -26,9 +26,9 @@ from drumlin.explore.answers import (
 )
 from drumlin.report.figures import model_title, smooth_pressure_curve
 from drumlin.response import Response
-from drumlin.response.balance import loaded
+from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.merit import brake_factor
-from drumlin.response.show import arcs_text
+from drumlin.response.show import text_of_contact_arcs
 
 PAGE_MM, PAGE_MPA = 1e3, 1e-6
 """Millimetres in a metre and megapascals in a pascal: the page shows mm and MPa."""
@@ -36,19 +36,19 @@ PAGE_MM, PAGE_MPA = 1e3, 1e-6
 CURVE_POINTS = 160
 """Number of points of a pressure curve; the lines between them are some 3 pixels long."""
 
-ARROW = 0.45
+LARGEST_FORCE_ARROW_LENGTH = 0.45
 """Length of the arrow of the largest force.
 
 It is relative to the drum's radius, on a plane to the length of the first lining.
 """
 
-PETAL = 0.45
+PRESSURE_SCALE_DISTANCE = 0.45
 """Distance from the friction surface at which the highest pressure of the scale is drawn.
 
 It is relative to the drum's radius, on a plane to the length of the first lining.
 """
 
-ROUNDING = 1e-12
+LARGEST_ROUNDING_ERROR = 1e-12
 """Relative error up to which the page writes "only rounding" in place of the number."""
 
 PLACE_STEP = 1e-3
@@ -83,7 +83,7 @@ class Lines(NamedTuple):
     ys: list[Floats]
 
     @classmethod
-    def of(cls, outlines: Sequence[Floats]) -> "Lines":
+    def from_outlines(cls, outlines: Sequence[Floats]) -> "Lines":
         """Make lines from arrays (2, n) [mm], each with the x and y of one line's points."""
         return cls([x for x, _ in outlines], [y for _, y in outlines])
 
@@ -115,7 +115,7 @@ class Picture:
     failures: tuple[str, ...]
 
 
-def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
+def picture_of_answer(answer: ExploredAnswer, brake: Brake) -> Picture:
     """The picture that the page shows for an answer.
 
     `brake` is the brake of the file. It is drawn where the sliders make a brake whose parts do not
@@ -136,26 +136,28 @@ def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
     # If finite elements and law fail for the same reason, the page shows the reason once.
     failures = (answer.failure, answer.law_failure)
     return Picture(
-        fem=_pressure_curves(answer.found, shown),
-        law=_pressure_curves(answer.law, shown),
+        fem=_pressure_curves_of_touching_shoes(answer.found, shown),
+        law=_pressure_curves_of_touching_shoes(answer.law, shown),
         arcs=tuple(arcs),
-        forces=_force_arrows(shown if answer.found is None else loaded(shown, answer.found)),
-        scale=scale_of(max(peaks, default=0.0) * PAGE_MPA),
-        motion=_motion_sign(shown),
-        head=answer_html(answer),
-        rows=table_rows(answer, shown),
+        forces=_lines_of_force_arrows(
+            shown if answer.found is None else brake_with_forces_of_response(shown, answer.found)
+        ),
+        scale=highest_pressure_of_scale(max(peaks, default=0.0) * PAGE_MPA),
+        motion=_arrow_character_of_motion(shown),
+        head=torque_line_as_html(answer),
+        rows=table_rows_by_shoe_and_model(answer, shown),
         failures=tuple(dict.fromkeys(filter(None, failures))),
     )
 
 
-def _motion_sign(brake: Brake) -> str:
+def _arrow_character_of_motion(brake: Brake) -> str:
     """The arrow character for the motion of the drum, or of the sliding body on a plane."""
     if brake.surface.straight:
-        return "→" if brake.spin > 0 else "←"
-    return "↺" if brake.spin > 0 else "↻"
+        return "→" if brake.sign_of_motion > 0 else "←"
+    return "↺" if brake.sign_of_motion > 0 else "↻"
 
 
-def numbers_of(curve: PressureCurve, scale: float) -> dict[str, Any]:
+def pressure_curve_as_whole_numbers(curve: PressureCurve, scale: float) -> dict[str, Any]:
     """A pressure curve as whole numbers, which are short to send and fast to read.
 
     Places are in units of PLACE_STEP. Pressures are in units of PRESSURE_STEP times `scale` [MPa],
@@ -165,7 +167,7 @@ def numbers_of(curve: PressureCurve, scale: float) -> dict[str, Any]:
     return {"at": at.astype(int).tolist(), "p": p.astype(int).tolist(), "sign": curve.sign}
 
 
-def scale_of(peak: float) -> float:
+def highest_pressure_of_scale(peak: float) -> float:
     """The highest pressure [MPa] of the picture's scale, for curves with a highest `peak` [MPa].
 
     It is the smallest number not below the peak that is 1, 2 or 5 times a power of ten, so that the
@@ -178,7 +180,9 @@ def scale_of(peak: float) -> float:
     return float(digits[np.argmax(digits * power >= peak)]) * power
 
 
-def _pressure_curves(response: Response | None, brake: Brake) -> tuple[PressureCurve, ...]:
+def _pressure_curves_of_touching_shoes(
+    response: Response | None, brake: Brake
+) -> tuple[PressureCurve, ...]:
     """The pressure curves of all shoes that touch the drum or plane, by the model of a response."""
     if response is None:
         return ()
@@ -190,11 +194,11 @@ def _pressure_curves(response: Response | None, brake: Brake) -> tuple[PressureC
     return tuple(curves)
 
 
-def _force_arrows(brake: Brake) -> Lines:
+def _lines_of_force_arrows(brake: Brake) -> Lines:
     """The lines [mm] of an arrow for each actuation force: the shaft and the head of the arrow."""
     lines = []
     for shoe in brake.shoes:
-        arrow = _force_arrow(brake, shoe)
+        arrow = _tail_and_tip_of_force_arrow(brake, shoe)
         along = arrow.tip - arrow.tail
         across = np.array([-along[1], along[0]])
         # The arrowhead is a quarter as long as the arrow, and as wide as it is long.
@@ -202,7 +206,7 @@ def _force_arrows(brake: Brake) -> Lines:
         right = arrow.tip + 0.25 * (-0.5 * across - along)
         shaft, head = np.array([arrow.tail, arrow.tip]), np.array([left, arrow.tip, right])
         lines += [shaft.T * PAGE_MM, head.T * PAGE_MM]
-    return Lines.of(lines)
+    return Lines.from_outlines(lines)
 
 
 class _Arrow(NamedTuple):
@@ -212,23 +216,25 @@ class _Arrow(NamedTuple):
     tip: Floats
 
 
-def _force_arrow(brake: Brake, shoe: Shoe) -> _Arrow:
+def _tail_and_tip_of_force_arrow(brake: Brake, shoe: Shoe) -> _Arrow:
     """Tail and tip [m] of the arrow of the force on a shoe.
 
     The length is in proportion to the force; the largest force of the brake has the length ARROW.
     """
     largest = max(abs(shoe.actuation.force) for shoe in brake.shoes) or 1.0
-    tip = _force_point(shoe)
-    return _Arrow(tip - ARROW * brake.size * shoe.actuation.vector / largest, tip)
+    tip = _point_of_force_arrow_tip(shoe)
+    return _Arrow(
+        tip - LARGEST_FORCE_ARROW_LENGTH * brake.size * shoe.actuation.force_vector / largest, tip
+    )
 
 
-def _force_point(shoe: Shoe) -> Floats:
+def _point_of_force_arrow_tip(shoe: Shoe) -> Floats:
     """The point (2,) [m] where the tip of the force on a shoe is drawn.
 
     For a shoe inside a drum it is the point on the line of action that is nearest to the lining's
     end away from the hinge. For other shoes it is the point of the force in the brake file.
     """
-    along, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
+    along, point = shoe.actuation.unit_vector_of_force, shoe.actuation.point.xy
     # Shoes on a plane and external shoes keep the point of the file.
     if shoe.flat or shoe.sign < 0:
         return point
@@ -242,7 +248,7 @@ def _force_point(shoe: Shoe) -> Floats:
 # The functions below write the answer in words and as a table.
 
 
-def answer_html(answer: ExploredAnswer) -> str:
+def torque_line_as_html(answer: ExploredAnswer) -> str:
     """A line of HTML with torque and brake factor by finite elements, and the torque by the law."""
     if answer.found is None or answer.brake is None:
         return "no answer"
@@ -254,14 +260,14 @@ def answer_html(answer: ExploredAnswer) -> str:
         words.append(f"brake factor {surface.factor} <b>{factor:.4g}</b>")
     if answer.law is not None:
         by_law = answer.law.effect
-        off = f" ({formatted(by_law / effect - 1, '+.1%')})" if effect else ""
+        off = f" ({number_as_text(by_law / effect - 1, '+.1%')})" if effect else ""
         words.append(f"{escape(model_title(answer.law.model))} {by_law:.6g} {unit}{off}")
     if answer.distance:
         words.append(f"worn over {answer.distance * 1e-3:.4g} km at k = 1e-5 mm³/(N m)")
     return " · ".join(words)
 
 
-def head_html(picture: Picture, refused: Sequence[str] = ()) -> str:
+def torque_and_refusals_as_html(picture: Picture, refused: Sequence[str] = ()) -> str:
     """The line with the torque as HTML, followed by a line for each refusal.
 
     Refusals are the given messages on parts of the link, and reasons why a model has no answer.
@@ -272,7 +278,7 @@ def head_html(picture: Picture, refused: Sequence[str] = ()) -> str:
     return html
 
 
-def locking_html(answer: ExploredAnswer, locking: LockingFriction | None) -> str:
+def self_locking_as_html(answer: ExploredAnswer, locking: LockingFriction | None) -> str:
     """A line of HTML on self-locking: at which friction, and how far the brake is from it.
 
     `locking` holds the friction coefficient at which each group of shoes locks, by finite elements;
@@ -293,7 +299,9 @@ def locking_html(answer: ExploredAnswer, locking: LockingFriction | None) -> str
     return f"<p>self-locking {words}</p>"
 
 
-def error_html(answer: ExploredAnswer, stated: StatedError | None, *, asked: bool) -> str:
+def error_of_finite_elements_as_html(
+    answer: ExploredAnswer, stated: StatedError | None, *, asked: bool
+) -> str:
     """A line of HTML on the error of the finite elements.
 
     `stated` is the difference from the accurate answer of `drumlin.solve`. `asked` is whether this
@@ -309,19 +317,22 @@ def error_html(answer: ExploredAnswer, stated: StatedError | None, *, asked: boo
             own = f"whose own errors are estimated as {torque:.1e} and {pressure:.1e}"
         words = (
             "error of the finite elements on this fixed division: "
-            f"{answer.brake.surface.effect} {_error_text(stated.torque)}, "
-            f"p {_error_text(stated.pressure)} (L2, worst shoe) from drumlin solve, {own}"
+            f"{answer.brake.surface.effect} {_relative_error_as_text(stated.torque)}, "
+            f"p {_relative_error_as_text(stated.pressure)} (L2, worst shoe) "
+            f"from drumlin solve, {own}"
         )
     worn = f"; wear in steps of {WEAR_TOLERANCE:g} of p" if answer.distance else ""
     return f"<p>{words}{worn}</p>"
 
 
-def _error_text(error: float) -> str:
+def _relative_error_as_text(error: float) -> str:
     """A relative error as text: a number, or "only rounding" up to ROUNDING."""
-    return f"{error:.1e}" if error > ROUNDING else "only rounding"
+    return f"{error:.1e}" if error > LARGEST_ROUNDING_ERROR else "only rounding"
 
 
-def table_rows(answer: ExploredAnswer, brake: Brake) -> tuple[tuple[str, ...], ...]:
+def table_rows_by_shoe_and_model(
+    answer: ExploredAnswer, brake: Brake
+) -> tuple[tuple[str, ...], ...]:
     """The rows of the table below the picture: headings, then a row for each shoe and model."""
     surface = brake.surface
     head = (
@@ -337,15 +348,15 @@ def table_rows(answer: ExploredAnswer, brake: Brake) -> tuple[tuple[str, ...], .
     for i in range(len(brake.shoes)):
         for response in (answer.found, answer.law):
             if response is not None:
-                rows.append(_table_row(brake, response, i))
+                rows.append(_page_table_row_of_shoe(brake, response, i))
     return (head, *rows)
 
 
-def _table_row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
+def _page_table_row_of_shoe(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
     """The table's row for the shoe at position `i`, by the model of a response."""
     shoe, effect = response.shoes[i], response.effects[i]
     # The shoe factor is torque / (F R), on a plane braking force / F, with the actuation force F.
-    force = abs(loaded(brake, response).shoes[i].actuation.force)
+    force = abs(brake_with_forces_of_response(brake, response).shoes[i].actuation.force)
     force *= brake.scale_factor
     return (
         shoe.name,
@@ -353,12 +364,12 @@ def _table_row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
         f"{effect:.6g}",
         f"{effect / force:.4g}" if force else "–",
         f"{shoe.peak_pressure * PAGE_MPA:.4g}",
-        arcs_text(shoe, brake.surface),
+        text_of_contact_arcs(shoe, brake.surface),
         "yes" if shoe.self_energising else "no",
     )
 
 
-def table_html(rows: Sequence[Sequence[str]]) -> str:
+def table_as_html(rows: Sequence[Sequence[str]]) -> str:
     """The rows of a table as HTML. The first row holds the headings."""
     lines = ""
     for number, row in enumerate(rows):
@@ -371,7 +382,7 @@ def table_html(rows: Sequence[Sequence[str]]) -> str:
 # The functions below draw the brake of the file. This drawing does not change with the knobs.
 
 
-def drawing_of(brake: Brake) -> Mapping[str, Lines]:
+def drawing_lines_of_brake(brake: Brake) -> Mapping[str, Lines]:
     """The drawing of the brake as lines [mm], by the kind of part.
 
     The drum or plane is a line. Linings and bodies are outlines. Hinges are single points.
@@ -380,33 +391,37 @@ def drawing_of(brake: Brake) -> Mapping[str, Lines]:
     for shoe in brake.shoes:
         # Depths are measured from the friction surface into the shoe.
         lining, depth = shoe.lining, shoe.lining.thickness or 0.0
-        linings.append(_layer_outline(shoe, brake.size, (lining.start, lining.end), (0.0, depth)))
+        linings.append(
+            _outline_of_shoe_layer(shoe, brake.size, (lining.start, lining.end), (0.0, depth))
+        )
         if shoe.mesh is None and isinstance(shoe.body, Bar):
             depth += shoe.backing.thickness if shoe.backing else 0.0
             ends = shoe.body.start, shoe.body.end
-            bodies.append(_layer_outline(shoe, brake.size, ends, (depth, depth + shoe.body.depth)))
+            bodies.append(
+                _outline_of_shoe_layer(shoe, brake.size, ends, (depth, depth + shoe.body.depth))
+            )
         if isinstance(shoe.body, Beam):
-            bodies.append(_beam_outline(shoe, brake.size))
+            bodies.append(_outline_of_straight_beam(shoe, brake.size))
     # Each hinge is drawn as a line of a single point. A shoe on a guide has no hinge.
     hinges = [shoe.pin.xy[:, None] * PAGE_MM for shoe in brake.shoes if shoe.guide is None]
     return {
-        "drum": _surface_line(brake),
-        "linings": Lines.of(linings),
-        "bodies": Lines.of(bodies),
-        "hinges": Lines.of(hinges),
+        "drum": _line_of_drum_or_plane(brake),
+        "linings": Lines.from_outlines(linings),
+        "bodies": Lines.from_outlines(bodies),
+        "hinges": Lines.from_outlines(hinges),
     }
 
 
-def _surface_line(brake: Brake) -> Lines:
+def _line_of_drum_or_plane(brake: Brake) -> Lines:
     """The drum's circle, or the plane as a straight line, in mm."""
     if brake.surface.straight:
-        (x, _), reach = centre_of(brake), reach_of(brake)
+        (x, _), reach = centre_of_picture(brake), half_side_of_picture(brake)
         return Lines([np.array([x - reach, x + reach])], [np.zeros(2)])
     R, circle = brake.size * PAGE_MM, np.linspace(0, 2 * math.pi, 361)
     return Lines([R * np.cos(circle)], [R * np.sin(circle)])
 
 
-def path_of(lines: Lines) -> str:
+def svg_path_of_lines(lines: Lines) -> str:
     """Lines [mm] as the path of an SVG picture."""
     path = ""
     for x, y in zip(lines.xs, lines.ys, strict=True):
@@ -414,68 +429,75 @@ def path_of(lines: Lines) -> str:
     return path
 
 
-def _lining_ends(brake: Brake) -> Floats:
+def _places_of_lining_ends(brake: Brake) -> Floats:
     """The ends of all linings (2 * shoes,): angles [rad] on the drum, on a plane lengths [m]."""
     ends = [(shoe.lining.start, shoe.lining.end) for shoe in brake.shoes]
     return np.ravel(ends)
 
 
-def brake_extent(brake: Brake) -> tuple[float, float]:
+def lowest_and_highest_place_of_linings(brake: Brake) -> tuple[float, float]:
     """The lowest and highest angle [deg], on a plane length [mm], of all linings, with a margin."""
-    ends = _lining_ends(brake) * brake.surface.shown
+    ends = _places_of_lining_ends(brake) * brake.surface.shown
     room = 0.04 * brake.size * PAGE_MM if brake.surface.straight else 5.0
     return float(ends.min()) - room, float(ends.max()) + room
 
 
-def centre_of(brake: Brake) -> tuple[float, float]:
+def centre_of_picture(brake: Brake) -> tuple[float, float]:
     """The point (x, y) [mm] at the middle of the picture.
 
     It is the drum's centre, or the middle of a brake on a plane.
     """
     if not brake.surface.straight:
         return 0.0, 0.0
-    xy = _extreme_points(brake)
+    xy = _points_that_plane_picture_must_hold(brake)
     x, y = 0.5 * (xy.min(axis=0) + xy.max(axis=0)) * PAGE_MM
     return float(x), float(y)
 
 
-def _pins_and_arrows(brake: Brake) -> Floats:
+def _points_of_pins_and_force_arrows(brake: Brake) -> Floats:
     """The points (n, 2) [m] of all pins, and of the tails and tips of all force arrows."""
     points: list[Floats] = []
     for shoe in brake.shoes:
-        points += [shoe.pin.xy, *_force_arrow(brake, shoe)]
+        points += [shoe.pin.xy, *_tail_and_tip_of_force_arrow(brake, shoe)]
     return np.array(points)
 
 
-def _extreme_points(brake: Brake) -> Floats:
+def _points_that_plane_picture_must_hold(brake: Brake) -> Floats:
     """Points (n, 2) [m] that the picture of a brake on a plane must contain.
 
     They are the lowest points of the pressure curves, the pins and the force arrows.
     """
-    below = -1.2 * PETAL * brake.size
-    ends = _lining_ends(brake)
-    return np.vstack([np.column_stack([ends, np.full(len(ends), below)]), _pins_and_arrows(brake)])
+    below = -1.2 * PRESSURE_SCALE_DISTANCE * brake.size
+    ends = _places_of_lining_ends(brake)
+    return np.vstack(
+        [
+            np.column_stack([ends, np.full(len(ends), below)]),
+            _points_of_pins_and_force_arrows(brake),
+        ]
+    )
 
 
-def reach_of(brake: Brake) -> float:
-    """Half the side [mm] of the picture, which is a square around the point `centre_of`.
+def half_side_of_picture(brake: Brake) -> float:
+    """Half the side [mm] of the picture, which is a square around the point `centre_of_picture`.
 
     The square holds shoes, hinges, pressure curves and force arrows.
     """
     if brake.surface.straight:
-        xy = _extreme_points(brake)
+        xy = _points_that_plane_picture_must_hold(brake)
         return float(0.55 * np.ptp(xy, axis=0).max()) * PAGE_MM
     R = brake.size
     room = []
     for shoe in brake.shoes:
         # Pressure curves of internal shoes are drawn outside the drum, those of external shoes
         # inside.
-        room.append(1.12 * (1 + PETAL) * R if shoe.sign > 0 else 1.05 * R + shoe.depth)
-    room.append(float(np.abs(_pins_and_arrows(brake)).max()) + 0.1 * R)
+        room.append(
+            1.12 * (1 + PRESSURE_SCALE_DISTANCE) * R if shoe.sign > 0 else 1.05 * R + shoe.depth
+        )
+    room.append(float(np.abs(_points_of_pins_and_force_arrows(brake)).max()) + 0.1 * R)
     return max(room) * PAGE_MM
 
 
-def _layer_outline(
+def _outline_of_shoe_layer(
     shoe: Shoe, size: float, ends: tuple[float, float], depths: tuple[float, float]
 ) -> Floats:
     """The outline (2, n) [mm] of a layer of a shoe.
@@ -495,7 +517,7 @@ def _layer_outline(
     return shoe.points(shoe.at(at, shoe.frame.phi(places), size)) * PAGE_MM
 
 
-def _beam_outline(shoe: Shoe, R: float) -> Floats:
+def _outline_of_straight_beam(shoe: Shoe, R: float) -> Floats:
     """The four corners (2, 4) [mm] of a straight beam from the hinge to the force.
 
     A beam without a thickness in the brake file is drawn a tenth of the drum's radius R [m] thick.

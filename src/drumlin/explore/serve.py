@@ -8,10 +8,10 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 from urllib.parse import quote
 
-from drumlin.base.errors import BadInput, reason_of
+from drumlin.base.errors import BadInput, system_message_of_error
 from drumlin.brake.brake import Brake
 from drumlin.explore.answers import Explorer
-from drumlin.explore.page import reply
+from drumlin.explore.page import reply_to_address
 
 ADDRESS = "127.0.0.1"
 """The IP address by which this machine calls itself: no other machine reaches the server."""
@@ -62,7 +62,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_error(403)
             return
         with self.server.answering:
-            found = reply(self.server.explorer, self.path, self.server.name)
+            found = reply_to_address(self.server.explorer, self.path, self.server.name)
         data = found.text.encode("utf-8", errors="replace")
         self.send_response(found.status)
         self.send_header("Content-Type", found.media)
@@ -79,7 +79,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Print no line for a request: many lines would hide the printed address of the page."""
 
 
-def serve(brake: Brake, name: str, port: int, ready: Callable[[str], None]) -> None:
+def serve_page_of_brake(brake: Brake, name: str, port: int, ready: Callable[[str], None]) -> None:
     """Serve a brake's page until the process is interrupted.
 
     Parameters
@@ -101,7 +101,8 @@ def serve(brake: Brake, name: str, port: int, ready: Callable[[str], None]) -> N
         server = _Server(explorer, name, port)
     except OSError as error:
         raise BadInput(
-            f"--port = {port}: cannot be had ({reason_of(error)}); 0 takes any free one"
+            f"--port = {port}: cannot be had ({system_message_of_error(error)}); "
+            "0 takes any free one"
         ) from error
     with server:
         ready(f"http://localhost:{server.server_port}/")

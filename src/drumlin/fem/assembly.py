@@ -1,5 +1,10 @@
 """The old name of drumlin.fem.preparation.prepare."""
 
-from drumlin.base.moved import moved
+from drumlin.base.moved import getattr_of_moved_module
 
-__getattr__ = moved(__name__, "drumlin.fem.preparation.prepare")
+RENAMED_IN_ASSEMBLY = {"prepare": "make_prepared_model"}
+"""The present name of each function by its old name."""
+
+__getattr__ = getattr_of_moved_module(
+    __name__, "drumlin.fem.preparation.prepare", RENAMED_IN_ASSEMBLY
+)

@@ -1,13 +1,13 @@
 """The old name of drumlin.fem.equilibrium.group."""
 
-from drumlin.base.moved import moved
+from drumlin.base.moved import getattr_of_moved_module
 
 RENAMED_IN_GROUP = {
     "groups_of": "divide_pressed_shoes_into_groups",
     "grouped": "divide_shoes_into_groups",
     "pressed_shoes": "find_pressed_shoes",
-    "pressed": "is_pressed_on_drum",
+    "pressed": "is_shoe_pressed_on_drum",
 }
 """The present name of each function by its old name."""
 
-__getattr__ = moved(__name__, "drumlin.fem.equilibrium.group", RENAMED_IN_GROUP)
+__getattr__ = getattr_of_moved_module(__name__, "drumlin.fem.equilibrium.group", RENAMED_IN_GROUP)

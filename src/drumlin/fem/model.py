@@ -17,29 +17,36 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, LostDigits, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
-from drumlin.brake.units import mm
+from drumlin.brake.units import mm_text
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
 from drumlin.fem.mesh.from_file import notes_on_mesh_file
-from drumlin.fem.preparation.bodies import acting_loads, support_reaction
+from drumlin.fem.preparation.bodies import (
+    load_factors_under_actuation_force,
+    support_reaction_of_shoe,
+)
 from drumlin.fem.preparation.cache import shape_key_of_shoe
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
 from drumlin.fem.substructure.loads import ACTUATION
-from drumlin.laws.rigid import cam_notes
-from drumlin.response.balance import guide_moments, relative_balance, worst
+from drumlin.laws.rigid import notes_on_cam_force_of_unlike_linings
+from drumlin.response.balance import (
+    largest_imbalance_among_shoes,
+    moments_that_scale_imbalance_on_guide,
+    relative_sums_of_forces_and_moments,
+)
 from drumlin.response.response import (
     NEITHER,
     Balance,
     Response,
     ShoeChange,
     ShoeResponse,
-    pressed_shoe,
-    reaction_size,
-    singular_zone,
-    untouched,
+    length_of_uncompared_edge_zone,
+    reference_force_of_reaction_errors,
+    response_of_pressed_elastic_shoe,
+    response_of_shoe_without_contact,
 )
-from drumlin.response.resultants import cross
+from drumlin.response.resultants import planar_cross_product
 
 if TYPE_CHECKING:
     from drumlin.fem.error_control.refinement import RefinedSolution
@@ -124,7 +131,7 @@ def solve_prepared_model(
     NoAnswer
         if the brake locks itself, has no equilibrium, or the contact does not converge
     """
-    check_penalty(penalty)
+    require_positive_penalty(penalty)
     if brake is not scene.brake:
         _check_brake_matches_model(scene, brake)
     seconds = dict(scene.seconds)
@@ -139,23 +146,23 @@ def solve_prepared_model(
     return Response(
         model=scene.model,
         shoes=tuple(answer.response for answer in in_order),
-        balance=worst([answer.balance for answer in answers.values()]),
+        balance=largest_imbalance_among_shoes([answer.balance for answer in answers.values()]),
         iterations=max(answer.steps for answer in in_order),
         seconds=seconds,
         left_out=scene.left_out,
         notes=(
-            *_warnings_on_mesh_overlap(scene, brake),
+            *_warnings_on_overlap_of_mesh_and_drum(scene, brake),
             *_notes_on_mesh_files(scene, brake, [answer.response for answer in in_order]),
             *(answer.note for answer in in_order),
             *_notes_on_body_supports(brake),
-            *cam_notes(brake),
+            *notes_on_cam_force_of_unlike_linings(brake),
         ),
     )
 
 
 def _check_brake_matches_model(scene: PreparedModel, brake: Brake) -> None:
     """Raise BadInput if the bodies of a brake differ from those of a prepared model."""
-    if [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes] != scene.shapes:
+    if [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes] != scene.shape_keys_of_shoes:
         raise BadInput(
             "the brake differs from the prepared scene in more than "
             "friction, rotation, load, clearance"
@@ -169,7 +176,7 @@ def _check_brake_matches_model(scene: PreparedModel, brake: Brake) -> None:
         raise BadInput("the brake's drum.ring differs from that of the prepared scene")
 
 
-def check_penalty(penalty: float) -> None:
+def require_positive_penalty(penalty: float) -> None:
     """Raise BadInput for a penalty factor of the contact that is not positive."""
     if not penalty > 0:
         raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
@@ -178,7 +185,7 @@ def check_penalty(penalty: float) -> None:
 # The following functions make lines of text about the brake as a whole.
 
 
-def _warnings_on_mesh_overlap(scene: PreparedModel, brake: Brake) -> Iterator[str]:
+def _warnings_on_overlap_of_mesh_and_drum(scene: PreparedModel, brake: Brake) -> Iterator[str]:
     """Yield a warning for each shoe whose own mesh overlaps the drum or the plane."""
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if shoe.mesh is None:
@@ -187,7 +194,7 @@ def _warnings_on_mesh_overlap(scene: PreparedModel, brake: Brake) -> Iterator[st
         if deep > LARGEST_SILENT_OVERLAP * shoe.lining.thickness:
             yield (
                 f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to "
-                f"{mm(deep)} in the {shoe.surface.word}; its pressure is that of the lining "
+                f"{mm_text(deep)} in the {shoe.surface.word}; its pressure is that of the lining "
                 "squeezed out of there"
             )
 
@@ -227,12 +234,14 @@ def _text_on_body_support(shoe: Shoe, bar: Bar, size: float) -> str:
     if grip is not None:
         # If the back of the body is shorter than the grip in the brake file, all of it is held.
         length = (grip[1] - grip[0]) * shoe.back(size)
-        return f"its {shoe.held_by} grips {mm(round(length, 4))} of the back of its body"
-    away = math.dist(shoe.end_face(size), shoe.own_pin)
+        return (
+            f"its {shoe.kind_of_support} grips {mm_text(round(length, 4))} of the back of its body"
+        )
+    away = math.dist(shoe.middle_of_body_end_face(size), shoe.pin_in_shoe_frame)
     joined = "" if away < 0.5 * bar.depth else ", joined by a rigid arm"
-    holder = "pin" if shoe.held_by == "hinge" else "foot"
+    holder = "pin" if shoe.kind_of_support == "hinge" else "foot"
     return (
-        f"its {holder} holds the end face of its body, {mm(round(away, 4))} from the face's "
+        f"its {holder} holds the end face of its body, {mm_text(round(away, 4))} from the face's "
         f"middle{joined}"
     )
 
@@ -300,7 +309,12 @@ def _result_of_unpressed_shoe(shoe: Shoe) -> _ShoeResult:
     """The result for a shoe whose force does not press it on the drum."""
     word = shoe.surface.word
     note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {word}"
-    return _ShoeResult(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
+    return _ShoeResult(
+        response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector),
+        Balance(0.0, 0.0),
+        0,
+        note,
+    )
 
 
 def _solve_shoe_group(group: ShoeGroup, start: Response | None) -> dict[int, _ShoeResult]:
@@ -311,41 +325,41 @@ def _solve_shoe_group(group: ShoeGroup, start: Response | None) -> dict[int, _Sh
     # The nodes that touch in the earlier response are the first contact set.
     first = None
     if start is not None:
-        parts = [_nodes_in_earlier_contact(group, k, start) for k in range(len(group.members))]
+        parts = [_mark_nodes_in_earlier_contact(group, k, start) for k in range(len(group.members))]
         first = np.concatenate(parts)
     settled = group.solve_contact(first)
-    solution = _solution_by_substructures(*settled)
+    solution = _group_solution_by_substructures(*settled)
     answers = _results_of_shoes(solution)
     # A group with shared forces is never refined.
-    if settled.group.force_sharing is not None:
-        if not _largest_imbalance(answers) < LARGEST_ANSWER_IMBALANCE:
-            balance = f"it balances only to {_largest_imbalance(answers):.1e}"
+    if settled.group.force_sharing_by_struts_and_cam is not None:
+        if not _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
+            balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
             raise LostDigits(
                 f"{settled.group.shoe_names}: lost digits, {balance}; {TOO_FAR_REASON}"
             )
         return answers
     # Any other group is refined if its round-off error or its imbalance is too large.
-    refinable = _is_refinement_affordable(settled.group)
+    refinable = _can_full_system_be_refined(settled.group)
     # A solid is never refined, but is judged as strictly as a group that could be refined.
     strict = refinable or settled.group.scene.model == "solid"
     most = LARGEST_UNREFINED_ROUND_OFF if strict else LARGEST_REFINED_ROUND_OFF
     lost = _largest_round_off_of_pressure(answers)
-    if lost < most and _largest_imbalance(answers) < LARGEST_ANSWER_IMBALANCE:
+    if lost < most and _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
         return answers
     if not refinable:
-        balance = f"it balances only to {_largest_imbalance(answers):.1e}"
+        balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
         why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
         raise LostDigits(f"{settled.group.shoe_names}: lost digits, {why}; {TOO_FAR_REASON}")
-    return _results_after_refinement(solution, settled.contact)
+    return _shoe_results_after_refinement(solution, settled.contact)
 
 
-def _solution_by_substructures(group: ShoeGroup, contact: Contact) -> _GroupSolution:
+def _group_solution_by_substructures(group: ShoeGroup, contact: Contact) -> _GroupSolution:
     """The solution of a group under its true forces, from its contact under a unit force."""
-    size = group.unit_force
-    coordinates = group.generalised_coordinates(contact)
+    size = group.largest_actuation_force
+    coordinates = group.generalised_coordinates_of_shoes(contact)
     return _GroupSolution(
         group=group,
-        pressures=[size * contact.p[part] for part in group.node_ranges],
+        pressures=[size * contact.p[part] for part in group.contact_node_slices_of_shoes],
         coordinates=[size * y for y in coordinates],
         forces=size * group.actuation_forces(contact.p),
         pressure_errors=size
@@ -355,25 +369,29 @@ def _solution_by_substructures(group: ShoeGroup, contact: Contact) -> _GroupSolu
     )
 
 
-def _is_refinement_affordable(group: ShoeGroup) -> bool:
+def _can_full_system_be_refined(group: ShoeGroup) -> bool:
     """Whether the full system of a group of shoes can be refined in seconds.
 
     The full system of a solid cannot.
     """
-    orders = [body.line.order for body in group.bodies]
-    size = sum(body.unknowns * body.line.order**2 for body in group.bodies)
+    orders = [body.line.interpolation_degree for body in group.substructures_of_shoes]
+    size = sum(
+        body.unknowns * body.line.interpolation_degree**2 for body in group.substructures_of_shoes
+    )
     # The sparse factors of large systems of high degree have many entries and take too long.
     small = size <= LARGEST_REFINED_SYSTEM or max(orders) <= 2
     return group.scene.model != "solid" and small
 
 
-def _results_after_refinement(solution: _GroupSolution, contact: Contact) -> dict[int, _ShoeResult]:
+def _shoe_results_after_refinement(
+    solution: _GroupSolution, contact: Contact
+) -> dict[int, _ShoeResult]:
     """Solve the full system of a group by iterative refinement, and return each shoe's result.
 
     `contact` is the contact by the substructures, whose contact set is the first one. Raises
     LostDigits if the refinement fails or leaves too few digits.
     """
-    group, size = solution.group, solution.group.unit_force
+    group, size = solution.group, solution.group.largest_actuation_force
     try:
         refined = refine_group_solution(group, contact.active)
     except NoAnswer as error:
@@ -391,9 +409,9 @@ def _results_after_refinement(solution: _GroupSolution, contact: Contact) -> dic
             refined=True,
         )
     )
-    imbalance = _largest_imbalance(answers)
+    imbalance = _largest_imbalance_of_shoes(answers)
     # Meshes (order 1 and 2) state no error and are judged more strictly than hp elements.
-    if max(body.line.order for body in group.bodies) <= 2:
+    if max(body.line.interpolation_degree for body in group.substructures_of_shoes) <= 2:
         lost, most = refined.correction, LARGEST_UNREFINED_ROUND_OFF
     else:
         lost, most = _largest_round_off_of_pressure(answers), LARGEST_REFINED_ROUND_OFF
@@ -410,9 +428,9 @@ def _largest_round_off_of_pressure(answers: dict[int, _ShoeResult]) -> float:
     return max(answer.response.lost.pressure for answer in answers.values())
 
 
-def _largest_imbalance(answers: dict[int, _ShoeResult]) -> float:
+def _largest_imbalance_of_shoes(answers: dict[int, _ShoeResult]) -> float:
     """The largest relative imbalance of forces or moments among several shoes; inf for nan."""
-    balance = worst([answer.balance for answer in answers.values()])
+    balance = largest_imbalance_among_shoes([answer.balance for answer in answers.values()])
     largest = max(balance.force, balance.moment)
     return math.inf if math.isnan(largest) else largest
 
@@ -434,14 +452,19 @@ def refine_group_solution(
         if the system is singular, or the contact set keeps changing
     """
     # The module loads scipy.sparse, which takes time, and few brakes need a refinement.
-    from drumlin.fem.error_control.refinement import full_system, refined_solution  # noqa: PLC0415
+    from drumlin.fem.error_control.refinement import (  # noqa: PLC0415
+        assemble_full_system_of_group,
+        solve_full_system_by_refinement,
+    )
 
-    refined = refined_solution(full_system(group), active, order)
+    refined = solve_full_system_by_refinement(assemble_full_system_of_group(group), active, order)
     if refined.correction < LARGEST_CONVERGED_CORRECTION:
         return refined
     # The other form of the full system may converge better, if a soft shoe turns behind a lining
     # that the drum holds.
-    other = refined_solution(full_system(group, relative_to_rigid_motion=False), active, order)
+    other = solve_full_system_by_refinement(
+        assemble_full_system_of_group(group, relative_to_rigid_motion=False), active, order
+    )
     return min(refined, other, key=lambda each: each.correction)
 
 
@@ -452,7 +475,9 @@ def _results_of_shoes(solution: _GroupSolution) -> dict[int, _ShoeResult]:
     """The result of each shoe of a solved group, by its position in the brake."""
     group = solution.group
     answers = {}
-    for k, (i, part) in enumerate(zip(group.members, group.node_ranges, strict=True)):
+    for k, (i, part) in enumerate(
+        zip(group.members, group.contact_node_slices_of_shoes, strict=True)
+    ):
         of_shoe = _ShoeSolution(
             group=group,
             shoe_number=k,
@@ -473,14 +498,14 @@ def _result_of_shoe(solution: _ShoeSolution, steps: int) -> _ShoeResult:
     """
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     if (
-        group.force_sharing is not None
-        and solution.force < LARGEST_FORCE_THAT_DOES_NOT_PUSH * group.unit_force
+        group.force_sharing_by_struts_and_cam is not None
+        and solution.force < LARGEST_FORCE_THAT_DOES_NOT_PUSH * group.largest_actuation_force
     ):
         raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL_TEXT}")
     acting = _forces_on_shoe(solution)
     errors = _penalty_and_round_off_errors(solution, acting)
     return _ShoeResult(
-        response=_shoe_response(solution, acting, errors),
+        response=_response_of_shoe(solution, acting, errors),
         balance=_imbalance_of_shoe(solution, acting),
         steps=steps,
         note=_note_on_contact(solution, errors),
@@ -497,7 +522,7 @@ class _ForcesOnShoe(NamedTuple):
     resultant_of_pressure : (3,) force x, y [N] and moment about the centre [N m] of the pressures
         on the drum
     force_of_drum : (3,) force x, y [N] and moment about the centre [N m] of the drum on the lining
-    actuation_force : (2,) force of the actuation [N]
+    keys_with_increased_force : (2,) force of the actuation [N]
     actuation_moment : moment of the actuation about the pin [N m]
     support_force : (2,) force of the support [N]
     guide_moment : moment of a guide [N m]; 0 for other supports
@@ -514,20 +539,20 @@ class _ForcesOnShoe(NamedTuple):
 def _forces_on_shoe(solution: _ShoeSolution) -> _ForcesOnShoe:
     """Compute the forces on a shoe from its pressures and its actuation force."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
-    shoe, body = group.shoes[k], group.bodies[k]
-    load = acting_loads(body, shoe, solution.force)
-    moment = abs(solution.force) * group.unit_loads[k].moment_about_pin
-    push = body.columns.factors_of(ACTUATION, load)[:2]
-    drag = group.brake.drag_on(shoe)
-    normal, dragged = body.forces @ p
+    shoe, body = group.shoes[k], group.substructures_of_shoes[k]
+    load = load_factors_under_actuation_force(body, shoe, solution.force)
+    moment = abs(solution.force) * group.actuations_by_one_newton[k].moment_about_pin
+    push = body.load_columns.factors_of_load_with_name(ACTUATION, load)[:2]
+    drag = group.brake.friction_per_pressure_on_shoe(shoe)
+    normal, dragged = body.resultants_of_contact_node_forces @ p
     contact = drag * dragged - normal
     if solution.refined:
         # A refined pressure has more digits than a reaction from the elastic body. The reaction is
         # therefore the force that balances the others. Only moments or work are left to check.
-        about_pin = contact[2] + moment - cross(shoe.own_pin, contact[:2])
+        about_pin = contact[2] + moment - planar_cross_product(shoe.pin_in_shoe_frame, contact[:2])
         reaction = -np.append(contact[:2] + push, about_pin)
     else:
-        reaction = support_reaction(body, p, drag, load)
+        reaction = support_reaction_of_shoe(body, p, drag, load)
     twist = float(reaction[2]) if shoe.guide is not None else 0.0
     return _ForcesOnShoe(normal, contact, push, moment, reaction[:2], twist)
 
@@ -535,23 +560,26 @@ def _forces_on_shoe(solution: _ShoeSolution) -> _ForcesOnShoe:
 def _imbalance_of_shoe(solution: _ShoeSolution, acting: _ForcesOnShoe) -> Balance:
     """The imbalance of the forces and of the moments on a shoe, relative to the largest of them."""
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
-    pin = shoe.own_pin
+    pin = shoe.pin_in_shoe_frame
     # The actuation's moment about the centre is the sum of its moment about the pin and the moment
     # of its force at the pin. The two stand apart, because all other moments vanish if mu = 0 and
     # the actuation aims at the centre.
     moments = [
         float(acting.force_of_drum[2]),
-        float(cross(pin, acting.support_force)),
+        float(planar_cross_product(pin, acting.support_force)),
         acting.actuation_moment,
-        float(cross(pin, acting.actuation_force)),
+        float(planar_cross_product(pin, acting.actuation_force)),
     ]
     if shoe.guide is not None:
         length = group.brake.scale_factor * (shoe.lining.end - shoe.lining.start)
-        moments += [acting.guide_moment, *guide_moments(solution.force, length)]
-    balance = relative_balance(
+        moments += [
+            acting.guide_moment,
+            *moments_that_scale_imbalance_on_guide(solution.force, length),
+        ]
+    balance = relative_sums_of_forces_and_moments(
         [acting.force_of_drum[:2], acting.support_force, acting.actuation_force], moments
     )
-    if shoe.held_by == "hinge":
+    if shoe.kind_of_support == "hinge":
         return balance
     return Balance(balance.force, max(balance.moment, _virtual_work_imbalance(solution)))
 
@@ -562,8 +590,8 @@ def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
     A test mode is a rigid-body motion on which the support of the shoe does no work.
     """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
-    coupling, modes = group.bodies[k].coupling, group.rigid_body_modes[k]
-    drag = group.brake.drag_on(group.shoes[k])
+    coupling, modes = group.substructures_of_shoes[k].coupling, group.rigid_body_modes_of_shoes[k]
+    drag = group.brake.friction_per_pressure_on_shoe(group.shoes[k])
     nodal = drag * (coupling.T.T @ p) - coupling.N.T @ p
     by_actuation = abs(solution.force) * modes.actuation_work
     by_contact = nodal[:, None] * modes.test_modes
@@ -584,13 +612,15 @@ def _penalty_and_round_off_errors(
 ) -> _ArithmeticErrors:
     """The relative errors of a shoe's results by the penalty, and by round-off."""
     normal_force = math.hypot(*acting.resultant_of_pressure[:2])
-    size = reaction_size(acting.support_force, normal_force)
-    by_penalty, by_round_off = _relative_errors_of_results(solution, size)
+    size = reference_force_of_reaction_errors(acting.support_force, normal_force)
+    by_penalty, by_round_off = _relative_errors_of_shoe_results(solution, size)
     # The elimination of the unknowns inside a body causes a round-off error, which is the least
     # error that is stated.
     least = 0.0
     if not solution.refined:
-        least = solution.group.bodies[solution.shoe_number].condensed.force_imbalance
+        least = solution.group.substructures_of_shoes[
+            solution.shoe_number
+        ].condensed.force_imbalance
     round_off = ShoeChange(*(max(part, least) for part in by_round_off))
     return _ArithmeticErrors(by_penalty, round_off)
 
@@ -598,12 +628,12 @@ def _penalty_and_round_off_errors(
 def _note_on_contact(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
     """The note on a shoe's contact: its penetration, the penalty's effect, and any refinement."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
-    shoe, lever = group.shoes[k], group.bodies[k].coupling.lever
+    shoe, lever = group.shoes[k], group.substructures_of_shoes[k].coupling.lever
     contact = "exact contact, no penetration"
     if not math.isinf(group.penalty):
         pressed = float(lever @ p)
         softer = float(lever @ solution.pressure_errors[0]) / pressed if pressed else 0.0
-        penetration = p.max() / group.contact_stiffnesses[k]
+        penetration = p.max() / group.contact_stiffness_per_area_of_shoes[k]
         contact = (
             f"penalty {group.penalty:g} E/t: the lining penetrates by {penetration:.1e} m at most, "
             f"which changes its {shoe.surface.effect} by {softer:+.1e} of it"
@@ -615,7 +645,7 @@ def _note_on_contact(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
     return note
 
 
-def _shoe_response(
+def _response_of_shoe(
     solution: _ShoeSolution, acting: _ForcesOnShoe, errors: _ArithmeticErrors
 ) -> ShoeResponse:
     """The response of a shoe, in the frame of the brake.
@@ -630,34 +660,36 @@ def _shoe_response(
     brake, shoe, body, modes = (
         group.brake,
         group.shoes[k],
-        group.bodies[k],
-        group.rigid_body_modes[k],
+        group.substructures_of_shoes[k],
+        group.rigid_body_modes_of_shoes[k],
     )
-    frame, line, drag = shoe.frame, body.line, brake.drag_on(shoe)
+    frame, line, drag = shoe.frame, body.line, brake.friction_per_pressure_on_shoe(shoe)
     # A shoe is self-energising if the work of the friction on its first test mode helps the
     # actuation. The works are per unit of the mode.
     closures = group.gap_closures_of_test_modes[k]
     closed, rubbed = float(closures.normal[:, 0] @ p), float(closures.tangential[:, 0] @ p)
     helped = math.copysign(1.0, modes.actuation_work[0]) * drag * rubbed
-    phi, mean = line.along(p)
+    phi, mean = line.angles_and_mean_pressures(p)
     pin_motion = modes.pin_motion @ solution.coordinates
-    return pressed_shoe(
+    return response_of_pressed_elastic_shoe(
         shoe,
         brake.scale_factor,
         frame.theta(phi),
         mean,
-        order=line.order,
-        peak=line.inside.peak(mean),
+        order=line.interpolation_degree,
+        peak=line.inner_part_for_pressure_peak.peak(mean),
         torque=abs(drag) * float(body.coupling.lever @ p),
         normal_force=math.hypot(*acting.resultant_of_pressure[:2]),
         self_energising=helped > NEITHER * abs(closed),
-        hinge_reaction=frame.to_brake(acting.support_force),
+        hinge_reaction=frame.convert_to_brake_frame(acting.support_force),
         turn=frame.sense * float(modes.pin_motion[2] @ solution.coordinates),
-        force=None if group.force_sharing is None else solution.force,
-        pivot_reaction=None if shoe.pivot is None else -frame.to_brake(acting.force_of_drum[:2]),
+        force=None if group.force_sharing_by_struts_and_cam is None else solution.force,
+        pivot_reaction=None
+        if shoe.pivot is None
+        else -frame.convert_to_brake_frame(acting.force_of_drum[:2]),
         reaction_moment=frame.sense * acting.guide_moment,
-        motion=None if shoe.held_by == "hinge" else tuple(pin_motion.tolist()),
-        surface=line.surface(p),
+        motion=None if shoe.kind_of_support == "hinge" else tuple(pin_motion.tolist()),
+        surface=line.pressure_over_arc_and_width(p),
         softness=errors.penalty,
         lost=errors.round_off,
     )
@@ -682,19 +714,21 @@ def _pressure_errors_by_penalty_and_round_off(
     coordinates : (k_i,) generalised coordinates of each shoe
     """
     opened, strayed = [], []
-    for k, (body, part) in enumerate(zip(group.bodies, group.node_ranges, strict=True)):
+    for k, (body, part) in enumerate(
+        zip(group.substructures_of_shoes, group.contact_node_slices_of_shoes, strict=True)
+    ):
         squeezed = (1 + 1 / group.penalty) * (body.coupling.M @ contact.p[part])
-        opened.append(squeezed / group.contact_stiffnesses[k])
+        opened.append(squeezed / group.contact_stiffness_per_area_of_shoes[k])
         strains = body.condensed.rigid_mode_error
         if strains is None:
             strayed.append(np.zeros(len(opened[k])))
         else:
-            frame = group.rigid_body_modes[k].pin_motion @ coordinates[k]
+            frame = group.rigid_body_modes_of_shoes[k].pin_motion @ coordinates[k]
             strayed.append(body.coupling.N @ (strains @ frame))
     return np.array([contact.pressure_change(np.concatenate(gaps)) for gaps in (opened, strayed)])
 
 
-def _relative_errors_of_results(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:
+def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:
     """The relative changes of a shoe's pressure, torque, reaction and peak pressure.
 
     There is one result for the penalty and one for round-off, in the order of the rows of
@@ -707,14 +741,16 @@ def _relative_errors_of_results(solution: _ShoeSolution, reaction: float) -> lis
         solution.pressures,
         solution.pressure_errors,
     )
-    shoe, body = group.shoes[k], group.bodies[k]
-    area, lever = body.coupling.area, body.coupling.lever
+    shoe, body = group.shoes[k], group.substructures_of_shoes[k]
+    area, lever = body.coupling.areas_of_contact_nodes, body.coupling.lever
     weight = _node_areas_outside_edge_zones(shoe, body.line.phi, area)
     if weight @ p < 0.5 * (area @ p):
         weight = area
     # The reaction changes by the changed pressures alone, while the actuation stays.
-    no_load = np.zeros((body.columns.count, 1))
-    reactions = support_reaction(body, changes.T, group.brake.drag_on(shoe), no_load)
+    no_load = np.zeros((body.load_columns.number_of_load_columns, 1))
+    reactions = support_reaction_of_shoe(
+        body, changes.T, group.brake.friction_per_pressure_on_shoe(shoe), no_load
+    )
     top = float(p[weight > 0].max(initial=0.0))
     at_top = (weight > 0) & (p == top)
     by_quantity = [
@@ -738,12 +774,12 @@ def _node_areas_outside_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -> Flo
     area : (n,) areas of the contact nodes [m^2]
     """
     start, end = shoe.arc
-    zone = singular_zone(end - start)
+    zone = length_of_uncompared_edge_zone(end - start)
     inside = (phi > start + zone) & (phi < end - zone)
     return np.where(inside, area, 0.0)
 
 
-def _nodes_in_earlier_contact(group: ShoeGroup, k: int, start: Response) -> Bools:
+def _mark_nodes_in_earlier_contact(group: ShoeGroup, k: int, start: Response) -> Bools:
     """Mark the contact nodes (n_k,) of a shoe that touched in an earlier response.
 
     Parameters
@@ -752,7 +788,7 @@ def _nodes_in_earlier_contact(group: ShoeGroup, k: int, start: Response) -> Bool
     k : position of the shoe in the group
     start : the earlier response, whose contact arcs count
     """
-    theta = group.shoes[k].frame.theta(group.bodies[k].line.phi)
+    theta = group.shoes[k].frame.theta(group.substructures_of_shoes[k].line.phi)
     touching = np.zeros(len(theta), dtype=bool)
     for first, last in start.shoes[group.members[k]].contact_arcs:
         touching |= (theta > first - 1e-9) & (theta < last + 1e-9)

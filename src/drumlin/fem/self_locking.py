@@ -1,8 +1,13 @@
 """The old name of drumlin.fem.analysis.self_locking."""
 
-from drumlin.base.moved import moved
+from drumlin.base.moved import getattr_of_moved_module
 
-RENAMED_IN_SELF_LOCKING = {"limits": "friction_limits_of_groups", "torques": "torques_at_frictions"}
+RENAMED_IN_SELF_LOCKING = {
+    "limits": "self_locking_limits_of_shoe_groups",
+    "torques": "shoe_torques_at_friction_coefficients",
+}
 """The present name of each function by its old name."""
 
-__getattr__ = moved(__name__, "drumlin.fem.analysis.self_locking", RENAMED_IN_SELF_LOCKING)
+__getattr__ = getattr_of_moved_module(
+    __name__, "drumlin.fem.analysis.self_locking", RENAMED_IN_SELF_LOCKING
+)

@@ -1,13 +1,15 @@
 """The old name of drumlin.fem.analysis.sensitivity."""
 
-from drumlin.base.moved import moved
+from drumlin.base.moved import getattr_of_moved_module
 
 RENAMED_IN_SENSITIVITY = {
     "sensitivity": "compute_torque_sensitivity",
     "as_text": "sensitivity_as_text_lines",
-    "law_sensitivity": "sensitivity_by_rigid_law",
-    "against_differences": "compare_with_differences_of_solves",
+    "law_sensitivity": "friction_sensitivity_by_rigid_shoe_law",
+    "against_differences": "compare_slopes_with_differences_of_solves",
 }
 """The present name of each function by its old name."""
 
-__getattr__ = moved(__name__, "drumlin.fem.analysis.sensitivity", RENAMED_IN_SENSITIVITY)
+__getattr__ = getattr_of_moved_module(
+    __name__, "drumlin.fem.analysis.sensitivity", RENAMED_IN_SENSITIVITY
+)

@@ -12,20 +12,24 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCE,
     Tolerance,
-    check_tolerance,
-    solve_to_tolerance,
+    require_tolerance_applies_to_brake,
+    solve_brake_to_tolerance,
 )
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.model import PENALTY, check_penalty, solve_prepared_model
+from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.meshes import ELEMENTS
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
 from drumlin.fem.width.correction import check_correctable, correct_for_widths
-from drumlin.fem.width.error import plane_stress_error
-from drumlin.response.balance import loaded, shoe_balance, worst
-from drumlin.response.merit import with_merits
+from drumlin.fem.width.error import estimate_error_of_plane_stress
+from drumlin.response.balance import (
+    brake_with_forces_of_response,
+    largest_imbalance_among_shoes,
+    relative_imbalance_of_shoe,
+)
+from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response
 
 REPORTED_IMBALANCE = 1e-8
@@ -71,51 +75,53 @@ def solve(
     ------
     BadInput
         for `elements` or a `kind` together with a tolerance, for options that
-        `check_division_options` refuses, and for a correction that does not apply to the brake
+        `require_division_options_have_effect` refuses, and for a correction that does not apply to
+        the brake
     NoAnswer
         if a given tolerance is not reached, if the correction for the widths is not known, and if
         `solve_prepared_model` has no solution
     """
-    check_penalty(penalty)
+    require_positive_penalty(penalty)
     for option, value in {"elements": elements, "kind": kind}.items():
         if tolerance is not None and value is not None:
             raise BadInput(
                 f"--tolerance = {tolerance:g}: chooses the elements; leave out --{option} = {value}"
             )
-    brake.check_meshable()
+    brake.check_shoes_can_be_meshed()
     if finite_width:
         check_correctable(brake)
     # A given tolerance must be met. Without options the default tolerance is met as well as
     # possible. Given elements, and shoes with mesh files, are solved once without error estimate.
     answer = partial(solve_prepared_model, penalty=penalty)
     if tolerance is not None:
-        check_tolerance(brake, tolerance)
-        response = solve_to_tolerance(
+        require_tolerance_applies_to_brake(brake, tolerance)
+        response = solve_brake_to_tolerance(
             brake, Tolerance(tolerance, tolerance), answer, cache=cache
         ).response
-    elif _is_solved_on_levels(brake, elements, kind):
-        response = solve_to_tolerance(
+    elif _is_solved_on_finer_and_finer_levels(brake, elements, kind):
+        response = solve_brake_to_tolerance(
             brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache
         ).response
     else:
         response = answer(
-            prepare_finest_division(brake, elements=elements, kind=kind, cache=cache), brake
+            prepared_model_of_finest_division(brake, elements=elements, kind=kind, cache=cache),
+            brake,
         )
     seconds = dict(response.seconds)
     if finite_width:
         with add_elapsed_time(seconds, "correction for the widths"):
             response = correct_for_widths(brake, response, penalty=penalty, cache=cache)
     elif not brake.surface.straight:
-        response = _add_note_on_curve_balance(brake, response)
+        response = _response_with_note_on_curve_balance(brake, response)
     if model_error and not finite_width:
         with add_elapsed_time(seconds, "error of plane stress"):
-            own = plane_stress_error(brake, response, penalty=penalty, cache=cache)
+            own = estimate_error_of_plane_stress(brake, response, penalty=penalty, cache=cache)
         response = replace(response, plane_stress_error=own)
     response = replace(response, seconds=seconds)
-    return with_merits(brake, response)
+    return response_with_figures_of_merit(brake, response)
 
 
-def prepare_finest_division(
+def prepared_model_of_finest_division(
     brake: Brake,
     *,
     elements: int | None = None,
@@ -135,22 +141,22 @@ def prepare_finest_division(
     Raises
     ------
     BadInput
-        for `elements` or a `kind` that `check_division_options` refuses
+        for `elements` or a `kind` that `require_division_options_have_effect` refuses
     """
-    check_division_options(brake, elements=elements, kind=kind)
-    if not _is_solved_on_levels(brake, elements, kind):
+    require_division_options_have_effect(brake, elements=elements, kind=kind)
+    if not _is_solved_on_finer_and_finer_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
-        return prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
+        return make_prepared_model(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
     # The model is that of the last level on which a solution was found.
     try:
-        return solve_to_tolerance(
+        return solve_brake_to_tolerance(
             brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False, cache=cache
         ).scene
     except NoAnswer:
-        return prepare(brake, LEVELS[1], cache=cache)
+        return make_prepared_model(brake, LEVELS[1], cache=cache)
 
 
-def check_division_options(
+def require_division_options_have_effect(
     brake: Brake, *, elements: int | None = None, kind: str | None = None
 ) -> None:
     """Raise BadInput for options `elements` or `kind` that would change no part of the brake.
@@ -172,19 +178,23 @@ def check_division_options(
             )
 
 
-def _is_solved_on_levels(brake: Brake, elements: int | None, kind: str | None) -> bool:
+def _is_solved_on_finer_and_finer_levels(
+    brake: Brake, elements: int | None, kind: str | None
+) -> bool:
     """Whether a brake is solved on finer and finer levels of hp elements, and not on one mesh."""
     return elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes)
 
 
-def _add_note_on_curve_balance(brake: Brake, response: Response) -> Response:
+def _response_with_note_on_curve_balance(brake: Brake, response: Response) -> Response:
     """A copy of the response with a note, if the curve p(theta) balances worse than nodal forces.
 
     Otherwise the response itself is returned.
     """
     # Positive differences mean that p(theta) balances worse than the nodal forces do.
-    under_forces = loaded(brake, response)
-    curve = worst([shoe_balance(under_forces, i, shoe) for i, shoe in enumerate(response.shoes)])
+    under_forces = brake_with_forces_of_response(brake, response)
+    curve = largest_imbalance_among_shoes(
+        [relative_imbalance_of_shoe(under_forces, i, shoe) for i, shoe in enumerate(response.shoes)]
+    )
     more_force = curve.force - response.balance.force
     more_moment = curve.moment - response.balance.moment
     if max(more_force, more_moment) <= REPORTED_IMBALANCE:

@@ -8,8 +8,8 @@ below the sector moves inwards by z, and the beam closes the gap by d, so that t
 
 The beam turns about its hinge by y and bends under its moments M. The forces of all sectors bend
 the ring, which has the flexibilities c. The matrices `loaded`, `pressed`, `dragged` and `closing`
-are those of `Post`; a subscript 0 stands for their first row, which is that of the hinge. With the
-trapezoidal rule over the stations of the beam, whose steps are dx,
+are those of `SectionedShoe`; a subscript 0 stands for their first row, which is that of the hinge.
+With the trapezoidal rule over the stations of the beam, whose steps are dx,
 
     M = loaded - (pressed + mu_hat dragged) N,   d = y closing_0 + closing^T (dx/EI) M,
     z = c N,                                     M_0 = 0: (pressed + mu_hat dragged)_0 N = loaded_0.
@@ -26,24 +26,38 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Bools, Floats, in_turn
+from drumlin.base.arrays import Bools, Floats, slices_of_consecutive_parts
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Beam
-from drumlin.brake.orthotropic import isotropic_only
-from drumlin.brake.ring_support import plain_ring_only
+from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
+from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
 from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import ContactProblem
-from drumlin.foundation.post import Post, post, shoe_angles, trapezoid
-from drumlin.foundation.ring import drag_flexibility, flexibility
-from drumlin.laws import locking_friction
-from drumlin.laws.hinged import pressing_moment
-from drumlin.laws.rigid import no_contact
-from drumlin.response.balance import shoe_balance, worst
-from drumlin.response.merit import with_merits
-from drumlin.response.response import Deformation, Response, ShoeResponse, pressed_shoe, untouched
+from drumlin.foundation.post import (
+    SectionedShoe,
+    brake_angles_from_beam_angles,
+    divide_shoe_into_stations_and_sectors,
+    trapezoidal_rule_weights,
+)
+from drumlin.foundation.ring import (
+    ring_displacement_per_radial_force,
+    ring_displacement_per_tangential_force,
+)
+from drumlin.laws import self_locking_friction_of_hinged_shoe
+from drumlin.laws.hinged import actuation_moment_towards_drum
+from drumlin.laws.rigid import note_on_shoe_without_contact
+from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
+from drumlin.response.merit import response_with_figures_of_merit
+from drumlin.response.response import (
+    Deformation,
+    Response,
+    ShoeResponse,
+    response_of_pressed_elastic_shoe,
+    response_of_shoe_without_contact,
+)
 from drumlin.response.resultants import Resultant
 
 RING_SECTIONS = 360
@@ -80,29 +94,31 @@ The keys are the names by which the option --lift includes the effects. The valu
 descriptions that are printed for the effects that stay neglected.
 """
 
-ALWAYS = (
+ALWAYS_NEGLECTED_EFFECTS = (
     "shear and stretching of the beam: it only bends",
     "shear of lining and block: springs side by side",
 )
 """Effects that the foundation model always neglects, as lines for the reader."""
 
-NO_RING = frozenset({"thick-ring", "all-modes", "own-pressure", "ring-friction"})
+EFFECTS_OF_AN_ELASTIC_RING = frozenset({"thick-ring", "all-modes", "own-pressure", "ring-friction"})
 """Names in LIFTS of the effects that concern the drum's ring; a rigid drum does not have them."""
 
 
-def why_not(brake: Brake) -> str | None:
+def reason_against_foundation_model(brake: Brake) -> str | None:
     """The reason why the foundation model does not apply to a brake; None if it applies."""
-    refusal = brake.surface.unlike(DRUM) or brake.shares
+    refusal = brake.surface.reason_why_not_on_surface(DRUM) or brake.shares
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
         if not isinstance(shoe.body, Beam):
             return f'shoe {shoe.name!r}: not a straight beam, [shoe.body] with shape = "beam"'
     model = "the foundation model"
-    return isotropic_only(brake, model) or plain_ring_only(brake, model)
+    return reason_if_any_part_is_orthotropic(brake, model) or reason_if_ring_support_is_not_plain(
+        brake, model
+    )
 
 
-def included_effects(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
+def names_of_included_effects(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
     """The names in LIFTS of the effects that a solve includes, from the values of --lift.
 
     The value "all" stands for all effects for which the brake file has data. Raises BadInput for an
@@ -142,12 +158,14 @@ class FoundationSystem(NamedTuple):
     problem : the contact problem, whose unknowns are the normal forces [N] of the sectors
     """
 
-    posts: tuple[Post, ...]
+    posts: tuple[SectionedShoe, ...]
     ring: Floats
     problem: ContactProblem
 
 
-def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) -> FoundationSystem:
+def contact_problem_of_shoe_group(
+    brake: Brake, group: list[int], sections: int, lift: frozenset[str]
+) -> FoundationSystem:
     """Set up the contact problem of a group of shoes for the normal forces [N] of their sectors.
 
     Parameters
@@ -165,7 +183,7 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
     if not 4 <= sections <= 4000:
         raise BadInput(f"--sections = {sections}: must be from 4 to 4000")
     make = partial(
-        post,
+        divide_shoe_into_stations_and_sectors,
         sections=sections,
         tilt="tilt" in lift,
         wedge="wedge" in lift,
@@ -174,9 +192,9 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
     posts = tuple(make(brake, brake.shoes[i]) for i in group)
     # Angles of all sectors of the group on the ring.
     theta = np.concatenate([p.axis.origin + p.axis.sense * p.theta for p in posts])
-    ring = ring_of(brake, theta, theta, lift)
+    ring = ring_displacement_per_normal_force(brake, theta, theta, lift)
     # Only the ring couples the shoes, so that all other matrices are block diagonal.
-    problems = list(map(_post_problem, posts))
+    problems = list(map(_contact_problem_of_one_shoe, posts))
     problem = ContactProblem(
         A=block_diag(*(each.A for each in problems)) + ring,
         q=np.concatenate([each.q for each in problems]),
@@ -187,7 +205,7 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
     return FoundationSystem(posts, ring, problem)
 
 
-def _post_problem(p: Post) -> ContactProblem:
+def _contact_problem_of_one_shoe(p: SectionedShoe) -> ContactProblem:
     """The contact problem of one shoe for the normal forces [N] of its sectors on a rigid drum."""
     # The bending moments at all stations close the gaps; the normal forces make the moments.
     turning = p.closing.T * (p.step / p.EI)
@@ -201,7 +219,9 @@ def _post_problem(p: Post) -> ContactProblem:
     )
 
 
-def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) -> Floats:
+def ring_displacement_per_normal_force(
+    brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]
+) -> Floats:
     """The inward displacement (k, n) [m/N] of the drum's ring per normal force on its rim.
 
     All displacements are zero if the drum is rigid.
@@ -218,14 +238,20 @@ def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) ->
         return np.zeros((len(theta), len(loads)))
     d = np.subtract.outer(theta, loads)
     twin, R = "all-modes" not in lift, brake.size
-    c = flexibility(ring, R, d, twin=twin, sign=-1, thick="thick-ring" in lift)
+    c = ring_displacement_per_radial_force(
+        ring, R, d, twin=twin, sign=-1, thick="thick-ring" in lift
+    )
     # The friction on the drum acts against the rotation and bends the ring as well.
     if "ring-friction" in lift:
-        c = c - brake.friction * brake.spin * drag_flexibility(ring, R, d, twin=twin)
+        c = c - brake.friction * brake.sign_of_motion * ring_displacement_per_tangential_force(
+            ring, R, d, twin=twin
+        )
     return c
 
 
-def rim(brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = ()) -> Floats:
+def ring_displacement_under_each_shoe(
+    brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = ()
+) -> Floats:
     """The inward displacement (shoes, k) [m] of the drum's ring under the pressure of each shoe.
 
     A row belongs to a shoe. With "all-modes" in `lift`, the displacement under all shoes is the sum
@@ -238,16 +264,21 @@ def rim(brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = (
     theta : angles (k,) [rad] at which the displacement is evaluated
     lift : names in LIFTS of the effects that the response includes
     """
-    names = included_effects(brake, lift)
+    names = names_of_included_effects(brake, lift)
     rows = []
     # The trapezoidal rule turns the pressure of a shoe into forces at the response's angles.
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
-        N = shoe.lining.width * brake.size * trapezoid(answer.theta) * answer.pressure
-        rows.append(ring_of(brake, theta, answer.theta, names) @ N)
+        N = (
+            shoe.lining.width
+            * brake.size
+            * trapezoidal_rule_weights(answer.theta)
+            * answer.pressure
+        )
+        rows.append(ring_displacement_per_normal_force(brake, theta, answer.theta, names) @ N)
     return np.array(rows)
 
 
-def solve(
+def solve_brake_by_foundation_model(
     brake: Brake,
     *,
     sections: int = RING_SECTIONS,
@@ -270,44 +301,46 @@ def solve(
     NoAnswer
         for a self-locking shoe, for no equilibrium or no convergence
     """
-    reason = why_not(brake)
+    reason = reason_against_foundation_model(brake)
     if reason is not None:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
-    names, clock = included_effects(brake, lift), time.perf_counter()
+    names, clock = names_of_included_effects(brake, lift), time.perf_counter()
     shoes = brake.shoes
     answers: dict[int, ShoeResponse] = {}
     touching = []
     # A shoe that its force turns away from the drum does not touch and needs no contact problem.
     for i, shoe in enumerate(shoes):
-        if pressing_moment(shoe) > 0:
+        if actuation_moment_towards_drum(shoe) > 0:
             touching.append(i)
         else:
-            answers[i] = untouched(shoe, -shoe.actuation.vector)
+            answers[i] = response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
     # Shoes influence each other only if the own pressure of each shoe loads an elastic ring. They
     # are then solved together.
     together = brake.ring is not None and "own-pressure" in names
     groups = [touching] if together and touching else [[i] for i in touching]
     steps = 0
     for group in groups:
-        parts = system(brake, group, sections, names)
-        found = _solve_group(brake, group, parts, sections, names, start)
+        parts = contact_problem_of_shoe_group(brake, group, sections, names)
+        found = _solve_contact_of_shoe_group(brake, group, parts, sections, names, start)
         steps = max(steps, found.steps)
-        answers |= _group_responses(brake, group, parts, found)
+        answers |= _responses_of_shoe_group(brake, group, parts, found)
     ordered = tuple(answers[i] for i in range(len(shoes)))
-    balances = [shoe_balance(brake, i, shoe) for i, shoe in enumerate(ordered)]
+    balances = [relative_imbalance_of_shoe(brake, i, shoe) for i, shoe in enumerate(ordered)]
     response = Response(
         model="foundation",
         shoes=ordered,
-        balance=worst(balances),
+        balance=largest_imbalance_among_shoes(balances),
         iterations=steps,
         seconds={"solve": time.perf_counter() - clock},
-        left_out=left_out(brake, names),
-        notes=tuple(no_contact(shoe.name) for shoe in ordered if not shoe.contact_arcs),
+        left_out=lines_on_neglected_effects(brake, names),
+        notes=tuple(
+            note_on_shoe_without_contact(shoe.name) for shoe in ordered if not shoe.contact_arcs
+        ),
     )
-    return with_merits(brake, response)
+    return response_with_figures_of_merit(brake, response)
 
 
-def _group_responses(
+def _responses_of_shoe_group(
     brake: Brake, group: list[int], parts: FoundationSystem, found: active_set.Contact
 ) -> dict[int, ShoeResponse]:
     """The responses of a group of shoes, by the position of each shoe in the brake.
@@ -322,14 +355,16 @@ def _group_responses(
     answers = {}
     # Inward displacement of the ring at the sectors of all shoes of the group.
     z = parts.ring @ found.p
-    ranges = in_turn(len(p.theta) for p in parts.posts)
+    ranges = slices_of_consecutive_parts(len(p.theta) for p in parts.posts)
     for k, i in enumerate(group):
         part, turn = ranges[k], float(found.y[k])
-        answers[i] = respond(brake, i, parts.posts[k], found.p[part], z[part], turn)
+        answers[i] = response_of_post_brake_shoe(
+            brake, i, parts.posts[k], found.p[part], z[part], turn
+        )
     return answers
 
 
-def left_out(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
+def lines_on_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
     """Lines on the effects that a solve neglects, each with the option to include the effect.
 
     `names` are the names in LIFTS of the effects that the solve includes.
@@ -339,14 +374,14 @@ def left_out(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
     kept = []
     # Effects of a ring or of a block do not count as neglected in a brake that has none.
     for name, text in LIFTS.items():
-        concerns = (ring or name not in NO_RING) and (blocks or name != "wedge")
+        concerns = (ring or name not in EFFECTS_OF_AN_ELASTIC_RING) and (blocks or name != "wedge")
         if name not in names and concerns:
             kept.append(f"{text} (--lift {name})")
     rigid = () if ring else ("drum: rigid, no [drum.ring] in the brake",)
-    return (*rigid, *ALWAYS, *kept)
+    return (*rigid, *ALWAYS_NEGLECTED_EFFECTS, *kept)
 
 
-def _solve_group(
+def _solve_contact_of_shoe_group(
     brake: Brake,
     group: list[int],
     parts: FoundationSystem,
@@ -358,7 +393,7 @@ def _solve_group(
 
     Parameters
     ----------
-    brake, group, sections : parameters of `system`
+    brake, group, sections : parameters of `contact_problem_of_shoe_group`
     parts : the contact problem of the group
     names : names in LIFTS of the effects to include
     start : first guess for the sectors in contact: a mask (n,) for each shoe of the brake
@@ -371,18 +406,22 @@ def _solve_group(
     """
     begin = None if start is None else np.concatenate([start[i] for i in group])
 
-    def problem_at(friction: float) -> ContactProblem:
+    def contact_problem_at_friction(friction: float) -> ContactProblem:
         """The contact problem of the group at a given friction coefficient."""
         if friction == brake.friction:
             return parts.problem
         other = brake.model_copy(update={"friction": friction})
-        return system(other, group, sections, names).problem
+        return contact_problem_of_shoe_group(other, group, sections, names).problem
 
     # The solver trusts a contact that it finds at once only below the mu_lock of rigid shoes.
-    law = min(locking_friction(brake, brake.shoes[i]) for i in group)
+    law = min(self_locking_friction_of_hinged_shoe(brake, brake.shoes[i]) for i in group)
     try:
-        found = self_locking.solve_on_path_from_zero_friction(
-            problem_at, brake.friction, begin, rigid_law_limit=law, brake_words="on the foundation"
+        found = self_locking.solve_contact_reached_from_zero_friction(
+            contact_problem_at_friction,
+            brake.friction,
+            begin,
+            rigid_law_limit=law,
+            brake_words="on the foundation",
         )
     except NoAnswer as error:
         raise NoAnswer(f"{brake.names(group)}: {error}") from error
@@ -395,7 +434,9 @@ def _solve_group(
     return found
 
 
-def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float) -> ShoeResponse:
+def response_of_post_brake_shoe(
+    brake: Brake, index: int, p: SectionedShoe, N: Floats, z: Floats, turn: float
+) -> ShoeResponse:
     """The response of one shoe, from the normal forces on the sectors of its lining.
 
     Parameters
@@ -413,12 +454,12 @@ def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
     bent = np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.step / p.EI * moment)
     w = turn * p.x + bent
-    theta = shoe_angles(p.axis, shoe, p.theta)
-    contact = _resultant(brake, theta, N)
+    theta = brake_angles_from_beam_angles(p.axis, shoe, p.theta)
+    contact = _resultant_of_sector_forces(brake, theta, N)
     # Friction is self-energising if its moment about the hinge opposes that of the normal forces.
     helping = float(-p.drag * (p.dragged[0] @ N))
     deformation = Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[:: p.axis.sense])
-    return pressed_shoe(
+    return response_of_pressed_elastic_shoe(
         shoe,
         R,
         theta,
@@ -427,7 +468,7 @@ def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float
         torque=abs(contact.moment),
         normal_force=float(np.linalg.norm(contact.normal)),
         self_energising=helping > 0,
-        hinge_reaction=-shoe.actuation.vector - contact.force,
+        hinge_reaction=-shoe.actuation.force_vector - contact.force,
         turn=p.axis.sense * turn,
         located=False,
         lumped=contact,
@@ -435,7 +476,7 @@ def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float
     )
 
 
-def _resultant(brake: Brake, theta: Floats, N: Floats) -> Resultant:
+def _resultant_of_sector_forces(brake: Brake, theta: Floats, N: Floats) -> Resultant:
     """The resultant on an external lining of normal forces (n,) [N] and of their friction.
 
     The normal forces `N` act at the angles `theta` (n,) [rad] of the drum.

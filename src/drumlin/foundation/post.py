@@ -15,13 +15,13 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake import clearance
-from drumlin.brake.beam_axis import Axis, axis_of
+from drumlin.brake.beam_axis import Axis, make_beam_axis
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.fields import AnyMaterial, Material
 
 
-class Post(NamedTuple):
+class SectionedShoe(NamedTuple):
     """A shoe of a post brake, whose beam has m stations and whose lining has n sectors.
 
     A station is a point of the beam. A sector is the part of the lining at a station. All
@@ -63,9 +63,9 @@ class Post(NamedTuple):
     drag: float
 
 
-def post(
+def divide_shoe_into_stations_and_sectors(
     brake: Brake, shoe: Shoe, sections: int, *, tilt: bool, wedge: bool, plane_stress: bool
-) -> Post:
+) -> SectionedShoe:
     """Divide a shoe of a post brake into stations along its beam and sectors of its lining.
 
     Parameters
@@ -73,50 +73,54 @@ def post(
     brake, shoe : the brake and the shoe
     sections : number of divisions of the beam
     tilt : whether a cross-section of the beam that turns also moves the lining along the beam
-    wedge, plane_stress : parameters of `layers`
+    wedge, plane_stress : parameters of `compression_of_layers_per_pressure`
     """
     body, lining, R = shoe.body, shoe.lining, brake.size
     # `why_not` has refused brakes whose shoes are not beams.
     assert isinstance(body, Beam)
-    axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
+    axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     ends = np.sort(axis.angle(np.array([lining.start, lining.end])))
     start, end = (axis.foot + R * np.sin(ends)).tolist()
-    x, under = stations(axis.length, start, end, sections)
+    x, under = places_of_beam_stations(axis.length, start, end, sections)
     # The beam has no moment at its hinge, so that the first station needs no weight.
-    step = trapezoid(x)
+    step = trapezoidal_rule_weights(x)
     step[0] = 0.0
     # The angles of the sectors follow from their places along the beam.
     theta = np.arcsin(np.clip((x[under] - axis.foot) / R, -1, 1))
     theta[[0, -1]] = ends
-    sector = trapezoid(theta)
-    soft = layers(brake, shoe, axis, theta, wedge=wedge, plane_stress=plane_stress)
+    sector = trapezoidal_rule_weights(theta)
+    soft = compression_of_layers_per_pressure(
+        brake, shoe, axis, theta, wedge=wedge, plane_stress=plane_stress
+    )
     c, s = np.cos(theta), np.sin(theta)
     # Levers of each sector about each station, along the beam's axis and towards the drum's centre.
     # A sector between the hinge and the station has none.
     arm_x = np.maximum(x[under] - x[:, None], 0.0)
-    depth = body.offset_at(x)[:, None] + (axis.distance - R * c)
-    arm_y = _fractions_beyond(x, under, theta) * depth
-    along, towards = axis.components(shoe.actuation.vector)
+    depth = body.neutral_axis_offset_at_distances(x)[:, None] + (axis.distance - R * c)
+    arm_y = _fractions_of_sectors_beyond_stations(x, under, theta) * depth
+    along, towards = axis.components_along_and_across_beam(shoe.actuation.force_vector)
     pressed = arm_x * c + arm_y * s
-    return Post(
+    return SectionedShoe(
         axis=axis,
         x=x,
         step=step,
-        EI=body.bending_stiffness_at(x),
+        EI=body.bending_stiffness_at_distances(x),
         under=under,
         theta=theta,
         sector=sector,
         k=lining.width * R * sector / soft,
-        gap=clearance.gap(brake, shoe, shoe_angles(axis, shoe, theta)),
+        gap=clearance.unloaded_gap_of_shoe(
+            brake, shoe, brake_angles_from_beam_angles(axis, shoe, theta)
+        ),
         pressed=pressed,
         dragged=arm_y * c - arm_x * s,
-        loaded=(axis.length - x) * towards - body.offset_at(x) * along,
+        loaded=(axis.length - x) * towards - body.neutral_axis_offset_at_distances(x) * along,
         closing=pressed if tilt else arm_x * c,
-        drag=brake.friction * brake.spin * axis.sense,
+        drag=brake.friction * brake.sign_of_motion * axis.sense,
     )
 
 
-def _fractions_beyond(x: Floats, under: Ints, theta: Floats) -> Floats:
+def _fractions_of_sectors_beyond_stations(x: Floats, under: Ints, theta: Floats) -> Floats:
     """The fraction (m, n) of each sector that lies farther from the hinge than each station.
 
     Parameters
@@ -128,11 +132,13 @@ def _fractions_beyond(x: Floats, under: Ints, theta: Floats) -> Floats:
     beyond = (x[:, None] < x[under]).astype(float)
     # At its own station a sector counts by the half between the station and the next one.
     half_ahead = np.append(np.diff(theta), 0.0)
-    beyond[under, np.arange(len(under))] = half_ahead / (2 * trapezoid(theta))
+    beyond[under, np.arange(len(under))] = half_ahead / (2 * trapezoidal_rule_weights(theta))
     return beyond
 
 
-def stations(length: float, start: float, end: float, sections: int) -> tuple[Floats, Ints]:
+def places_of_beam_stations(
+    length: float, start: float, end: float, sections: int
+) -> tuple[Floats, Ints]:
     """The places (m,) [m] of a beam's stations, and the numbers (n,) of those under the lining.
 
     Parameters
@@ -152,13 +158,13 @@ def stations(length: float, start: float, end: float, sections: int) -> tuple[Fl
     return np.concatenate([[0.0], *parts]), counts[0] + np.arange(counts[1] + 1)
 
 
-def trapezoid(x: Floats) -> Floats:
+def trapezoidal_rule_weights(x: Floats) -> Floats:
     """The weights (n,) of the trapezoidal rule on the points x (n,)."""
     half = 0.5 * np.diff(x)
     return np.append(half, 0.0) + np.append(0.0, half)
 
 
-def layers(
+def compression_of_layers_per_pressure(
     brake: Brake, shoe: Shoe, axis: Axis, theta: Floats, *, wedge: bool, plane_stress: bool
 ) -> Floats:
     """The compression per pressure [m/Pa] of lining and block, at angles of the beam.
@@ -176,26 +182,29 @@ def layers(
         1/(1 - nu^2) times stiffer
     """
 
-    def compliance(thickness: Floats, material: AnyMaterial) -> Floats:
+    def compression_of_layer_per_pressure(thickness: Floats, material: AnyMaterial) -> Floats:
         """The compression per pressure [m/Pa] of one layer of a thickness [m]."""
         # `why_not` has refused brakes with orthotropic materials.
         assert isinstance(material, Material)
         return thickness * ((1 - material.nu**2) if plane_stress else 1.0) / material.E
 
     lining, backing = shoe.lining, shoe.backing
-    total = compliance(np.full(theta.shape, lining.thickness), lining.material)
+    total = compression_of_layer_per_pressure(
+        np.full(theta.shape, lining.thickness), lining.material
+    )
     if backing is None:
         return total
     thickness = np.full(theta.shape, backing.thickness)
     if wedge:
-        # `why_not` has refused bodies other than beams, `included_effects` beams of no thickness.
+        # `why_not` has refused bodies other than beams, `names_of_included_effects` beams of no
+        # thickness.
         assert isinstance(shoe.body, Beam) and shoe.body.thickness is not None
         face = axis.distance - shoe.body.thickness / 2
         thickness = face - (brake.size + lining.thickness) * np.cos(theta)
-    return total + compliance(thickness, backing.material)
+    return total + compression_of_layer_per_pressure(thickness, backing.material)
 
 
-def shoe_angles(axis: Axis, shoe: Shoe, theta: Floats) -> Floats:
+def brake_angles_from_beam_angles(axis: Axis, shoe: Shoe, theta: Floats) -> Floats:
     """Convert angles in a beam's coordinates to angles of the brake [rad], of the same shape.
 
     The result counts full turns as the angles of the shoe's lining do.

@@ -24,24 +24,24 @@ SHEAR_FACTOR = 6 / 5
 """Shear factor 1/kappa of a rectangular cross-section, which a thick ring has."""
 
 
-def _principal_angles(d: Floats) -> tuple[Floats, Floats]:
+def _angles_within_one_full_turn(d: Floats) -> tuple[Floats, Floats]:
     """The angles d [rad], brought into [0, 2 pi) by full turns, and pi - d."""
     d = np.mod(d, 2 * math.pi)
     return d, math.pi - d
 
 
-def one_force(d: Floats) -> Floats:
+def deflection_series_of_one_radial_force(d: Floats) -> Floats:
     """The series f(d) = sum_{n >= 2} cos(n d)/(n^2 - 1)^2 of a ring under one radial force.
 
     The angles d [rad] from the force may have any shape, which the result has, too.
     """
-    d, u = _principal_angles(d)
+    d, u = _angles_within_one_full_turn(d)
     return np.asarray(
         -0.5 - (math.pi**2 / 24 + 3 / 16) * np.cos(d) + u * np.sin(d) / 4 + u**2 * np.cos(d) / 8
     )
 
 
-def two_forces(d: Floats) -> Floats:
+def deflection_series_of_two_opposite_forces(d: Floats) -> Floats:
     """The series of a ring under two opposite radial forces, at angles d [rad] of any shape.
 
     The series is 2 sum over even n of cos(n d)/(n^2 - 1)^2, which is pi times the bracket in eq. 15
@@ -53,27 +53,30 @@ def two_forces(d: Floats) -> Floats:
     return np.asarray(math.pi * ((math.pi / 8 - d / 4) * np.cos(d) + np.sin(d) / 4 - 1 / math.pi))
 
 
-def shear_of_one_force(d: Floats) -> Floats:
+def shear_series_of_one_radial_force(d: Floats) -> Floats:
     """The series sum_{n >= 2} n^2 cos(n d)/(n^2 - 1)^2 of a ring's shear under one radial force.
 
     The angles d [rad] from the force may have any shape, which the result has, too.
     """
-    angle, u = _principal_angles(d)
-    return 0.5 + np.cos(angle) / 4 - u * np.sin(angle) / 2 + one_force(d)
+    angle, u = _angles_within_one_full_turn(d)
+    return (
+        0.5 + np.cos(angle) / 4 - u * np.sin(angle) / 2 + deflection_series_of_one_radial_force(d)
+    )
 
 
-def drag_of_one_force(d: Floats) -> Floats:
+def deflection_series_of_one_tangential_force(d: Floats) -> Floats:
     """The series of the radial displacement of a ring under one force along its rim.
 
-    The series is sum_{n >= 2} sin(n d)/(n (n^2 - 1)^2), the integral of `one_force` from 0 to d.
-    The angles d [rad] from the force may have any shape, which the result has, too.
+    The series is sum_{n >= 2} sin(n d)/(n (n^2 - 1)^2), the integral of
+    `deflection_series_of_one_radial_force` from 0 to d. The angles d [rad] from the force may have
+    any shape, which the result has, too.
     """
-    d, u = _principal_angles(d)
+    d, u = _angles_within_one_full_turn(d)
     s, c = np.sin(d), np.cos(d)
     return np.asarray(0.5 * u - (math.pi**2 / 24 + 3 / 16) * s - (u * c + s) / 2 + u**2 * s / 8)
 
 
-def flexibility(
+def ring_displacement_per_radial_force(
     ring: Ring, radius: float, d: Floats, *, twin: bool, sign: int, thick: bool
 ) -> Floats:
     """The inward displacement [m/N] of a ring's rim per inward radial force.
@@ -93,11 +96,14 @@ def flexibility(
     sign : side of the friction surface on which the ring lies, +1 outside and -1 inside
     thick : whether the ring is thick
     """
-    series = two_forces if twin else one_force
+    series = (
+        deflection_series_of_two_opposite_forces if twin else deflection_series_of_one_radial_force
+    )
     if not thick:
         return radius**3 / (math.pi * ring.EI) * series(d)
     section = ring.section
-    # `included_effects` and `why_not` refuse rings without a section and orthotropic materials.
+    # `names_of_included_effects` and `why_not` refuse rings without a section and orthotropic
+    # materials.
     assert section is not None and isinstance(section.material, Material)
     r = radius + sign * section.thickness / 2
     e = section.thickness**2 / (12 * r**2)
@@ -105,15 +111,17 @@ def flexibility(
     shear = 2 * (1 + section.material.nu) * SHEAR_FACTOR
     # The mean of the line load of one force, in units of 1/(pi R).
     hoop = 0.5
-    n2 = shear_of_one_force(d)
+    n2 = shear_series_of_one_radial_force(d)
     # An equal opposite force doubles the mean load and adds its own modes, turned by half a turn.
     if twin:
-        hoop, n2 = 1.0, n2 + shear_of_one_force(d + math.pi)
+        hoop, n2 = 1.0, n2 + shear_series_of_one_radial_force(d + math.pi)
     modes = (1 + 3 * e) * series(d) + e * shear * n2 + e * hoop
     return r**3 / (math.pi * section.bending_stiffness) * modes
 
 
-def drag_flexibility(ring: Ring, radius: float, d: Floats, *, twin: bool) -> Floats:
+def ring_displacement_per_tangential_force(
+    ring: Ring, radius: float, d: Floats, *, twin: bool
+) -> Floats:
     """The inward displacement [m/N] of a ring's rim per force along the rim.
 
     The force points towards growing angles. The ring keeps its length: its outward displacement w
@@ -127,5 +135,7 @@ def drag_flexibility(ring: Ring, radius: float, d: Floats, *, twin: bool) -> Flo
     d : angles from the force [rad], any shape; the result has the same shape
     twin : whether an equal force acts on the opposite side of the ring
     """
-    series = drag_of_one_force(d) + (drag_of_one_force(d + math.pi) if twin else 0.0)
+    series = deflection_series_of_one_tangential_force(d) + (
+        deflection_series_of_one_tangential_force(d + math.pi) if twin else 0.0
+    )
     return -(radius**3) / (math.pi * ring.EI) * series

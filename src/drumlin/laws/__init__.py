@@ -7,8 +7,15 @@ The module `naming` chooses the name of the law for a brake. The module `simscap
 double-shoe brake block of Simscape Driveline.
 """
 
-from drumlin.laws.hinged import locking_friction, sine
-from drumlin.laws.naming import law
+from drumlin.laws.hinged import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
+from drumlin.laws.naming import solve_brake_by_its_rigid_shoe_law
 from drumlin.laws.shapes import LAWS, Law, Layout
 
-__all__ = ["LAWS", "Law", "Layout", "law", "locking_friction", "sine"]
+__all__ = [
+    "LAWS",
+    "Law",
+    "Layout",
+    "self_locking_friction_of_hinged_shoe",
+    "solve_brake_by_its_rigid_shoe_law",
+    "solve_brake_by_sine_law",
+]

@@ -36,14 +36,14 @@ class DrumFace(NamedTuple):
     radius: float
     sign: int
 
-    def closing(self, motions: Floats) -> Floats:
+    def gap_closing_by_motions(self, motions: Floats) -> Floats:
         """Factors (k, 2) of cos and sin in the closing of the gap by k rigid-body motions.
 
         A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
         """
         return self.sign * motions[:, :2]
 
-    def sliding(self, motions: Floats) -> Floats:
+    def slide_by_motions(self, motions: Floats) -> Floats:
         """Factors (k, 3) of cos, sin and 1 in the slide along e_theta by k rigid-body motions.
 
         A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
@@ -51,11 +51,11 @@ class DrumFace(NamedTuple):
         dx, dy, turn = motions.T
         return np.array([dy, -dx, self.radius * turn]).T
 
-    def shapes(self, place: Floats) -> Floats:
+    def shape_function_values(self, place: Floats) -> Floats:
         """Values (3, ...) of the shape functions cos, sin and 1 at angles [rad] of any shape."""
         return np.array([np.cos(place), np.sin(place), np.ones(np.shape(place))])
 
-    def products(self, arcs: Arcs) -> Floats:
+    def integrals_of_shape_products(self, arcs: Arcs) -> Floats:
         """Integrals over the length of arcs of cos, sin and 1, each times cos and times sin.
 
         The result is a matrix (3, 2) [m], with a row for each first factor.
@@ -73,7 +73,7 @@ class DrumFace(NamedTuple):
             ]
         return self.radius * total
 
-    def pressed(self, c: Floats, start: float, end: float) -> Arcs:
+    def arcs_of_positive_pressure(self, c: Floats, start: float, end: float) -> Arcs:
         """Arcs of a lining in which the pressure c[0] cos + c[1] sin is positive.
 
         The lining reaches from `start` to `end` [rad].
@@ -95,7 +95,7 @@ class DrumFace(NamedTuple):
         places: list[float] = []
         for a, b in arcs:
             places += [x for x in (a, b, *tops) if a <= x <= b]
-        return float(np.max(c @ self.shapes(np.array(places))[:2]))
+        return float(np.max(c @ self.shape_function_values(np.array(places))[:2]))
 
     def force(self, loads: Floats, drag: float) -> Resultant:
         """Resultant on the shoe of pressure and friction.
@@ -113,7 +113,7 @@ class DrumFace(NamedTuple):
             moment=drag * self.radius * float(loads[2]),
         )
 
-    def centre(self, c: Floats, start: float, end: float) -> int:
+    def sign_of_pressure_that_bears_force(self, c: Floats, start: float, end: float) -> int:
         """The sign of the normal stress on a lining that can have a given resultant.
 
         It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can.
@@ -143,19 +143,19 @@ class PlaneFace(NamedTuple):
     `DrumFace`.
     """
 
-    def closing(self, motions: Floats) -> Floats:
+    def gap_closing_by_motions(self, motions: Floats) -> Floats:
         """Factors (k, 2) of 1 and x in the closing of the gap by rigid-body motions (k, 3)."""
         return -motions[:, 1:]
 
-    def sliding(self, motions: Floats) -> Floats:
+    def slide_by_motions(self, motions: Floats) -> Floats:
         """Factors (k, 3) of 1, x and 0 in the slide along +x by rigid-body motions (k, 3)."""
         return np.column_stack([motions[:, 0], np.zeros((len(motions), 2))])
 
-    def shapes(self, place: Floats) -> Floats:
+    def shape_function_values(self, place: Floats) -> Floats:
         """Values (3, ...) of the shape functions 1, x and 0 at places x [m] of any shape."""
         return np.array([np.ones(np.shape(place)), place, np.zeros(np.shape(place))])
 
-    def products(self, arcs: Arcs) -> Floats:
+    def integrals_of_shape_products(self, arcs: Arcs) -> Floats:
         """Integrals over the length of arcs of 1, x and 0, each times 1 and times x.
 
         The result is a matrix (3, 2), with a row for each first factor.
@@ -166,7 +166,7 @@ class PlaneFace(NamedTuple):
             total[:2] += [[b - a, first], [first, (b**3 - a**3) / 3]]
         return total
 
-    def pressed(self, c: Floats, start: float, end: float) -> Arcs:
+    def arcs_of_positive_pressure(self, c: Floats, start: float, end: float) -> Arcs:
         """The arc, if any, of a lining in which the pressure c[0] + c[1] x is positive.
 
         The lining reaches from `start` to `end` [m].
@@ -196,7 +196,7 @@ class PlaneFace(NamedTuple):
         normal, friction = np.array([0.0, loads[0]]), np.array([drag * loads[0], 0.0])
         return Resultant(normal, friction, float(loads[1]))
 
-    def centre(self, c: Floats, start: float, end: float) -> int:
+    def sign_of_pressure_that_bears_force(self, c: Floats, start: float, end: float) -> int:
         """The sign of the normal stress on a lining that can have a given resultant.
 
         It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can.
@@ -217,6 +217,6 @@ Face = DrumFace | PlaneFace
 """The friction surface of a rigid shoe."""
 
 
-def face_of(brake: Brake, shoe: Shoe) -> Face:
+def friction_surface_of_shoe(brake: Brake, shoe: Shoe) -> Face:
     """The drum or the plane on which a shoe of a brake presses."""
     return PlaneFace() if shoe.flat else DrumFace(brake.size, shoe.sign)

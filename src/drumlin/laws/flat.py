@@ -23,11 +23,11 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import MOVES
 from drumlin.brake.surface import PLANE
-from drumlin.brake.units import mm
-from drumlin.laws.rigid import LEFT_OUT, no_contact
-from drumlin.response.balance import shoe_balance, worst
-from drumlin.response.merit import with_merits
-from drumlin.response.response import Response, ShoeResponse, untouched
+from drumlin.brake.units import mm_text
+from drumlin.laws.rigid import NEGLECTED_BY_RIGID_LAWS, note_on_shoe_without_contact
+from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
+from drumlin.response.merit import response_with_figures_of_merit
+from drumlin.response.response import Response, ShoeResponse, response_of_shoe_without_contact
 
 
 class FlatLoad(NamedTuple):
@@ -61,14 +61,14 @@ class FlatLayout(NamedTuple):
     s: Values
 
 
-def linear_load(pad: FlatLayout) -> FlatLoad:
+def integrals_of_linear_pressure(pad: FlatLayout) -> FlatLoad:
     """Integrals over the lining of the linear pressure f = x/x_max (UWA notes, eq. iv)."""
     total = (pad.x_max**2 - pad.x_min**2) / (2 * pad.x_max)
     moment = (pad.x_max**3 - pad.x_min**3) / (3 * pad.x_max)
     return FlatLoad(np.asarray(total), np.asarray(moment))
 
 
-def short_load(pad: FlatLayout) -> FlatLoad:
+def integrals_of_short_flat_shoe_pressure(pad: FlatLayout) -> FlatLoad:
     """Integrals over the lining of the uniform pressure f = 1 (UWA notes, eq. iii).
 
     The force of a uniform pressure acts at the lining's middle.
@@ -94,7 +94,7 @@ class FlatLaw:
     load: Callable[[FlatLayout], FlatLoad]
     pressure: Callable[[Floats, FlatLayout], Floats]
 
-    def resistance(self, mu: Values, pad: FlatLayout) -> Floats:
+    def resisting_moment_per_amplitude(self, mu: Values, pad: FlatLayout) -> Floats:
         """Moment that the actuation needs over w p_0: Load.x + s' mu h Load.total [m^2].
 
         The resistance is zero or negative if the shoe locks itself.
@@ -102,7 +102,9 @@ class FlatLaw:
         load = self.load(pad)
         return load.x + pad.s * mu * pad.h * load.total
 
-    def amplitude(self, moment: Values, width: Values, mu: Values, pad: FlatLayout) -> Floats:
+    def pressure_amplitude(
+        self, moment: Values, width: Values, mu: Values, pad: FlatLayout
+    ) -> Floats:
         """Amplitude p_0 [Pa] of the pressure; nan if the shoe locks itself.
 
         Parameters
@@ -112,22 +114,22 @@ class FlatLaw:
         mu : friction coefficient
         pad : lengths of the shoe
         """
-        resistance = self.resistance(mu, pad)
+        resistance = self.resisting_moment_per_amplitude(mu, pad)
         return moment / (width * np.where(resistance > 0, resistance, np.nan))
 
     def braking_force(self, moment: Values, mu: Values, pad: FlatLayout) -> Floats:
         """Braking force mu N [N] under an actuation moment [N m]; nan if the shoe locks itself."""
-        return mu * self.amplitude(moment, 1.0, mu, pad) * self.load(pad).total
+        return mu * self.pressure_amplitude(moment, 1.0, mu, pad) * self.load(pad).total
 
-    def sensitivity(self, mu: Values, pad: FlatLayout) -> Floats:
+    def sensitivity_to_friction(self, mu: Values, pad: FlatLayout) -> Floats:
         """Sensitivity S = (mu/F) dF/dmu of the braking force F at fixed actuation.
 
         S is nan if the shoe locks itself.
         """
-        resistance = self.resistance(mu, pad)
+        resistance = self.resisting_moment_per_amplitude(mu, pad)
         return self.load(pad).x / np.where(resistance > 0, resistance, np.nan)
 
-    def locking_friction(self, pad: FlatLayout) -> Floats:
+    def self_locking_friction(self, pad: FlatLayout) -> Floats:
         """Friction coefficient mu_lock from which the shoe locks itself.
 
         It is inf if friction does not help the actuation.
@@ -143,42 +145,44 @@ LINEAR = FlatLaw(
     "linear",
     "rigid flat shoe turning about its hinge on a plane: p = p_max x/x_max, x from the hinge's "
     "foot",
-    linear_load,
+    integrals_of_linear_pressure,
     lambda x, pad: np.asarray(x / pad.x_max),
 )
 FLAT_SHORT = FlatLaw(
     "short",
     "short flat shoe: N = p_m A and friction mu N at the lining's middle",
-    short_load,
+    integrals_of_short_flat_shoe_pressure,
     lambda x, pad: np.ones(np.shape(x)),
 )
 
 
-def span(shoe: Shoe) -> tuple[float, float]:
+def lining_ends_from_hinge_foot(shoe: Shoe) -> tuple[float, float]:
     """Distances (x_min, x_max) [m] of the lining's two ends from the hinge's foot on the plane."""
     ends = shoe.frame.distance(np.array([shoe.lining.start, shoe.lining.end]))
     return float(ends.min()), float(ends.max())
 
 
-def layout(brake: Brake, shoe: Shoe) -> FlatLayout:
+def lengths_of_flat_shoe(brake: Brake, shoe: Shoe) -> FlatLayout:
     """The lengths of a shoe on a plane that the formulas of a law need."""
-    return FlatLayout(*span(shoe), h=shoe.pin.y, s=brake.spin * shoe.frame.sense)
+    return FlatLayout(
+        *lining_ends_from_hinge_foot(shoe), h=shoe.pin.y, s=brake.sign_of_motion * shoe.frame.sense
+    )
 
 
-def why_not(law: FlatLaw, brake: Brake) -> str | None:
+def reason_against_flat_law(law: FlatLaw, brake: Brake) -> str | None:
     """The reason why a law of shoes on a plane does not apply to a brake; None if it applies."""
-    refusal = brake.surface.unlike(PLANE) or brake.shares
+    refusal = brake.surface.reason_why_not_on_surface(PLANE) or brake.shares
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
-        if shoe.held_by != "hinge":
-            return f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}"
+        if shoe.kind_of_support != "hinge":
+            return f"shoe {shoe.name!r}: {MOVES[shoe.kind_of_support]}"
         # The pressure of the linear law is proportional to x: behind the hinge it would be tension.
-        x_min, x_max = span(shoe)
+        x_min, x_max = lining_ends_from_hinge_foot(shoe)
         if law is LINEAR and x_min < 0:
             return (
                 f"shoe {shoe.name!r}: the lining must lie on one side of the hinge, "
-                f"not reach {mm(-x_min)} beyond"
+                f"not reach {mm_text(-x_min)} beyond"
             )
         if x_min + x_max <= 0:
             return (
@@ -188,35 +192,37 @@ def why_not(law: FlatLaw, brake: Brake) -> str | None:
     return None
 
 
-def solve(law: FlatLaw, brake: Brake) -> Response:
+def solve_brake_on_plane_by_law(law: FlatLaw, brake: Brake) -> Response:
     """Solve a brake on a plane by a law of flat shoes. Raises NoAnswer for a self-locking shoe."""
     word = brake.surface.word
-    shoes = tuple(_solve_shoe(law, brake, shoe) for shoe in brake.shoes)
-    apart = [no_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs]
-    balances = [shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]
+    shoes = tuple(_flat_shoe_response_by_law(law, brake, shoe) for shoe in brake.shoes)
+    apart = [
+        note_on_shoe_without_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs
+    ]
+    balances = [relative_imbalance_of_shoe(brake, i, shoe) for i, shoe in enumerate(shoes)]
     response = Response(
         model=law.name,
         shoes=shoes,
-        balance=worst(balances),
-        left_out=LEFT_OUT[word],
+        balance=largest_imbalance_among_shoes(balances),
+        left_out=NEGLECTED_BY_RIGID_LAWS[word],
         notes=tuple(apart),
     )
-    return with_merits(brake, response)
+    return response_with_figures_of_merit(brake, response)
 
 
-def _solve_shoe(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
+def _flat_shoe_response_by_law(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
     """The response of one shoe on a plane by a law. Raises NoAnswer if the shoe locks itself."""
-    pad, mu, w = layout(brake, shoe), brake.friction, shoe.lining.width
-    moment = -shoe.frame.sense * shoe.actuation.moment_about(shoe.pin)
+    pad, mu, w = lengths_of_flat_shoe(brake, shoe), brake.friction, shoe.lining.width
+    moment = -shoe.frame.sense * shoe.actuation.moment_of_force_about_point(shoe.pin)
     # Without a force, or under a force that lifts the lining off the plane, nothing touches.
     if moment <= 0:
-        return untouched(shoe, -shoe.actuation.vector)
-    if law.resistance(mu, pad) <= 0:
+        return response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
+    if law.resisting_moment_per_amplitude(mu, pad) <= 0:
         raise NoAnswer(
             f"shoe {shoe.name!r}: self-locking, friction {mu:g} is not below "
-            f"mu_lock = {float(law.locking_friction(pad)):.6g} of the {law.name} law"
+            f"mu_lock = {float(law.self_locking_friction(pad)):.6g} of the {law.name} law"
         )
-    amplitude = float(law.amplitude(moment, w, mu, pad))
+    amplitude = float(law.pressure_amplitude(moment, w, mu, pad))
     # The amplitude is the pressure where f is 1: at the far end, or everywhere on a short shoe.
     N = amplitude * w * float(law.load(pad).total)
     # The pressure is linear in x, so that one quadratic piece with three nodes represents it.
@@ -227,7 +233,8 @@ def _solve_shoe(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
         normal_force=N,
         self_energising=bool(mu * pad.s * pad.h < 0),
         peak_pressure=amplitude,
-        hinge_reaction=-shoe.actuation.vector - N * np.array([mu * brake.spin, 1.0]),
+        hinge_reaction=-shoe.actuation.force_vector
+        - N * np.array([mu * brake.sign_of_motion, 1.0]),
         contact_arcs=((shoe.lining.start, shoe.lining.end),),
         theta=x,
         pressure=amplitude * law.pressure(shoe.frame.distance(x), pad),

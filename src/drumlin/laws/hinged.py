@@ -14,91 +14,105 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
-from drumlin.base.texts import formatted
+from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import MOVES
 from drumlin.brake.surface import DRUM
-from drumlin.brake.units import deg
-from drumlin.laws.rigid import LEFT_OUT, PRESSURE_NODES, no_contact
-from drumlin.laws.shapes import SINE, Law, Layout, Load, equivalent_friction
-from drumlin.response.balance import contact_resultant, shoe_balance, worst
-from drumlin.response.merit import double_delta, with_merits
-from drumlin.response.response import Response, ShoeResponse, untouched
-from drumlin.response.resultants import Resultant, cross
+from drumlin.brake.units import deg_text
+from drumlin.laws.rigid import NEGLECTED_BY_RIGID_LAWS, PRESSURE_NODES, note_on_shoe_without_contact
+from drumlin.laws.shapes import SINE, Law, Layout, Load, ratio_of_equivalent_friction
+from drumlin.response.balance import (
+    largest_imbalance_among_shoes,
+    relative_imbalance_of_shoe,
+    resultant_of_contact_on_shoe,
+)
+from drumlin.response.merit import (
+    response_with_figures_of_merit,
+    sign_of_friction_moment_double_delta,
+)
+from drumlin.response.response import Response, ShoeResponse, response_of_shoe_without_contact
+from drumlin.response.resultants import Resultant, planar_cross_product
 
 ANGLE_ROUND_OFF = 1e-9
 """Angle [rad] by which round-off may let a lining exceed the range of angles that a law allows."""
 
 
-def layout(brake: Brake, shoe: Shoe) -> Layout:
+def angles_and_radii_of_hinged_shoe(brake: Brake, shoe: Shoe) -> Layout:
     """The angles and radii of a shoe on a drum that the formulas of a law need."""
-    return Layout(*shoe.arc, R=brake.size, a=shoe.pin.radius, dD=double_delta(brake, shoe))
+    return Layout(
+        *shoe.arc,
+        R=brake.size,
+        a=shoe.pin.radius,
+        dD=sign_of_friction_moment_double_delta(brake, shoe),
+    )
 
 
-def locking_friction(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
+def self_locking_friction_of_hinged_shoe(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
     """Friction coefficient mu_lock at which, by a law, the torque of a shoe becomes infinite.
 
     It is inf if friction does not help the actuation.
     """
-    return float(law.locking_friction(layout(brake, shoe)))
+    return float(law.self_locking_friction(angles_and_radii_of_hinged_shoe(brake, shoe)))
 
 
-def why_not(law: Law, brake: Brake) -> str | None:
+def reason_against_hinged_shoe_law(law: Law, brake: Brake) -> str | None:
     """The reason why a law of hinged shoes does not apply to a brake; None if it applies."""
-    refusal = brake.shares or brake.surface.unlike(DRUM)
+    refusal = brake.shares or brake.surface.reason_why_not_on_surface(DRUM)
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
-        reason = _why_not_shoe(law, shoe)
+        reason = _reason_against_law_for_shoe(law, shoe)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
     return None
 
 
-def _why_not_shoe(law: Law, shoe: Shoe) -> str | None:
+def _reason_against_law_for_shoe(law: Law, shoe: Shoe) -> str | None:
     """The reason why a law of hinged shoes does not apply to a shoe; None if it applies."""
     phi_1, phi_2 = shoe.arc
-    if shoe.held_by != "hinge":
-        return MOVES[shoe.held_by]
+    if shoe.kind_of_support != "hinge":
+        return MOVES[shoe.kind_of_support]
     # The pressure of the sine law is positive only from 0 to 180 degrees from the hinge.
     if law is SINE:
         if phi_1 < -ANGLE_ROUND_OFF or phi_2 > math.pi + ANGLE_ROUND_OFF:
             return (
                 "the lining must lie within 0 to 180 deg of the hinge, "
-                f"not {deg(phi_1)} to {deg(phi_2)}"
+                f"not {deg_text(phi_1)} to {deg_text(phi_2)}"
             )
         return None
     if phi_2 - phi_1 > math.pi + ANGLE_ROUND_OFF:
-        return f"the lining's arc {deg(phi_2 - phi_1)} must not be more than 180 deg"
+        return f"the lining's arc {deg_text(phi_2 - phi_1)} must not be more than 180 deg"
     middle = 0.5 * (phi_1 + phi_2)
     if not ANGLE_ROUND_OFF < middle < math.pi - ANGLE_ROUND_OFF:
         return "the normal force passes through the hinge, so that no moment can press the lining"
     return None
 
 
-def solve(law: Law, brake: Brake) -> Response:
+def solve_brake_with_hinged_shoes_by_law(law: Law, brake: Brake) -> Response:
     """Solve a drum brake with hinged shoes by a law. Raises NoAnswer for a self-locking shoe."""
-    shoes = tuple(_solve_shoe(law, brake, i) for i in range(len(brake.shoes)))
+    shoes = tuple(_hinged_shoe_response_by_law(law, brake, i) for i in range(len(brake.shoes)))
     notes: list[str] = []
     for i, shoe in enumerate(shoes):
-        notes += _notes_on_shoe(law, brake, i, shoe)
-    balances = [shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]
+        notes += _notes_on_shoe_response(law, brake, i, shoe)
+    balances = [relative_imbalance_of_shoe(brake, i, shoe) for i, shoe in enumerate(shoes)]
     response = Response(
         model=law.name,
         shoes=shoes,
-        balance=worst(balances),
-        left_out=LEFT_OUT[brake.surface.word],
+        balance=largest_imbalance_among_shoes(balances),
+        left_out=NEGLECTED_BY_RIGID_LAWS[brake.surface.word],
         notes=tuple(notes),
     )
-    return with_merits(brake, response)
+    return response_with_figures_of_merit(brake, response)
 
 
-def sine(brake: Brake) -> Response:
+def solve_brake_by_sine_law(brake: Brake) -> Response:
     """Solve a brake by the sine law. Raises NoAnswer for a self-locking shoe."""
-    return solve(SINE, brake)
+    return solve_brake_with_hinged_shoes_by_law(SINE, brake)
 
 
-def _notes_on_shoe(law: Law, brake: Brake, index: int, response: ShoeResponse) -> list[str]:
+def _notes_on_shoe_response(
+    law: Law, brake: Brake, index: int, response: ShoeResponse
+) -> list[str]:
     """Notes for the reader on the response of shoe `index` by a law.
 
     They say that the shoe does not touch, repeat the law's remark, or compare the force lumped at
@@ -106,47 +120,48 @@ def _notes_on_shoe(law: Law, brake: Brake, index: int, response: ShoeResponse) -
     """
     said = f"shoe {response.name!r}:"
     if not response.contact_arcs:
-        return [no_contact(response.name)]
+        return [note_on_shoe_without_contact(response.name)]
     if response.lumped is None:
         return [f"{said} {law.remark}"] if law.remark else []
     # Without lumping, the resultant is that of the pressure spread over the arc.
-    spread = contact_resultant(brake, index, replace(response, lumped=None))
+    spread = resultant_of_contact_on_shoe(brake, index, replace(response, lumped=None))
     share = float(np.linalg.norm(spread.normal) / np.linalg.norm(response.lumped.normal))
-    ratio = float(law.friction(layout(brake, brake.shoes[index])))
+    ratio = float(law.friction(angles_and_radii_of_hinged_shoe(brake, brake.shoes[index])))
     return [
         f"{said} contact lumped at the lining's middle; spread over its arc, the same pressure has "
-        f"{formatted(share, '.1%')} of that normal force "
-        f"and {formatted(share / ratio, '.1%')} of that friction force"
+        f"{number_as_text(share, '.1%')} of that normal force "
+        f"and {number_as_text(share / ratio, '.1%')} of that friction force"
     ]
 
 
-def _solve_shoe(law: Law, brake: Brake, index: int) -> ShoeResponse:
+def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResponse:
     """The response of shoe `index` by a law. Raises NoAnswer if the shoe locks itself."""
     shoe = brake.shoes[index]
-    arc, mu = layout(brake, shoe), brake.friction
-    moment = pressing_moment(shoe)
+    arc, mu = angles_and_radii_of_hinged_shoe(brake, shoe), brake.friction
+    moment = actuation_moment_towards_drum(shoe)
     # Without a force, or under a force that turns the shoe away from the drum, nothing touches.
     if moment <= 0:
-        return untouched(shoe, -shoe.actuation.vector)
-    if law.resistance(mu, arc) <= 0:
+        return response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
+    if law.resisting_moment_per_amplitude(mu, arc) <= 0:
         raise NoAnswer(
             f"shoe {shoe.name!r}: self-locking, friction {mu:g} is not below "
-            f"mu_lock = {locking_friction(brake, shoe, law):.6g} of the {law.name} law"
+            f"mu_lock = {self_locking_friction_of_hinged_shoe(brake, shoe, law):.6g} "
+            f"of the {law.name} law"
         )
-    amplitude = float(law.amplitude(moment, shoe.lining.width, mu, arc))
+    amplitude = float(law.pressure_amplitude(moment, shoe.lining.width, mu, arc))
     # The integrals of the pressure [Pa] are the amplitude times those of f.
     load = Load(*(amplitude * integral for integral in law.load(arc)))
-    return pressed(
+    return response_of_hinged_shoe_in_contact(
         brake,
         shoe,
-        contact(brake, shoe, load, float(law.friction(arc))),
+        resultant_of_hinged_shoe_pressure(brake, shoe, load, float(law.friction(arc))),
         lambda phi: amplitude * law.pressure(phi, arc),
         float(law.peak_at(arc)),
         lumped=law.lumped,
     )
 
 
-def guided_torque(brake: Brake) -> float:
+def torque_of_brake_with_guided_shoes(brake: Brake) -> float:
     """Torque [N m] of a brake if guides let each shoe move only along its lining's middle radius.
 
     The pressure of such a shoe is p_0 cos(theta - middle). Its torque is that of the lumped
@@ -156,18 +171,26 @@ def guided_torque(brake: Brake) -> float:
     total = 0.0
     for shoe in brake.shoes:
         middle = 0.5 * (shoe.lining.start + shoe.lining.end)
-        force = shoe.sign * float(shoe.actuation.vector @ [math.cos(middle), math.sin(middle)])
-        lumped = brake.friction * float(equivalent_friction(layout(brake, shoe).half))
+        force = shoe.sign * float(
+            shoe.actuation.force_vector @ [math.cos(middle), math.sin(middle)]
+        )
+        lumped = brake.friction * float(
+            ratio_of_equivalent_friction(
+                angles_and_radii_of_hinged_shoe(brake, shoe).half_of_lining_arc
+            )
+        )
         total += lumped * max(force, 0.0) * brake.size
     return total
 
 
-def pressing_moment(shoe: Shoe) -> float:
+def actuation_moment_towards_drum(shoe: Shoe) -> float:
     """Moment of the actuation about the hinge [N m], positive if it turns the shoe to the drum."""
-    return -shoe.sign * shoe.frame.sense * shoe.actuation.moment_about(shoe.pin)
+    return -shoe.sign * shoe.frame.sense * shoe.actuation.moment_of_force_about_point(shoe.pin)
 
 
-def contact(brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0) -> Resultant:
+def resultant_of_hinged_shoe_pressure(
+    brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0
+) -> Resultant:
     """Resultant of pressure and friction on a hinged shoe.
 
     Parameters
@@ -182,13 +205,13 @@ def contact(brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0) -> Result
     across = np.array([-along[1], along[0]])
     drag = factor * brake.drag
     return Resultant(
-        normal=shoe.frame.to_brake(-shoe.sign * along),
-        friction=shoe.frame.to_brake(drag * shoe.frame.sense * across),
+        normal=shoe.frame.convert_to_brake_frame(-shoe.sign * along),
+        friction=shoe.frame.convert_to_brake_frame(drag * shoe.frame.sense * across),
         moment=drag * force * float(load.total) * brake.size,
     )
 
 
-def pressed(
+def response_of_hinged_shoe_in_contact(
     brake: Brake,
     shoe: Shoe,
     contact: Resultant,
@@ -209,14 +232,14 @@ def pressed(
     """
     phi = np.linspace(*shoe.arc, PRESSURE_NODES)[:: shoe.frame.sense]
     # Friction is self-energising if its moment about the hinge has the actuation moment's sense.
-    helping = contact.moment + float(cross(-shoe.pin.xy, contact.friction))
+    helping = contact.moment + float(planar_cross_product(-shoe.pin.xy, contact.friction))
     return ShoeResponse(
         name=shoe.name,
         torque=abs(contact.moment),
         normal_force=float(np.linalg.norm(contact.normal)),
-        self_energising=helping * shoe.actuation.moment_about(shoe.pin) > 0,
+        self_energising=helping * shoe.actuation.moment_of_force_about_point(shoe.pin) > 0,
         peak_pressure=float(pressure(np.array(peak_at))),
-        hinge_reaction=-shoe.actuation.vector - contact.force,
+        hinge_reaction=-shoe.actuation.force_vector - contact.force,
         contact_arcs=((shoe.lining.start, shoe.lining.end),),
         theta=shoe.frame.theta(phi),
         # Round-off may make the pressure negative at an end, as sin(pi) is 1e-16.

@@ -6,15 +6,15 @@ from drumlin.laws.shapes import SINE
 from drumlin.response.response import Response
 
 
-def name_of(brake: Brake) -> str:
+def name_of_rigid_shoe_law(brake: Brake) -> str:
     """The name of the rigid-shoe law of a brake: "sine", "pivoted", "linear" or "rigid".
 
     The name is "rigid" if none of the laws with a closed form applies to the brake.
     """
     known = {
-        "sine": hinged.why_not(SINE, brake),
-        "pivoted": pivoted.why_not(brake),
-        "linear": flat.why_not(flat.LINEAR, brake),
+        "sine": hinged.reason_against_hinged_shoe_law(SINE, brake),
+        "pivoted": pivoted.reason_against_pivoted_shoe_law(brake),
+        "linear": flat.reason_against_flat_law(flat.LINEAR, brake),
     }
     for name, reason in known.items():
         if reason is None:
@@ -22,18 +22,18 @@ def name_of(brake: Brake) -> str:
     return "rigid"
 
 
-def why_not(brake: Brake) -> str | None:
+def reason_rigid_law_has_other_name(brake: Brake) -> str | None:
     """The reason why the law called "rigid" is not offered for a brake; None if it is offered.
 
     It is not offered if the rigid-shoe law of the brake has a name of its own, such as "sine".
     """
-    name = name_of(brake)
+    name = name_of_rigid_shoe_law(brake)
     return None if name == "rigid" else f"it is the law {name!r} of this brake"
 
 
-def law(brake: Brake) -> Response:
+def solve_brake_by_its_rigid_shoe_law(brake: Brake) -> Response:
     """Solve a brake by the rigid-shoe law, under the law's name for this brake.
 
     Raises NoAnswer if a shoe has no equilibrium.
     """
-    return rigid.solve(brake, name_of(brake))
+    return rigid.solve_brake_by_rigid_shoe_law(brake, name_of_rigid_shoe_law(brake))

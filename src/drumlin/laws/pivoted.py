@@ -10,8 +10,9 @@ G):
     [ M_N - dD mu M_F ]_H A + [ M_N - dD mu M_F ]_H B = M / (b R)
 
 The brackets before A hold the moments of the pressure cos phi, those before B the moments of
-sin phi, both by `moments_about`. With phi counted from the lining's middle, B vanishes only if G
-lies on the middle radius at the distance `pivot_radius`.
+sin phi, both by `normal_and_friction_moments_about_point`. With phi counted from the lining's
+middle, B vanishes only if G lies on the middle radius at the distance
+`pivot_radius_for_cosine_pressure`.
 
 The functions of this module work on arrays and assume a lining in contact over its whole length.
 Brakes are solved by `drumlin.laws.rigid`, of which this law is a special case.
@@ -25,12 +26,17 @@ import numpy as np
 from drumlin.base.arrays import Floats, Values
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM
-from drumlin.laws.shapes import Layout, cos_load, moments_about, sine_load
+from drumlin.laws.shapes import (
+    Layout,
+    integrals_of_cos_phi_pressure,
+    integrals_of_sine_pressure,
+    normal_and_friction_moments_about_point,
+)
 
 PIVOTED_ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no moment about the pivot"
 
 
-class Rows(NamedTuple):
+class MomentEquilibriumMatrix(NamedTuple):
     """Matrix (2, 2) [m] of the two moment equilibria in the factors A and B of the pressure.
 
     Attributes
@@ -45,39 +51,45 @@ class Rows(NamedTuple):
     h_sin: Floats
 
     @property
-    def determinant(self) -> Floats:
+    def matrix_determinant(self) -> Floats:
         """Determinant of the matrix [m^2]; zero at the friction where the lever locks itself."""
         return np.asarray(self.g_cos * self.h_sin - self.g_sin * self.h_cos)
 
 
-class _RowsOfMoments(NamedTuple):
+class _MatricesOfMoments(NamedTuple):
     """Two matrices of moments: those of the normal pressure, M_N, and of the friction, M_F."""
 
-    normal: Rows
-    friction: Rows
+    normal: MomentEquilibriumMatrix
+    friction: MomentEquilibriumMatrix
 
 
-def _moments(arc: Layout, x: Values, y: Values) -> _RowsOfMoments:
+def _matrices_of_normal_and_friction_moments(
+    arc: Layout, x: Values, y: Values
+) -> _MatricesOfMoments:
     """The matrices of M_N and M_F; the equilibria have the matrix M_N - dD mu M_F.
 
     The pivot is at x, y [m] in the shoe's frame, and the lever's pin at (a, 0).
     """
     normal, friction = [], []
     for point in ((x, y), (arc.a, 0.0)):
-        for load in (cos_load, sine_load):
-            M_N, M_F = moments_about(load(arc), arc.R, *point)
+        for load in (integrals_of_cos_phi_pressure, integrals_of_sine_pressure):
+            M_N, M_F = normal_and_friction_moments_about_point(load(arc), arc.R, *point)
             normal.append(M_N)
             friction.append(M_F)
-    return _RowsOfMoments(Rows(*normal), Rows(*friction))
+    return _MatricesOfMoments(MomentEquilibriumMatrix(*normal), MomentEquilibriumMatrix(*friction))
 
 
-def _equilibrium_rows(mu: Values, arc: Layout, x: Values, y: Values) -> Rows:
+def _matrix_of_moment_equilibria(
+    mu: Values, arc: Layout, x: Values, y: Values
+) -> MomentEquilibriumMatrix:
     """Matrix of the moment equilibria at the friction mu, with the pivot at x, y [m]."""
-    of = _moments(arc, x, y)
-    return Rows(*(N - arc.dD * mu * F for N, F in zip(of.normal, of.friction, strict=True)))
+    of = _matrices_of_normal_and_friction_moments(arc, x, y)
+    return MomentEquilibriumMatrix(
+        *(N - arc.dD * mu * F for N, F in zip(of.normal, of.friction, strict=True))
+    )
 
 
-def coefficients(
+def pressure_factors_of_cos_and_sin(
     moment: Values, width: Values, mu: Values, arc: Layout, x: Values, y: Values
 ) -> tuple[Floats, Floats]:
     """Factors A and B [Pa] of the pressure A cos phi + B sin phi.
@@ -92,42 +104,50 @@ def coefficients(
     arc : angles and radii of the shoe, with the lever's pin as its hinge
     x, y : the pivot in the shoe's frame [m], in which the lever's pin is at (a, 0)
     """
-    rows = _equilibrium_rows(mu, arc, x, y)
-    scale = moment / (width * arc.R * rows.determinant)
+    rows = _matrix_of_moment_equilibria(mu, arc, x, y)
+    scale = moment / (width * arc.R * rows.matrix_determinant)
     return np.asarray(-rows.g_sin * scale), np.asarray(rows.g_cos * scale)
 
 
-def torque(moment: Values, mu: Values, arc: Layout, x: Values, y: Values) -> Floats:
-    """Torque [N m] of a shoe on a lever's pivot; parameters as of `coefficients`, moment >= 0.
+def torque_of_pivoted_shoe(moment: Values, mu: Values, arc: Layout, x: Values, y: Values) -> Floats:
+    """Torque [N m] of a shoe on a lever's pivot, of a moment >= 0.
+
+    The parameters are those of `pressure_factors_of_cos_and_sin`.
 
     The torque is nan if the lever locks itself or the pressure is negative somewhere.
     """
     # The torque does not depend on the lining's width, so that any width will do.
-    A, B = coefficients(moment, 1.0, mu, arc, x, y)
+    A, B = pressure_factors_of_cos_and_sin(moment, 1.0, mu, arc, x, y)
     # On an arc below half a turn, A cos + B sin is positive if it is positive at both ends.
     least = np.minimum(*(A * np.cos(phi) + B * np.sin(phi) for phi in (arc.phi_1, arc.phi_2)))
-    size = mu * arc.R**2 * (A * cos_load(arc).total + B * sine_load(arc).total)
+    size = (
+        mu
+        * arc.R**2
+        * (A * integrals_of_cos_phi_pressure(arc).total + B * integrals_of_sine_pressure(arc).total)
+    )
     return np.where(least >= -1e-12 * np.hypot(A, B), size, np.nan)
 
 
-def sensitivity(mu: Values, arc: Layout, x: Values, y: Values) -> Floats:
+def torque_sensitivity_of_pivoted_shoe(mu: Values, arc: Layout, x: Values, y: Values) -> Floats:
     """Sensitivity S = (mu/T) dT/dmu of the torque at fixed actuation.
 
     S includes the change of the pressure's shape, which is the ratio A : B, with mu.
     """
-    A, B = coefficients(1.0, 1.0, mu, arc, x, y)
-    rows = _equilibrium_rows(mu, arc, x, y)
+    A, B = pressure_factors_of_cos_and_sin(1.0, 1.0, mu, arc, x, y)
+    rows = _matrix_of_moment_equilibria(mu, arc, x, y)
     # The derivatives dA, dB by mu follow from the derivative of the matrix of the equilibria.
-    change = Rows(*(-arc.dD * F for F in _moments(arc, x, y).friction))
+    change = MomentEquilibriumMatrix(
+        *(-arc.dD * F for F in _matrices_of_normal_and_friction_moments(arc, x, y).friction)
+    )
     g = change.g_cos * A + change.g_sin * B
     h = change.h_cos * A + change.h_sin * B
-    dA = -(rows.h_sin * g - rows.g_sin * h) / rows.determinant
-    dB = -(rows.g_cos * h - rows.h_cos * g) / rows.determinant
-    of_cos, of_sin = cos_load(arc).total, sine_load(arc).total
+    dA = -(rows.h_sin * g - rows.g_sin * h) / rows.matrix_determinant
+    dB = -(rows.g_cos * h - rows.h_cos * g) / rows.matrix_determinant
+    of_cos, of_sin = integrals_of_cos_phi_pressure(arc).total, integrals_of_sine_pressure(arc).total
     return np.asarray(1 + mu * (dA * of_cos + dB * of_sin) / (A * of_cos + B * of_sin))
 
 
-def locking_friction(arc: Layout, x: float, y: float) -> float:
+def self_locking_friction_of_pivoted_shoe(arc: Layout, x: float, y: float) -> float:
     """Friction coefficient mu_lock at which the lever locks itself; inf if it never does.
 
     It is the smallest mu > 0 at which the determinant of the equilibria vanishes. The pivot is at
@@ -135,7 +155,8 @@ def locking_friction(arc: Layout, x: float, y: float) -> float:
     """
     # The determinant is a parabola in mu: its values at mu = 0, 1 and 2 give its coefficients.
     at_0, at_1, at_2 = (
-        float(_equilibrium_rows(mu, arc, x, y).determinant) for mu in (0.0, 1.0, 2.0)
+        float(_matrix_of_moment_equilibria(mu, arc, x, y).matrix_determinant)
+        for mu in (0.0, 1.0, 2.0)
     )
     second = (at_2 - 2 * at_1 + at_0) / 2
     parabola = np.array([second, at_1 - at_0 - second, at_0])
@@ -146,9 +167,9 @@ def locking_friction(arc: Layout, x: float, y: float) -> float:
     return min(positive, default=math.inf)
 
 
-def why_not(brake: Brake) -> str | None:
+def reason_against_pivoted_shoe_law(brake: Brake) -> str | None:
     """The reason why the law of pivoted shoes does not apply to a brake; None if it applies."""
-    refusal = brake.surface.unlike(DRUM) or brake.shares
+    refusal = brake.surface.reason_why_not_on_surface(DRUM) or brake.shares
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
@@ -157,8 +178,8 @@ def why_not(brake: Brake) -> str | None:
     return None
 
 
-def pivot_place(shoe: Shoe) -> tuple[float, float]:
+def pivot_position_in_shoe_frame(shoe: Shoe) -> tuple[float, float]:
     """Position x, y [m] in the shoe's frame of the pivot at the end of the shoe's lever."""
     assert shoe.pivot is not None, "why_not() has refused a shoe without pivot"
-    x, y = shoe.frame.to_shoe(shoe.pivot.xy)
+    x, y = shoe.frame.convert_to_shoe_frame(shoe.pivot.xy)
     return float(x), float(y)

@@ -23,18 +23,23 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import Freedoms
-from drumlin.laws.face import Arcs, Face, face_of
-from drumlin.response.balance import shoe_balance, worst
-from drumlin.response.merit import with_merits
-from drumlin.response.response import NEITHER, Response, ShoeResponse, untouched
-from drumlin.response.resultants import Resultant, cross
+from drumlin.laws.face import Arcs, Face, friction_surface_of_shoe
+from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
+from drumlin.response.merit import response_with_figures_of_merit
+from drumlin.response.response import (
+    NEITHER,
+    Response,
+    ShoeResponse,
+    response_of_shoe_without_contact,
+)
+from drumlin.response.resultants import Resultant, planar_cross_product
 
 RIGID_ASSUMES = (
     "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
 )
-# The beginning of the last note in LEFT_OUT, to which the kind of surface is added.
+# The beginning of the last note in NEGLECTED_BY_RIGID_LAWS, to which the kind of surface is added.
 _FITS = "clearance and misfit: the law is that of a lining that fits, new or worn in, on a"
-LEFT_OUT = {
+NEGLECTED_BY_RIGID_LAWS = {
     "drum": ("elasticity of shoe, backing and drum: rigid by assumption", f"{_FITS} round drum"),
     "plane": ("elasticity: rigid by assumption", f"{_FITS} plane"),
 }
@@ -50,7 +55,7 @@ MOST_CONTACT_STEPS = 200
 """Largest number of iterations for the arcs of a lining in contact; beyond it the solve fails."""
 
 
-class PressedShoe(NamedTuple):
+class RigidShoeContact(NamedTuple):
     """The contact of a rigid shoe in equilibrium.
 
     Attributes
@@ -71,7 +76,7 @@ class PressedShoe(NamedTuple):
     sense: int
 
     @property
-    def tip(self) -> float:
+    def tip_motion_over_compliance(self) -> float:
         """Motion along the force of the point that it acts on, over the lining's compliance [Pa].
 
         The compliance is the gap that closes per pressure [m/Pa].
@@ -79,7 +84,9 @@ class PressedShoe(NamedTuple):
         return float(self.freedoms.tip @ self.amounts)
 
 
-def system(face: Face, free: Freedoms, width: float, arcs: Arcs) -> tuple[Floats, Floats]:
+def equilibrium_matrices_of_rigid_shoe(
+    face: Face, free: Freedoms, width: float, arcs: Arcs
+) -> tuple[Floats, Floats]:
     """Matrices N and F (k, k) of the equilibria (N - mu s F) a = Q of a rigid shoe.
 
     N belongs to the pressure and F to the friction. The unknowns a are the factors of the k
@@ -92,22 +99,27 @@ def system(face: Face, free: Freedoms, width: float, arcs: Arcs) -> tuple[Floats
     width : width of the lining [m]
     arcs : arcs of the lining in contact
     """
-    products, shapes = width * face.products(arcs), face.closing(free.motions)
-    N = face.closing(free.tests) @ products[:2] @ shapes.T
-    return N, face.sliding(free.tests) @ products @ shapes.T
+    products, shapes = (
+        width * face.integrals_of_shape_products(arcs),
+        face.gap_closing_by_motions(free.motions),
+    )
+    N = face.gap_closing_by_motions(free.tests) @ products[:2] @ shapes.T
+    return N, face.slide_by_motions(free.tests) @ products @ shapes.T
 
 
-def locking(face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int) -> float:
+def self_locking_friction_on_arcs(
+    face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int
+) -> float:
     """Friction coefficient mu_lock at which a rigid shoe locks itself; inf if it never does.
 
     It is the smallest mu > 0 at which the equilibria (N - mu s F) a = Q become singular.
 
     Parameters
     ----------
-    face, free, width, arcs : parameters of `system`
+    face, free, width, arcs : parameters of `equilibrium_matrices_of_rigid_shoe`
     spin : sense s of the motion of the drum or the sliding body, +1 or -1
     """
-    N, F = system(face, free, width, arcs)
+    N, F = equilibrium_matrices_of_rigid_shoe(face, free, width, arcs)
     # With one mode the matrices are numbers, and N - mu s F vanishes at mu = N/(s F).
     if len(N) == 1:
         drags = spin * float(F[0, 0]) / float(N[0, 0]) if N[0, 0] else 0.0
@@ -125,18 +137,23 @@ def locking(face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int) -> 
     return min((1 / float(x) for x in real if x > 1e-14), default=math.inf)
 
 
-def locking_friction(brake: Brake, shoe: Shoe) -> float:
+def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
     """Friction coefficient mu_lock at which a rigid shoe with its whole lining in contact locks.
 
     Friction at an abutment may act in two senses. The result is the smaller mu_lock of the two.
     """
-    face, arcs = face_of(brake, shoe), ((shoe.lining.start, shoe.lining.end),)
+    face, arcs = friction_surface_of_shoe(brake, shoe), ((shoe.lining.start, shoe.lining.end),)
     width = shoe.lining.width
-    limits = [locking(face, shoe.freedoms(sense), width, arcs, brake.spin) for sense in shoe.senses]
+    limits = [
+        self_locking_friction_on_arcs(face, shoe.freedoms(sense), width, arcs, brake.sign_of_motion)
+        for sense in shoe.senses
+    ]
     return min(limits)
 
 
-def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> PressedShoe | None:
+def find_contact_of_rigid_shoe(
+    brake: Brake, shoe: Shoe, *, whole: bool = False
+) -> RigidShoeContact | None:
     """Find the contact of a rigid shoe; None if its force is zero or lifts the shoe off.
 
     Parameters
@@ -150,55 +167,60 @@ def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> PressedShoe | Non
     NoAnswer
         if the shoe locks itself, or no pressure on its lining balances the actuation
     """
-    face = face_of(brake, shoe)
+    face = friction_surface_of_shoe(brake, shoe)
     if shoe.actuation.force == 0:
         return None
     # A force that only tension on the lining could balance lifts the shoe off.
-    if bears(brake, shoe) < 0:
+    if sign_of_pressure_that_balances_actuation(brake, shoe) < 0:
         return None
     # Friction at an abutment must oppose the motion of the foot. The first sense of friction for
     # which the solution fulfils this condition is the answer.
     failure: NoAnswer | None = None
     for sense in shoe.senses:
         try:
-            found = _solve_contact(brake, shoe, face, sense, whole)
+            found = _find_contact_for_friction_sense(brake, shoe, face, sense, whole)
         except NoAnswer as error:
             failure = failure or error
             continue
-        reaction = -shoe.actuation.vector - _contact_force(brake, shoe, found).force
+        reaction = (
+            -shoe.actuation.force_vector
+            - _contact_resultant_of_rigid_shoe(brake, shoe, found).force
+        )
         if shoe.stands(reaction, sense, float(found.amounts[-1])):
             return found
     raise failure or NoAnswer(f"shoe {shoe.name!r}: no equilibrium, its foot leaves the abutment")
 
 
-def bears(brake: Brake, shoe: Shoe) -> int:
+def sign_of_pressure_that_balances_actuation(brake: Brake, shoe: Shoe) -> int:
     """The sign of the normal stress on a lining that can balance its shoe's actuation.
 
     It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can. Friction is left
     out.
     """
-    face, ends = face_of(brake, shoe), (shoe.lining.start, shoe.lining.end)
+    face, ends = friction_surface_of_shoe(brake, shoe), (shoe.lining.start, shoe.lining.end)
     free = shoe.freedoms(shoe.senses[-1])
-    shapes = face.closing(free.tests)
+    shapes = face.gap_closing_by_motions(free.tests)
     if len(shapes) == 1:
         # With one mode, a pressure at some place of the lining must work against the actuation.
-        works = shapes[0] @ face.shapes(np.linspace(*ends, 65))[:2] * free.work[0]
+        works = shapes[0] @ face.shape_function_values(np.linspace(*ends, 65))[:2] * free.work[0]
         return 1 if works.max() > 1e-12 * np.abs(works).max() else -1
     try:
         resultant = np.asarray(np.linalg.solve(shapes, free.work), dtype=float)
-        return face.centre(resultant, *ends)
+        return face.sign_of_pressure_that_bears_force(resultant, *ends)
     except np.linalg.LinAlgError:
         return 0
 
 
-def _solve_contact(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> PressedShoe:
+def _find_contact_for_friction_sense(
+    brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool
+) -> RigidShoeContact:
     """Find the contact of a rigid shoe for a given sense of the friction at its abutment.
 
     The arcs in contact are changed until they are those where the pressure is positive.
 
     Parameters
     ----------
-    brake, shoe, whole : parameters of `press`
+    brake, shoe, whole : parameters of `find_contact_of_rigid_shoe`
     face : surface on which the shoe presses
     sense : sense of the friction on the foot at an abutment
 
@@ -208,30 +230,38 @@ def _solve_contact(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool
         if the shoe locks itself, or no pressure on its lining balances the actuation
     """
     free, ends, mu = shoe.freedoms(sense), (shoe.lining.start, shoe.lining.end), brake.friction
-    shapes = face.closing(free.motions)
+    shapes = face.gap_closing_by_motions(free.motions)
     arcs: Arcs = (ends,)
-    mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
+    mu_lock = self_locking_friction_on_arcs(
+        face, free, shoe.lining.width, arcs, brake.sign_of_motion
+    )
     locked = f"self-locking, friction {mu:g} is not below mu_lock = {{:.6g}} of the rigid-shoe law"
     # With one mode the sign of the actuation's work alone tells which arcs are in contact.
     if len(shapes) == 1:
-        arcs = face.pressed(shapes[0] * math.copysign(1.0, free.work[0]), *ends)
-        mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
+        arcs = face.arcs_of_positive_pressure(shapes[0] * math.copysign(1.0, free.work[0]), *ends)
+        mu_lock = self_locking_friction_on_arcs(
+            face, free, shoe.lining.width, arcs, brake.sign_of_motion
+        )
         if mu >= mu_lock:
             raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
     for _ in range(MOST_CONTACT_STEPS):
-        N, F = system(face, free, shoe.lining.width, arcs)
+        N, F = equilibrium_matrices_of_rigid_shoe(face, free, shoe.lining.width, arcs)
         try:
-            amounts: Floats = np.linalg.solve(N - mu * brake.spin * F, free.work).astype(float)
+            amounts: Floats = np.linalg.solve(N - mu * brake.sign_of_motion * F, free.work).astype(
+                float
+            )
         except np.linalg.LinAlgError:
             break
         # The next arcs are those where the pressure that follows from the present arcs is positive.
         c = shapes.T @ amounts
-        after = (ends,) if whole else face.pressed(c, *ends)
-        if after and _agree(after, arcs):
-            mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
+        after = (ends,) if whole else face.arcs_of_positive_pressure(c, *ends)
+        if after and _is_same_set_of_arcs(after, arcs):
+            mu_lock = self_locking_friction_on_arcs(
+                face, free, shoe.lining.width, arcs, brake.sign_of_motion
+            )
             if mu >= mu_lock:
                 break
-            return PressedShoe(face, c, amounts, arcs, free, sense)
+            return RigidShoeContact(face, c, amounts, arcs, free, sense)
         if not after:
             break
         arcs = after
@@ -244,7 +274,7 @@ def _solve_contact(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool
     )
 
 
-def _agree(a: Arcs, b: Arcs) -> bool:
+def _is_same_set_of_arcs(a: Arcs, b: Arcs) -> bool:
     """Whether two sets of contact arcs are equal up to round-off."""
     if len(a) != len(b):
         return False
@@ -252,64 +282,68 @@ def _agree(a: Arcs, b: Arcs) -> bool:
     return bool(np.allclose(a, b, rtol=0, atol=round_off))
 
 
-def _contact_force(brake: Brake, shoe: Shoe, found: PressedShoe) -> Resultant:
+def _contact_resultant_of_rigid_shoe(
+    brake: Brake, shoe: Shoe, found: RigidShoeContact
+) -> Resultant:
     """Resultant of pressure and friction on a rigid shoe in contact."""
-    loads = shoe.lining.width * found.face.products(found.arcs) @ found.c
-    return found.face.force(loads, brake.friction * brake.spin)
+    loads = shoe.lining.width * found.face.integrals_of_shape_products(found.arcs) @ found.c
+    return found.face.force(loads, brake.friction * brake.sign_of_motion)
 
 
-def respond(brake: Brake, shoe: Shoe, found: PressedShoe | None) -> ShoeResponse:
+def response_of_rigid_shoe(
+    brake: Brake, shoe: Shoe, found: RigidShoeContact | None
+) -> ShoeResponse:
     """The response of a rigid shoe from its contact; of a shoe that does not touch for None."""
     if found is None:
-        return untouched(shoe, -shoe.actuation.vector)
-    contact, flat = _contact_force(brake, shoe, found), shoe.flat
+        return response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
+    contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.flat
     ends = (shoe.lining.start, shoe.lining.end)
     # The pressure on a plane is linear in x, so that two steps between nodes are enough.
-    place = nodes(ends, found.arcs, 2 if flat else PRESSURE_NODES - 1)
-    about_pin = _moments_about_pin(shoe, contact)
-    of_actuation = shoe.actuation.moment_about(shoe.pin)
+    place = places_of_pressure_nodes(ends, found.arcs, 2 if flat else PRESSURE_NODES - 1)
+    about_pin = _pressure_and_friction_moments_about_pin(shoe, contact)
+    of_actuation = shoe.actuation.moment_of_force_about_point(shoe.pin)
     guided = shoe.guide is not None
     reaction_moment = -about_pin.pressure - about_pin.friction - of_actuation
     # Friction is self-energising if its moment about the pin has the actuation moment's sense.
     helping = about_pin.friction * of_actuation
     # A shoe on a guide does not turn, so the work of the friction decides there.
     if guided:
-        helping = _work_of_friction(brake, found)
+        helping = _friction_work_on_guide_above_round_off(brake, found)
     return ShoeResponse(
         name=shoe.name,
         torque=0.0 if flat else abs(contact.moment),
         normal_force=float(np.linalg.norm(contact.normal)),
         self_energising=bool(helping > 0),
         peak_pressure=found.face.peak(found.c, found.arcs),
-        hinge_reaction=-shoe.actuation.vector - contact.force,
+        hinge_reaction=-shoe.actuation.force_vector - contact.force,
         contact_arcs=found.arcs,
         theta=place,
-        pressure=pressure(found, place),
+        pressure=pressure_of_rigid_shoe_at_places(found, place),
         pivot_reaction=-contact.force if shoe.pivot is not None else None,
         reaction_moment=reaction_moment if guided else 0.0,
     )
 
 
-def _work_of_friction(brake: Brake, found: PressedShoe) -> float:
+def _friction_work_on_guide_above_round_off(brake: Brake, found: RigidShoeContact) -> float:
     """Work of the friction as a shoe moves along its guide, less NEITHER of the pressure's work.
 
     The result is positive if friction is self-energising. It is not positive if the guide is square
     to the surface, where the friction does no work but round-off.
     """
     a = found.amounts
-    systems = system(found.face, found.freedoms, 1.0, found.arcs)
+    systems = equilibrium_matrices_of_rigid_shoe(found.face, found.freedoms, 1.0, found.arcs)
     closed, dragged = (float(a @ work @ a) for work in systems)
-    return brake.friction * brake.spin * dragged - NEITHER * closed
+    return brake.friction * brake.sign_of_motion * dragged - NEITHER * closed
 
 
-def pressure(found: PressedShoe | None, place: Floats) -> Floats:
+def pressure_of_rigid_shoe_at_places(found: RigidShoeContact | None, place: Floats) -> Floats:
     """Pressure [Pa] of a rigid shoe at places of its lining, in the shape of `place`.
 
     It is 0 where the lining does not touch, and everywhere if `found` is None.
     """
     if found is None:
         return np.zeros(np.shape(place))
-    return np.maximum(found.c @ found.face.shapes(place)[:2], 0.0)
+    return np.maximum(found.c @ found.face.shape_function_values(place)[:2], 0.0)
 
 
 class _PinMoments(NamedTuple):
@@ -319,19 +353,19 @@ class _PinMoments(NamedTuple):
     friction: float
 
 
-def _moments_about_pin(shoe: Shoe, contact: Resultant) -> _PinMoments:
+def _pressure_and_friction_moments_about_pin(shoe: Shoe, contact: Resultant) -> _PinMoments:
     """The moments about the shoe's pin of the pressure and of the friction in a resultant."""
     pin = shoe.pin.xy
     # The resultant's moment is about the origin. There only the pressure has a moment on a plane,
     # and only the friction on a drum.
     pressure, friction = (contact.moment, 0.0) if shoe.flat else (0.0, contact.moment)
     return _PinMoments(
-        pressure - float(cross(pin, contact.normal)),
-        friction - float(cross(pin, contact.friction)),
+        pressure - float(planar_cross_product(pin, contact.normal)),
+        friction - float(planar_cross_product(pin, contact.friction)),
     )
 
 
-def nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
+def places_of_pressure_nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
     """The places (n,) of the nodes at which the pressure over a lining is given.
 
     The nodes belong to quadratic pieces. Each end of the contact is an end of a piece, and between
@@ -352,64 +386,72 @@ def nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
     return np.concatenate(found)
 
 
-def forced(brake: Brake, *, whole: bool = False) -> Brake:
+def brake_with_forces_shared_by_rigid_law(brake: Brake, *, whole: bool = False) -> Brake:
     """The brake whose shoes have the forces that a cam or struts give them if all is rigid.
 
-    `whole` is the parameter of `press`. Raises NoAnswer if a shoe has no equilibrium.
+    `whole` is the parameter of `find_contact_of_rigid_shoe`. Raises NoAnswer if a shoe has no
+    equilibrium.
     """
     shoes: list[Shoe] = list(brake.shoes)
     place = {shoe.name: i for i, shoe in enumerate(shoes)}
     if brake.actuation is not None and brake.actuation.is_cam:
-        _share_cam(brake, shoes, brake.actuation.total, whole)
+        _share_cam_force_among_shoes(brake, shoes, brake.actuation.total, whole)
     # A strut pushes a shoe with the force that the foot of the shoe before it exerts.
     for link in brake.links:
         source, to = shoes[place[link.source]], place[link.to]
-        found = press(brake, source, whole=whole)
+        found = find_contact_of_rigid_shoe(brake, source, whole=whole)
         force = 0.0
         if found is not None:
-            force = math.hypot(*respond(brake, source, found).hinge_reaction)
+            force = math.hypot(*response_of_rigid_shoe(brake, source, found).hinge_reaction)
         shoes[to] = shoes[to].under(force)
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def _share_cam(brake: Brake, shoes: list[Shoe], total: float, whole: bool) -> None:
+def _share_cam_force_among_shoes(
+    brake: Brake, shoes: list[Shoe], total: float, whole: bool
+) -> None:
     """Replace the shoes under a cam, in the list `shoes`, by shoes with their parts of its force.
 
     The two parts add up to `total` [N]. The cam moves the tips of both shoes equally, so that each
     part is inverse to the motion of the shoe's tip per force. Raises NoAnswer if the cam does not
-    press a shoe. `whole` is the parameter of `press`.
+    press a shoe. `whole` is the parameter of `find_contact_of_rigid_shoe`.
     """
     # A shoe behind a strut is pushed by the strut and not by the cam.
     behind = {link.to for link in brake.links}
     on_cam = [i for i, shoe in enumerate(shoes) if shoe.name not in behind]
     motions_per_force = []
     for i in on_cam:
-        found = press(brake, shoes[i], whole=whole)
-        if found is None or found.tip <= 0:
+        found = find_contact_of_rigid_shoe(brake, shoes[i], whole=whole)
+        if found is None or found.tip_motion_over_compliance <= 0:
             raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
-        motions_per_force.append(found.tip / shoes[i].actuation.force)
+        motions_per_force.append(found.tip_motion_over_compliance / shoes[i].actuation.force)
     # The tips are springs side by side: the sum of their stiffnesses carries the cam's force.
     stiffness = math.fsum(1 / motion for motion in motions_per_force)
     for i, motion in zip(on_cam, motions_per_force, strict=True):
         shoes[i] = shoes[i].under(total / (motion * stiffness))
 
 
-def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response:
+def solve_brake_by_rigid_shoe_law(
+    brake: Brake, name: str = "rigid", *, whole: bool = False
+) -> Response:
     """Solve a brake by the rigid-shoe law.
 
     Parameters
     ----------
     brake : the brake
     name : name of the law, which the response states as its model
-    whole : parameter of `press`
+    whole : parameter of `find_contact_of_rigid_shoe`
 
     Raises
     ------
     NoAnswer
         for a self-locking shoe, or for a shoe whose actuation no pressure balances
     """
-    under = forced(brake, whole=whole)
-    shoes = tuple(respond(under, shoe, press(under, shoe, whole=whole)) for shoe in under.shoes)
+    under = brake_with_forces_shared_by_rigid_law(brake, whole=whole)
+    shoes = tuple(
+        response_of_rigid_shoe(under, shoe, find_contact_of_rigid_shoe(under, shoe, whole=whole))
+        for shoe in under.shoes
+    )
     # If a cam or a strut shares a force, each response states the part that its shoe gets.
     if under.shoes != brake.shoes:
         shoes = tuple(
@@ -417,19 +459,21 @@ def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response
             for response, shoe in zip(shoes, under.shoes, strict=True)
         )
     word = brake.surface.word
-    apart = [no_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs]
-    balances = [shoe_balance(under, i, shoe) for i, shoe in enumerate(shoes)]
+    apart = [
+        note_on_shoe_without_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs
+    ]
+    balances = [relative_imbalance_of_shoe(under, i, shoe) for i, shoe in enumerate(shoes)]
     response = Response(
         model=name,
         shoes=shoes,
-        balance=worst(balances),
-        left_out=LEFT_OUT[word],
-        notes=(*apart, *cam_notes(brake)),
+        balance=largest_imbalance_among_shoes(balances),
+        left_out=NEGLECTED_BY_RIGID_LAWS[word],
+        notes=(*apart, *notes_on_cam_force_of_unlike_linings(brake)),
     )
-    return with_merits(brake, response)
+    return response_with_figures_of_merit(brake, response)
 
 
-def cam_notes(brake: Brake) -> tuple[str, ...]:
+def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
     """A note on how a cam shares its force if its two linings have different E/t; else no note.
 
     The cam moves both tips equally. A new lining under a rigid shoe is compressed by p t/E. A
@@ -454,6 +498,6 @@ def cam_notes(brake: Brake) -> tuple[str, ...]:
     )
 
 
-def no_contact(name: str, body: str = "drum") -> str:
+def note_on_shoe_without_contact(name: str, body: str = "drum") -> str:
     """The text of the note on a shoe that its force does not press on the drum or the plane."""
     return f"shoe {name!r}: no contact, the force does not turn it towards the {body}"

@@ -63,12 +63,14 @@ class Layout(NamedTuple):
         return np.asarray(0.5 * (self.phi_1 + self.phi_2))
 
     @property
-    def half(self) -> Floats:
+    def half_of_lining_arc(self) -> Floats:
         """Half the lining's arc, theta_0 [rad]."""
         return np.asarray(0.5 * (self.phi_2 - self.phi_1))
 
 
-def moments_about(load: Load, R: Values, x: Values, y: Values = 0.0) -> tuple[Floats, Floats]:
+def normal_and_friction_moments_about_point(
+    load: Load, R: Values, x: Values, y: Values = 0.0
+) -> tuple[Floats, Floats]:
     """Moments M_N and M_F [m] of a pressure about a point of the shoe's frame, over b R p_0.
 
     The moment M_N of the normal pressure opposes the actuation. The moment M_F is that of the
@@ -85,7 +87,7 @@ def moments_about(load: Load, R: Values, x: Values, y: Values = 0.0) -> tuple[Fl
     return np.asarray(M_N), np.asarray(M_F)
 
 
-def sine_load(arc: Layout) -> Load:
+def integrals_of_sine_pressure(arc: Layout) -> Load:
     """Integrals of the pressure f = sin phi over the arc (UWA notes; NPTEL lesson 12.1)."""
     phi_1, phi_2 = arc.phi_1, arc.phi_2
     Is = np.cos(phi_1) - np.cos(phi_2)
@@ -94,7 +96,7 @@ def sine_load(arc: Layout) -> Load:
     return Load(Is, Isc, Iss)
 
 
-def cos_load(arc: Layout) -> Load:
+def integrals_of_cos_phi_pressure(arc: Layout) -> Load:
     """Integrals of the pressure f = cos phi over the arc.
 
     A shoe with two rigid-body modes has a mixture of the pressures cos phi and sin phi.
@@ -102,38 +104,40 @@ def cos_load(arc: Layout) -> Load:
     phi_1, phi_2 = arc.phi_1, arc.phi_2
     Ic = np.sin(phi_2) - np.sin(phi_1)
     Icc = (phi_2 - phi_1) / 2 + (np.sin(2 * phi_2) - np.sin(2 * phi_1)) / 4
-    return Load(Ic, Icc, sine_load(arc).cos)
+    return Load(Ic, Icc, integrals_of_sine_pressure(arc).cos)
 
 
-def cosine_load(arc: Layout) -> Load:
+def integrals_of_cosine_pressure(arc: Layout) -> Load:
     """Integrals of f = cos(phi - middle), where each element presses along its own radius."""
     # The resultant of the pressure lies along the middle radius.
-    along = arc.half + np.sin(2 * arc.half) / 2
-    return Load(2 * np.sin(arc.half), along * np.cos(arc.middle), along * np.sin(arc.middle))
+    along = arc.half_of_lining_arc + np.sin(2 * arc.half_of_lining_arc) / 2
+    return Load(
+        2 * np.sin(arc.half_of_lining_arc), along * np.cos(arc.middle), along * np.sin(arc.middle)
+    )
 
 
-def uniform_load(arc: Layout) -> Load:
+def integrals_of_uniform_pressure(arc: Layout) -> Load:
     """Integrals of the uniform pressure f = 1, where each element presses along its own radius."""
-    along = 2 * np.sin(arc.half)
-    return Load(2 * arc.half, along * np.cos(arc.middle), along * np.sin(arc.middle))
+    along = 2 * np.sin(arc.half_of_lining_arc)
+    return Load(2 * arc.half_of_lining_arc, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
-def short_load(arc: Layout) -> Load:
+def integrals_of_short_shoe_pressure(arc: Layout) -> Load:
     """Integrals of f = 1, where all elements press along the middle radius (UWA notes, eq. v)."""
-    along = 2 * arc.half
+    along = 2 * arc.half_of_lining_arc
     return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
-def block_load(arc: Layout) -> Load:
+def integrals_of_lumped_cosine_pressure(arc: Layout) -> Load:
     """Integrals of f = cos(phi - middle), lumped in one force along the middle radius.
 
     The source is NPTEL lesson 12.1.
     """
-    along = arc.half + np.sin(2 * arc.half) / 2
+    along = arc.half_of_lining_arc + np.sin(2 * arc.half_of_lining_arc) / 2
     return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
-def equivalent_friction(theta_0: Values) -> Floats:
+def ratio_of_equivalent_friction(theta_0: Values) -> Floats:
     """Ratio mu'/mu of a block's equivalent friction coefficient to the real one.
 
     The equivalent coefficient is mu' = T/(R N), with the torque T and the resultant normal force N.
@@ -143,18 +147,18 @@ def equivalent_friction(theta_0: Values) -> Floats:
     return np.asarray(4 * np.sin(theta_0) / (2 * theta_0 + np.sin(2 * theta_0)))
 
 
-def pivot_radius(R: Values, theta_0: Values) -> Floats:
+def pivot_radius_for_cosine_pressure(R: Values, theta_0: Values) -> Floats:
     """Distance [m] from the drum's centre at which a pivot makes the pressure p = p_0 cos.
 
     The pivot lies on the middle radius of a lining of the half-arc theta_0 [rad]. The distance is
     4 R sin theta_0 / (2 theta_0 + sin 2 theta_0).
     """
-    return np.asarray(R * equivalent_friction(theta_0))
+    return np.asarray(R * ratio_of_equivalent_friction(theta_0))
 
 
-def _one(arc: Layout) -> Floats:
+def _friction_factor_one(arc: Layout) -> Floats:
     """The factor 1 on mu, in the shape of the arc's angles: the law does not change friction."""
-    return np.ones(np.shape(arc.half))
+    return np.ones(np.shape(arc.half_of_lining_arc))
 
 
 @dataclass(frozen=True)
@@ -179,26 +183,26 @@ class Law:
     pressure: Callable[[Floats, Layout], Floats]
     peak_at: Callable[[Layout], Floats]
     lumped: bool = False
-    friction: Callable[[Layout], Floats] = _one
+    friction: Callable[[Layout], Floats] = _friction_factor_one
     remark: str = ""
 
-    def moments(self, arc: Layout) -> tuple[Floats, Floats]:
+    def normal_and_friction_moments_about_hinge(self, arc: Layout) -> tuple[Floats, Floats]:
         """Moments M_N of the pressure and M_F of the friction about the hinge, over b R p_0 [m].
 
-        Their signs are those of `moments_about`.
+        Their signs are those of `normal_and_friction_moments_about_point`.
         """
-        M_N, M_F = moments_about(self.load(arc), arc.R, arc.a)
+        M_N, M_F = normal_and_friction_moments_about_point(self.load(arc), arc.R, arc.a)
         return M_N, self.friction(arc) * M_F
 
-    def resistance(self, mu: Values, arc: Layout) -> Floats:
+    def resisting_moment_per_amplitude(self, mu: Values, arc: Layout) -> Floats:
         """Moment that the actuation needs over b R p_0: M_N - dD mu M_F [m].
 
         The resistance is zero or negative if the shoe locks itself.
         """
-        M_N, M_F = self.moments(arc)
+        M_N, M_F = self.normal_and_friction_moments_about_hinge(arc)
         return M_N - arc.dD * mu * M_F
 
-    def amplitude(self, moment: Values, width: Values, mu: Values, arc: Layout) -> Floats:
+    def pressure_amplitude(self, moment: Values, width: Values, mu: Values, arc: Layout) -> Floats:
         """Amplitude p_0 [Pa] of the pressure; nan if the shoe locks itself.
 
         Parameters
@@ -208,37 +212,37 @@ class Law:
         mu : friction coefficient
         arc : angles and radii of the shoe
         """
-        resistance = self.resistance(mu, arc)
+        resistance = self.resisting_moment_per_amplitude(mu, arc)
         return moment / (width * arc.R * np.where(resistance > 0, resistance, np.nan))
 
     def torque(self, moment: Values, mu: Values, arc: Layout) -> Floats:
         """Torque [N m] of a shoe under an actuation moment [N m]; nan if the shoe locks itself."""
-        return moment * self.mechanical_advantage(mu, arc)
+        return moment * self.torque_over_actuation_moment(mu, arc)
 
-    def mechanical_advantage(self, mu: Values, arc: Layout) -> Floats:
+    def torque_over_actuation_moment(self, mu: Values, arc: Layout) -> Floats:
         """Ratio eta = T/M = 1/(m - dD n) of torque to actuation moment (UWA notes, eq. 8).
 
         It is nan if the shoe locks itself.
         """
-        resistance = self.resistance(mu, arc)
+        resistance = self.resisting_moment_per_amplitude(mu, arc)
         effect = mu * self.friction(arc) * arc.R * self.load(arc).total
         return effect / np.where(resistance > 0, resistance, np.nan)
 
-    def sensitivity(self, mu: Values, arc: Layout) -> Floats:
+    def sensitivity_to_friction(self, mu: Values, arc: Layout) -> Floats:
         """Sensitivity S = (mu/T) dT/dmu = m eta at fixed actuation (UWA notes, eq. 8).
 
         S is nan if the shoe locks itself.
         """
-        M_N, _ = self.moments(arc)
-        resistance = self.resistance(mu, arc)
+        M_N, _ = self.normal_and_friction_moments_about_hinge(arc)
+        resistance = self.resisting_moment_per_amplitude(mu, arc)
         return M_N / np.where(resistance > 0, resistance, np.nan)
 
-    def locking_friction(self, arc: Layout) -> Floats:
+    def self_locking_friction(self, arc: Layout) -> Floats:
         """Friction coefficient mu_lock = M_N / (dD M_F) at which the torque becomes infinite.
 
         It is inf if friction does not help the actuation.
         """
-        M_N, M_F = self.moments(arc)
+        M_N, M_F = self.normal_and_friction_moments_about_hinge(arc)
         helps = arc.dD * M_F > 0
         # If the friction force passes almost through the hinge, the quotient overflows to inf,
         # which is right.
@@ -246,7 +250,9 @@ class Law:
             return np.where(helps, M_N / np.where(helps, arc.dD * M_F, 1.0), np.inf)
 
 
-def m_and_n(mu: Values, theta_m: Values, r: Values, a: Values) -> tuple[Floats, Floats]:
+def short_shoe_moments_over_torque(
+    mu: Values, theta_m: Values, r: Values, a: Values
+) -> tuple[Floats, Floats]:
     """Dimensionless moments m and n of the pressure and the friction on a short shoe.
 
     m is the moment about the hinge of the normal force over the torque, (a/(mu r)) sin theta_m. n
@@ -264,17 +270,17 @@ def m_and_n(mu: Values, theta_m: Values, r: Values, a: Values) -> tuple[Floats, 
     return np.asarray(m), np.asarray(n)
 
 
-def _middle(arc: Layout) -> Floats:
+def _angle_of_lining_middle(arc: Layout) -> Floats:
     """Angle phi [rad] of the lining's middle, where the peak pressure of a law may lie."""
     return arc.middle
 
 
-def _cosine(phi: Floats, arc: Layout) -> Floats:
+def _cosine_pressure_about_middle(phi: Floats, arc: Layout) -> Floats:
     """The pressure f = cos(phi - middle), same shape as phi."""
     return np.cos(phi - arc.middle)
 
 
-def _constant(phi: Floats, arc: Layout) -> Floats:
+def _uniform_pressure_of_amplitude_one(phi: Floats, arc: Layout) -> Floats:
     """The uniform pressure f = 1, same shape as phi."""
     return np.ones(np.broadcast_shapes(np.shape(phi), np.shape(arc.middle)))
 
@@ -282,7 +288,7 @@ def _constant(phi: Floats, arc: Layout) -> Floats:
 SINE = Law(
     "sine",
     "rigid shoe turning about its hinge: p = p_a sin(phi)/sin(phi_a), phi from the hinge",
-    sine_load,
+    integrals_of_sine_pressure,
     lambda phi, arc: np.sin(phi),
     lambda arc: np.clip(np.pi / 2, arc.phi_1, arc.phi_2),
 )
@@ -290,9 +296,9 @@ COSINE = Law(
     "cosine",
     "rigid shoe moving along its middle radius: p = p_0 cos(theta - middle), each element "
     "along its radius",
-    cosine_load,
-    _cosine,
-    _middle,
+    integrals_of_cosine_pressure,
+    _cosine_pressure_about_middle,
+    _angle_of_lining_middle,
     remark="friction is mu N at psi R, each element in its place; mu' N at the drum's surface "
     "is the law 'block'",
 )
@@ -300,25 +306,25 @@ BLOCK = Law(
     "block",
     "p = p_0 cos(theta - middle) lumped at the drum's surface: N, and friction mu' N, at the "
     "lining's middle",
-    block_load,
-    _cosine,
-    _middle,
+    integrals_of_lumped_cosine_pressure,
+    _cosine_pressure_about_middle,
+    _angle_of_lining_middle,
     lumped=True,
-    friction=lambda arc: equivalent_friction(arc.half),
+    friction=lambda arc: ratio_of_equivalent_friction(arc.half_of_lining_arc),
 )
 UNIFORM = Law(
     "uniform",
     "the same pressure everywhere on the lining, each element along its radius",
-    uniform_load,
-    _constant,
-    _middle,
+    integrals_of_uniform_pressure,
+    _uniform_pressure_of_amplitude_one,
+    _angle_of_lining_middle,
 )
 SHORT_LAW = Law(
     "short",
     "short shoe: N = p_m A and friction mu N at the lining's middle",
-    short_load,
-    _constant,
-    _middle,
+    integrals_of_short_shoe_pressure,
+    _uniform_pressure_of_amplitude_one,
+    _angle_of_lining_middle,
     lumped=True,
 )
 LAWS = {law.name: law for law in (SINE, COSINE, BLOCK, UNIFORM, SHORT_LAW)}

@@ -25,8 +25,8 @@ from drumlin.base.arrays import Floats, Values
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
-from drumlin.brake.file import brake_from
-from drumlin.brake.units import deg, mm
+from drumlin.brake.file import make_drum_brake_from_data
+from drumlin.brake.units import deg_text, mm_text
 from drumlin.laws.shapes import SINE, Layout
 
 SIMSCAPE_LINING = Material(E=300e6, nu=0.25)
@@ -74,22 +74,22 @@ class DoubleShoe:
         least = self.theta_sb if self.reading == "end" else 0.0
         # Each rule holds a parameter's name, its format for the message, the condition, and text.
         rules = (
-            ("r_D", mm, self.r_D > 0, "must be greater than 0"),
-            ("r_a", mm, self.r_a > 0, "must be greater than 0"),
-            ("r_p", mm, self.r_p > 0, "must be greater than 0"),
-            ("theta_p", deg, self.theta_p >= 0, "must be at least 0"),
+            ("r_D", mm_text, self.r_D > 0, "must be greater than 0"),
+            ("r_a", mm_text, self.r_a > 0, "must be greater than 0"),
+            ("r_p", mm_text, self.r_p > 0, "must be greater than 0"),
+            ("theta_p", deg_text, self.theta_p >= 0, "must be at least 0"),
             (
                 "theta_sb",
-                deg,
+                deg_text,
                 0 <= self.theta_sb <= widest,
-                f"must be from 0 to 180 deg - theta_p = {deg(widest)}",
+                f"must be from 0 to 180 deg - theta_p = {deg_text(widest)}",
             ),
             (
                 "theta_s",
-                deg,
+                deg_text,
                 least < self.theta_s <= widest - self.theta_sb,
-                f"must be above {deg(least)} and at most "
-                f"180 deg - theta_p - theta_sb = {deg(widest - self.theta_sb)}",
+                f"must be above {deg_text(least)} and at most "
+                f"180 deg - theta_p - theta_sb = {deg_text(widest - self.theta_sb)}",
             ),
             ("mu_Coulomb", "{:g}".format, self.mu_Coulomb > 0, "must be greater than 0"),
             ("mu_visc", "{:g} N m s/rad".format, self.mu_visc >= 0, "must be at least 0"),
@@ -121,7 +121,7 @@ class DoubleShoe:
         phi_1, phi_2 = self.arc
         if phi_2 - phi_1 >= math.radians(45) - 1e-9:
             return ()
-        said = f"contact angle {deg(phi_2 - phi_1)}"
+        said = f"contact angle {deg_text(phi_2 - phi_1)}"
         return (f"{said}: below 45 deg the long-shoe approximation is less accurate",)
 
     @property
@@ -132,9 +132,9 @@ class DoubleShoe:
     @property
     def mu_lock(self) -> float:
         """Friction coefficient at which the leading shoe locks itself."""
-        return float(SINE.locking_friction(self._layout(1)))
+        return float(SINE.self_locking_friction(self._angles_and_radii_of_shoe(1)))
 
-    def _layout(self, dD: int) -> Layout:
+    def _angles_and_radii_of_shoe(self, dD: int) -> Layout:
         """Angles and radii for the sine law of the leading shoe (dD = 1) or the trailing (-1)."""
         return Layout(*self.arc, R=self.r_D, a=self.r_p, dD=dD)
 
@@ -154,7 +154,9 @@ class DoubleShoe:
                 f"is not below mu_lock = {self.mu_lock:.6g}"
             )
         moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
-        return SINE.torque(moment, mu, self._layout(1)), SINE.torque(moment, mu, self._layout(-1))
+        return SINE.torque(moment, mu, self._angles_and_radii_of_shoe(1)), SINE.torque(
+            moment, mu, self._angles_and_radii_of_shoe(-1)
+        )
 
     def line_pressures(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
         """Largest line loads [N/m] of the leading and the trailing shoe: pressure times width.
@@ -163,8 +165,9 @@ class DoubleShoe:
         """
         moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
         leading, trailing = (
-            SINE.amplitude(moment, 1.0, mu, layout) * SINE.pressure(SINE.peak_at(layout), layout)
-            for layout in (self._layout(1), self._layout(-1))
+            SINE.pressure_amplitude(moment, 1.0, mu, layout)
+            * SINE.pressure(SINE.peak_at(layout), layout)
+            for layout in (self._angles_and_radii_of_shoe(1), self._angles_and_radii_of_shoe(-1))
         )
         return leading, trailing
 
@@ -227,4 +230,4 @@ class DoubleShoe:
             "drum": {"radius": self.r_D},
             "shoe": shoes,
         }
-        return brake_from(data)
+        return make_drum_brake_from_data(data)

@@ -48,7 +48,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.optimize
 
-from drumlin.base.arrays import Bools, Floats, in_turn
+from drumlin.base.arrays import Bools, Floats, slices_of_consecutive_parts
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.contact import active_set
@@ -60,7 +60,7 @@ GAMMA = 1 - 1 / math.sqrt(2)
 
 This value makes the method L-stable (Alexander 1977)."""
 
-TOLERANCE = 1e-3
+DEFAULT_WEAR_STEP_ERROR = 1e-3
 """Largest error of the pressure in a step of wear if the user gives no tolerance.
 
 The error is an L2 norm, relative to that of the pressure. A step with a larger error is repeated
@@ -110,20 +110,20 @@ SOFTEST_COMPLIANCE = 1e3
 It is relative to the largest compliance of the brake. The nodes in contact are then followed as the
 linings become stiffer. A larger value only costs time."""
 
-SOFTENED_BY = 4.0
+RATIO_OF_SOFT_LININGS = 4.0
 """Factor by which the compliance of soft linings falls from step to step of the search.
 
 The search follows the nodes in contact from soft linings to the real ones. A smaller factor only
 costs time."""
 
-SOFTENINGS = 20
+NUMBER_OF_SOFT_LININGS = 20
 """Number of steps from soft linings to the real ones in the search for the nodes in contact.
 
 The last additional compliance is 4e-9 of the brake's own. Without it the nodes in contact hardly
 change."""
 
 
-def is_always_allowed(_: Contact) -> bool:
+def is_friction_always_allowed(_: Contact) -> bool:
     """Whether a solution agrees with the friction at the abutments: always, if none is rough."""
     return True
 
@@ -139,7 +139,7 @@ class Footing(NamedTuple):
     """
 
     problem: ContactProblem
-    stands: Callable[[Contact], bool] = is_always_allowed
+    stands: Callable[[Contact], bool] = is_friction_always_allowed
 
 
 class WearInterface(NamedTuple):
@@ -169,12 +169,12 @@ class WearInterface(NamedTuple):
     pressure: Floats
     area: Floats
     torque: Floats
-    stands: Callable[[Contact], bool] = is_always_allowed
+    stands: Callable[[Contact], bool] = is_friction_always_allowed
     others: tuple[Footing, ...] = ()
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
 
     @property
-    def footings(self) -> tuple[Footing, ...]:
+    def abutment_friction_cases(self) -> tuple[Footing, ...]:
         """All ways in which friction may act at the abutments; that of `problem` comes first."""
         return (Footing(self.problem, self.stands), *self.others)
 
@@ -193,7 +193,7 @@ class WearLaw(NamedTuple):
     exponent: float = 1.0
     reference: float = 1e6
 
-    def rate(self, p: Floats, rounded: float) -> tuple[Floats, Floats]:
+    def wear_rate_and_its_slope(self, p: Floats, rounded: float) -> tuple[Floats, Floats]:
         """The wear per sliding distance (n,), and its derivative by the pressure (n,) [1/Pa].
 
         Parameters
@@ -256,7 +256,7 @@ def wear_linings(
     reverse: float = math.inf,
     torque: float | None = None,
     distance: float = math.inf,
-    tolerance: float = TOLERANCE,
+    tolerance: float = DEFAULT_WEAR_STEP_ERROR,
     until: Callable[[WearState], bool] = lambda _: False,
 ) -> list[WearState]:
     """Wear linings over a sliding distance, or until a condition holds; returns all states.
@@ -284,8 +284,8 @@ def wear_linings(
     if reverse < math.inf and not backward:
         raise BadInput(f"reverse = {reverse:g}: needs the interfaces of the drum turning backward")
     held = 1.0 if torque is None else torque
-    _check_positive({"distance": distance, "reverse": reverse, "torque": held})
-    _check_law(law, tolerance, distance)
+    _require_options_above_zero({"distance": distance, "reverse": reverse, "torque": held})
+    _require_valid_wear_law(law, tolerance, distance)
     wear_run = _WearRunInProgress(
         forward=_WearStepper(forward, law, torque),
         backward=_WearStepper(backward or forward, law, torque),
@@ -293,21 +293,21 @@ def wear_linings(
         distance=distance,
         tolerance=tolerance,
     )
-    while not wear_run.has_reached_distance and not until(wear_run.state):
+    while not wear_run.has_reached_distance and not until(wear_run.last_state):
         if len(wear_run.states) > MAX_WEAR_STEPS:
             raise NoAnswer(f"not converged: the wear is not settled after {MAX_WEAR_STEPS} steps")
         wear_run.take_step()
     return wear_run.states
 
 
-def _check_positive(values: Mapping[str, float]) -> None:
+def _require_options_above_zero(values: Mapping[str, float]) -> None:
     """Raise BadInput if one of the values, by the names of their options, is not above 0."""
     for name, value in values.items():
         if not value > 0:
             raise BadInput(f"{name} = {value:g}: must be greater than 0")
 
 
-def _check_law(law: WearLaw, tolerance: float, distance: float) -> None:
+def _require_valid_wear_law(law: WearLaw, tolerance: float, distance: float) -> None:
     """Raise BadInput for a wear law, a tolerance or a sliding distance out of range."""
     if not 0 < tolerance <= 0.1:
         raise BadInput(f"tolerance = {tolerance:g}: must be greater than 0 and at most 0.1")
@@ -343,22 +343,22 @@ class _WearRunInProgress:
         self._reverse, self._distance, self._tolerance = reverse, distance, tolerance
         self._forward = True
         self._next_turn = reverse
-        self.states = [forward.initial_state()]
-        self._step = forward.first_step_length(self.state, tolerance)
+        self.states = [forward.state_of_unworn_linings()]
+        self._step = forward.length_of_first_step(self.last_state, tolerance)
         # The first step after a reversal is as long as the first step after the last reversal, or
         # after the start, could have been.
         self._opening_step = self._step
         self._just_turned = True
 
     @property
-    def state(self) -> WearState:
+    def last_state(self) -> WearState:
         """The last state of the wear run so far."""
         return self.states[-1]
 
     @property
     def has_reached_distance(self) -> bool:
         """Whether the wear run has reached its sliding distance, up to round-off."""
-        return self.state.s >= self._distance * (1 - 1e-12)
+        return self.last_state.s >= self._distance * (1 - 1e-12)
 
     def take_step(self) -> None:
         """Append the state after the next step, or shorten the step if its error is too large.
@@ -367,14 +367,16 @@ class _WearRunInProgress:
         """
         # A step ends at the latest where the run ends or the drum is reversed.
         end = min(self._distance, self._next_turn)
-        left = end - self.state.s
-        size = self._size(left)
-        after, error = self._steppers[self._forward].step(self.state, size)
+        left = end - self.last_state.s
+        size = self._length_of_next_step(left)
+        after, error = self._steppers[self._forward].state_and_error_after_step(
+            self.last_state, size
+        )
         # The error of the embedded first-order method grows with the square of the step.
         growth = 0.9 * math.sqrt(self._tolerance / max(error, 1e-30))
         factor = min(max(growth, 0.2), MAX_STEP_GROWTH)
         if error > self._tolerance:
-            self._shorten_step(size * min(factor, 0.7))
+            self._shorten_next_step(size * min(factor, 0.7))
             return
         at_end = size == left
         self.states.append(replace(after, s=end) if at_end else after)
@@ -384,9 +386,9 @@ class _WearRunInProgress:
         cut_short = at_end and size < self._step
         self._step = max(self._step, size) if cut_short else size * factor
         if at_end and end == self._next_turn and not self.has_reached_distance:
-            self._reverse_drum()
+            self._reverse_drum_rotation()
 
-    def _size(self, left: float) -> float:
+    def _length_of_next_step(self, left: float) -> float:
         """The length [m] of the next step, with the distance `left` [m] to go.
 
         The last two steps share the rest of the distance, so that the last step is not tiny. Raises
@@ -397,22 +399,22 @@ class _WearRunInProgress:
             raise NoAnswer("not settled: p no longer changes, but differs from what it was to be")
         return size
 
-    def _shorten_step(self, step: float) -> None:
-        """Set the length of the next step to `step` [m].
+    def _shorten_next_step(self, step: float) -> None:
+        """Set the length of the next step to `state_and_error_after_step` [m].
 
         Raises NoAnswer if the step is below SHORTEST_STEP, relative to the distance so far.
         """
         self._step = step
-        s = self.state.s
+        s = self.last_state.s
         if step < SHORTEST_STEP * max(s, 1e-300) and s > 0:
             raise NoAnswer("not converged: the step of the wear shrinks to nothing")
 
-    def _reverse_drum(self) -> None:
+    def _reverse_drum_rotation(self) -> None:
         """Let the drum turn the other way, and append the state after the reversal."""
         self._forward = not self._forward
         self._next_turn += self._reverse
         stepper = self._steppers[self._forward]
-        self.states.append(stepper.state_after_reversal(self.state, self._forward))
+        self.states.append(stepper.state_after_drum_reversal(self.last_state, self._forward))
         self._step, self._just_turned = self._opening_step, True
 
 
@@ -424,69 +426,72 @@ def wear_linings_in_given_steps(
     Returns the states before the first step and after each step.
     """
     stepper = _WearStepper(interfaces, law, None)
-    states = [stepper.initial_state()]
+    states = [stepper.state_of_unworn_linings()]
     for s in stations:
-        after, _ = stepper.step(states[-1], s - states[-1].s)
+        after, _ = stepper.state_and_error_after_step(states[-1], s - states[-1].s)
         states.append(replace(after, s=s))
     return states
 
 
-def join_interfaces(interfaces: WearInterfaces) -> WearInterface:
+def join_groups_of_linings(interfaces: WearInterfaces) -> WearInterface:
     """Several groups of linings as one group, with one common contact problem.
 
     Each group may have several footings, the ways in which friction acts at its abutments. The
     joint group has a footing for every combination of these.
     """
-    combinations = product(*(interface.footings for interface in interfaces))
-    first, *others = map(_joint_footing, combinations)
+    combinations = product(*(interface.abutment_friction_cases for interface in interfaces))
+    first, *others = map(_joint_abutment_friction_case, combinations)
     all_settle = all(map(attrgetter("settle"), interfaces))
     return WearInterface(
         problem=first.problem,
         weight=block_diag(*map(attrgetter("weight"), interfaces)),
-        loaded=_concatenate_attribute(interfaces, "loaded"),
-        pressure=_concatenate_attribute(interfaces, "pressure"),
-        area=_concatenate_attribute(interfaces, "area"),
-        torque=_concatenate_attribute(interfaces, "torque"),
+        loaded=_concatenate_attribute_of_objects(interfaces, "loaded"),
+        pressure=_concatenate_attribute_of_objects(interfaces, "pressure"),
+        area=_concatenate_attribute_of_objects(interfaces, "area"),
+        torque=_concatenate_attribute_of_objects(interfaces, "torque"),
         stands=first.stands,
         others=tuple(others),
-        settle=partial(_settle_all_interfaces, interfaces) if all_settle else None,
+        settle=partial(_find_contact_of_all_worn_linings, interfaces) if all_settle else None,
     )
 
 
-def _concatenate_attribute(owners: Iterable[Any], name: str) -> Floats:
+def _concatenate_attribute_of_objects(owners: Iterable[Any], name: str) -> Floats:
     """The arrays (n,) in the attribute `name` of several objects, concatenated to one array."""
     return np.concatenate(list(map(attrgetter(name), owners)))
 
 
-def _joint_footing(footings: Sequence[Footing]) -> Footing:
+def _joint_abutment_friction_case(footings: Sequence[Footing]) -> Footing:
     """One footing of a joint group of linings, from a footing of each of its groups.
 
     The matrices of the joint contact problem are block diagonal.
     """
     problem = ContactProblem(
         A=block_diag(*map(attrgetter("problem.A"), footings)),
-        q=_concatenate_attribute(footings, "problem.q"),
+        q=_concatenate_attribute_of_objects(footings, "problem.q"),
         B=block_diag(*map(attrgetter("problem.B"), footings)),
         C=block_diag(*map(attrgetter("problem.C"), footings)),
-        h=_concatenate_attribute(footings, "problem.h"),
+        h=_concatenate_attribute_of_objects(footings, "problem.h"),
     )
-    return Footing(problem, partial(_allows_all_footings, footings))
+    return Footing(problem, partial(_is_friction_allowed_at_all_abutments, footings))
 
 
-def _allows_all_footings(footings: Sequence[Footing], contact: Contact) -> bool:
+def _is_friction_allowed_at_all_abutments(footings: Sequence[Footing], contact: Contact) -> bool:
     """Whether the solution of a joint contact problem agrees with the friction in all its groups.
 
-    `footings` are the ways in which friction acts at the abutments of each group of linings.
+    `abutment_friction_cases` are the ways in which friction acts at the abutments of each group of
+    linings.
     """
-    unknowns = in_turn(len(footing.problem.q) for footing in footings)
-    motions = in_turn(len(footing.problem.h) for footing in footings)
+    unknowns = slices_of_consecutive_parts(len(footing.problem.q) for footing in footings)
+    motions = slices_of_consecutive_parts(len(footing.problem.h) for footing in footings)
     for footing, unknown, motion in zip(footings, unknowns, motions, strict=True):
         if not footing.stands(replace(contact, p=contact.p[unknown], y=contact.y[motion])):
             return False
     return True
 
 
-def _settle_all_interfaces(interfaces: WearInterfaces, depth: Floats) -> tuple[int, Bools]:
+def _find_contact_of_all_worn_linings(
+    interfaces: WearInterfaces, depth: Floats
+) -> tuple[int, Bools]:
     """Solve the contact of several groups of worn linings, each group without a first guess.
 
     Returns the number of the combination of footings, and the mask (n,) of the unknowns in contact.
@@ -494,13 +499,13 @@ def _settle_all_interfaces(interfaces: WearInterfaces, depth: Floats) -> tuple[i
     """
     number = 0
     active_sets: list[Bools] = []
-    parts = in_turn(len(interface.area) for interface in interfaces)
+    parts = slices_of_consecutive_parts(len(interface.area) for interface in interfaces)
     for interface, part in zip(interfaces, parts, strict=True):
         assert interface.settle is not None
         own_number, active = interface.settle(depth[part])
         # `itertools.product` counts combinations like digits: the choice of the last group changes
         # from each combination to the next.
-        number = number * len(interface.footings) + own_number
+        number = number * len(interface.abutment_friction_cases) + own_number
         active_sets.append(active)
     return number, np.concatenate(active_sets)
 
@@ -528,9 +533,9 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
     """
     failure: NoAnswer | None = None
     compliance_of_wear = np.diagonal(interface.weight) * interface.pressure
-    for number, footing in enumerate(interface.footings):
+    for number, footing in enumerate(interface.abutment_friction_cases):
         try:
-            contact = _solve_steady_wear_with_footing(interface, footing, law)
+            contact = _solve_steady_wear_for_abutment_friction(interface, footing, law)
         except NoAnswer as error:
             failure = failure or error
             continue
@@ -543,7 +548,7 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
     raise failure or NoAnswer("worn in, a foot would leave its abutment")
 
 
-def _solve_steady_wear_with_footing(
+def _solve_steady_wear_for_abutment_friction(
     interface: WearInterface, footing: Footing, law: WearLaw
 ) -> Contact:
     """The steady wear of linings if friction acts at the abutments as in one `footing`.
@@ -588,34 +593,40 @@ def _solve_steady_power_law_wear(
     top = float((interface.pressure * linear.p).max())
     motions = linear.y / top
 
-    def rates(y: Floats) -> Contact:
+    def contact_with_wear_rates_as_pressures(y: Floats) -> Contact:
         """The contact whose p are the wear rates if the shoe moves by y per sliding distance."""
         return active_set.solve_contact_problem(
             ContactProblem(interface.weight, B @ y, *no_equilibria), linear.active
         )
 
-    def unknowns(rate: Floats) -> Floats:
+    def contact_unknowns_at_wear_rates(rate: Floats) -> Floats:
         """The contact unknowns x (n,) under which the lining wears at the rates (n,)."""
         return top * rate ** (1 / exponent) / interface.pressure
 
     # Motions t times as large make the pressure t^(1/m) times as large. The first guess is scaled
     # so that its pressure balances the largest load.
-    load = np.abs(C @ unknowns(rates(motions).p)).max()
+    load = np.abs(
+        C @ contact_unknowns_at_wear_rates(contact_with_wear_rates_as_pressures(motions).p)
+    ).max()
     guess = motions * float(np.abs(h).max() / load) ** exponent
     size = np.maximum(np.abs(guess), 1e-9 * np.abs(guess).max())
 
-    def imbalance(z: Any) -> Floats:
+    def unbalanced_loads_under_motions(z: Any) -> Floats:
         """The unbalanced part of the loads, relative to the largest, for motions z times `size`."""
-        return (C @ unknowns(rates(z * size).p) - h) / np.abs(h).max()
+        return (
+            C @ contact_unknowns_at_wear_rates(contact_with_wear_rates_as_pressures(z * size).p) - h
+        ) / np.abs(h).max()
 
-    root = scipy.optimize.root(imbalance, guess / size, tol=1e-13)
+    root = scipy.optimize.root(unbalanced_loads_under_motions, guess / size, tol=1e-13)
     if not root.success:
         raise NoAnswer("no worn-in pressure in equilibrium found")
-    contact = rates(root.x * size)
-    return replace(contact, p=unknowns(contact.p), y=root.x * size * top**exponent)
+    contact = contact_with_wear_rates_as_pressures(root.x * size)
+    return replace(
+        contact, p=contact_unknowns_at_wear_rates(contact.p), y=root.x * size * top**exponent
+    )
 
 
-def contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) -> Bools | None:
+def find_contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) -> Bools | None:
     """The mask (n,) of the unknowns in contact, from a sequence of ever stiffer linings.
 
     A soft lining lies on the drum as under a rigid shoe, so that its contact is found from any
@@ -632,17 +643,17 @@ def contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) -> Bo
     softest = SOFTEST_COMPLIANCE * compliance
     active = np.ones(len(q), dtype=bool)
     try:
-        for k in range(SOFTENINGS):
-            softened = A + softest * SOFTENED_BY**-k * weight
-            active = active_set.solve_by_block_pivoting(
+        for k in range(NUMBER_OF_SOFT_LININGS):
+            softened = A + softest * RATIO_OF_SOFT_LININGS**-k * weight
+            active = active_set.solve_contact_by_block_pivoting(
                 ContactProblem(softened, q, B, C, h), active
             ).active
-        return active_set.solve_by_block_pivoting(problem, active).active
+        return active_set.solve_contact_by_block_pivoting(problem, active).active
     except NoAnswer:
         return None
 
 
-def problem_at_given_torque(
+def contact_problem_at_given_torque(
     interface: WearInterface, torque: float, problem: ContactProblem | None = None
 ) -> ContactProblem:
     """The contact problem of linings whose torque is given in place of their actuation.
@@ -740,42 +751,48 @@ class _WearStepper:
     def __init__(self, interfaces: WearInterfaces, law: WearLaw, torque: float | None) -> None:
         self.law, self.held = law, torque
         # A given torque is that of all linings together, which then have one contact problem.
-        self.interfaces = list(interfaces) if torque is None else [join_interfaces(interfaces)]
-        self.parts = in_turn(len(interface.area) for interface in self.interfaces)
-        self.problems = list(map(self._problems_of, self.interfaces))
+        self.interfaces = (
+            list(interfaces) if torque is None else [join_groups_of_linings(interfaces)]
+        )
+        self.parts = slices_of_consecutive_parts(
+            len(interface.area) for interface in self.interfaces
+        )
+        self.problems = list(map(self._contact_problems_of_linings, self.interfaces))
         self.footing = [0] * len(self.interfaces)
-        self.area = _concatenate_attribute(self.interfaces, "area")
-        self.lever = _concatenate_attribute(self.interfaces, "torque")
+        self.area = _concatenate_attribute_of_objects(self.interfaces, "area")
+        self.lever = _concatenate_attribute_of_objects(self.interfaces, "torque")
         self.sets: list[Bools | None] = [None] * len(self.interfaces)
         self.forward = True
 
-    def _problems_of(self, interface: WearInterface) -> list[ContactProblem]:
+    def _contact_problems_of_linings(self, interface: WearInterface) -> list[ContactProblem]:
         """The contact problems of a group of linings: one for each friction case at its abutments.
 
         If the wear run keeps a given torque, the problems have this torque in place of a force.
         """
-        problems: list[ContactProblem] = list(map(attrgetter("problem"), interface.footings))
+        problems: list[ContactProblem] = list(
+            map(attrgetter("problem"), interface.abutment_friction_cases)
+        )
         if self.held is None:
             return problems
-        return list(map(partial(problem_at_given_torque, interface, self.held), problems))
+        return list(map(partial(contact_problem_at_given_torque, interface, self.held), problems))
 
-    def initial_state(self) -> WearState:
+    def state_of_unworn_linings(self) -> WearState:
         """The state of the unworn linings under load. Raises NoAnswer without an equilibrium."""
         depth = np.zeros(len(self.area))
-        pressure = self._settled_pressure(depth)
-        return self._make_state(0.0, depth, pressure, _WearIntegrals(0.0, 0.0, 0.0))
+        pressure = self._pressure_without_first_guess(depth)
+        return self._make_wear_state(0.0, depth, pressure, _WearIntegrals(0.0, 0.0, 0.0))
 
-    def state_after_reversal(self, state: WearState, forward: bool) -> WearState:
-        """The state of linings, worn as in `state`, after the drum has begun to turn the other way.
+    def state_after_drum_reversal(self, state: WearState, forward: bool) -> WearState:
+        """The state of linings, worn as in `last_state`, after the drum turns the other way.
 
         `forward` tells whether the drum now turns in the direction that the brake file states.
         """
         self.forward = forward
         integrals = _WearIntegrals(state.removed, state.pressed, state.work)
-        pressure = self._settled_pressure(state.depth)
-        return self._make_state(state.s, state.depth, pressure, integrals)
+        pressure = self._pressure_without_first_guess(state.depth)
+        return self._make_wear_state(state.s, state.depth, pressure, integrals)
 
-    def _settled_pressure(self, depth: Floats) -> Floats:
+    def _pressure_without_first_guess(self, depth: Floats) -> Floats:
         """The pressure (n,) [Pa] of linings worn by a depth (n,) [m], found without a first guess.
 
         The contact that is found is the first guess for the steps that follow.
@@ -787,12 +804,12 @@ class _WearStepper:
             # torque. In this case the last contact, if there is one, stays the first guess.
             with suppress(NoAnswer) if self.held is not None else nullcontext():
                 self.footing[i], self.sets[i] = interface.settle(depth[part])
-        return self._solve_contact(depth, 0.0).p
+        return self._solve_contact_of_all_linings(depth, 0.0).p
 
-    def first_step_length(self, state: WearState, tolerance: float) -> float:
+    def length_of_first_step(self, state: WearState, tolerance: float) -> float:
         """The length [m] of a first step, short enough for the fastest change of the pressure."""
         largest = state.pressure.max(initial=1.0)
-        slope = float(self.law.rate(np.full(1, largest), 0.0)[1][0])
+        slope = float(self.law.wear_rate_and_its_slope(np.full(1, largest), 0.0)[1][0])
         if slope == 0:
             return math.inf
         # The stiffer a node is, the faster wear changes its pressure. The least ratio of a node's
@@ -804,25 +821,29 @@ class _WearStepper:
             least = min(least, float(np.abs(ratios).min()))
         return math.sqrt(tolerance) * least / slope
 
-    def step(self, state: WearState, ds: float) -> tuple[WearState, float]:
+    def state_and_error_after_step(self, state: WearState, ds: float) -> tuple[WearState, float]:
         """The state after a step of length ds [m], and the relative L2 error of its pressure."""
         footing = list(self.footing)
         # The two stages of the Runge-Kutta method and its weights give the worn depth.
-        first = self._solve_contact(state.depth, GAMMA * ds)
-        second = self._solve_contact(state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds)
+        first = self._solve_contact_of_all_linings(state.depth, GAMMA * ds)
+        second = self._solve_contact_of_all_linings(
+            state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds
+        )
         depth = state.depth + ds * ((1 - GAMMA) * first.rate + GAMMA * second.rate)
         # With the rates r1 and r2 of the stages, the embedded first-order method wears by ds r1.
         # Its depth is wrong by GAMMA ds (r2 - r1). The tangent of the last stage turns this error
         # of the depth into an error of the pressure.
         depth_error = GAMMA * ds * (second.rate - first.rate)
-        error = self._size(self._pressure_change(second.tangents, depth_error))
+        error = self._norm_of_pressure(
+            self._pressure_change_by_worn_depth(second.tangents, depth_error)
+        )
         # The tangent is right only if the same unknowns were in contact, with the same friction at
         # the abutments, throughout the step.
         pressed = second.p > 0
         same_set = ((state.pressure > 0) == pressed).all() and ((first.p > 0) == pressed).all()
         if not same_set or self.footing != footing:
-            error = max(error, self._euler_error(state, ds, second.p))
-        error /= self._size(second.p) or 1.0
+            error = max(error, self._pressure_distance_from_euler_step(state, ds, second.p))
+        error /= self._norm_of_pressure(second.p) or 1.0
 
         def integral_over_step(at_first: Floats, at_second: Floats, row: Floats) -> float:
             """The integral over the step of row . values, from the values at the two stages."""
@@ -833,9 +854,9 @@ class _WearStepper:
             pressed=state.pressed + integral_over_step(first.p, second.p, self.area),
             work=state.work + integral_over_step(first.p, second.p, self.lever),
         )
-        return self._make_state(state.s + ds, depth, second.p, integrals), error
+        return self._make_wear_state(state.s + ds, depth, second.p, integrals), error
 
-    def _pressure_change(self, tangents: Sequence[Tangent], depth: Floats) -> Floats:
+    def _pressure_change_by_worn_depth(self, tangents: Sequence[Tangent], depth: Floats) -> Floats:
         """The change of the pressure (n,) [Pa] by a small change of the worn depth (n,) [m].
 
         `tangents` are those of each group of linings, see _WornContact.
@@ -845,7 +866,7 @@ class _WearStepper:
             changes.append(interface.pressure * tangent(interface.weight @ depth[part]))
         return np.concatenate(changes)
 
-    def _euler_error(self, state: WearState, ds: float, p: Floats) -> float:
+    def _pressure_distance_from_euler_step(self, state: WearState, ds: float, p: Floats) -> float:
         """The L2 norm of the difference between p after a step and p of one implicit Euler step.
 
         It measures the error of a step over which the nodes in contact change. The tangent of the
@@ -859,22 +880,22 @@ class _WearStepper:
         p : pressures (n,) [Pa] after the step
         """
         last = list(self.footing), list(self.sets)
-        euler = self._solve_contact(state.depth, ds)
+        euler = self._solve_contact_of_all_linings(state.depth, ds)
         self.footing, self.sets = last
-        return self._size(euler.p - p)
+        return self._norm_of_pressure(euler.p - p)
 
-    def _size(self, p: Floats) -> float:
+    def _norm_of_pressure(self, p: Floats) -> float:
         """The L2 norm of a pressure (n,) [Pa] over the area of all linings."""
         return math.sqrt(float(np.abs(self.area) @ p**2))
 
-    def _make_state(
+    def _make_wear_state(
         self, s: float, depth: Floats, p: Floats, integrals: _WearIntegrals
     ) -> WearState:
         """The state at a distance s [m] with worn depth (n,) [m], pressure p (n,) and integrals."""
-        force = self._actuation_factor(0, p)
+        force = self._actuation_factor_of_pressures(0, p)
         return WearState(s, depth, p, float(self.lever @ p), force, self.forward, *integrals)
 
-    def _solve_contact(self, depth: Floats, ds: float) -> _WornContact:
+    def _solve_contact_of_all_linings(self, depth: Floats, ds: float) -> _WornContact:
         """Solve the contact of all linings at a stage of a wear step.
 
         Parameters
@@ -883,15 +904,16 @@ class _WearStepper:
         ds : distance [m] over which the stage wears the linings at its own rate, rate(p)
         """
         bearings = [
-            self._solve_interface_contact(i, depth[part], ds) for i, part in enumerate(self.parts)
+            self._solve_contact_of_lining_group(i, depth[part], ds)
+            for i, part in enumerate(self.parts)
         ]
         return _WornContact(
-            p=_concatenate_attribute(bearings, "p"),
-            rate=_concatenate_attribute(bearings, "rate"),
+            p=_concatenate_attribute_of_objects(bearings, "p"),
+            rate=_concatenate_attribute_of_objects(bearings, "rate"),
             tangents=list(map(attrgetter("contact.pressure_change"), bearings)),
         )
 
-    def _actuation_factor(self, i: int, p: Floats) -> float:
+    def _actuation_factor_of_pressures(self, i: int, p: Floats) -> float:
         """The factor on the actuation that balances pressures p (n,) of the linings' group `i`.
 
         The factor is 1 unless the wear run keeps a given torque.
@@ -899,29 +921,29 @@ class _WearStepper:
         if self.held is None:
             return 1.0
         interface = self.interfaces[i]
-        problem = interface.footings[self.footing[i]].problem
+        problem = interface.abutment_friction_cases[self.footing[i]].problem
         main = int(np.argmax(np.abs(problem.h)))
         return float(problem.C[main] @ (p / interface.pressure)) / float(problem.h[main])
 
-    def _solve_interface_contact(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
+    def _solve_contact_of_lining_group(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
         """Solve the contact of the linings' group `i` at a stage of a wear step.
 
         The footing, the way in which friction acts at the abutments, is changed until the solution
         agrees with it. Raises NoAnswer if there is no such footing. Other parameters are those of
-        `_solve_contact`.
+        `_solve_contact_of_all_linings`.
         """
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
-        footings = self.interfaces[i].footings
+        footings = self.interfaces[i].abutment_friction_cases
         # The way in which friction acted at the abutments in the last solution is tried first.
         for number in sorted(range(len(footings)), key=lambda number: number != last_footing):
             self.footing[i], self.sets[i] = number, last_set
             try:
-                bearing = self._solve_contact_with_footing(i, depth, ds)
+                bearing = self._solve_contact_for_abutment_friction(i, depth, ds)
             except NoAnswer as error:
                 failure = failure or error
                 continue
-            force = self._actuation_factor(i, bearing.p)
+            force = self._actuation_factor_of_pressures(i, bearing.p)
             # Whether the friction opposes the slide of the feet is judged under the actuation of
             # the brake file, so the solution is scaled to it.
             contact = bearing.contact
@@ -932,20 +954,22 @@ class _WearStepper:
         self.footing[i], self.sets[i] = last_footing, last_set
         raise failure or NoAnswer("no equilibrium, a foot leaves its abutment")
 
-    def _solve_contact_with_footing(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
+    def _solve_contact_for_abutment_friction(
+        self, i: int, depth: Floats, ds: float
+    ) -> _InterfaceContact:
         """Solve the contact of the linings' group `i` with its present footing.
 
         Newton's method replaces the wear rate by its tangent at the last pressure. The slope of the
         tangent acts as a compliance of the linings, and its constant part as a gap. Raises NoAnswer
-        for self-locking or no convergence. Parameters are those of `_solve_contact`.
+        for self-locking or no convergence. Parameters are those of `_solve_contact_of_all_linings`.
         """
         interface, problem = self.interfaces[i], self.problems[i][self.footing[i]]
         A, q, B, C, h = problem._replace(q=problem.q + interface.weight @ depth)
         is_linear = self.law.exponent == 1 or ds == 0
-        p = self._first_pressure_guess(i, ContactProblem(A, q, B, C, h))
+        p = self._first_guess_of_pressure(i, ContactProblem(A, q, B, C, h))
         rounded = ROUNDED_PRESSURE * float(interface.area @ p) / float(interface.area.sum())
         for _ in range(1 if is_linear else MAX_NEWTON_STEPS):
-            rate, slope = self.law.rate(p, rounded)
+            rate, slope = self.law.wear_rate_and_its_slope(p, rounded)
             softer = A + ds * interface.weight * (slope * interface.pressure)
             shift = ds * (interface.weight @ (rate - slope * p))
             contact = active_set.solve_contact_problem(
@@ -957,13 +981,15 @@ class _WearStepper:
             new = interface.pressure * contact.p
             change, p = float(np.abs(new - p).max()), new
             if is_linear or change <= NEWTON_TOLERANCE * float(np.abs(p).max()):
-                return _InterfaceContact(p, self.law.rate(p, rounded)[0], contact)
+                return _InterfaceContact(
+                    p, self.law.wear_rate_and_its_slope(p, rounded)[0], contact
+                )
         raise NoAnswer(
             "not converged: "
             f"the pressure under wear of exponent {self.law.exponent:g} still changes"
         )
 
-    def _first_pressure_guess(self, i: int, problem: ContactProblem) -> Floats:
+    def _first_guess_of_pressure(self, i: int, problem: ContactProblem) -> Floats:
         """The pressure (n,) [Pa] from which Newton's method starts, for the linings' group `i`.
 
         It is the pressure without wear in this stage. It is zero for a rate proportional to the
@@ -992,19 +1018,19 @@ def wear_linings_by_explicit_euler(
     steps : number of steps
     """
     stepper = _WearStepper(interfaces, law, None)
-    states = [stepper.initial_state()]
+    states = [stepper.state_of_unworn_linings()]
     for _ in range(steps):
         before = states[-1]
         mean = float(stepper.area @ before.pressure) / float(stepper.area.sum())
-        rate = law.rate(before.pressure, ROUNDED_PRESSURE * mean)[0]
+        rate = law.wear_rate_and_its_slope(before.pressure, ROUNDED_PRESSURE * mean)[0]
         depth = before.depth + ds * rate
-        bearing = stepper._solve_contact(depth, 0.0)
+        bearing = stepper._solve_contact_of_all_linings(depth, 0.0)
         integrals = _WearIntegrals(
             removed=before.removed + ds * float(stepper.area @ rate),
             pressed=before.pressed + ds * float(stepper.area @ before.pressure),
             work=before.work + ds * before.torque,
         )
-        states.append(stepper._make_state(before.s + ds, depth, bearing.p, integrals))
+        states.append(stepper._make_wear_state(before.s + ds, depth, bearing.p, integrals))
     return states
 
 
@@ -1018,15 +1044,15 @@ def checkerboard_amplitude(p: Floats, margin: int = 5) -> float:
     """
     # An alternation may take single nodes out of contact. The contact therefore ends only at a node
     # without pressure whose two neighbours have no pressure either.
-    open_stretches = _erode_mask(p <= 0, 1, beyond=True)
-    use = _erode_mask(~open_stretches, margin, beyond=False)
+    open_stretches = _mask_of_true_with_true_neighbours(p <= 0, 1, beyond=True)
+    use = _mask_of_true_with_true_neighbours(~open_stretches, margin, beyond=False)
     if not use.any():
         return math.nan
     fourth = np.convolve(p, np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16, mode="same")
     return float(np.linalg.norm(fourth[use]) / np.linalg.norm(p[use]))
 
 
-def _erode_mask(where: Bools, margin: int, *, beyond: bool) -> Bools:
+def _mask_of_true_with_true_neighbours(where: Bools, margin: int, *, beyond: bool) -> Bools:
     """The mask (n,) that is true at a place if `where` (n,) is true there and at its neighbours.
 
     Neighbours are up to `margin` places away on either side. Places past the ends of the array
@@ -1037,7 +1063,7 @@ def _erode_mask(where: Bools, margin: int, *, beyond: bool) -> Bools:
     return eroded
 
 
-def interpolate_state(states: Sequence[WearState], s: float) -> WearState:
+def interpolate_wear_state_at_distance(states: Sequence[WearState], s: float) -> WearState:
     """The state at a sliding distance s [m], interpolated between the states before and after."""
     # At a reversal two states have the same distance. The state before the reversal counts.
     after = min(bisect_left(states, s, key=attrgetter("s")), len(states) - 1)
@@ -1047,7 +1073,7 @@ def interpolate_state(states: Sequence[WearState], s: float) -> WearState:
     a = states[after - 1]
     t = (s - a.s) / (b.s - a.s)
 
-    def interpolate(x: float, y: float) -> float:
+    def interpolate_number(x: float, y: float) -> float:
         """The value at the distance s, between x at the earlier state and y at the later one."""
         return (1 - t) * x + t * y
 
@@ -1055,16 +1081,18 @@ def interpolate_state(states: Sequence[WearState], s: float) -> WearState:
         s=s,
         depth=(1 - t) * a.depth + t * b.depth,
         pressure=(1 - t) * a.pressure + t * b.pressure,
-        torque=interpolate(a.torque, b.torque),
-        force=interpolate(a.force, b.force),
+        torque=interpolate_number(a.torque, b.torque),
+        force=interpolate_number(a.force, b.force),
         forward=b.forward,
-        removed=interpolate(a.removed, b.removed),
-        pressed=interpolate(a.pressed, b.pressed),
-        work=interpolate(a.work, b.work),
+        removed=interpolate_number(a.removed, b.removed),
+        pressed=interpolate_number(a.pressed, b.pressed),
+        work=interpolate_number(a.work, b.work),
     )
 
 
-def settling_distance(s: Sequence[float], values: Sequence[float], limit: float) -> float:
+def distance_after_which_values_stay_small(
+    s: Sequence[float], values: Sequence[float], limit: float
+) -> float:
     """The distance [m] from which on the sizes of some values stay at or below a limit.
 
     It is interpolated between two of the given distances. It is 0 if no value is above the limit,

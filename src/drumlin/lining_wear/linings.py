@@ -16,16 +16,16 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.fields import rows_of
+from drumlin.brake.fields import table_from_arrays
 from drumlin.brake.file import vary
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.foundation import model as foundation
-from drumlin.foundation.post import shoe_angles
-from drumlin.laws.hinged import pressing_moment
-from drumlin.lining_wear.archard import Footing, WearInterface, contact_set_from_soft_linings
+from drumlin.foundation.post import brake_angles_from_beam_angles
+from drumlin.laws.hinged import actuation_moment_towards_drum
+from drumlin.lining_wear.archard import Footing, WearInterface, find_contact_set_from_soft_linings
 
 AnyBrake = TypeVar("AnyBrake", bound=Brake)
 
@@ -57,7 +57,7 @@ class WornLining(NamedTuple):
     forward: slice
     order: int
 
-    def along(self, values: Floats) -> Floats:
+    def own_values_by_growing_angle(self, values: Floats) -> Floats:
         """The values (n,) of this lining in the order of growing theta.
 
         `values` holds those of all unknowns of the setup.
@@ -65,7 +65,7 @@ class WornLining(NamedTuple):
         return values[self.part][self.forward]
 
     @property
-    def angles(self) -> Floats:
+    def angles_in_growing_order(self) -> Floats:
         """The angles theta (n,) [rad] of the lining's contact unknowns in growing order."""
         return self.theta[self.forward]
 
@@ -87,7 +87,7 @@ class WearSetup(NamedTuple):
     surfaces: tuple[WornLining, ...]
 
     @property
-    def stiffness(self) -> float:
+    def lining_stiffness_per_area(self) -> float:
         """The stiffness K = E/t [Pa/m] of the first lining in contact: pressure per compression.
 
         E is the modulus through the lining's thickness t. With the wear coefficient k, 1/(k K) is
@@ -112,7 +112,9 @@ class _PlacedLining(NamedTuple):
     order: int
 
 
-def fem_wear_setup(scene: PreparedModel, brake: Brake, *, penalty: float = math.inf) -> WearSetup:
+def wear_setup_by_finite_elements(
+    scene: PreparedModel, brake: Brake, *, penalty: float = math.inf
+) -> WearSetup:
     """The wear setup of a brake from its finite elements.
 
     Parameters
@@ -130,40 +132,42 @@ def fem_wear_setup(scene: PreparedModel, brake: Brake, *, penalty: float = math.
     surfaces: list[WornLining] = []
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
         placed = []
-        for i, body, shoe in zip(group.members, group.bodies, group.shoes, strict=True):
+        for i, body, shoe in zip(
+            group.members, group.substructures_of_shoes, group.shoes, strict=True
+        ):
             theta = shoe.frame.theta(body.line.phi)
-            placed.append(_PlacedLining(i, theta, body.line.order))
-        surfaces += _worn_linings_of_interface(brake, surfaces, len(interfaces), placed)
-        interfaces.append(_wear_interface_of_group(group))
+            placed.append(_PlacedLining(i, theta, body.line.interpolation_degree))
+        surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)
+        interfaces.append(_wear_contact_problem_of_shoe_group(group))
     return _make_wear_setup(brake, "fem", interfaces, surfaces)
 
 
-def _wear_interface_of_group(group: ShoeGroup) -> WearInterface:
+def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
     """The contact problem of a group of coupled shoes, for steps of wear.
 
     It has a footing for each way in which friction may act at the abutments of the shoes.
     """
-    first, *others = group.groups_with_each_choice_of_senses()
-    couplings = list(map(attrgetter("coupling"), group.bodies))
-    gap = np.concatenate(group.initial_gaps)
+    first, *others = group.groups_with_each_choice_of_friction_senses()
+    couplings = list(map(attrgetter("coupling"), group.substructures_of_shoes))
+    gap = np.concatenate(group.gaps_of_unloaded_linings)
     problem = _problem_in_newtons(first)
     return WearInterface(
         problem=problem,
-        loaded=problem.q - group.gap_mass_matrix @ gap,
-        weight=group.gap_mass_matrix,
+        loaded=problem.q - group.mass_matrix_of_contact_nodes @ gap,
+        weight=group.mass_matrix_of_contact_nodes,
         pressure=np.ones(len(gap)),
-        area=np.concatenate(list(map(attrgetter("area"), couplings))),
+        area=np.concatenate(list(map(attrgetter("areas_of_contact_nodes"), couplings))),
         torque=group.brake.friction * np.concatenate(list(map(attrgetter("lever"), couplings))),
-        stands=partial(_allows_abutment_friction, first),
+        stands=partial(_is_abutment_friction_as_assumed, first),
         others=tuple(
-            Footing(_problem_in_newtons(way), partial(_allows_abutment_friction, way))
+            Footing(_problem_in_newtons(way), partial(_is_abutment_friction_as_assumed, way))
             for way in others
         ),
-        settle=partial(_settle_worn_linings, (first, *others)),
+        settle=partial(_find_contact_of_worn_linings, (first, *others)),
     )
 
 
-def _settle_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int, Bools]:
+def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int, Bools]:
     """Solve the contact of worn linings without a first guess.
 
     Returns the number of the footing, the way in which friction acts at the abutments, and the mask
@@ -179,36 +183,40 @@ def _settle_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int,
     NoAnswer
         if the worn linings have no equilibrium
     """
-    worn = replace(ways[0], brake=_brake_of_group_with_wear(ways[0], depth))
+    worn = replace(ways[0], brake=_brake_with_worn_linings_of_group(ways[0], depth))
     try:
         settled, contact = worn.solve_contact()
     except NoAnswer:
         # A search without a first guess may miss an equilibrium. The contact of ever stiffer
         # linings, from very soft ones on, gives a first guess.
-        active = contact_set_from_soft_linings(worn.problem, worn.gap_mass_matrix)
+        active = find_contact_set_from_soft_linings(
+            worn.contact_problem_of_group, worn.mass_matrix_of_contact_nodes
+        )
         if active is None:
             raise
         settled, contact = worn.solve_contact(active)
     # The senses of the friction at the abutments tell to which of the `ways` the solution belongs.
-    senses = list(map(attrgetter("known_friction_senses"), ways))
-    return senses.index(settled.known_friction_senses), contact.active
+    senses = list(map(attrgetter("known_abutment_friction_senses"), ways))
+    return senses.index(settled.known_abutment_friction_senses), contact.active
 
 
-def _brake_of_group_with_wear(group: ShoeGroup, depth: Floats) -> Brake:
+def _brake_with_worn_linings_of_group(group: ShoeGroup, depth: Floats) -> Brake:
     """The brake of a group of shoes with the linings of the group worn.
 
     `depth` (n,) [m] is the worn depth at the contact unknowns of the group.
     """
     depths = {}
-    for k, part in enumerate(group.node_ranges):
+    for k, part in enumerate(group.contact_node_slices_of_shoes):
         frame = group.shoes[k].frame
         forward = slice(None, None, frame.sense)
-        theta = frame.theta(group.bodies[k].line.phi)
+        theta = frame.theta(group.substructures_of_shoes[k].line.phi)
         depths[group.members[k]] = theta[forward], depth[part][forward]
-    return add_worn_depths(group.brake, depths)
+    return brake_with_added_worn_depths(group.brake, depths)
 
 
-def add_worn_depths(brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]) -> Brake:
+def brake_with_added_worn_depths(
+    brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]
+) -> Brake:
     """The brake with worn linings: the worn depth is added to the clearance of each lining.
 
     `depths` holds for each worn lining, by the position of its shoe in the brake, growing angles
@@ -217,7 +225,7 @@ def add_worn_depths(brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]) -
     shoes = list(brake.shoes)
     for i, (theta, depth) in depths.items():
         lining = shoes[i].lining
-        clearance = rows_of(theta, lining.clearance_at(theta) + depth)
+        clearance = table_from_arrays(theta, lining.clearance_at_coordinates(theta) + depth)
         worn = lining.model_copy(update={"clearance": clearance})
         shoes[i] = shoes[i].model_copy(update={"lining": worn})
     return brake.model_copy(update={"shoes": tuple(shoes)})
@@ -225,20 +233,24 @@ def add_worn_depths(brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]) -
 
 def _problem_in_newtons(group: ShoeGroup) -> ContactProblem:
     """The contact problem of a group of shoes in newtons, in place of the group's unit of force."""
-    size, problem = group.unit_force, group.problem
+    size, problem = group.largest_actuation_force, group.contact_problem_of_group
     return problem._replace(q=size * problem.q, h=size * problem.h)
 
 
-def _allows_abutment_friction(group: ShoeGroup, contact: Contact) -> bool:
+def _is_abutment_friction_as_assumed(group: ShoeGroup, contact: Contact) -> bool:
     """Whether a solution in newtons agrees with the friction at the abutments of a group of shoes.
 
     The friction agrees if it opposes the slide of each foot, or holds the foot.
     """
-    unit = replace(contact, p=contact.p / group.unit_force, y=contact.y / group.unit_force)
-    return all(group.is_foot_as_assumed(unit, k) for k in range(len(group.members)))
+    unit = replace(
+        contact,
+        p=contact.p / group.largest_actuation_force,
+        y=contact.y / group.largest_actuation_force,
+    )
+    return all(group.is_foot_friction_as_assumed(unit, k) for k in range(len(group.members)))
 
 
-def foundation_wear_setup(
+def wear_setup_by_foundation_model(
     brake: Brake, *, sections: int = foundation.RING_SECTIONS, lift: Iterable[str] = ()
 ) -> WearSetup:
     """The wear setup of a post brake from the foundation model.
@@ -256,25 +268,27 @@ def foundation_wear_setup(
     NoAnswer
         if no shoe touches the drum
     """
-    reason = foundation.why_not(brake)
+    reason = foundation.reason_against_foundation_model(brake)
     if reason is not None:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
-    names = foundation.included_effects(brake, lift)
-    touching = [i for i, shoe in enumerate(brake.shoes) if pressing_moment(shoe) > 0]
+    names = foundation.names_of_included_effects(brake, lift)
+    touching = [i for i, shoe in enumerate(brake.shoes) if actuation_moment_towards_drum(shoe) > 0]
     # Shoes influence each other only if the own pressure of each shoe loads an elastic ring.
     meet = brake.ring is not None and "own-pressure" in names
     groups = [touching] if meet and touching else [[i] for i in touching]
     interfaces: list[WearInterface] = []
     surfaces: list[WornLining] = []
     for group in groups:
-        system = foundation.system(brake, group, sections, names)
+        system = foundation.contact_problem_of_shoe_group(brake, group, sections, names)
         areas, gaps, placed = [], [], []
         for i, post in zip(group, system.posts, strict=True):
             shoe = brake.shoes[i]
             gaps.append(post.gap)
             areas.append(shoe.lining.width * brake.size * post.sector)
-            placed.append(_PlacedLining(i, shoe_angles(post.axis, shoe, post.theta), 1))
-        surfaces += _worn_linings_of_interface(brake, surfaces, len(interfaces), placed)
+            placed.append(
+                _PlacedLining(i, brake_angles_from_beam_angles(post.axis, shoe, post.theta), 1)
+            )
+        surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)
         area = np.concatenate(areas)
         # The contact unknowns are the normal forces [N] on the sectors of the linings.
         interfaces.append(
@@ -290,7 +304,7 @@ def foundation_wear_setup(
     return _make_wear_setup(brake, "foundation", interfaces, surfaces)
 
 
-def put_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
+def brake_with_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
     """The brake with each shoe on a guide in place of its hinge, pivot or abutment.
 
     The guide lies along the middle radius of the lining, or on a plane along the plane's normal.
@@ -303,7 +317,7 @@ def put_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
     return vary(brake, changes)
 
 
-def _worn_linings_of_interface(
+def _place_linings_among_contact_unknowns(
     brake: Brake, before: Sequence[WornLining], interface: int, placed: Sequence[_PlacedLining]
 ) -> list[WornLining]:
     """The linings of one group with the places of their contact unknowns in the wear setup.

@@ -18,23 +18,26 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.texts import formatted
+from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
-from drumlin.brake.units import mm
+from drumlin.brake.units import mm_text
 from drumlin.laws import rigid
-from drumlin.laws.rigid import PressedShoe
+from drumlin.laws.rigid import RigidShoeContact
 from drumlin.lining_wear import archard
 from drumlin.lining_wear.archard import WearLaw, WearState, solve_steady_wear
-from drumlin.lining_wear.linings import WearSetup, WornLining, add_worn_depths
-from drumlin.response.response import edge_zone, nodal_peak
-from drumlin.response.resultants import gauss_points
+from drumlin.lining_wear.linings import WearSetup, WornLining, brake_with_added_worn_depths
+from drumlin.response.response import (
+    largest_nodal_pressure_outside_zones,
+    length_of_edge_zone_without_peak,
+)
+from drumlin.response.resultants import polynomial_values_at_gauss_points
 
-COEFFICIENT = 1e-14
+DEFAULT_WEAR_COEFFICIENT = 1e-14
 """Wear coefficient k [1/Pa] if the user gives none: 1e-5 mm^3/(N m), the order of organic linings.
 
 Distances in units of 1/(k E/t) do not depend on k, nor do fractions of a lining's life."""
 
-WORN_OUT = 0.8
+WORN_OUT_FRACTION = 0.8
 """Fraction of a lining's thickness that is worn off when the lining counts as worn out.
 
 A judgement."""
@@ -42,7 +45,7 @@ A judgement."""
 WEAR_SETTLED = 1e-3
 """Relative distance of pressure and torque from the end of wear below which a run ends.
 
-It equals the largest error of a wear step, `archard.TOLERANCE`."""
+It equals the largest error of a wear step, `archard.DEFAULT_WEAR_STEP_ERROR`."""
 
 
 class WearTarget(NamedTuple):
@@ -58,13 +61,13 @@ class WearTarget(NamedTuple):
     torque: float
 
 
-def rigid_law_target(
+def end_of_wear_by_rigid_shoe_law(
     setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
 ) -> WearTarget:
     """The pressure and the torque to which wear tends as the mesh is refined.
 
     For finite elements and the exponent 1 of the wear law, the pressure is that of the rigid-shoe
-    law. For the foundation model and for other exponents, the result is `discrete_wear_target`.
+    law. For the foundation model and for other exponents, the result is `end_of_wear_on_mesh`.
 
     Parameters
     ----------
@@ -79,37 +82,38 @@ def rigid_law_target(
     """
     # The rigid-shoe law holds only if wear is proportional to the pressure.
     if setup.model != "fem" or (law is not None and law.exponent != 1):
-        return discrete_wear_target(setup, law, torque)
-    forced = rigid.forced(setup.brake)
+        return end_of_wear_on_mesh(setup, law, torque)
+    forced = rigid.brake_with_forces_shared_by_rigid_law(setup.brake)
     pressures = []
     total: float = 0
     for surface in setup.surfaces:
-        pressed = rigid.press(forced, forced.shoes[surface.shoe])
-        pressures.append(rigid.pressure(pressed, surface.theta))
+        pressed = rigid.find_contact_of_rigid_shoe(forced, forced.shoes[surface.shoe])
+        pressures.append(rigid.pressure_of_rigid_shoe_at_places(pressed, surface.theta))
         if pressed:
-            total += _lining_torque_by_law(setup, surface, pressed)
-    return _target_at_torque(np.concatenate(pressures), total, torque)
+            total += _lining_torque_by_rigid_shoe_law(setup, surface, pressed)
+    return _end_of_wear_at_held_torque(np.concatenate(pressures), total, torque)
 
 
-def discrete_wear_target(
+def end_of_wear_on_mesh(
     setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
 ) -> WearTarget:
     """The pressure and the torque at the end of wear on the mesh, or the sectors, of a setup.
 
     They differ from the rigid-shoe law if by the law only a part of a lining is in contact, because
-    this part ends within an element. Parameters and errors are those of `rigid_law_target`.
+    this part ends within an element. Parameters and errors are those of
+    `end_of_wear_by_rigid_shoe_law`.
     """
-    law = law or WearLaw(COEFFICIENT)
+    law = law or WearLaw(DEFAULT_WEAR_COEFFICIENT)
     pressures = []
     total: float = 0
     for interface in setup.interfaces:
         p = interface.pressure * solve_steady_wear(interface, law).contact.p
         pressures.append(p)
         total += float(interface.torque @ p)
-    return _target_at_torque(np.concatenate(pressures), total, torque)
+    return _end_of_wear_at_held_torque(np.concatenate(pressures), total, torque)
 
 
-def _target_at_torque(p: Floats, total: float, torque: float | None) -> WearTarget:
+def _end_of_wear_at_held_torque(p: Floats, total: float, torque: float | None) -> WearTarget:
     """The end of wear with the pressures p (n,) [Pa], scaled to a held torque if there is one.
 
     Parameters
@@ -121,7 +125,9 @@ def _target_at_torque(p: Floats, total: float, torque: float | None) -> WearTarg
     return WearTarget(p, total) if torque is None else WearTarget(p * torque / total, torque)
 
 
-def _lining_torque_by_law(setup: WearSetup, surface: WornLining, pressed: PressedShoe) -> float:
+def _lining_torque_by_rigid_shoe_law(
+    setup: WearSetup, surface: WornLining, pressed: RigidShoeContact
+) -> float:
     """The torque [N m] of one lining by the rigid-shoe law; on a plane the braking force [N].
 
     Parameters
@@ -131,10 +137,14 @@ def _lining_torque_by_law(setup: WearSetup, surface: WornLining, pressed: Presse
     pressed : contact of the rigid shoe
     """
     brake, lining = setup.brake, setup.brake.shoes[surface.shoe].lining
-    theta = rigid.nodes((lining.start, lining.end), pressed.arcs, rigid.PRESSURE_NODES - 1)
+    theta = rigid.places_of_pressure_nodes(
+        (lining.start, lining.end), pressed.arcs, rigid.PRESSURE_NODES - 1
+    )
     # The law's pressure is replaced by parabolas through its nodal values, which the Gauss rule
     # integrates exactly.
-    _, p, weight = gauss_points(theta, rigid.pressure(pressed, theta), 2)
+    _, p, weight = polynomial_values_at_gauss_points(
+        theta, rigid.pressure_of_rigid_shoe_at_places(pressed, theta), 2
+    )
     return float(brake.friction * lining.width * brake.scale_factor**2 * (p * weight).sum())
 
 
@@ -152,36 +162,43 @@ class TargetDistance(NamedTuple):
     torque: float
 
 
-def distance_from_target(setup: WearSetup, state: WearState, goal: WearTarget) -> TargetDistance:
+def relative_distance_from_end_of_wear(
+    setup: WearSetup, state: WearState, goal: WearTarget
+) -> TargetDistance:
     """The relative differences in pressure and torque of a state from the end of wear `goal`."""
     return TargetDistance(
-        pressure=pressure_distance(setup, state.pressure, goal.pressure),
+        pressure=largest_pressure_distance_of_linings(setup, state.pressure, goal.pressure),
         torque=state.torque / goal.torque - 1 if goal.torque else 0.0,
     )
 
 
-def pressure_distance(setup: WearSetup, p: Floats, goal: Floats) -> float:
+def largest_pressure_distance_of_linings(setup: WearSetup, p: Floats, goal: Floats) -> float:
     """The relative L2 distance of pressures p (n,) from pressures `goal` (n,).
 
     It is that of the lining with the largest distance.
     """
     distances = []
     for surface in setup.surfaces:
-        size = lining_pressure_norm(surface, surface.along(goal))
+        size = norm_of_pressure_on_lining(surface, surface.own_values_by_growing_angle(goal))
         # A lining without pressure at the end of wear has no relative distance.
         if size:
-            distances.append(lining_pressure_norm(surface, surface.along(p - goal)) / size)
+            distances.append(
+                norm_of_pressure_on_lining(surface, surface.own_values_by_growing_angle(p - goal))
+                / size
+            )
     return max(distances, default=0.0)
 
 
-def lining_pressure_norm(surface: WornLining, values: Floats) -> float:
+def norm_of_pressure_on_lining(surface: WornLining, values: Floats) -> float:
     """The L2 norm over theta of values (n,) on a lining, without one element at each end."""
     inner = slice(surface.order, len(values) - surface.order)
-    _, at_points, weight = gauss_points(surface.angles[inner], values[inner], surface.order)
+    _, at_points, weight = polynomial_values_at_gauss_points(
+        surface.angles_in_growing_order[inner], values[inner], surface.order
+    )
     return math.sqrt(float((at_points**2 * weight).sum()))
 
 
-def make_settled_test(
+def make_test_for_end_of_wear(
     setup: WearSetup, goal: WearTarget, within: float = WEAR_SETTLED
 ) -> Callable[[WearState], bool]:
     """Make a function that tells whether a state of worn linings has reached the end of wear.
@@ -189,14 +206,16 @@ def make_settled_test(
     Parameters
     ----------
     setup : the brake with the contact problems of its linings
-    goal : end of wear on the mesh, by `discrete_wear_target`. The rigid-shoe law would not do,
+    goal : end of wear on the mesh, by `end_of_wear_on_mesh`. The rigid-shoe law would not do,
         because wear on a mesh does not reach it.
     within : largest relative difference of pressure and torque from the end of wear
     """
-    return lambda state: max(map(abs, distance_from_target(setup, state, goal))) <= within
+    return lambda state: (
+        max(map(abs, relative_distance_from_end_of_wear(setup, state, goal))) <= within
+    )
 
 
-def run_in(
+def run_brake_linings_in(
     setup: WearSetup,
     law: WearLaw | None = None,
     *,
@@ -222,15 +241,15 @@ def run_in(
     NoAnswer
         for the reasons of `archard.wear_linings`
     """
-    _check_elements(setup)
-    law = law or WearLaw(COEFFICIENT)
+    _require_three_elements_per_lining(setup)
+    law = law or WearLaw(DEFAULT_WEAR_COEFFICIENT)
     torque = options.get("torque")
     if until is None and "distance" not in options:
         if backward is not None:
             raise BadInput(
                 "a brake whose drum turns both ways does not settle: a distance must be given"
             )
-        until = make_settled_test(setup, discrete_wear_target(setup, law, torque))
+        until = make_test_for_end_of_wear(setup, end_of_wear_on_mesh(setup, law, torque))
     return archard.wear_linings(
         setup.interfaces,
         law,
@@ -240,13 +259,13 @@ def run_in(
     )
 
 
-def _check_elements(setup: WearSetup) -> None:
+def _require_three_elements_per_lining(setup: WearSetup) -> None:
     """Raise BadInput if a lining has fewer than 3 elements.
 
     A comparison of pressures leaves out one element at each end of a lining.
     """
     for surface in setup.surfaces:
-        count = (len(surface.angles) - 1) // surface.order
+        count = (len(surface.angles_in_growing_order) - 1) // surface.order
         if count < 3:
             raise BadInput(
                 f"shoe {surface.name!r}: its lining has {count} elements; "
@@ -254,29 +273,34 @@ def _check_elements(setup: WearSetup) -> None:
             )
 
 
-def unit_sliding_distance(setup: WearSetup, law: WearLaw) -> float:
+def unit_of_sliding_distance(setup: WearSetup, law: WearLaw) -> float:
     """The unit of sliding distance 1/(k K) [m]; inf if the wear coefficient k is 0.
 
     K is the stiffness E/t of the lining. Over this distance, wear reduces by a factor e the
     difference of the pressure from its final value, if a rigid shoe stands on a lining of springs.
     """
-    return 1 / (law.coefficient * setup.stiffness) if law.coefficient else math.inf
+    return 1 / (law.coefficient * setup.lining_stiffness_per_area) if law.coefficient else math.inf
 
 
 def brake_with_worn_linings(setup: WearSetup, state: WearState) -> Brake:
     """The brake with worn linings: the worn depth of a state is added to their clearance."""
     depths = {}
     for surface in setup.surfaces:
-        depths[surface.shoe] = surface.angles, surface.along(state.depth)
-    return add_worn_depths(setup.brake, depths)
+        depths[surface.shoe] = (
+            surface.angles_in_growing_order,
+            surface.own_values_by_growing_angle(state.depth),
+        )
+    return brake_with_added_worn_depths(setup.brake, depths)
 
 
-def _largest_worn_depths(surface: WornLining, states: Sequence[WearState]) -> list[float]:
+def _largest_worn_depth_in_each_state(
+    surface: WornLining, states: Sequence[WearState]
+) -> list[float]:
     """The largest worn depth [m] of a lining in each of the states."""
     return [float(state.depth[surface.part].max()) for state in states]
 
 
-def check_worn_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
+def require_linings_not_worn_through(setup: WearSetup, states: Sequence[WearState]) -> None:
     """Raise NoAnswer if a lining is worn through, that is, by more than its thickness.
 
     The message names the lining that is worn through first, and the sliding distance.
@@ -286,10 +310,12 @@ def check_worn_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
     for surface in setup.surfaces:
         # The worn depth never shrinks, so that the last state tells whether it is too large.
         thickness = setup.brake.shoes[surface.shoe].lining.thickness
-        deepest = _largest_worn_depths(surface, states)
+        deepest = _largest_worn_depth_in_each_state(surface, states)
         if deepest[-1] > thickness:
             after = float(np.interp(thickness, deepest, s))
-            worn_through.append((after, f"shoe {surface.name!r}: its lining of {mm(thickness)}"))
+            worn_through.append(
+                (after, f"shoe {surface.name!r}: its lining of {mm_text(thickness)}")
+            )
     if worn_through:
         after, lining = min(worn_through)
         raise NoAnswer(
@@ -315,13 +341,13 @@ class LiningLife(NamedTuple):
     torque: float
 
 
-def lining_life(
+def compute_life_of_linings(
     setup: WearSetup,
     states: Sequence[WearState],
     goal: WearTarget,
     law: WearLaw,
     within: float = 0.01,
-    part: float = WORN_OUT,
+    part: float = WORN_OUT_FRACTION,
 ) -> LiningLife:
     """The life of the linings in a wear run, and how much of it passes before they are worn in.
 
@@ -341,18 +367,20 @@ def lining_life(
     end = math.inf
     for surface in setup.surfaces:
         allowed = part * setup.brake.shoes[surface.shoe].lining.thickness
-        deepest = _largest_worn_depths(surface, states)
+        deepest = _largest_worn_depth_in_each_state(surface, states)
         # The lining is worn out within the run, or after it at the rate of the final pressure.
         if deepest[-1] >= allowed:
             end = min(end, float(np.interp(allowed, deepest, s)))
         elif law.coefficient > 0:
-            rate = float(law.rate(goal.pressure[surface.part], 0.0)[0].max())
+            rate = float(law.wear_rate_and_its_slope(goal.pressure[surface.part], 0.0)[0].max())
             end = min(end, s[-1] + (allowed - deepest[-1]) / rate)
     # Pressure and torque count as worn in from where they stay within the bound.
-    distances = np.array([distance_from_target(setup, state, goal) for state in states])
+    distances = np.array(
+        [relative_distance_from_end_of_wear(setup, state, goal) for state in states]
+    )
     pressures, torques = distances.T.tolist()
-    pressure_near = archard.settling_distance(s, pressures, within)
-    torque_near = archard.settling_distance(s, torques, within)
+    pressure_near = archard.distance_after_which_values_stay_small(s, pressures, within)
+    torque_near = archard.distance_after_which_values_stay_small(s, torques, within)
     return LiningLife(end, pressure_near / end, torque_near / end)
 
 
@@ -376,7 +404,9 @@ class RunChecks(NamedTuple):
     ripple: float | None
 
 
-def compute_run_checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> RunChecks:
+def compute_checks_of_wear_run(
+    setup: WearSetup, states: Sequence[WearState], law: WearLaw
+) -> RunChecks:
     """Compute the checks of a wear run: balances of the worn volume, and ripple of the pressure."""
     end = states[-1]
     area = np.concatenate(list(map(attrgetter("area"), setup.interfaces)))
@@ -385,18 +415,22 @@ def compute_run_checks(setup: WearSetup, states: Sequence[WearState], law: WearL
     ripples = []
     for state in states[1:]:
         for surface in setup.surfaces:
-            ripple = archard.checkerboard_amplitude(surface.along(state.pressure))
+            ripple = archard.checkerboard_amplitude(
+                surface.own_values_by_growing_angle(state.pressure)
+            )
             # A lining of few nodes has no value of the ripple.
             if not math.isnan(ripple):
                 ripples.append(ripple)
     return RunChecks(
         volume=abs(float(area @ end.depth) - end.removed) / scale,
-        energy=_energy_imbalance(setup, end, law, scale),
+        energy=_imbalance_of_wear_and_friction_energy(setup, end, law, scale),
         ripple=max(ripples, default=None),
     )
 
 
-def _energy_imbalance(setup: WearSetup, end: WearState, law: WearLaw, scale: float) -> float | None:
+def _imbalance_of_wear_and_friction_energy(
+    setup: WearSetup, end: WearState, law: WearLaw, scale: float
+) -> float | None:
     """The difference between the worn volume and k W/mu with the friction energy W, see RunChecks.
 
     Parameters
@@ -413,7 +447,7 @@ def _energy_imbalance(setup: WearSetup, end: WearState, law: WearLaw, scale: flo
     volumes = []
     for surface in setup.surfaces:
         width = brake.shoes[surface.shoe].lining.width
-        depth = _integral_over_lining(surface, surface.along(end.depth))
+        depth = _integral_over_lining(surface, surface.own_values_by_growing_angle(end.depth))
         volumes.append(width * brake.scale_factor * depth)
     by_energy = law.coefficient * end.work / (brake.friction * brake.scale_factor)
     return abs(sum(volumes) - by_energy) / scale
@@ -421,20 +455,30 @@ def _energy_imbalance(setup: WearSetup, end: WearState, law: WearLaw, scale: flo
 
 def _integral_over_lining(surface: WornLining, values: Floats) -> float:
     """The integral over theta of values (n,) at the angles of a lining in growing order."""
-    _, at_points, weight = gauss_points(surface.angles, values, surface.order)
+    _, at_points, weight = polynomial_values_at_gauss_points(
+        surface.angles_in_growing_order, values, surface.order
+    )
     return float((at_points * weight).sum())
 
 
-def peak_nodal_pressure(setup: WearSetup, state: WearState) -> float:
+def peak_nodal_pressure_of_wear_state(setup: WearSetup, state: WearState) -> float:
     """The largest nodal pressure [Pa] on all linings, without the zones at the linings' ends."""
     peaks = []
     for surface in setup.surfaces:
-        zone = edge_zone(setup.brake.shoes[surface.shoe], setup.brake.scale_factor)
-        peaks.append(nodal_peak(surface.angles, surface.along(state.pressure), zone))
+        zone = length_of_edge_zone_without_peak(
+            setup.brake.shoes[surface.shoe], setup.brake.scale_factor
+        )
+        peaks.append(
+            largest_nodal_pressure_outside_zones(
+                surface.angles_in_growing_order,
+                surface.own_values_by_growing_angle(state.pressure),
+                zone,
+            )
+        )
     return max(peaks)
 
 
-def wear_run_data(
+def wear_run_as_json_data(
     setup: WearSetup, states: Sequence[WearState], goal: WearTarget, law: WearLaw
 ) -> dict[str, Any]:
     """A wear run as plain data for JSON in SI units, with each lining's values by growing theta.
@@ -447,40 +491,40 @@ def wear_run_data(
     law : the wear law
     """
 
-    def by_lining(values: Floats) -> list[list[float]]:
+    def values_of_each_lining(values: Floats) -> list[list[float]]:
         """Values (n,) at the contact unknowns of all linings, as a list for each lining."""
-        return [surface.along(values).tolist() for surface in setup.surfaces]
+        return [surface.own_values_by_growing_angle(values).tolist() for surface in setup.surfaces]
 
-    def state_data(state: WearState) -> dict[str, Any]:
+    def wear_state_as_json_data(state: WearState) -> dict[str, Any]:
         """A state of the wear run as plain data for JSON."""
-        off = distance_from_target(setup, state, goal)
+        off = relative_distance_from_end_of_wear(setup, state, goal)
         return {
             "distance": state.s,
             "forward": state.forward,
             "torque": state.torque,
             "force": state.force,
-            "peak_pressure": peak_nodal_pressure(setup, state),
+            "peak_pressure": peak_nodal_pressure_of_wear_state(setup, state),
             "pressure_from_law": off.pressure,
             "torque_from_law": off.torque,
             "worn_volume": state.removed,
-            "depth": by_lining(state.depth),
-            "pressure": by_lining(state.pressure),
+            "depth": values_of_each_lining(state.depth),
+            "pressure": values_of_each_lining(state.pressure),
         }
 
     shoes = []
     for surface in setup.surfaces:
-        shoes.append({"name": surface.name, "theta": surface.angles.tolist()})
+        shoes.append({"name": surface.name, "theta": surface.angles_in_growing_order.tolist()})
     return {
         "model": setup.model,
         "law": law._asdict(),
-        "unit_distance": unit_sliding_distance(setup, law) if law.coefficient else None,
+        "unit_distance": unit_of_sliding_distance(setup, law) if law.coefficient else None,
         "shoes": shoes,
-        "worn_in": {"torque": goal.torque, "pressure": by_lining(goal.pressure)},
-        "states": list(map(state_data, states)),
+        "worn_in": {"torque": goal.torque, "pressure": values_of_each_lining(goal.pressure)},
+        "states": list(map(wear_state_as_json_data, states)),
     }
 
 
-def report_lines(
+def report_lines_of_wear_run(
     setup: WearSetup,
     states: Sequence[WearState],
     goal: WearTarget,
@@ -498,20 +542,20 @@ def report_lines(
     lines : largest number of states in the table, which are spread evenly over the run
     """
     surface = setup.brake.surface
-    text = _heading_lines(setup, law)
+    text = _heading_lines_of_wear_report(setup, law)
     for i in np.unique(np.rint(np.linspace(0, len(states) - 1, lines)).astype(int)):
-        text.append(_state_line(setup, states[i], goal, law))
+        text.append(_table_line_of_wear_state(setup, states[i], goal, law))
     text.append(f"worn in (law): {surface.effect} {goal.torque:.6g} {surface.effect_unit}")
-    text += _line_on_mesh_error(setup, goal, law)
+    text += _line_on_mesh_error_of_wear_end(setup, goal, law)
     if law.coefficient > 0:
-        spent = lining_life(setup, states, goal, law)
+        spent = compute_life_of_linings(setup, states, goal, law)
         text.append(
             f"life: {spent.distance * 1e-3:.5g} km "
-            f"to {formatted(WORN_OUT, '.0%')} of the thickness; "
+            f"to {number_as_text(WORN_OUT_FRACTION, '.0%')} of the thickness; "
             f"of it p is more than 1 % off the law for {_life_fraction_text(spent.pressure)}, "
             f"the torque for {_life_fraction_text(spent.torque)}"
         )
-    balance = compute_run_checks(setup, states, law)
+    balance = compute_checks_of_wear_run(setup, states, law)
     energy = "" if balance.energy is None else f", energy {balance.energy:.1e}"
     ripple = "" if balance.ripple is None else f"checkerboard at most {balance.ripple:.1e}; "
     text.append(
@@ -521,12 +565,12 @@ def report_lines(
     return text
 
 
-def _heading_lines(setup: WearSetup, law: WearLaw) -> list[str]:
+def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
     """A line of text on brake and wear law, and the two lines that head the table of states."""
     brake, surface = setup.brake, setup.brake.surface
     wears = ": nothing wears"
     if law.coefficient:
-        wears = f", 1/(k K) = {unit_sliding_distance(setup, law) * 1e-3:.5g} km"
+        wears = f", 1/(k K) = {unit_of_sliding_distance(setup, law) * 1e-3:.5g} km"
     effect_unit = f"[{surface.effect_unit}]"
     return [
         f"{brake.title}: {setup.model}, {brake.motion}, mu = {brake.friction:g}, "
@@ -538,31 +582,33 @@ def _heading_lines(setup: WearSetup, law: WearLaw) -> list[str]:
     ]
 
 
-def _state_line(setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw) -> str:
-    """The line of one state in the table of a wear run; parameters as of `report_lines`."""
-    off = distance_from_target(setup, state, goal)
+def _table_line_of_wear_state(
+    setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw
+) -> str:
+    """The line of one state in a wear run's table; parameters as of `report_lines_of_wear_run`."""
+    off = relative_distance_from_end_of_wear(setup, state, goal)
     force = state.force * setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
-    peak = peak_nodal_pressure(setup, state) * 1e-6
+    peak = peak_nodal_pressure_of_wear_state(setup, state) * 1e-6
     return (
-        f"{state.s * 1e-3:9.5g}{state.s / unit_sliding_distance(setup, law):9.4g}"
+        f"{state.s * 1e-3:9.5g}{state.s / unit_of_sliding_distance(setup, law):9.4g}"
         f"{state.torque:10.6g}{force:9.5g}{peak:9.4g}"
         f"{100 * off.pressure:11.3f}{100 * off.torque:+11.4f}{state.depth.max() * 1e3:10.4g}"
     )
 
 
-def _line_on_mesh_error(setup: WearSetup, goal: WearTarget, law: WearLaw) -> list[str]:
+def _line_on_mesh_error_of_wear_end(setup: WearSetup, goal: WearTarget, law: WearLaw) -> list[str]:
     """A line of text on how far the end of wear on this mesh is from the rigid-shoe law.
 
     The list is empty if the relative difference of the pressures is at most WEAR_SETTLED.
-    Parameters are those of `report_lines`.
+    Parameters are those of `report_lines_of_wear_run`.
     """
-    end = discrete_wear_target(setup, law)
+    end = end_of_wear_on_mesh(setup, law)
     factor = goal.torque / end.torque if end.torque else 1.0
-    off = pressure_distance(setup, end.pressure * factor, goal.pressure)
+    off = largest_pressure_distance_of_linings(setup, end.pressure * factor, goal.pressure)
     if off <= WEAR_SETTLED:
         return []
     return [
-        f"p at the end of wear is {formatted(off, '.2%')} off the law on this mesh, "
+        f"p at the end of wear is {number_as_text(off, '.2%')} off the law on this mesh, "
         "for the law presses a part of a lining that ends within an element; "
         "more elements come nearer"
     ]
@@ -572,4 +618,4 @@ def _life_fraction_text(share: float) -> str:
     """A fraction of the linings' life in words; inf if it has not passed within the run."""
     if math.isinf(share):
         return "all of this run"
-    return formatted(share, ".1%") if share <= 1 else f"all of it ({share:.3g} lives)"
+    return number_as_text(share, ".1%") if share <= 1 else f"all of it ({share:.3g} lives)"

@@ -11,18 +11,22 @@ from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
-from drumlin.brake.units import quantity
+from drumlin.brake.units import option_value_in_si
 from drumlin.lining_wear.archard import WearLaw, WearState
-from drumlin.lining_wear.linings import WearSetup, fem_wear_setup, foundation_wear_setup
+from drumlin.lining_wear.linings import (
+    WearSetup,
+    wear_setup_by_finite_elements,
+    wear_setup_by_foundation_model,
+)
 from drumlin.lining_wear.run_in import (
-    COEFFICIENT,
+    DEFAULT_WEAR_COEFFICIENT,
     WearTarget,
-    check_worn_depth,
-    report_lines,
-    rigid_law_target,
-    run_in,
-    unit_sliding_distance,
-    wear_run_data,
+    end_of_wear_by_rigid_shoe_law,
+    report_lines_of_wear_run,
+    require_linings_not_worn_through,
+    run_brake_linings_in,
+    unit_of_sliding_distance,
+    wear_run_as_json_data,
 )
 
 WEARING_MODELS = ("fem", "foundation")
@@ -48,11 +52,11 @@ class WearRun:
 
     def as_dict(self) -> dict[str, Any]:
         """The run as plain data for JSON, in SI; the keys are those of `drumlin wear --json`."""
-        return wear_run_data(self.setup, self.states, self.target, self.law)
+        return wear_run_as_json_data(self.setup, self.states, self.target, self.law)
 
     def lines(self) -> list[str]:
         """The run as lines of text: a table of some states, and the life of the linings."""
-        return report_lines(self.setup, self.states, self.target, self.law)
+        return report_lines_of_wear_run(self.setup, self.states, self.target, self.law)
 
 
 class WearSetups(NamedTuple):
@@ -68,7 +72,7 @@ class WearSetups(NamedTuple):
     backward: WearSetup | None
 
 
-def check_wear_options(
+def require_options_of_wear_model(
     model: str, on_mesh: Mapping[str, Any], on_springs: Mapping[str, Any]
 ) -> None:
     """Raise BadInput for a model that cannot wear linings, or for options of another model.
@@ -96,13 +100,15 @@ def make_wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
     The coefficient is a number [1/Pa] or a text with a unit. For None it is COEFFICIENT.
     """
     if coefficient is None:
-        return WearLaw(COEFFICIENT, exponent)
+        return WearLaw(DEFAULT_WEAR_COEFFICIENT, exponent)
     if isinstance(coefficient, str):
-        return WearLaw(quantity("--coefficient", coefficient, "1/Pa"), exponent)
+        return WearLaw(option_value_in_si("--coefficient", coefficient, "1/Pa"), exponent)
     return WearLaw(coefficient, exponent)
 
 
-def wear_setups(brake: Brake, model: str, *, both_ways: bool, **options: Any) -> WearSetups:
+def make_wear_setups_of_brake(
+    brake: Brake, model: str, *, both_ways: bool, **options: Any
+) -> WearSetups:
     """The wear setups of a brake, on the same mesh for both directions of rotation.
 
     Parameters
@@ -110,8 +116,8 @@ def wear_setups(brake: Brake, model: str, *, both_ways: bool, **options: Any) ->
     brake : the brake
     model : name of the model, "fem" or "foundation"
     both_ways : whether the drum also turns the other way
-    options : options of `prepare_finest_division` for "fem", of `foundation_wear_setup` for
-        "foundation"
+    options : options of `prepared_model_of_finest_division` for "fem", of
+        `wear_setup_by_foundation_model` for "foundation"
 
     Raises
     ------
@@ -120,21 +126,23 @@ def wear_setups(brake: Brake, model: str, *, both_ways: bool, **options: Any) ->
     NoAnswer
         if the linings do not touch the drum, or if there is no equilibrium
     """
-    turned_back = brake.reversed() if both_ways else None
+    turned_back = brake.brake_with_reversed_motion() if both_ways else None
     if model == "foundation":
-        forward = foundation_wear_setup(brake, **options)
-        backward = None if turned_back is None else foundation_wear_setup(turned_back, **options)
+        forward = wear_setup_by_foundation_model(brake, **options)
+        backward = (
+            None if turned_back is None else wear_setup_by_foundation_model(turned_back, **options)
+        )
         return WearSetups(forward, backward)
     # The import takes long, and only finite elements need it.
-    from drumlin.fem.solve import prepare_finest_division  # noqa: PLC0415
+    from drumlin.fem.solve import prepared_model_of_finest_division  # noqa: PLC0415
 
-    scene = prepare_finest_division(brake, **options)
-    forward = fem_wear_setup(scene, brake)
-    backward = None if turned_back is None else fem_wear_setup(scene, turned_back)
+    scene = prepared_model_of_finest_division(brake, **options)
+    forward = wear_setup_by_finite_elements(scene, brake)
+    backward = None if turned_back is None else wear_setup_by_finite_elements(scene, turned_back)
     return WearSetups(forward, backward)
 
 
-def sliding_distance(option: str, given: float | str, unit: float) -> float:
+def sliding_distance_from_option(option: str, given: float | str, unit: float) -> float:
     """A sliding distance [m], from a number or a text.
 
     Parameters
@@ -154,10 +162,10 @@ def sliding_distance(option: str, given: float | str, unit: float) -> float:
     try:
         return float(given) * unit
     except ValueError:
-        return quantity(option, given, "m")
+        return option_value_in_si(option, given, "m")
 
 
-def run_wear(
+def wear_whole_brake(
     setups: WearSetups,
     law: WearLaw,
     *,
@@ -172,10 +180,10 @@ def run_wear(
     ----------
     setups : wear setups of the brake; with `reverse`, also for the other direction of rotation
     law : the wear law
-    distance : sliding distance as of `sliding_distance`; None to wear until pressure and torque
-        hardly differ from the end of wear
-    reverse : sliding distance, as of `sliding_distance`, after which the drum turns the other way,
-        again and again; None for one direction
+    distance : sliding distance as of `sliding_distance_from_option`; None to wear until pressure
+        and torque hardly differ from the end of wear
+    reverse : sliding distance, as of `sliding_distance_from_option`, after which the drum turns the
+        other way, again and again; None for one direction
     torque : torque [N m] that the actuation is adjusted to keep; None for a constant actuation
     tolerance : largest error of the pressure in a step (L2 norm, relative); None for the default
 
@@ -187,15 +195,15 @@ def run_wear(
         for no equilibrium, no convergence, self-locking, or a lining that is worn through
     """
     setup, backward = setups
-    unit = unit_sliding_distance(setup, law)
-    # Options that are not given keep the defaults of `run_in`.
+    unit = unit_of_sliding_distance(setup, law)
+    # Options that are not given keep the defaults of `run_brake_linings_in`.
     given = {"tolerance": tolerance, "torque": torque}
     options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
     if reverse is not None:
-        options["reverse"] = sliding_distance("--reverse", reverse, unit)
+        options["reverse"] = sliding_distance_from_option("--reverse", reverse, unit)
     if distance is not None:
-        options["distance"] = sliding_distance("--distance", distance, unit)
-    states = run_in(setup, law, backward=backward, **options)
-    check_worn_depth(setup, states)
-    goal = rigid_law_target(setup, law, torque)
+        options["distance"] = sliding_distance_from_option("--distance", distance, unit)
+    states = run_brake_linings_in(setup, law, backward=backward, **options)
+    require_linings_not_worn_through(setup, states)
+    goal = end_of_wear_by_rigid_shoe_law(setup, law, torque)
     return WearRun(setup, law, tuple(states), goal)

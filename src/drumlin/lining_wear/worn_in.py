@@ -43,17 +43,21 @@ import scipy.linalg
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.fields import Rows, rows_of
+from drumlin.brake.fields import Rows, table_from_arrays
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solve import prepare_finest_division
-from drumlin.foundation.model import RING_SECTIONS, included_effects, system
-from drumlin.foundation.post import shoe_angles
-from drumlin.laws import sine
+from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.foundation.model import (
+    RING_SECTIONS,
+    contact_problem_of_shoe_group,
+    names_of_included_effects,
+)
+from drumlin.foundation.post import brake_angles_from_beam_angles
+from drumlin.laws import solve_brake_by_sine_law
 from drumlin.lining_wear.archard import WearInterface, WearLaw, solve_steady_wear
-from drumlin.lining_wear.linings import fem_wear_setup
+from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.response import Response
-from drumlin.response.merit import with_merits
+from drumlin.response.merit import response_with_figures_of_merit
 
 LEAST_CLOSING = 0.01
 """Relative closing of the gap below which a node does not count in keeping a lining off the drum.
@@ -80,21 +84,21 @@ def solve_worn_in_brake(brake: Brake, *, penalty: float = PENALTY, **options: An
     ----------
     brake : the brake, whose clearances and misfit are replaced
     penalty : factor alpha of the contact stiffness alpha E/t per area
-    options : options of `prepare_finest_division`
+    options : options of `prepared_model_of_finest_division`
     """
-    scene = prepare_finest_division(brake, **options)
-    worn = worn_in_brake(scene, brake)
-    return with_merits(brake, solve_prepared_model(scene, worn, penalty=penalty))
+    scene = prepared_model_of_finest_division(brake, **options)
+    worn = brake_with_worn_in_clearances(scene, brake)
+    return response_with_figures_of_merit(brake, solve_prepared_model(scene, worn, penalty=penalty))
 
 
-def worn_in_brake(scene: PreparedModel, brake: Brake) -> Brake:
+def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
     """The brake with the clearances of worn-in linings in place of its own clearances and misfit.
 
     A drum that is out of round stays so: as the drum turns it wears the lining evenly, as long as
     the whole lining stays in contact. Raises NoAnswer for a self-locking shoe. `scene` holds the
     prepared finite elements of the brake.
     """
-    setup = fem_wear_setup(scene, remove_misfit(brake, drum=True))
+    setup = wear_setup_by_finite_elements(scene, brake_without_misfit(brake, drum=True))
     gaps: dict[int, Rows] = {}
     for number, interface in enumerate(setup.interfaces):
         surfaces = [surface for surface in setup.surfaces if surface.interface == number]
@@ -102,14 +106,14 @@ def worn_in_brake(scene: PreparedModel, brake: Brake) -> Brake:
         linings = [slice(None)]
         if brake.shares is None:
             linings = list(map(attrgetter("local"), surfaces))
-        gap = _worn_in_gap(interface, linings)
+        gap = _gap_of_unloaded_worn_in_linings(interface, linings)
         for surface in surfaces:
             along = gap[surface.local][surface.forward]
-            gaps[surface.shoe] = rows_of(surface.angles, along)
-    return remove_misfit(remove_misfit(brake), gaps)
+            gaps[surface.shoe] = table_from_arrays(surface.angles_in_growing_order, along)
+    return brake_without_misfit(brake_without_misfit(brake), gaps)
 
 
-def _worn_in_gap(interface: WearInterface, linings: list[slice]) -> Floats:
+def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[slice]) -> Floats:
     """The gap (n,) [m] between the drum and the unloaded, worn-in linings of one contact problem.
 
     The symbols are those at the head of this module.
@@ -126,15 +130,17 @@ def _worn_in_gap(interface: WearInterface, linings: list[slice]) -> Floats:
         if there is no steady wear, or if friction at an abutment may act in more than one way
     """
     end = solve_steady_wear(interface, WearLaw(1.0))
-    footing, M, p = interface.footings[end.footing], interface.weight, end.contact.p
+    footing, M, p = interface.abutment_friction_cases[end.footing], interface.weight, end.contact.p
     A, q, B, *_ = footing.problem
     # While the unloaded shoe rests, each foot on a rough abutment stays where it is. The footing
     # of this case is the one with the fewest motions.
-    resting = min(map(attrgetter("problem.B"), interface.footings), key=lambda B: B.shape[1])
+    resting = min(
+        map(attrgetter("problem.B"), interface.abutment_friction_cases), key=lambda B: B.shape[1]
+    )
     solved = scipy.linalg.solve(M, np.column_stack([q + A @ p, resting]), assume_a="pos")
     # `opened` is the opening c, and approach @ y is the closing of the gap by motions y.
     opened, approach = solved[:, 0], -solved[:, 1:]
-    motions = _resting_motions(interface, opened, approach)
+    motions = _motions_to_resting_position(interface, opened, approach)
     rest, bent = motions.nearest, opened - approach @ motions.nearest
     closing = approach @ motions.evenly
     for part in linings:
@@ -166,7 +172,9 @@ class _RestingMotions(NamedTuple):
     evenly: Floats
 
 
-def _resting_motions(interface: WearInterface, opened: Floats, approach: Floats) -> _RestingMotions:
+def _motions_to_resting_position(
+    interface: WearInterface, opened: Floats, approach: Floats
+) -> _RestingMotions:
     """The motions of the shoes whose closing of the gap is nearest to `opened` and to 1.
 
     "Nearest" means the least sum of squares, weighted by the area of the nodes.
@@ -183,7 +191,7 @@ def _resting_motions(interface: WearInterface, opened: Floats, approach: Floats)
     return _RestingMotions(nearest, evenly)
 
 
-def remove_misfit(
+def brake_without_misfit(
     brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool = False
 ) -> Brake:
     """The brake with linings that fit the drum: without misfit, with given clearances or none.
@@ -195,18 +203,18 @@ def remove_misfit(
     drum : whether a drum that is out of round becomes round, too
     """
 
-    def fit(i: int, shoe: Shoe) -> Shoe:
+    def shoe_without_misfit(i: int, shoe: Shoe) -> Shoe:
         """Shoe `i` of the brake without misfit, and with its clearance in `gaps` or none."""
         clearance = (gaps or {}).get(i, 0.0)
         no_misfit = type(shoe.lining.misfit)()
         lining = shoe.lining.model_copy(update={"clearance": clearance, "misfit": no_misfit})
         return shoe.model_copy(update={"lining": lining})
 
-    shoes = tuple(fit(i, shoe) for i, shoe in enumerate(brake.shoes))
+    shoes = tuple(shoe_without_misfit(i, shoe) for i, shoe in enumerate(brake.shoes))
     return (brake.round() if drum else brake).model_copy(update={"shoes": shoes})
 
 
-def worn_in_foundation_brake(
+def post_brake_with_worn_in_clearances(
     brake: Brake, *, sections: int = RING_SECTIONS, lift: Iterable[str] = ()
 ) -> Brake:
     """The brake with the clearances with which the foundation model has the sine law's pressure.
@@ -224,18 +232,18 @@ def worn_in_foundation_brake(
     NoAnswer
         for a self-locking shoe
     """
-    names, law = included_effects(brake, lift), sine(brake)
-    fitting = remove_misfit(brake, drum=True)
+    names, law = names_of_included_effects(brake, lift), solve_brake_by_sine_law(brake)
+    fitting = brake_without_misfit(brake, drum=True)
     shoes = list(range(len(brake.shoes)))
     gaps: dict[int, Rows] = {}
     # Shoes influence each other only if the own pressure of each shoe loads the ring.
     groups = [shoes] if "own-pressure" in names else [[i] for i in shoes]
     for group in groups:
-        model = system(fitting, group, sections, names)
+        model = contact_problem_of_shoe_group(fitting, group, sections, names)
         # The pressure of the sine law as normal forces on the sectors of the linings.
         forces, angles = [], []
         for i, post in zip(group, model.posts, strict=True):
-            theta = shoe_angles(post.axis, brake.shoes[i], post.theta)
+            theta = brake_angles_from_beam_angles(post.axis, brake.shoes[i], post.theta)
             angles.append(theta)
             width = brake.shoes[i].lining.width
             forces.append(law.shoes[i].pressure_at(theta) * width * brake.size * post.sector)
@@ -246,5 +254,5 @@ def worn_in_foundation_brake(
             own, theta = parts[k], angles[k]
             # The turn is the smallest with which no clearance is negative: it is 0 at one place.
             gap = post.closing[0] * np.max(own / post.closing[0]) - own
-            gaps[group[k]] = rows_of(theta[:: post.axis.sense], gap[:: post.axis.sense])
-    return remove_misfit(fitting, gaps)
+            gaps[group[k]] = table_from_arrays(theta[:: post.axis.sense], gap[:: post.axis.sense])
+    return brake_without_misfit(fitting, gaps)

@@ -8,15 +8,15 @@ from typing import Any
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.peers.peer import Peer, PeerMissing
-from drumlin.response.merit import with_merits
+from drumlin.response.merit import response_with_figures_of_merit
 
 PEERS = {"calculix": "CalculiX", "getfem": "GetFEM"}
 """The peers: the name in options and files, and the name as the program writes it."""
 
-__all__ = ["PEERS", "Peer", "PeerMissing", "missing", "solve"]
+__all__ = ["PEERS", "Peer", "PeerMissing", "install_hint_if_missing", "solve_by_peer"]
 
 
-def solve(name: str, brake: Brake, **options: Any) -> Peer:
+def solve_by_peer(name: str, brake: Brake, **options: Any) -> Peer:
     """Solve a brake by a peer, another finite-element program.
 
     Parameters
@@ -39,16 +39,17 @@ def solve(name: str, brake: Brake, **options: Any) -> Peer:
 
     if name not in PEERS:
         raise BadInput(f"peer = {name!r}: unknown; allowed: {', '.join(PEERS)}")
-    peer = (calculix if name == "calculix" else getfem).solve(brake, **options)
-    return peer._replace(response=with_merits(brake, peer.response))
+    solve = calculix.solve_by_calculix if name == "calculix" else getfem.solve_by_getfem
+    peer: Peer = solve(brake, **options)
+    return peer._replace(response=response_with_figures_of_merit(brake, peer.response))
 
 
-def missing(name: str) -> str | None:
+def install_hint_if_missing(name: str) -> str | None:
     """How to install a peer, in one line, or None if the peer is installed."""
     from drumlin.peers import calculix, getfem  # noqa: PLC0415
 
     try:
-        (calculix.version if name == "calculix" else getfem.python)()
+        (calculix.calculix_version if name == "calculix" else getfem.path_of_python_with_getfem)()
     except PeerMissing as error:
         return str(error)
     return None

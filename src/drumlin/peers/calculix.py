@@ -27,28 +27,32 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
-from drumlin.base.texts import formatted
+from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
-from drumlin.fem.substructure.interface import ContactLine, couple_with_counterface, drum_directions
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    function_for_drum_normals_and_tangents,
+    weak_coupling_of_contact_line,
+)
 from drumlin.peers.deck import (
     BEARING_STIFFNESS,
     BEYOND_ELEMENTS,
     DeckSetting,
-    deck,
-    drum_angles,
+    angles_of_drum_nodes,
+    plane_stress_deck_text,
 )
 from drumlin.peers.peer import (
-    Loaded,
+    LoadedShoe,
     Peer,
     PeerForces,
     PeerMissing,
-    brake_response,
-    loaded_shoes,
-    run_process,
-    shoe_response,
-    untouched_response,
+    brake_response_from_shoes,
+    hinged_shoes_under_actuation,
+    response_of_untouched_shoe,
+    run_peer_process,
+    shoe_response_from_peer_forces,
 )
 from drumlin.response.response import Balance, ShoeResponse
 
@@ -68,7 +72,7 @@ LEAST_TOUCHING = 0.1
 
 With fewer elements in contact the state is no equilibrium."""
 
-STICKING = 0.99
+STICKING_SHEAR_RATIO = 0.99
 """Shear stress divided by mu p below which a contact point counts as sticking."""
 
 MOST_STICKING = 0.02
@@ -81,7 +85,7 @@ LONGEST_CALCULIX = 3600
 """Time [s] after which a run of CalculiX is stopped."""
 
 
-class PosedShoe(NamedTuple):
+class DeckFormat(NamedTuple):
     """How a shoe is written as a CalculiX deck, and how forces on the drum's arc are read back.
 
     The shoe may be in plane stress or solid; the two need different decks.
@@ -125,7 +129,7 @@ class CalculixState(NamedTuple):
 
 
 @functools.cache
-def version() -> str:
+def calculix_version() -> str:
     """The version of CalculiX, the `ccx` on the PATH. Raises PeerMissing if ccx is missing."""
     path = shutil.which("ccx")
     if path is None:
@@ -135,12 +139,12 @@ def version() -> str:
     return found[1] if found else "unknown"
 
 
-def export(
+def export_calculix_decks(
     brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND
 ) -> tuple[list[Path], list[str]]:
-    """Write a CalculiX deck for each shoe of a brake, with the setting with which `solve` begins.
+    """Write a CalculiX deck for each shoe of a brake, set as `solve_by_calculix` begins.
 
-    CalculiX need not be installed. Raises BadInput as `solve` does.
+    CalculiX need not be installed. Raises BadInput as `solve_by_calculix` does.
 
     Parameters
     ----------
@@ -155,19 +159,19 @@ def export(
     shoes away from the drum
     """
     setting, decks = DeckSetting(), []
-    for loaded in loaded_shoes(brake, elements, kind):
-        decks.append(ShoeDeck(loaded, partial(deck, brake, loaded, setting)))
-    return write_decks(decks, folder, stem)
+    for loaded in hinged_shoes_under_actuation(brake, elements, kind):
+        decks.append(ShoeDeck(loaded, partial(plane_stress_deck_text, brake, loaded, setting)))
+    return write_deck_files(decks, folder, stem)
 
 
 class ShoeDeck(NamedTuple):
     """A shoe under its actuation, and a function that returns its deck's text for a deck's name."""
 
-    loaded: Loaded
+    loaded: LoadedShoe
     text: Callable[[str], str]
 
 
-def write_decks(
+def write_deck_files(
     decks: Sequence[ShoeDeck], folder: Path, stem: str, ending: str = ""
 ) -> tuple[list[Path], list[str]]:
     """Write a CalculiX deck for each shoe that its actuation presses on the drum.
@@ -194,7 +198,7 @@ def write_decks(
     return paths, apart
 
 
-def solve(
+def solve_by_calculix(
     brake: Brake,
     *,
     elements: int = ELEMENTS,
@@ -222,15 +226,15 @@ def solve(
     NoAnswer
         if CalculiX fails, or ends on a state that is no equilibrium
     """
-    installed = version()
+    installed = calculix_version()
     tally = RunTally()
     points = []
-    for loaded in loaded_shoes(brake, elements, kind, mesher):
+    for loaded in hinged_shoes_under_actuation(brake, elements, kind, mesher):
         if not loaded.approaches:
-            tally.answers.append(untouched_response(loaded))
+            tally.answers.append(response_of_untouched_shoe(loaded))
             continue
-        state, rotation = slipping(brake, loaded, setting or DeckSetting())
-        tally.add(loaded, state)
+        state, rotation = run_until_lining_slips(brake, loaded, setting or DeckSetting())
+        tally.add_shoe_state(loaded, state)
         points.append(
             f"shoe {loaded.shoe.name!r}: "
             f"{state.points} contact points on {state.touching} elements, "
@@ -241,7 +245,7 @@ def solve(
         "a further load case is a new run: nothing is reused",
         *points,
     )
-    return tally.peer(installed, notes)
+    return tally.result_of_brake(installed, notes)
 
 
 class RunTally:
@@ -251,20 +255,20 @@ class RunTally:
         self.answers: list[tuple[ShoeResponse, Balance]] = []
         self._iterations, self._unknowns, self._seconds = 0, 0, 0.0
 
-    def add(self, loaded: Loaded, state: CalculixState) -> None:
+    def add_shoe_state(self, loaded: LoadedShoe, state: CalculixState) -> None:
         """Add the results of a shoe, and the iterations, unknowns and time of its run."""
-        self.answers.append(response(loaded, state))
+        self.answers.append(shoe_response_of_calculix_state(loaded, state))
         self._iterations = max(self._iterations, state.iterations)
         self._unknowns += state.unknowns
         self._seconds += state.seconds
 
-    def peer(self, installed: str, notes: tuple[str, ...]) -> Peer:
+    def result_of_brake(self, installed: str, notes: tuple[str, ...]) -> Peer:
         """The collected result for the whole brake; `installed` is the version of CalculiX."""
         seconds = self._seconds
         return Peer(
             name="calculix",
             version=installed,
-            response=brake_response(
+            response=brake_response_from_shoes(
                 "calculix", self.answers, self._iterations, {"calculix": seconds}
             ),
             seconds=seconds,
@@ -275,19 +279,19 @@ class RunTally:
         )
 
 
-def plane_pose(brake: Brake, loaded: Loaded) -> PosedShoe:
+def plane_stress_deck_format(brake: Brake, loaded: LoadedShoe) -> DeckFormat:
     """How a shoe in plane stress is written as a deck, and how its forces are read back."""
-    count = len(drum_angles(loaded))
+    count = len(angles_of_drum_nodes(loaded))
     # The arc is the row of nodes on the friction surface.
     arc = slice(count) if loaded.shoe.sign > 0 else slice(-count, None)
-    return PosedShoe(
-        text=lambda setting, name: deck(brake, loaded, setting, name),
+    return DeckFormat(
+        text=lambda setting, name: plane_stress_deck_text(brake, loaded, setting, name),
         along=lambda forces: forces[arc],
     )
 
 
-def slipping(
-    brake: Brake, loaded: Loaded, setting: DeckSetting, posed: PosedShoe | None = None
+def run_until_lining_slips(
+    brake: Brake, loaded: LoadedShoe, setting: DeckSetting, posed: DeckFormat | None = None
 ) -> tuple[CalculixState, float]:
     """Run CalculiX with larger and larger rotations of the drum, until the whole lining slips.
 
@@ -306,20 +310,20 @@ def slipping(
         if CalculiX fails, or the lining sticks at the largest rotation
     """
     for _ in range(MOST_DOUBLINGS + 1):
-        state = run(brake, loaded, setting, posed)
-        check(loaded, state)
+        state = run_calculix(brake, loaded, setting, posed)
+        require_equilibrium_and_contact(loaded, state)
         if state.sticking <= MOST_STICKING:
             return state, setting.rotation
         setting = setting._replace(rotation=2 * setting.rotation)
     raise NoAnswer(
         f"shoe {loaded.shoe.name!r}: CalculiX: "
-        f"{formatted(state.sticking, '.0%')} of the contact points do not slip, "
+        f"{number_as_text(state.sticking, '.0%')} of the contact points do not slip, "
         f"even where the drum turns by {setting.rotation / 2:g} rad"
     )
 
 
-def run(
-    brake: Brake, loaded: Loaded, setting: DeckSetting, posed: PosedShoe | None = None
+def run_calculix(
+    brake: Brake, loaded: LoadedShoe, setting: DeckSetting, posed: DeckFormat | None = None
 ) -> CalculixState:
     """Write the deck of a shoe into a temporary folder, run `ccx` on one thread, read its results.
 
@@ -335,22 +339,24 @@ def run(
     NoAnswer
         if CalculiX does not end normally
     """
-    version()
-    posed = posed or plane_pose(brake, loaded)
+    calculix_version()
+    posed = posed or plane_stress_deck_format(brake, loaded)
     text = posed.text(setting, "shoe")
     with tempfile.TemporaryDirectory(prefix="drumlin-calculix-") as name:
         folder = Path(name)
         (folder / "shoe.inp").write_text(text, encoding="utf-8")
-        ended = run_process(["ccx", "shoe"], folder, LONGEST_CALCULIX)
+        ended = run_peer_process(["ccx", "shoe"], folder, LONGEST_CALCULIX)
         if ended.status or "Job finished" not in ended.output:
-            reason = _fault(ended.output) or f"its process ended with status {ended.status}"
+            reason = (
+                _last_error_line(ended.output) or f"its process ended with status {ended.status}"
+            )
             raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX: {reason[:200]}")
         dat, sta = (folder / "shoe.dat").read_text(), (folder / "shoe.sta").read_text()
-        state = read_state(dat, sta, ended.output, brake, loaded, setting, posed)
+        state = read_calculix_state(dat, sta, ended.output, brake, loaded, setting, posed)
         return state._replace(seconds=ended.seconds)
 
 
-def _fault(output: str) -> str:
+def _last_error_line(output: str) -> str:
     """The last line of CalculiX's output that names an error, or "" if no line does."""
     faults = ""
     for line in output.splitlines():
@@ -378,29 +384,29 @@ class _Results(NamedTuple):
     time: float
 
 
-def _read_results(dat: str) -> _Results:
+def _read_numbers_of_results_file(dat: str) -> _Results:
     """Read the numbers in CalculiX's file of results.
 
     Raises LookupError or ValueError if numbers are missing.
     """
-    blocks = _blocks(dat)
+    blocks = _number_rows_by_heading(dat)
     return _Results(
-        drum=_block(blocks, "forces (fx,fy,fz) for set NDRUM"),
-        pin=_block(blocks, "displacements (vx,vy,vz) for set PIN")[0, 1:3],
-        turn=float(_block(blocks, "displacements (vx,vy,vz) for set TURN")[0, 1]),
-        stress=_block(blocks, "contact stress"),
+        drum=_numbers_below_heading(blocks, "forces (fx,fy,fz) for set NDRUM"),
+        pin=_numbers_below_heading(blocks, "displacements (vx,vy,vz) for set PIN")[0, 1:3],
+        turn=float(_numbers_below_heading(blocks, "displacements (vx,vy,vz) for set TURN")[0, 1]),
+        stress=_numbers_below_heading(blocks, "contact stress"),
         time=float(re.findall(r"for set TURN and time\s+(\S+)", dat)[-1]),
     )
 
 
-def read_state(
+def read_calculix_state(
     dat: str,
     sta: str,
     output: str,
     brake: Brake,
-    loaded: Loaded,
+    loaded: LoadedShoe,
     setting: DeckSetting,
-    posed: PosedShoe | None = None,
+    posed: DeckFormat | None = None,
 ) -> CalculixState:
     """Read the state of a shoe from the files that CalculiX has written.
 
@@ -421,25 +427,25 @@ def read_state(
     """
     shoe = loaded.shoe
     try:
-        results = _read_results(dat)
+        results = _read_numbers_of_results_file(dat)
     except (LookupError, ValueError) as error:
         raise NoAnswer(f"shoe {shoe.name!r}: CalculiX wrote no contact state ({error})") from error
     if abs(results.time - 1) > 1e-6:
         raise NoAnswer(f"shoe {shoe.name!r}: CalculiX ended at {results.time:g} of its step")
     # The deck has a fraction of the lining's width: its forces are divided by this fraction.
     size = setting.thickness
-    along = (posed or plane_pose(brake, loaded)).along
+    along = (posed or plane_stress_deck_format(brake, loaded)).along
     stress = results.stress
     pressure, shear = stress[:, 2], np.hypot(stress[:, 3], stress[:, 4])
     # Contact points with nearly no pressure say nothing about sticking.
     pressed = pressure > 1e-3 * pressure.max()
-    sticks = shear[pressed] < STICKING * brake.friction * pressure[pressed]
+    sticks = shear[pressed] < STICKING_SHEAR_RATIO * brake.friction * pressure[pressed]
     # Each row of the .sta file is an increment; its fourth number counts the iterations.
     increments = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
     equations = re.search(r"number of equations\s+(\d+)", output)
     return CalculixState(
-        contact=shoe.frame.to_shoe(along(results.drum[:, 1:3])) / size,
-        pin=shoe.frame.to_shoe(-BEARING_STIFFNESS * results.pin) / size,
+        contact=shoe.frame.convert_to_shoe_frame(along(results.drum[:, 1:3])) / size,
+        pin=shoe.frame.convert_to_shoe_frame(-BEARING_STIFFNESS * results.pin) / size,
         turn=results.turn,
         touching=len(np.unique(stress[:, 0])),
         points=len(stress),
@@ -449,7 +455,7 @@ def read_state(
     )
 
 
-def _blocks(dat: str) -> dict[str, str]:
+def _number_rows_by_heading(dat: str) -> dict[str, str]:
     """The rows of numbers in CalculiX's file of results, by the heading above them.
 
     If a heading comes several times, the rows below the last one are returned.
@@ -468,7 +474,7 @@ def _blocks(dat: str) -> dict[str, str]:
     return found
 
 
-def _block(blocks: dict[str, str], start: str) -> Floats:
+def _numbers_below_heading(blocks: dict[str, str], start: str) -> Floats:
     """The numbers (rows, columns) below the heading that begins with `start`.
 
     Raises LookupError if no heading does, or if no numbers are below it.
@@ -480,10 +486,10 @@ def _block(blocks: dict[str, str], start: str) -> Floats:
     raise LookupError(f"nothing under {start!r}")
 
 
-def check(loaded: Loaded, state: CalculixState) -> None:
+def require_equilibrium_and_contact(loaded: LoadedShoe, state: CalculixState) -> None:
     """Raise NoAnswer if a shoe's state is no equilibrium or has too few elements in contact."""
     name, lining = loaded.shoe.name, len(loaded.parts.line.pieces[0])
-    _, balance = response(loaded, state)
+    _, balance = shoe_response_of_calculix_state(loaded, state)
     if not max(balance.force, balance.moment) < LARGEST_STATE_IMBALANCE:
         raise NoAnswer(
             f"shoe {name!r}: CalculiX ended normally where forces balance only to "
@@ -496,7 +502,9 @@ def check(loaded: Loaded, state: CalculixState) -> None:
         )
 
 
-def response(loaded: Loaded, state: CalculixState) -> tuple[ShoeResponse, Balance]:
+def shoe_response_of_calculix_state(
+    loaded: LoadedShoe, state: CalculixState
+) -> tuple[ShoeResponse, Balance]:
     """The response of a shoe from CalculiX's results, and the relative imbalance of its forces.
 
     The pressure is computed from the nodal forces: pressure and shear along the lining are chosen
@@ -505,13 +513,15 @@ def response(loaded: Loaded, state: CalculixState) -> tuple[ShoeResponse, Balanc
     shoe, frame = loaded.shoe, loaded.shoe.frame
     # The nodes of the drum's arc in the order of growing phi, the angle in the shoe's frame.
     forces = state.contact[:: frame.sense]
-    phi = frame.phi(drum_angles(loaded))[:: frame.sense]
+    phi = frame.phi(angles_of_drum_nodes(loaded))[:: frame.sense]
     radius = float(np.hypot(*loaded.parts.line.xy).mean())
     xy = radius * np.array([np.cos(phi), np.sin(phi)])
     # Each piece of the line is an edge of three nodes.
     pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
     line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
-    coupling = couple_with_counterface(line, shoe.lining.width, drum_directions(shoe.sign))
+    coupling = weak_coupling_of_contact_line(
+        line, shoe.lining.width, function_for_drum_normals_and_tangents(shoe.sign)
+    )
     # Nodal forces of a unit pressure and of a unit shear at each node.
     pressing, dragging = -coupling.N.T, coupling.T.T
     both = np.hstack([pressing, dragging])
@@ -521,9 +531,9 @@ def response(loaded: Loaded, state: CalculixState) -> tuple[ShoeResponse, Balanc
     torque = abs(float(xy[0] @ forces[:, 1] - xy[1] @ forces[:, 0]))
     held = np.array([*state.pin, 0.0])
     # If the actuation acts at the hinge, the springs of the pin carry it, too.
-    if not loaded.on_body:
+    if not loaded.is_force_on_body:
         held += [*loaded.force, loaded.couple]
     found = PeerForces(normal, friction, math.copysign(torque, loaded.drag), held, torque)
     lining = slice(2 * BEYOND_ELEMENTS, len(phi) - 2 * BEYOND_ELEMENTS)
     turn = np.array([state.turn])
-    return shoe_response(loaded, phi[lining], pressure[lining], 2, found, turn)
+    return shoe_response_from_peer_forces(loaded, phi[lining], pressure[lining], 2, found, turn)

@@ -18,19 +18,19 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material, Orthotropic
-from drumlin.fem.equilibrium.state import unloaded_gaps_at
+from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
 from drumlin.fem.mesh.abaqus import TYPE_OF_CELL
-from drumlin.fem.mesh.arc import mesh_kind_of
-from drumlin.fem.mesh.edges import nodes_along_edges
-from drumlin.fem.preparation.meshes import materials_of_parts
+from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.fem.mesh.edges import nodes_along_element_edges
+from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.substructure.interface import unit_loads_on_end
-from drumlin.peers.peer import Loaded
+from drumlin.fem.substructure.interface import nodal_forces_of_unit_loads_on_loaded_end
+from drumlin.peers.peer import LoadedShoe
 
-MM = 1e3
+MM_PER_METRE = 1e3
 """Millimetres in a metre: the lengths of a deck are in mm."""
 
-MPA = 1e-6
+MPA_PER_PASCAL = 1e-6
 """Megapascals in a pascal: the stresses of a deck are in MPa."""
 
 DECK_CELLS = {"quad9": ("quad8", 4), "triangle6": ("triangle6", 3)}
@@ -124,7 +124,9 @@ class DrumMesh(NamedTuple):
     xy: Floats
 
 
-def deck(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str = "shoe") -> str:
+def plane_stress_deck_text(
+    brake: Brake, loaded: LoadedShoe, setting: DeckSetting, name: str = "shoe"
+) -> str:
     """The text of the CalculiX deck of one shoe, in the brake's frame.
 
     Parameters
@@ -139,45 +141,49 @@ def deck(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str = "shoe")
     BadInput
         for linear elements and for a clearance
     """
-    check_fit(brake, loaded)
-    grid = _deck_grid(loaded)
-    drum_mesh = mesh_drum(brake, loaded, FirstLabels(grid.turn + 1, len(grid.cells) + 1))
-    lining_faces = face_lines(grid.cells, grid.edges["contact"], grid.corners)
+    require_lining_without_gap(brake, loaded)
+    grid = _shoe_mesh_for_deck(loaded)
+    drum_mesh = mesh_drum_arc(brake, loaded, FirstLabels(grid.turn + 1, len(grid.cells) + 1))
+    lining_faces = deck_lines_of_element_faces(grid.cells, grid.edges["contact"], grid.corners)
     drum_face = "S1" if loaded.shoe.sign > 0 else "S3"
     lines = [
-        *header_lines(brake, loaded, setting, name),
-        *_shoe_lines(loaded, grid),
+        *deck_header_lines(brake, loaded, setting, name),
+        *_deck_lines_of_shoe_mesh(loaded, grid),
         *drum_mesh.lines,
-        *_material_lines(loaded, setting),
-        *contact_lines(brake, loaded, setting, lining_faces, drum_face),
-        *hinge_lines(loaded, grid),
-        *step_lines(brake, setting, grid, drum_mesh.xy, _load_lines(loaded, setting, grid)),
+        *_deck_lines_of_materials(loaded, setting),
+        *deck_lines_of_contact(brake, loaded, setting, lining_faces, drum_face),
+        *deck_lines_of_hinge(loaded, grid),
+        *deck_lines_of_load_step(
+            brake, setting, grid, drum_mesh.xy, _deck_lines_of_actuation(loaded, setting, grid)
+        ),
     ]
     return "\n".join(lines) + "\n"
 
 
-def check_fit(brake: Brake, loaded: Loaded) -> None:
+def require_lining_without_gap(brake: Brake, loaded: LoadedShoe) -> None:
     """Raise BadInput if there is a gap between the undeformed lining and the drum."""
     shoe, line = loaded.shoe, loaded.parts.line
-    if np.any(unloaded_gaps_at(line.xy, line.phi, brake, shoe)):
+    if np.any(unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe)):
         raise BadInput(
             f"shoe {shoe.name!r}: lining.clearance: "
             "CalculiX gets linings that fit the drum; must be 0"
         )
 
 
-def _deck_grid(loaded: Loaded) -> DeckGrid:
+def _shoe_mesh_for_deck(loaded: LoadedShoe) -> DeckGrid:
     """The mesh of a shoe in the form of a CalculiX deck. Raises BadInput for linear elements."""
     shoe, parts = loaded.shoe, loaded.parts
-    cell = mesh_kind_of(parts.mesh).cell
+    cell = element_kind_of_mesh(parts.mesh).cell
     if cell not in DECK_CELLS:
         raise BadInput("--kind: CalculiX gets quadratic elements only; allowed: quad2, tri2")
     kind, corners = DECK_CELLS[cell]
-    xy = shoe.frame.to_brake(parts.basis.doflocs.T) * MM
-    cells = counter_clockwise(xy, parts.basis.element_dofs.T[:, : 2 * corners], corners)
+    xy = shoe.frame.convert_to_brake_frame(parts.basis.doflocs.T) * MM_PER_METRE
+    cells = cells_in_counter_clockwise_order(
+        xy, parts.basis.element_dofs.T[:, : 2 * corners], corners
+    )
     edges = {}
     for name, facets in parts.mesh.boundaries.items():
-        edges[name] = nodes_along_edges(parts.basis, facets)
+        edges[name] = nodes_along_element_edges(parts.basis, facets)
     return DeckGrid(
         xy=xy,
         cells=cells,
@@ -186,20 +192,20 @@ def _deck_grid(loaded: Loaded) -> DeckGrid:
         edges=edges,
         pin=len(xy) + 1,
         turn=len(xy) + 2,
-        bearing=len(cells) + len(drum_angles(loaded)) // 2 + 1,
+        bearing=len(cells) + len(angles_of_drum_nodes(loaded)) // 2 + 1,
     )
 
 
-def _shoe_lines(loaded: Loaded, grid: DeckGrid) -> list[str]:
+def _deck_lines_of_shoe_mesh(loaded: LoadedShoe, grid: DeckGrid) -> list[str]:
     """The lines of a deck for the nodes and elements of a shoe."""
-    hinge = loaded.shoe.pin.xy * MM
+    hinge = loaded.shoe.pin.xy * MM_PER_METRE
     lines = ["*NODE, NSET=NSHOE"]
     # CalculiX's cells have no node in the middle, so the middle nodes of drumlin are left out.
     used = np.unique(grid.cells)
-    lines += map(_node_line, used + 1, grid.xy[used])
-    lines += ["*NODE, NSET=PIN", _node_line(grid.pin, hinge)]
+    lines += map(_deck_line_of_node, used + 1, grid.xy[used])
+    lines += ["*NODE, NSET=PIN", _deck_line_of_node(grid.pin, hinge)]
     lines += ["** its displacement x is the turn [rad] of the shoe about the pin"]
-    lines += ["*NODE, NSET=TURN", _node_line(grid.turn, hinge)]
+    lines += ["*NODE, NSET=TURN", _deck_line_of_node(grid.turn, hinge)]
     for part, members in loaded.parts.mesh.subdomains.items():
         lines.append(f"*ELEMENT, TYPE={grid.kind}, ELSET={part.upper()}")
         for i in np.sort(members):
@@ -207,38 +213,40 @@ def _shoe_lines(loaded: Loaded, grid: DeckGrid) -> list[str]:
     return lines
 
 
-def _node_line(label: int, xy: Floats) -> str:
+def _deck_line_of_node(label: int, xy: Floats) -> str:
     """The line of a deck for a node at xy (2,) [mm]."""
     return f"{label}, {xy[0]:.12e}, {xy[1]:.12e}, 0."
 
 
-def _material_lines(loaded: Loaded, setting: DeckSetting) -> list[str]:
+def _deck_lines_of_materials(loaded: LoadedShoe, setting: DeckSetting) -> list[str]:
     """The lines of a deck for the materials and the thickness of the parts of a shoe.
 
     All parts have one thickness. A part that is wider than the lining gets a larger modulus.
     """
     lining = loaded.shoe.lining
-    thickness = setting.thickness * lining.width * MM
+    thickness = setting.thickness * lining.width * MM_PER_METRE
     drum_material = Material(E=DRUM_MODULUS * lining.material.E_through, nu=0.0)
-    parts = materials_of_parts(loaded.shoe) | {"drum": (drum_material, lining.width)}
+    parts = materials_and_widths_of_shoe_parts(loaded.shoe) | {
+        "drum": (drum_material, lining.width)
+    }
     layers, lines = elastic_layers_of_shoe(loaded.shoe), []
     for part, (material, width) in parts.items():
         name, times = part.upper(), width / lining.width
         section = f"*SOLID SECTION, ELSET={name}, MATERIAL={name}"
         lines.append(f"*MATERIAL, NAME={name}")
         if isinstance(material, Material):
-            lines += ["*ELASTIC", f"{material.E * times * MPA:.12e}, {material.nu:.12e}"]
+            lines += ["*ELASTIC", f"{material.E * times * MPA_PER_PASCAL:.12e}, {material.nu:.12e}"]
         else:
             along = layers[part].along
-            direction = None if along is None else loaded.shoe.frame.to_brake(along)
-            lines += _orthotropic_lines(material, times)
-            lines += _orientation_lines(f"O{name}", direction)
+            direction = None if along is None else loaded.shoe.frame.convert_to_brake_frame(along)
+            lines += _deck_lines_of_orthotropic_material(material, times)
+            lines += _deck_lines_of_orientation(f"O{name}", direction)
             section += f", ORIENTATION=O{name}"
         lines += [section, f"{thickness:.12e}"]
     return lines
 
 
-def _orthotropic_lines(material: Orthotropic, times: float) -> list[str]:
+def _deck_lines_of_orthotropic_material(material: Orthotropic, times: float) -> list[str]:
     """The lines of a deck for an orthotropic material, with its moduli multiplied by `times`.
 
     CalculiX's directions 1, 2, 3 are through, along and across the layer, as in its cylindrical
@@ -255,12 +263,12 @@ def _orthotropic_lines(material: Orthotropic, times: float) -> list[str]:
     shear = material.G_along_through
     G = [shear, material.G_through_across or shear, material.G_along_across or shear]
     # CalculiX reads three moduli, three Poisson's ratios, three shear moduli.
-    moduli = times * MPA * np.array([E, G])
+    moduli = times * MPA_PER_PASCAL * np.array([E, G])
     values = list(map("{:.12e}".format, [*moduli[0], *nu, *moduli[1]]))
     return ["*ELASTIC, TYPE=ENGINEERING CONSTANTS", ", ".join(values[:8]) + ",", values[8]]
 
 
-def _orientation_lines(name: str, along: Floats | None) -> list[str]:
+def _deck_lines_of_orientation(name: str, along: Floats | None) -> list[str]:
     """The lines of a deck for the directions through, along and across an orthotropic layer.
 
     `along` is the direction (2,) of a straight layer in the brake's frame, or None for a layer that
@@ -275,8 +283,8 @@ def _orientation_lines(name: str, along: Floats | None) -> list[str]:
     ]
 
 
-def contact_lines(
-    brake: Brake, loaded: Loaded, setting: DeckSetting, slave: list[str], master: str
+def deck_lines_of_contact(
+    brake: Brake, loaded: LoadedShoe, setting: DeckSetting, slave: list[str], master: str
 ) -> list[str]:
     """The lines of a deck for the contact between lining and drum.
 
@@ -290,7 +298,7 @@ def contact_lines(
     """
     # The stiffness of the lining through its thickness, per area [MPa/mm].
     lining = loaded.shoe.lining
-    unit = lining.material.E_through * MPA / (lining.thickness * MM)
+    unit = lining.material.E_through * MPA_PER_PASCAL / (lining.thickness * MM_PER_METRE)
     return [
         "*SURFACE, NAME=SLINING, TYPE=ELEMENT",
         *slave,
@@ -306,7 +314,7 @@ def contact_lines(
     ]
 
 
-def hinge_lines(loaded: Loaded, grid: DeckGrid) -> list[str]:
+def deck_lines_of_hinge(loaded: LoadedShoe, grid: DeckGrid) -> list[str]:
     """The lines of a deck for the hinge and its pin.
 
     The nodes of the hinge move as a rigid line with the node of the pin and the rotation. Stiff
@@ -315,7 +323,7 @@ def hinge_lines(loaded: Loaded, grid: DeckGrid) -> list[str]:
     # A node moves with the pin, and perpendicular to its lever arm about the pin.
     lines = ["** the hinge's line turns about the pin", "*EQUATION"]
     for i in np.unique(grid.edges["hinge"]):
-        x, y = grid.xy[i] - loaded.shoe.pin.xy * MM
+        x, y = grid.xy[i] - loaded.shoe.pin.xy * MM_PER_METRE
         lines += ["3", f"{i + 1}, 1, 1., {grid.pin}, 1, -1., {grid.turn}, 1, {y:.12e}"]
         lines += ["3", f"{i + 1}, 2, 1., {grid.pin}, 2, -1., {grid.turn}, 1, {-x:.12e}"]
     lines.append("** the pin's bearing: its force on the shoe is that of these springs")
@@ -329,7 +337,7 @@ def hinge_lines(loaded: Loaded, grid: DeckGrid) -> list[str]:
     return [*lines, "*BOUNDARY", f"{grid.pin}, 3, 3"]
 
 
-def step_lines(
+def deck_lines_of_load_step(
     brake: Brake, setting: DeckSetting, grid: DeckGrid, drum_xy: Floats, load: list[str]
 ) -> list[str]:
     """The lines of a deck for the load step, which loads the shoe and rotates the drum together.
@@ -348,7 +356,7 @@ def step_lines(
     lines += ["*CONTROLS, PARAMETERS=FIELD"]
     lines += [f"{setting.accuracy:.12e}, {setting.accuracy:.12e}", "*CLOAD", *load]
     # Each node of the drum moves along its tangent.
-    angle = brake.spin * setting.rotation
+    angle = brake.sign_of_motion * setting.rotation
     displacements = angle * drum_xy @ np.array([[0, 1], [-1, 0]])
     lines.append("*BOUNDARY")
     for label, (x, y) in enumerate(displacements, start=grid.turn + 1):
@@ -359,22 +367,24 @@ def step_lines(
     return [*lines, "*CONTACT FILE, FREQUENCY=1000", "CDIS, CSTR", "*END STEP"]
 
 
-def _load_lines(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[str]:
+def _deck_lines_of_actuation(loaded: LoadedShoe, setting: DeckSetting, grid: DeckGrid) -> list[str]:
     """The lines of a deck for the actuation of a shoe.
 
     They are nodal forces on the loaded end of the shoe, the same as in drumlin. For a rigid shoe
     they are a force and a couple on the pin.
     """
     if "actuation" not in grid.edges:
-        return pin_load_lines(loaded, setting, grid)
+        return deck_lines_of_load_on_pin(loaded, setting, grid)
     parts = loaded.parts
-    unit, _ = unit_loads_on_end(parts.basis, parts.mesh.boundaries["actuation"])
+    unit, _ = nodal_forces_of_unit_loads_on_loaded_end(
+        parts.basis, parts.mesh.boundaries["actuation"]
+    )
     nodal = (unit @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
-    forces = setting.thickness * loaded.shoe.frame.to_brake(nodal)
-    return nodal_load_lines(forces, np.unique(grid.edges["actuation"]))
+    forces = setting.thickness * loaded.shoe.frame.convert_to_brake_frame(nodal)
+    return deck_lines_of_nodal_forces(forces, np.unique(grid.edges["actuation"]))
 
 
-def nodal_load_lines(forces: Floats, nodes: Ints) -> list[str]:
+def deck_lines_of_nodal_forces(forces: Floats, nodes: Ints) -> list[str]:
     """The lines of a deck for the forces (n, 2) [N] on the nodes with the numbers `nodes`."""
     lines = []
     for i in nodes:
@@ -382,16 +392,20 @@ def nodal_load_lines(forces: Floats, nodes: Ints) -> list[str]:
     return lines
 
 
-def pin_load_lines(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[str]:
+def deck_lines_of_load_on_pin(
+    loaded: LoadedShoe, setting: DeckSetting, grid: DeckGrid
+) -> list[str]:
     """The lines of a deck for the actuation as a force and a couple on the pin of a rigid shoe."""
     frame, size = loaded.shoe.frame, setting.thickness
-    force = size * frame.to_brake(loaded.force)
-    couple = size * frame.sense * loaded.couple * MM
+    force = size * frame.convert_to_brake_frame(loaded.force)
+    couple = size * frame.sense * loaded.couple * MM_PER_METRE
     lines = [f"{grid.pin}, {c + 1}, {force[c]:.12e}" for c in range(2)]
     return [*lines, f"{grid.turn}, 1, {couple:.12e}"]
 
 
-def header_lines(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str) -> list[str]:
+def deck_header_lines(
+    brake: Brake, loaded: LoadedShoe, setting: DeckSetting, name: str
+) -> list[str]:
     """The comment lines at the head of a deck: its brake, its units, how to run and read it.
 
     Parameters
@@ -413,7 +427,7 @@ def header_lines(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str) 
     ]
 
 
-def counter_clockwise(xy: Floats, cells: Ints, corners: int) -> Ints:
+def cells_in_counter_clockwise_order(xy: Floats, cells: Ints, corners: int) -> Ints:
     """The cells with their nodes in counter-clockwise order.
 
     Parameters
@@ -430,7 +444,7 @@ def counter_clockwise(xy: Floats, cells: Ints, corners: int) -> Ints:
     return np.where((area > 0)[:, None], cells, cells[:, back + middles])
 
 
-def face_lines(cells: Ints, along: Ints, corners: int) -> list[str]:
+def deck_lines_of_element_faces(cells: Ints, along: Ints, corners: int) -> list[str]:
     """The lines "element, S<face>" by which a CalculiX deck names the edges `along` of elements.
 
     Face i of a plane element of CalculiX is its edge from corner i to the next corner.
@@ -451,7 +465,7 @@ def face_lines(cells: Ints, along: Ints, corners: int) -> list[str]:
     return lines
 
 
-def drum_angles(loaded: Loaded) -> Floats:
+def angles_of_drum_nodes(loaded: LoadedShoe) -> Floats:
     """The angles theta [rad] of the nodes of the drum's arc in a CalculiX deck.
 
     They are the angles of the lining's nodes, so that the curved edges of both leave no gap, and a
@@ -464,23 +478,26 @@ def drum_angles(loaded: Loaded) -> Floats:
     return np.concatenate([theta[0] - more[::-1], theta, theta[-1] + more])
 
 
-def mesh_drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
+def mesh_drum_arc(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> DrumMesh:
     """The mesh of the drum in a CalculiX deck: one layer of elements CPS8 along the arc.
 
     The face S1 of the elements lies on the friction surface of an internal shoe, S3 on that of an
     external shoe. `first` holds the labels of the first node and the first element.
     """
     shoe, R = loaded.shoe, brake.size
-    theta = drum_angles(loaded)
+    theta = angles_of_drum_nodes(loaded)
     count = len(theta) // 2
     inner, outer = (R, R * (1 + DRUM_LAYER)) if shoe.sign > 0 else (R * (1 - DRUM_LAYER), R)
     # Rows of nodes: the inner arc, the middle (every other angle), the outer arc.
     rows = [(inner, theta), ((inner + outer) / 2, theta[::2]), (outer, theta)]
-    xy = np.concatenate([r * np.column_stack([np.cos(t), np.sin(t)]) for r, t in rows]) * MM
+    xy = (
+        np.concatenate([r * np.column_stack([np.cos(t), np.sin(t)]) for r, t in rows])
+        * MM_PER_METRE
+    )
     # The first label of each row.
     a, b, c = (first.node + np.cumsum([0, len(theta), count + 1])).tolist()
     lines = ["*NODE, NSET=NDRUM"]
-    lines += map(_node_line, count_from(first.node), xy)
+    lines += map(_deck_line_of_node, count_from(first.node), xy)
     lines.append("*ELEMENT, TYPE=CPS8, ELSET=DRUM")
     for k in range(count):
         i = 2 * k

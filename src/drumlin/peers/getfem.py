@@ -24,28 +24,31 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.state import unloaded_gaps_at
+from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.mesh.edges import nodes_along_edges
+from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE
 from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
-from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe, split_elasticity
+from drumlin.fem.substructure.elasticity import (
+    elastic_layers_of_shoe,
+    isotropic_and_directional_constants,
+)
 from drumlin.peers.peer import (
-    Loaded,
+    LoadedShoe,
     MeshedShoe,
     Peer,
     PeerForces,
     PeerMissing,
-    brake_response,
-    meshed_shoes,
-    run_process,
-    shoe_response,
-    under_force,
-    untouched_response,
+    brake_response_from_shoes,
+    mesh_shoes_for_peer,
+    response_of_untouched_shoe,
+    run_peer_process,
+    shoe_response_from_peer_forces,
+    shoe_under_actuation,
 )
 from drumlin.response.response import Balance, ShoeResponse
 
-SCRIPT = Path(__file__).with_name("getfem_brake.py")
+GETFEM_SCRIPT = Path(__file__).with_name("getfem_brake.py")
 """Path of the script that solves a brake by GetFEM in another Python."""
 
 INSTALL_GETFEM = "GetFEM is not installed; on Debian and Ubuntu: apt install python3-getfem++"
@@ -57,7 +60,7 @@ FORMULATIONS = ("full slip", "coulomb")
 FURTHER_LOAD_FRICTION = 0.9
 """Friction coefficient of the further load case whose time is measured, relative to the brake's."""
 
-SLIPPING = 0.99
+LEAST_SLIPPING_RATIO = 0.99
 """Integral of the shear over a lining, divided by that of mu p, below which the lining sticks.
 
 A state with sticking is refused."""
@@ -65,7 +68,7 @@ A state with sticking is refused."""
 LONGEST_GETFEM = 1800
 """Time [s] after which a run of GetFEM is stopped."""
 
-EQUAL_WAYS = 1e-10
+EQUAL_TIP_DISPLACEMENTS = 1e-10
 """Relative difference of the displacements of two shoe tips below which they count as equal.
 
 A cam moves both tips by the same displacement."""
@@ -77,7 +80,7 @@ Linings that fit the drum need two: their problem is linear."""
 
 
 @functools.cache
-def python() -> str:
+def path_of_python_with_getfem() -> str:
     """Path of a Python that can import getfem: `python3` on the PATH, or that of the system.
 
     Raises PeerMissing if neither can.
@@ -92,7 +95,7 @@ def python() -> str:
     raise PeerMissing(INSTALL_GETFEM)
 
 
-def solve(
+def solve_by_getfem(
     brake: Brake,
     *,
     elements: int = ELEMENTS,
@@ -124,13 +127,13 @@ def solve(
         raise BadInput(
             f"formulation = {formulation!r}: unknown; allowed: {', '.join(FORMULATIONS)}"
         )
-    interpreter = python()
-    meshed = meshed_shoes(brake, elements, kind, mesher)
+    interpreter = path_of_python_with_getfem()
+    meshed = mesh_shoes_for_peer(brake, elements, kind, mesher)
     solver = _Solver(interpreter, brake, meshed, formulation, repeats)
-    answers = _answers_by_name(brake, solver)
+    answers = _shoe_results_by_name(brake, solver)
     each = [answers[shoe.name][:2] for shoe in brake.shoes]
-    costs = solver.costs()
-    response = brake_response("getfem", each, costs.steps, {"getfem": costs.cold})
+    costs = solver.costs_of_all_runs()
+    response = brake_response_from_shoes("getfem", each, costs.steps, {"getfem": costs.cold})
     if not max(response.balance.force, response.balance.moment) < LARGEST_ANSWER_IMBALANCE:
         raise NoAnswer(
             f"GetFEM: forces balance only to {response.balance.force:.1e}, "
@@ -184,7 +187,7 @@ class _Solver:
     interpreter : path of the Python that runs the script
     brake : the brake
     meshed : meshed shoes of the brake
-    formulation, repeats : the arguments of `solve`
+    formulation, repeats : the arguments of `solve_by_getfem`
     """
 
     def __init__(
@@ -200,13 +203,13 @@ class _Solver:
         self._formulation, self._repeats = formulation, repeats
         self._runs: list[_Run] = []
 
-    def run(self, shoes: list[Loaded]) -> list[dict[str, Any]]:
+    def run(self, shoes: list[LoadedShoe]) -> list[dict[str, Any]]:
         """Run the script for some shoes; returns its results, a dictionary for each shoe."""
-        problem = _problem_of(self.brake, shoes, self._formulation, self._repeats)
-        self._runs.append(_run_script(self._interpreter, problem))
+        problem = _problem_for_getfem_script(self.brake, shoes, self._formulation, self._repeats)
+        self._runs.append(_run_getfem_script(self._interpreter, problem))
         return list(self._runs[-1].result["answers"][0])
 
-    def costs(self) -> _Costs:
+    def costs_of_all_runs(self) -> _Costs:
         """Steps, times and unknowns of all runs so far."""
         steps, unknowns, rests = [0], [0], []
         for ran in self._runs:
@@ -214,17 +217,17 @@ class _Solver:
             unknowns.append(ran.result["unknowns"])
             # A process may hold several solves. The time for its start counts once.
             rests.append(ran.seconds - sum(map(sum, ran.result["seconds"])))
-        cold = self._median_seconds(0)
+        cold = self._total_median_seconds(0)
         return _Costs(
             steps=max(steps),
             cold=cold,
-            warm=self._median_seconds(1),
+            warm=self._total_median_seconds(1),
             process=math.fsum(rests) + cold,
             unknowns=max(unknowns),
             version=self._runs[-1].result["version"] if self._runs else "",
         )
 
-    def _median_seconds(self, case: int) -> float:
+    def _total_median_seconds(self, case: int) -> float:
         """The time [s] of load case 0 or 1: the median of the repeats, summed over all runs."""
         medians = []
         for ran in self._runs:
@@ -247,13 +250,13 @@ class ShoeAnswer(NamedTuple):
     tip: float
 
 
-def _answers_by_name(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
+def _shoe_results_by_name(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
     """The results of all shoes by name; a shoe that pushes another shoe is solved before it."""
     pushed_by = {link.to: link.source for link in brake.links}
     answers: dict[str, ShoeAnswer] = {}
     if brake.actuation is not None and brake.actuation.is_cam:
         both = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed_by}
-        answers |= _answers_under_cam(brake.actuation.total, both, solver)
+        answers |= _shoe_results_under_cam(brake.actuation.total, both, solver)
     # A shoe is ready to be solved if its force is known, either from the brake file or as the
     # support reaction of the shoe that pushes it by a strut.
     while len(answers) < len(brake.shoes):
@@ -267,11 +270,11 @@ def _answers_by_name(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
             elif source in answers:
                 reaction = answers[source].response.hinge_reaction
                 ready[i] = shoe.under(float(np.hypot(*reaction)))
-        answers |= _standing_answers(ready, solver)
+        answers |= _shoe_results_on_abutments(ready, solver)
     return answers
 
 
-def _answers_under_cam(
+def _shoe_results_under_cam(
     total: float, shoes: Mapping[int, Shoe], solver: _Solver
 ) -> dict[str, ShoeAnswer]:
     """Find the forces of a cam that moves the tips of two shoes by the same displacement.
@@ -300,12 +303,15 @@ def _answers_under_cam(
             one: shoes[one].under(part * total),
             other: shoes[other].under((1 - part) * total),
         }
-        answers = _standing_answers(pushed, solver)
+        answers = _shoe_results_on_abutments(pushed, solver)
         a, b = (answers[shoe.name].tip for shoe in shoes.values())
         if not min(a, b) > 0:
             raise NoAnswer("GetFEM: a shoe is not pressed by the cam")
-        if abs(a - b) <= EQUAL_WAYS * max(a, b):
-            return {shoe.name: _with_force(answers[shoe.name], shoe) for shoe in pushed.values()}
+        if abs(a - b) <= EQUAL_TIP_DISPLACEMENTS * max(a, b):
+            return {
+                shoe.name: _result_with_actuation_force(answers[shoe.name], shoe)
+                for shoe in pushed.values()
+            }
         tried.append((part, a - b))
         if len(tried) == 1:
             # The fraction at which the displacements are equal if they are linear in the forces.
@@ -317,12 +323,12 @@ def _answers_under_cam(
     raise NoAnswer(f"GetFEM: the cam's forces did not settle in {MOST_FORCE_PARTS} steps")
 
 
-def _with_force(answer: ShoeAnswer, shoe: Shoe) -> ShoeAnswer:
+def _result_with_actuation_force(answer: ShoeAnswer, shoe: Shoe) -> ShoeAnswer:
     """A copy of the result of a shoe that also holds the actuation force on this shoe."""
     return answer._replace(response=replace(answer.response, force=shoe.actuation.force))
 
 
-def _standing_answers(shoes: Mapping[int, Shoe], solver: _Solver) -> dict[str, ShoeAnswer]:
+def _shoe_results_on_abutments(shoes: Mapping[int, Shoe], solver: _Solver) -> dict[str, ShoeAnswer]:
     """Solve some shoes; returns their results by name.
 
     The friction at an abutment may act in several senses, which are tried in turn until the foot of
@@ -336,23 +342,25 @@ def _standing_answers(shoes: Mapping[int, Shoe], solver: _Solver) -> dict[str, S
         tried = {}
         for i, shoe in left.items():
             sense = shoe.senses[attempt]
-            tried[i] = under_force(solver.brake, shoe, solver.meshed[i], sense)
+            tried[i] = shoe_under_actuation(solver.brake, shoe, solver.meshed[i], sense)
         # One process solves all shoes that are pressed on the drum.
         touching = [loaded for loaded in tried.values() if loaded.approaches]
         found = iter(solver.run(touching) if touching else ())
         for i, loaded in tried.items():
             if loaded.approaches:
-                answer = _answer_if_standing(solver.brake, loaded, attempt, next(found))
+                answer = _shoe_result_if_foot_stays_on_abutment(
+                    solver.brake, loaded, attempt, next(found)
+                )
             else:
-                answer = ShoeAnswer(*untouched_response(loaded), 0.0)
+                answer = ShoeAnswer(*response_of_untouched_shoe(loaded), 0.0)
             if answer is not None:
                 answers[loaded.shoe.name] = answer
                 del left[i]
     return answers
 
 
-def _answer_if_standing(
-    brake: Brake, loaded: Loaded, attempt: int, found: dict[str, Any]
+def _shoe_result_if_foot_stays_on_abutment(
+    brake: Brake, loaded: LoadedShoe, attempt: int, found: dict[str, Any]
 ) -> ShoeAnswer | None:
     """A shoe's result, or None if another sense of the friction at its abutment must be tried.
 
@@ -371,7 +379,7 @@ def _answer_if_standing(
     shoe = loaded.shoe
     is_last = attempt == len(shoe.senses) - 1
     try:
-        answer = _answer_of_shoe(brake, loaded, found)
+        answer = _shoe_result_in_si_units(brake, loaded, found)
     except NoAnswer:
         if is_last:
             raise
@@ -384,8 +392,8 @@ def _answer_if_standing(
     return None
 
 
-def _problem_of(
-    brake: Brake, shoes: Sequence[Loaded], formulation: str, repeats: int
+def _problem_for_getfem_script(
+    brake: Brake, shoes: Sequence[LoadedShoe], formulation: str, repeats: int
 ) -> dict[str, Any]:
     """The problem as the GetFEM script reads it: arrays by name, and under "data" a JSON text.
 
@@ -395,13 +403,13 @@ def _problem_of(
     ----------
     brake : the brake
     shoes : the shoes to solve
-    formulation, repeats : the arguments of `solve`
+    formulation, repeats : the arguments of `solve_by_getfem`
     """
     arrays: dict[str, Any] = {}
     for loaded in shoes:
-        arrays |= _body_arrays(brake, loaded)
+        arrays |= _mesh_and_material_arrays(brake, loaded)
     data = {
-        "shoes": [_shoe_data(brake, loaded) for loaded in shoes],
+        "shoes": [_shoe_data_for_getfem_script(brake, loaded) for loaded in shoes],
         "formulation": formulation,
         "repeats": repeats,
         "friction": [brake.friction, FURTHER_LOAD_FRICTION * brake.friction],
@@ -409,7 +417,7 @@ def _problem_of(
     return arrays | {"data": json.dumps(data)}
 
 
-def _body_arrays(brake: Brake, loaded: Loaded) -> dict[str, Any]:
+def _mesh_and_material_arrays(brake: Brake, loaded: LoadedShoe) -> dict[str, Any]:
     """The arrays of a shoe's mesh and elastic constants; their names end in the body's number."""
     shoe, k = loaded.shoe, loaded.body
     basis, mesh = loaded.parts.basis, loaded.parts.mesh
@@ -418,7 +426,9 @@ def _body_arrays(brake: Brake, loaded: Loaded) -> dict[str, Any]:
     constants, straight = np.zeros((4, mesh.nelements)), np.zeros((2, mesh.nelements))
     for name, elements in mesh.subdomains.items():
         layer = elastic_layers_of_shoe(shoe)[name]
-        constants[:, elements] = split_elasticity(layer.stiffness)[:, None] / width / E
+        constants[:, elements] = (
+            isotropic_and_directional_constants(layer.stiffness)[:, None] / width / E
+        )
         if layer.along is not None:
             straight[:, elements] = layer.along[:, None]
     arrays = {
@@ -429,28 +439,30 @@ def _body_arrays(brake: Brake, loaded: Loaded) -> dict[str, Any]:
     }
     for name in ("contact", "hinge", "actuation"):
         if name in mesh.boundaries:
-            arrays[f"{name}{k}"] = np.unique(nodes_along_edges(basis, mesh.boundaries[name]))
+            arrays[f"{name}{k}"] = np.unique(
+                nodes_along_element_edges(basis, mesh.boundaries[name])
+            )
     return arrays
 
 
-def _shoe_data(brake: Brake, loaded: Loaded) -> dict[str, Any]:
+def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, Any]:
     """The support, the load and the gap of a shoe, as plain numbers for the GetFEM script."""
     shoe, parts, R = loaded.shoe, loaded.parts, brake.size
     E, width = shoe.lining.material.E_through, shoe.lining.width
     line = parts.line
-    modes = _modes_in_radii(loaded, R)
-    work = loaded.work * (not loaded.on_body) / modes.test_sizes / (E * R**2 * width)
-    gap = unloaded_gaps_at(line.xy, line.phi, brake, shoe) / R
-    open_by = clearance.gap(brake, shoe, shoe.frame.theta(line.phi)) / R
+    modes = _rigid_body_modes_in_drum_radii(loaded, R)
+    work = loaded.work * (not loaded.is_force_on_body) / modes.test_sizes / (E * R**2 * width)
+    gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe) / R
+    open_by = clearance.unloaded_gap_of_shoe(brake, shoe, shoe.frame.theta(line.phi)) / R
     return {
         "body": loaded.body,
         "side": shoe.sign,
         "flat": shoe.flat,
-        "pin": (shoe.own_pin / R).tolist(),
+        "pin": (shoe.pin_in_shoe_frame / R).tolist(),
         "motions": modes.motions.tolist(),
         "tests": modes.tests.tolist(),
         "work": work.tolist(),
-        "on_body": loaded.on_body,
+        "on_body": loaded.is_force_on_body,
         "force": (loaded.force / (E * R * width)).tolist(),
         "couple": loaded.couple / (E * R**2 * width),
         "centre": (parts.load_centre / R).tolist(),
@@ -478,7 +490,7 @@ class _Modes(NamedTuple):
     test_sizes: Floats
 
 
-def _modes_in_radii(loaded: Loaded, R: float) -> _Modes:
+def _rigid_body_modes_in_drum_radii(loaded: LoadedShoe, R: float) -> _Modes:
     """The rigid-body modes and test modes of a shoe, in units of the drum's radius R [m]."""
     unit = np.array([R, R, 1.0])
     motion_sizes = np.linalg.norm(loaded.motions / unit, axis=1)
@@ -490,23 +502,23 @@ def _modes_in_radii(loaded: Loaded, R: float) -> _Modes:
     )
 
 
-def _run_script(interpreter: str, problem: dict[str, Any]) -> _Run:
+def _run_getfem_script(interpreter: str, problem: dict[str, Any]) -> _Run:
     """Run the GetFEM script on a problem. Raises NoAnswer if its process fails."""
     with tempfile.TemporaryDirectory(prefix="drumlin-getfem-") as name:
         folder = Path(name)
         source, target = folder / "problem.npz", folder / "result.json"
         np.savez(source, **problem)
         # The script is copied, because `import getfem` beside this module would import this module.
-        script = shutil.copy(SCRIPT, folder)
+        script = shutil.copy(GETFEM_SCRIPT, folder)
         command = [interpreter, str(script), str(source), str(target)]
-        ended = run_process(command, folder, LONGEST_GETFEM)
+        ended = run_peer_process(command, folder, LONGEST_GETFEM)
         if ended.status or not target.is_file():
             reason = (ended.output.strip() or "nothing").splitlines()[-1]
             raise NoAnswer(f"GetFEM: its process ended with status {ended.status}: {reason[:200]}")
         return _Run(json.loads(target.read_text()), ended.seconds)
 
 
-def _answer_of_shoe(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> ShoeAnswer:
+def _shoe_result_in_si_units(brake: Brake, loaded: LoadedShoe, found: dict[str, Any]) -> ShoeAnswer:
     """The result of a shoe in SI units, from the numbers of the GetFEM script.
 
     Raises NoAnswer if the script did not converge, or if the lining sticks.
@@ -514,13 +526,13 @@ def _answer_of_shoe(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> Shoe
     shoe, R = loaded.shoe, brake.size
     if not found["converged"]:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM did not converge in {found['steps']} steps")
-    if not abs(found["slipping"] - 1) < 1 - SLIPPING:
+    if not abs(found["slipping"] - 1) < 1 - LEAST_SLIPPING_RATIO:
         raise NoAnswer(
             f"shoe {shoe.name!r}: GetFEM: it sticks, "
             f"its shear is {found['slipping']:.3g} times mu p"
         )
     E = shoe.lining.material.E_through
-    phi = shoe.phi_of(np.array(found["xy"]), 1.0)
+    phi = shoe.phi_of_points_in_shoe_frame(np.array(found["xy"]), 1.0)
     order = np.argsort(phi)
     # The script's unit of force, in newtons.
     size = E * R * shoe.lining.width
@@ -535,9 +547,9 @@ def _answer_of_shoe(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> Shoe
     mode_sizes = np.linalg.norm(loaded.motions / [R, R, 1.0], axis=1)
     amounts = np.array(found["amounts"]) / mode_sizes
     pressure = E * np.array(found["pressure"])[order]
-    degree = loaded.parts.line.order
-    answer = shoe_response(loaded, phi[order], pressure, degree, forces, amounts)
+    degree = loaded.parts.line.interpolation_degree
+    answer = shoe_response_from_peer_forces(loaded, phi[order], pressure, degree, forces, amounts)
     tip = float(loaded.tip @ amounts)
-    if loaded.on_body:
+    if loaded.is_force_on_body:
         tip = size * R * found["load_work"] / abs(shoe.actuation.force)
     return ShoeAnswer(*answer, tip)

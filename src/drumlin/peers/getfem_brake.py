@@ -36,12 +36,12 @@ hinge (on which the support acts), and the end on which the actuation acts."""
 REGIONS = {CONTACT_REGION: "contact", HINGE_REGION: "hinge", ACTUATION_REGION: "actuation"}
 """Names of the three boundaries in the problem file, by their numbers in GetFEM's mesh."""
 
-SLIDE = 1e-2
+OBSTACLE_DISPLACEMENT = 1e-2
 """Displacement of the sliding drum in the "coulomb" formulation, in drum radii.
 
 It must be much larger than the displacements of the lining, so that the lining slips everywhere."""
 
-UNKNOWNS = ("u", "hold", "p")
+MODEL_UNKNOWNS = ("u", "hold", "p")
 """Unknowns of a GetFEM model: the displacement, the traction of the support on the shoe, and the
 pressure or traction of the contact. The coordinates of the rigid-body modes are further unknowns.
 """
@@ -142,31 +142,33 @@ class PeerBody:
         self.amounts = [f"amount{k}" for k in range(len(shoe["motions"]))]
         for region, name in REGIONS.items():
             if region != ACTUATION_REGION or self.loaded:
-                self._set_region(region, points[problem[f"{name}{number}"]])
-        self.displacement = self.space(self.kind.element, 2)
-        self.scalar = self.space(self.kind.element)
+                self._number_edges_between_points(region, points[problem[f"{name}{number}"]])
+        self.displacement = self.finite_element_space(self.kind.element, 2)
+        self.scalar = self.finite_element_space(self.kind.element)
         self.inside = gf.MeshIm(self.mesh, gf.Integ(self.kind.inside))
         self.surface = gf.MeshIm(self.mesh, gf.Integ(self.kind.surface))
         self.model = gf.Model("real")
-        self._elasticity(problem[f"constants{number}"], problem[f"straight{number}"], numbers)
-        self._held(shoe)
-        self._load(shoe)
+        self._add_elastic_stiffness(
+            problem[f"constants{number}"], problem[f"straight{number}"], numbers
+        )
+        self._add_support(shoe)
+        self._add_actuation(shoe)
         self.nodes = self.scalar.basic_dof_on_region(CONTACT_REGION)
         self.xy = self.scalar.basic_dof_nodes(self.nodes)
-        self._contact(shoe)
+        self._add_contact_with_drum(shoe)
 
-    def _set_region(self, region: int, points: Any) -> None:
+    def _number_edges_between_points(self, region: int, points: Any) -> None:
         """Give the edges between the nodes at `points` (n, 2) the number `region`."""
         ids = self.mesh.pid_from_coords(points.T, 1e-12)
         self.mesh.set_region(region, self.mesh.faces_from_pid(ids))
 
-    def space(self, element: str, components: int = 1) -> Any:
+    def finite_element_space(self, element: str, components: int = 1) -> Any:
         """A finite element space on the mesh, for a scalar or for a vector of `components`."""
         space = gf.MeshFem(self.mesh, components)
         space.set_fem(gf.Fem(element))
         return space
 
-    def _elasticity(self, constants: Any, straight: Any, numbers: Any) -> None:
+    def _add_elastic_stiffness(self, constants: Any, straight: Any, numbers: Any) -> None:
         """Add the elastic stiffness to the model: plane stress, isotropic or orthotropic.
 
         It is an isotropic stiffness with lambda and mu, and in an orthotropic layer two further
@@ -175,12 +177,12 @@ class PeerBody:
         Parameters
         ----------
         constants : lambda, mu and the two further stiffnesses of each cell (4, cells), as
-            drumlin.fem.substructure.elasticity.split_elasticity returns them
+            drumlin.fem.substructure.elasticity.isotropic_and_directional_constants returns them
         straight : direction along the layer of each cell (2, cells); (0, 0) in a layer that is
             curved around the origin
         numbers : GetFEM's numbers of the cells
         """
-        constant = self.space(self.kind.constant)
+        constant = self.finite_element_space(self.kind.constant)
         place = np.empty(constants.shape[1], dtype=int)
         place[constant.basic_dof_from_cvid(numbers)[0]] = np.arange(constants.shape[1])
         self.model.add_fem_variable("u", self.displacement)
@@ -209,7 +211,7 @@ class PeerBody:
             tested = f"(along{k}.(Grad_Test_u*along{k}))"
             self.model.add_linear_term(self.inside, f"stiff{k}*{stretch}*{tested}")
 
-    def _held(self, shoe: dict[str, Any]) -> None:
+    def _add_support(self, shoe: dict[str, Any]) -> None:
         """Add the support to the model: the edge at the hinge moves by rigid-body modes only.
 
         The unknown traction `hold` acts on this edge. Equilibrium of the holder is that `hold` and
@@ -222,7 +224,7 @@ class PeerBody:
             "moved(m)", "[m(1) + m(3)*(pin(2) - X(2)); m(2) + m(3)*(X(1) - pin(1))]"
         )
         self.model.add_linear_term(self.inside, "-hold.Test_u - u.Test_hold", HINGE_REGION)
-        length = self.integral("1", HINGE_REGION)
+        length = self.integral_over_boundary("1", HINGE_REGION)
         for k, amount in enumerate(self.amounts):
             self.model.add_variable(amount, 1)
             for name, size in (("motion", 3), ("test", 3), ("work", 1)):
@@ -231,7 +233,7 @@ class PeerBody:
             balance = f"(hold.moved(test{k}) - work{k}/{length!r})*Test_{amount}"
             self.model.add_linear_term(self.inside, f"{motion} + {balance}", HINGE_REGION)
 
-    def _load(self, shoe: dict[str, Any]) -> None:
+    def _add_actuation(self, shoe: dict[str, Any]) -> None:
         """Add the actuation to the model: tractions on the loaded end of the shoe.
 
         The tractions equal a force and a couple about the point `centre`. A shoe whose force acts
@@ -242,12 +244,12 @@ class PeerBody:
         self.model.add_initialized_data("centre", shoe["centre"])
         self.model.add_macro("arm", "[centre(2) - X(2); X(1) - centre(1)]")
         if self.loaded:
-            length = self.integral("1", ACTUATION_REGION)
-            polar = self.integral("arm.arm", ACTUATION_REGION)
+            length = self.integral_over_boundary("1", ACTUATION_REGION)
+            polar = self.integral_over_boundary("arm.arm", ACTUATION_REGION)
             self.push = f"(force/{length!r} + couple/{polar!r}*arm)"
             self.model.add_linear_term(self.inside, f"-{self.push}.Test_u", ACTUATION_REGION)
 
-    def _contact(self, shoe: dict[str, Any]) -> None:
+    def _add_contact_with_drum(self, shoe: dict[str, Any]) -> None:
         """Add the contact with the drum, or with a plane surface, to the model."""
         md = self.model
         md.add_initialized_data("side", [float(shoe["side"])])
@@ -255,13 +257,13 @@ class PeerBody:
         md.add_macro("normal", "[0; -1]" if shoe["flat"] else "side*Normalized(X)")
         md.add_macro("along", "[1; 0]" if shoe["flat"] else "[-X(2); X(1)]/Norm(X)")
         md.add_macro("lever", "1" if shoe["flat"] else "Norm(X)")
-        self.normals = normals(self.xy, shoe)
+        self.normals = unit_normals_of_lining(self.xy, shoe)
         if self.formulation == "full slip":
-            self._full_slip()
+            self._add_full_slip_contact()
         else:
-            self._coulomb(shoe)
+            self._add_coulomb_contact(shoe)
 
-    def _full_slip(self) -> None:
+    def _add_full_slip_contact(self) -> None:
         """Add a contact in which the friction is mu p wherever the lining touches the drum."""
         pressure = gf.MeshFem("partial", self.scalar, self.nodes)
         self.model.add_fem_variable("p", pressure)
@@ -270,12 +272,12 @@ class PeerBody:
         law = "(p - pos_part(p + augment*(u.normal - gap)))/augment*Test_p"
         self.model.add_nonlinear_term(self.surface, f"{work} + {law}", CONTACT_REGION)
 
-    def _coulomb(self, shoe: dict[str, Any]) -> None:
+    def _add_coulomb_contact(self, shoe: dict[str, Any]) -> None:
         """Add GetFEM's own contact with Coulomb friction, on the drum as a sliding obstacle."""
         md = self.model
         dofs = self.displacement.basic_dof_on_region(CONTACT_REGION)
         traction = gf.MeshFem("partial", self.displacement, dofs)
-        self.obstacle = self.space(self.kind.obstacle)
+        self.obstacle = self.finite_element_space(self.kind.obstacle)
         md.add_fem_variable("p", traction)
         md.add_fem_data("obstacle", self.obstacle)
         md.add_fem_data("slid", self.displacement)
@@ -284,22 +286,24 @@ class PeerBody:
         md.add_integral_contact_with_rigid_obstacle_brick(
             self.surface, "u", "p", "obstacle", "augment", "mu", CONTACT_REGION, 1, "alpha", "slid"
         )
-        x, y = normals(self.displacement.basic_dof_nodes()[:, ::2], shoe) * shoe["side"]
+        x, y = (
+            unit_normals_of_lining(self.displacement.basic_dof_nodes()[:, ::2], shoe) * shoe["side"]
+        )
         self.sliding = np.array([-y, x])
 
-    def integral(self, expression: str, region: int) -> float:
+    def integral_over_boundary(self, expression: str, region: int) -> float:
         """The integral over a boundary of an expression in the variables of the model."""
         mim = self.surface if region == CONTACT_REGION else self.inside
         return float(gf.asm_generic(mim, 0, expression, region, self.model))
 
-    def integrals(self, expression: str, region: int) -> list[float]:
+    def vector_integrals_over_boundary(self, expression: str, region: int) -> list[float]:
         """The integrals over a boundary of both components of a vector expression."""
-        return [self.integral(f"({expression})({k})", region) for k in (1, 2)]
+        return [self.integral_over_boundary(f"({expression})({k})", region) for k in (1, 2)]
 
     def start(self, shoe: dict[str, Any]) -> dict[str, Any]:
         """The unknowns with which Newton's method starts: no displacement, all in contact."""
         values = {}
-        for name in (*UNKNOWNS, *self.amounts):
+        for name in (*MODEL_UNKNOWNS, *self.amounts):
             values[name] = np.zeros(len(self.model.variable(name)))
         pressure = shoe["augment"] * max(shoe["gap"]) + float(np.hypot(*shoe["force"]))
         if self.formulation == "full slip":
@@ -315,8 +319,8 @@ class PeerBody:
         """
         # The friction coefficient with the sign of the sense in which the drum drags the lining.
         md, drag = self.model, friction * shoe["drag_sense"]
-        self._set_loads(shoe, drag)
-        self._set_gap(shoe, drag)
+        self._set_loads_and_modes(shoe, drag)
+        self._set_gap_to_drum(shoe, drag)
         for name, value in (shoe.get("state") or self.start(shoe)).items():
             md.set_variable(name, value)
         options = {"max_iter": MOST_NEWTON_STEPS, "max_res": NEWTON_RESIDUAL, "lsolver": "mumps"}
@@ -326,10 +330,10 @@ class PeerBody:
         for option in options.items():
             arguments += option
         steps, converged = md.solve(*arguments)
-        shoe["state"] = {name: md.variable(name) for name in (*UNKNOWNS, *self.amounts)}
-        return self._answer(int(steps), bool(converged), drag)
+        shoe["state"] = {name: md.variable(name) for name in (*MODEL_UNKNOWNS, *self.amounts)}
+        return self._results_of_shoe(int(steps), bool(converged), drag)
 
-    def _set_loads(self, shoe: dict[str, Any], drag: float) -> None:
+    def _set_loads_and_modes(self, shoe: dict[str, Any], drag: float) -> None:
         """Set force, couple, friction and rigid-body modes of a shoe in the model."""
         md = self.model
         md.set_variable("force", np.array(shoe["force"]))
@@ -340,24 +344,28 @@ class PeerBody:
             md.set_variable(f"test{k}", np.atleast_1d(shoe["tests"][k]))
             md.set_variable(f"work{k}", np.atleast_1d(shoe["work"][k]))
 
-    def _set_gap(self, shoe: dict[str, Any], drag: float) -> None:
+    def _set_gap_to_drum(self, shoe: dict[str, Any], drag: float) -> None:
         """Set the gap between lining and drum in the model.
 
         The "coulomb" formulation needs the distance of each node from the drum instead.
         """
         md = self.model
         if self.formulation == "full slip":
-            md.set_variable("gap", np.interp(angles(self.xy, shoe), shoe["phi"], shoe["gap"]))
+            md.set_variable(
+                "gap", np.interp(polar_angles_of_points(self.xy, shoe), shoe["phi"], shoe["gap"])
+            )
             return
         # The distance from the obstacle is that from the round drum or the plane plus clearance.
         x = self.obstacle.basic_dof_nodes()
-        clearance = np.interp(angles(x, shoe), shoe["phi"], shoe["clearance"])
+        clearance = np.interp(polar_angles_of_points(x, shoe), shoe["phi"], shoe["clearance"])
         off = x[1] if shoe["flat"] else shoe["side"] * (1 - np.hypot(*x))
         md.set_variable("obstacle", off + clearance)
-        md.set_variable("slid", (SLIDE * np.sign(drag) * self.sliding).ravel(order="F"))
+        md.set_variable(
+            "slid", (OBSTACLE_DISPLACEMENT * np.sign(drag) * self.sliding).ravel(order="F")
+        )
         md.set_variable("mu", np.array([abs(drag)]))
 
-    def _answer(self, steps: int, converged: bool, drag: float) -> dict[str, Any]:
+    def _results_of_shoe(self, steps: int, converged: bool, drag: float) -> dict[str, Any]:
         """The results of a solved shoe as plain numbers for the result file.
 
         "slipping" is the torque of the shear divided by that of mu p, which is 1 in full slip.
@@ -369,10 +377,10 @@ class PeerBody:
         if self.formulation == "coulomb":
             pressure, shear = "(-p.normal)", "(p.along)"
             p = -(p[::2] * self.normals[0] + p[1::2] * self.normals[1])
-        torque = self.integral(f"{shear}*lever", CONTACT_REGION)
-        full = self.integral(f"drag*{pressure}*lever", CONTACT_REGION)
+        torque = self.integral_over_boundary(f"{shear}*lever", CONTACT_REGION)
+        full = self.integral_over_boundary(f"drag*{pressure}*lever", CONTACT_REGION)
         traction = f"({shear}*along - {pressure}*normal)"
-        turning = self.integral("hold.[pin(2) - X(2); X(1) - pin(1)]", HINGE_REGION)
+        turning = self.integral_over_boundary("hold.[pin(2) - X(2); X(1) - pin(1)]", HINGE_REGION)
         return {
             "converged": converged and bool(np.isfinite(p).all()),
             "steps": steps,
@@ -380,23 +388,27 @@ class PeerBody:
             "xy": self.xy.tolist(),
             "pressure": p.tolist(),
             "amounts": [float(md.variable(name)[0]) for name in self.amounts],
-            "load_work": self.integral(f"{self.push}.u", ACTUATION_REGION) if self.loaded else 0.0,
+            "load_work": self.integral_over_boundary(f"{self.push}.u", ACTUATION_REGION)
+            if self.loaded
+            else 0.0,
             "torque": torque,
-            "normal": self.integrals(f"-{pressure}*normal", CONTACT_REGION),
-            "tangential": self.integrals(f"{shear}*along", CONTACT_REGION),
-            "moment": self.integral(f"X(1)*{traction}(2) - X(2)*{traction}(1)", CONTACT_REGION),
-            "hold": [*self.integrals("hold", HINGE_REGION), turning],
+            "normal": self.vector_integrals_over_boundary(f"-{pressure}*normal", CONTACT_REGION),
+            "tangential": self.vector_integrals_over_boundary(f"{shear}*along", CONTACT_REGION),
+            "moment": self.integral_over_boundary(
+                f"X(1)*{traction}(2) - X(2)*{traction}(1)", CONTACT_REGION
+            ),
+            "hold": [*self.vector_integrals_over_boundary("hold", HINGE_REGION), turning],
         }
 
 
-def normals(x: Any, shoe: dict[str, Any]) -> Any:
+def unit_normals_of_lining(x: Any, shoe: dict[str, Any]) -> Any:
     """Unit normals (2, n) of the lining's face at the points x (2, n), towards the drum."""
     if shoe["flat"]:
         return np.array([np.zeros(x.shape[1]), -np.ones(x.shape[1])])
     return shoe["side"] * x / np.hypot(*x)
 
 
-def angles(x: Any, shoe: dict[str, Any]) -> Any:
+def polar_angles_of_points(x: Any, shoe: dict[str, Any]) -> Any:
     """Polar angles (n,) [rad] of the points x (2, n), within pi of the lining's middle.
 
     On a plane surface they are the coordinates along it.
@@ -406,7 +418,7 @@ def angles(x: Any, shoe: dict[str, Any]) -> Any:
     return shoe["middle"] + np.angle(np.exp(-1j * shoe["middle"]) * (x[0] + 1j * x[1]))
 
 
-def brake(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
+def solve_brake_by_getfem(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
     """Solve all shoes of a brake at each friction coefficient in turn.
 
     Returns a dictionary: "answers" are the results of the shoes and "seconds" the processor times,
@@ -430,7 +442,7 @@ def brake(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
     return {"answers": answers, "seconds": seconds, "unknowns": unknowns}
 
 
-def version() -> str:
+def getfem_version() -> str:
     """The version of GetFEM, read from a mesh file, since no function of GetFEM returns it."""
     with tempfile.NamedTemporaryFile("r") as file:
         gf.Mesh("empty", 2).save(file.name)
@@ -449,10 +461,10 @@ def main(source: str, target: str) -> None:
     with np.load(source) as file:
         problem = {name: file[name] for name in file.files}
     data = json.loads(str(problem.pop("data")))
-    runs = [brake(problem, data) for _ in range(data["repeats"])]
+    runs = [solve_brake_by_getfem(problem, data) for _ in range(data["repeats"])]
     result = runs[-1] | {
         "seconds": [run["seconds"] for run in runs],
-        "version": version(),
+        "version": getfem_version(),
         "peak_memory": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
     }
     Path(target).write_text(json.dumps(result), encoding="utf-8")

@@ -18,18 +18,27 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.modes import motions_at_pin
-from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.preparation.bodies import actuation_load_factors
+from drumlin.fem.equilibrium.modes import pin_motions_by_rigid_body_motions
+from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
+from drumlin.fem.preparation.bodies import load_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.cache import shape_key_of_shoe
-from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, assemble_shoe
+from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, mesh_and_assemble_shoe
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws import rigid
-from drumlin.response.balance import relative_balance, worst
-from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
-from drumlin.response.resultants import contact_arcs, cross
+from drumlin.response.balance import (
+    largest_imbalance_among_shoes,
+    relative_sums_of_forces_and_moments,
+)
+from drumlin.response.response import (
+    Balance,
+    Response,
+    ShoeResponse,
+    response_of_pressed_elastic_shoe,
+    response_of_shoe_without_contact,
+)
+from drumlin.response.resultants import contact_arcs_from_nodal_pressures, planar_cross_product
 
-NO_PRESSURE = 1e-3
+NO_CONTACT_PRESSURE = 1e-3
 """Pressure, relative to the peak, below which a lining counts as not touching the drum.
 
 Peers with a contact penalty leave small pressures beside the contact."""
@@ -80,7 +89,7 @@ class MeshedShoe(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Loaded:
+class LoadedShoe:
     """A meshed shoe under its actuation, in the frame of the shoe.
 
     Attributes
@@ -111,9 +120,11 @@ class Loaded:
     tip: Floats
 
     @property
-    def on_body(self) -> bool:
+    def is_force_on_body(self) -> bool:
         """Whether the actuation acts on an end of the shoe's body, and not on its rigid holder."""
-        return "actuation" in self.parts.mesh.boundaries and not self.shoe.gripped
+        return (
+            "actuation" in self.parts.mesh.boundaries and not self.shoe.has_support_on_back_of_body
+        )
 
     @property
     def radius(self) -> float:
@@ -124,7 +135,7 @@ class Loaded:
         return float(np.hypot(*line.xy).mean())
 
 
-def meshed_shoes(
+def mesh_shoes_for_peer(
     brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
 ) -> list[MeshedShoe]:
     """Mesh the shoes of a brake by drumlin's mesher; returns their meshes and matrices.
@@ -146,19 +157,23 @@ def meshed_shoes(
         raise BadInput(
             "friction = 0: the peers are given a drum that slips; must be greater than 0"
         )
-    mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
+    mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
     # Shoes of equal shape share one mesh.
     by_shape: dict[tuple[object, ...], MeshedShoe] = {}
     meshed = []
     for shoe in brake.shoes:
         shape = shape_key_of_shoe(brake, shoe)
         if shape not in by_shape:
-            by_shape[shape] = MeshedShoe(len(by_shape), assemble_shoe(brake, shoe, mesher, {}))
+            by_shape[shape] = MeshedShoe(
+                len(by_shape), mesh_and_assemble_shoe(brake, shoe, mesher, {})
+            )
         meshed.append(by_shape[shape])
     return meshed
 
 
-def under_force(brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1) -> Loaded:
+def shoe_under_actuation(
+    brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1
+) -> LoadedShoe:
     """A meshed shoe with its actuation, its support and the friction of the drum.
 
     Parameters
@@ -169,43 +184,46 @@ def under_force(brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1) ->
     sense : sense of the friction at an abutment, see `Held.freedoms`
     """
     parts = meshed.parts
-    factors, moment = actuation_load_factors(parts, shoe)
-    load = parts.columns.factors_of(ACTUATION, factors)
+    factors, moment = load_factors_and_pin_moment_per_newton(parts, shoe)
+    load = parts.load_columns.factors_of_load_with_name(ACTUATION, factors)
     size, free = abs(shoe.actuation.force), shoe.freedoms(sense)
-    if shoe.held_by == "hinge" and not shoe.flat:
+    if shoe.kind_of_support == "hinge" and not shoe.flat:
         # A rotation of 1 about the pin at (a, 0) closes the gap at (x, y) by -sign a y / r.
         closing = -moment * shoe.sign * parts.line.xy[1]
         approaches = size > 0 and bool((closing > 0).any())
     else:
-        approaches = size > 0 and rigid.bears(brake, shoe) >= 0
-    return Loaded(
+        approaches = size > 0 and rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
+    return LoadedShoe(
         shoe=shoe,
         parts=parts,
         body=meshed.body,
         force=size * load[:2],
         couple=size * float(load[2]),
-        drag=brake.drag_on(shoe),
+        drag=brake.friction_per_pressure_on_shoe(shoe),
         approaches=approaches,
-        motions=motions_at_pin(shoe, free.motions).T,
-        tests=motions_at_pin(shoe, free.tests).T,
+        motions=pin_motions_by_rigid_body_motions(shoe, free.motions).T,
+        tests=pin_motions_by_rigid_body_motions(shoe, free.tests).T,
         work=free.work,
         tip=free.tip,
     )
 
 
-def loaded_shoes(
+def hinged_shoes_under_actuation(
     brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
-) -> list[Loaded]:
+) -> list[LoadedShoe]:
     """The hinged shoes of a brake, meshed by drumlin's mesher, each under its own actuation.
 
-    The parameters are those of `meshed_shoes`. Raises BadInput as `meshed_shoes` does, and for a
-    shoe without a hinge.
+    The parameters are those of `mesh_shoes_for_peer`. Raises BadInput as `mesh_shoes_for_peer`
+    does, and for a shoe without a hinge.
     """
     if brake.surface.straight:
         raise BadInput("CalculiX takes brakes on a drum: its shoes press on a plane")
-    brake.check_hinged("CalculiX")
-    meshed = meshed_shoes(brake, elements, kind, mesher)
-    return [under_force(brake, shoe, own) for shoe, own in zip(brake.shoes, meshed, strict=True)]
+    brake.check_all_shoes_are_hinged("CalculiX")
+    meshed = mesh_shoes_for_peer(brake, elements, kind, mesher)
+    return [
+        shoe_under_actuation(brake, shoe, own)
+        for shoe, own in zip(brake.shoes, meshed, strict=True)
+    ]
 
 
 class PeerForces(NamedTuple):
@@ -227,8 +245,13 @@ class PeerForces(NamedTuple):
     torque: float
 
 
-def shoe_response(
-    loaded: Loaded, phi: Floats, pressure: Floats, order: int, forces: PeerForces, amounts: Floats
+def shoe_response_from_peer_forces(
+    loaded: LoadedShoe,
+    phi: Floats,
+    pressure: Floats,
+    order: int,
+    forces: PeerForces,
+    amounts: Floats,
 ) -> tuple[ShoeResponse, Balance]:
     """A shoe's response from a peer's pressure and forces, and the imbalance of these forces.
 
@@ -241,15 +264,20 @@ def shoe_response(
     forces : forces on the shoe as the peer has computed them
     amounts : generalised coordinates (k,) of the rigid-body modes
     """
-    shoe, frame, pin, tests = loaded.shoe, loaded.shoe.frame, loaded.shoe.own_pin, loaded.tests
-    load = _load_at_pin(loaded)
-    reaction = forces.held if loaded.on_body else forces.held - load
+    shoe, frame, pin, tests = (
+        loaded.shoe,
+        loaded.shoe.frame,
+        loaded.shoe.pin_in_shoe_frame,
+        loaded.tests,
+    )
+    load = _actuation_about_pin(loaded)
+    reaction = forces.held if loaded.is_force_on_body else forces.held - load
     # The friction force and its moment about the pin, which follows from the torque about the
     # drum's centre.
-    drag = np.array([*forces.friction, -float(cross(pin, forces.friction))])
+    drag = np.array([*forces.friction, -float(planar_cross_product(pin, forces.friction))])
     if not shoe.flat:
         drag[2] += math.copysign(forces.torque, loaded.drag)
-    response = pressed_shoe(
+    response = response_of_pressed_elastic_shoe(
         shoe,
         loaded.radius / frame.unit,
         frame.theta(phi),
@@ -258,53 +286,60 @@ def shoe_response(
         torque=forces.torque,
         normal_force=float(np.linalg.norm(forces.normal)),
         self_energising=float(tests[0] @ drag) * float(loaded.work[0]) > 0,
-        hinge_reaction=frame.to_brake(reaction[:2]),
+        hinge_reaction=frame.convert_to_brake_frame(reaction[:2]),
         turn=frame.sense * float(amounts @ loaded.motions[:, 2]),
-        pivot_reaction=frame.to_brake(forces.held[:2]) if shoe.pivot is not None else None,
+        pivot_reaction=frame.convert_to_brake_frame(forces.held[:2])
+        if shoe.pivot is not None
+        else None,
         reaction_moment=frame.sense * float(reaction[2]) if shoe.guide is not None else 0.0,
         # Small pressures beside the contact would hide its ends: these are located below.
         located=False,
     )
     p = response.pressure
-    touching = np.where(p > NO_PRESSURE * p.max(), p, 0.0)
-    arcs = contact_arcs(response.theta, touching, order)
-    return replace(response, contact_arcs=arcs), _balance(loaded, forces, load)
+    touching = np.where(p > NO_CONTACT_PRESSURE * p.max(), p, 0.0)
+    arcs = contact_arcs_from_nodal_pressures(response.theta, touching, order)
+    return replace(response, contact_arcs=arcs), _imbalance_of_peer_forces(loaded, forces, load)
 
 
-def _load_at_pin(loaded: Loaded) -> Floats:
+def _actuation_about_pin(loaded: LoadedShoe) -> Floats:
     """The actuation of a shoe: force (2,) [N], followed by its moment about the pin [N m]."""
-    arm = loaded.parts.load_centre - loaded.shoe.own_pin
-    return np.array([*loaded.force, loaded.couple + float(cross(arm, loaded.force))])
+    arm = loaded.parts.load_centre - loaded.shoe.pin_in_shoe_frame
+    return np.array([*loaded.force, loaded.couple + float(planar_cross_product(arm, loaded.force))])
 
 
-def _balance(loaded: Loaded, forces: PeerForces, load: Floats) -> Balance:
+def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floats) -> Balance:
     """The relative imbalance of a peer's forces on a shoe.
 
     Three conditions are checked: the sum of the forces, their moment about the origin, and the
     equilibrium of the shoe's holder. In the last one, forces and loads on the holder must do the
-    same work on the test modes. `load` is the actuation (3,) as of `_load_at_pin`.
+    same work on the test modes. `load` is the actuation (3,) as of `_actuation_about_pin`.
     """
-    pin, tests = loaded.shoe.own_pin, loaded.tests
-    push = load if loaded.on_body else np.zeros(3)
+    pin, tests = loaded.shoe.pin_in_shoe_frame, loaded.tests
+    push = load if loaded.is_force_on_body else np.zeros(3)
     normal_force = float(np.linalg.norm(forces.normal))
-    moments = [float(cross(pin, forces.held[:2])), float(cross(pin, push[:2]))]
+    moments = [
+        float(planar_cross_product(pin, forces.held[:2])),
+        float(planar_cross_product(pin, push[:2])),
+    ]
     moments += [float(forces.held[2]), float(push[2])]
     # The moment scale is added with both signs: it enlarges the scale, but not the sum.
     size = loaded.radius * normal_force
-    balance = relative_balance(
+    balance = relative_sums_of_forces_and_moments(
         [forces.normal, forces.friction, forces.held[:2], push[:2]],
         [forces.moment, *moments, size, -size],
     )
-    work = loaded.work * (not loaded.on_body)
+    work = loaded.work * (not loaded.is_force_on_body)
     lengths = np.hypot(*tests.T[:2]) + loaded.radius * np.abs(tests[:, 2])
     unbalanced = np.abs(tests @ forces.held - work) / lengths
     moment = max(balance.moment, float(unbalanced.max()) / normal_force)
     return Balance(balance.force, moment)
 
 
-def untouched_response(loaded: Loaded) -> tuple[ShoeResponse, Balance]:
+def response_of_untouched_shoe(loaded: LoadedShoe) -> tuple[ShoeResponse, Balance]:
     """The response, without pressure, of a shoe that its actuation turns away from the drum."""
-    return untouched(loaded.shoe, -loaded.shoe.actuation.vector), Balance(0.0, 0.0)
+    return response_of_shoe_without_contact(
+        loaded.shoe, -loaded.shoe.actuation.force_vector
+    ), Balance(0.0, 0.0)
 
 
 class EndedProcess(NamedTuple):
@@ -315,7 +350,7 @@ class EndedProcess(NamedTuple):
     seconds: float
 
 
-def run_process(command: Sequence[str], folder: Path, longest: float) -> EndedProcess:
+def run_peer_process(command: Sequence[str], folder: Path, longest: float) -> EndedProcess:
     """Run a peer's command in a folder, on one thread.
 
     PYTHONPATH and PYTHONHOME of this process are not passed on. Raises NoAnswer if the command
@@ -345,7 +380,7 @@ def run_process(command: Sequence[str], folder: Path, longest: float) -> EndedPr
     return EndedProcess(done.returncode, done.stdout, spent)
 
 
-def brake_response(
+def brake_response_from_shoes(
     model: str,
     answers: Sequence[tuple[ShoeResponse, Balance]],
     iterations: int,
@@ -363,7 +398,7 @@ def brake_response(
     return Response(
         model=model,
         shoes=tuple(response for response, _ in answers),
-        balance=worst([balance for _, balance in answers]),
+        balance=largest_imbalance_among_shoes([balance for _, balance in answers]),
         iterations=iterations,
         seconds=seconds,
     )

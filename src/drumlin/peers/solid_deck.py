@@ -18,7 +18,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
-from drumlin.fem.preparation.meshes import materials_of_parts
+from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.solid.body import end_forces, friction_face, hinge_nodes
 from drumlin.fem.solid.fields import orient_cells, serendipity_cells
 from drumlin.fem.solid.mesh import Solid, solid_mesh
@@ -27,24 +27,29 @@ from drumlin.peers import calculix
 from drumlin.peers.deck import (
     DRUM_LAYER,
     DRUM_MODULUS,
-    MM,
-    MPA,
+    MM_PER_METRE,
+    MPA_PER_PASCAL,
     DeckGrid,
     DeckSetting,
     DrumMesh,
     FirstLabels,
-    check_fit,
-    contact_lines,
-    drum_angles,
-    header_lines,
-    hinge_lines,
-    nodal_load_lines,
-    pin_load_lines,
-    step_lines,
+    angles_of_drum_nodes,
+    deck_header_lines,
+    deck_lines_of_contact,
+    deck_lines_of_hinge,
+    deck_lines_of_load_on_pin,
+    deck_lines_of_load_step,
+    deck_lines_of_nodal_forces,
+    require_lining_without_gap,
 )
-from drumlin.peers.peer import Loaded, Peer, loaded_shoes, untouched_response
+from drumlin.peers.peer import (
+    LoadedShoe,
+    Peer,
+    hinged_shoes_under_actuation,
+    response_of_untouched_shoe,
+)
 
-ROTATION = 4e-3
+SOLID_DRUM_ROTATION = 4e-3
 """Rotation of the drum [rad].
 
 Friction acts along the slip. A pressed lining also widens sideways by some ten micrometres. The
@@ -53,7 +58,14 @@ slip of the drum must be much larger, so that friction acts along the drum's cir
 MODELLED_WIDTH = 0.5
 """Fraction of the shoe's width that the deck models, in place of the thickness of a plane deck."""
 
-FACES = [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
+HEXAHEDRON_FACES = [
+    (0, 1, 2, 3),
+    (4, 7, 6, 5),
+    (0, 4, 5, 1),
+    (1, 5, 6, 2),
+    (2, 6, 7, 3),
+    (3, 7, 4, 0),
+]
 """The four corners of each face S1 to S6 of CalculiX's hexahedron."""
 
 DRUM_WIDTH = 1.1
@@ -63,11 +75,11 @@ DRUM_WIDTH = 1.1
 class _SolidShoe(NamedTuple):
     """A shoe under its actuation, and its three-dimensional mesh."""
 
-    loaded: Loaded
+    loaded: LoadedShoe
     solid: Solid
 
 
-def export(
+def export_solid_calculix_decks(
     brake: Brake,
     folder: Path,
     stem: str,
@@ -90,21 +102,25 @@ def export(
     the paths of the decks, and the names of the shoes without a deck; the actuation turns these
     shoes away from the drum
     """
-    setting = DeckSetting(rotation=ROTATION, thickness=MODELLED_WIDTH)
+    setting = DeckSetting(rotation=SOLID_DRUM_ROTATION, thickness=MODELLED_WIDTH)
     decks = []
-    for loaded, solid in _posed(brake, elements, across):
-        decks.append(calculix.ShoeDeck(loaded, partial(deck, brake, loaded, solid, setting)))
-    return calculix.write_decks(decks, folder, stem, "_solid")
+    for loaded, solid in _solid_shoes_under_actuation(brake, elements, across):
+        decks.append(
+            calculix.ShoeDeck(loaded, partial(solid_shoe_deck_text, brake, loaded, solid, setting))
+        )
+    return calculix.write_deck_files(decks, folder, stem, "_solid")
 
 
-def solve(
+def solve_solid_by_calculix(
     brake: Brake,
     *,
     elements: int = SOLID_LINING_ELEMENTS,
     across: int | None = None,
     setting: DeckSetting | None = None,
 ) -> Peer:
-    """Solve a brake with three-dimensional shoes by CalculiX. Raises as `calculix.solve` does.
+    """Solve a brake with three-dimensional shoes by CalculiX.
+
+    Raises the errors of `calculix.solve_by_calculix`.
 
     Parameters
     ----------
@@ -113,22 +129,29 @@ def solve(
     across : number of elements over half of the lining's width; None: it follows from `elements`
     setting : parameters of the decks; None: the usual ones with the rotation ROTATION
     """
-    installed = calculix.version()
-    start = (setting or DeckSetting(rotation=ROTATION))._replace(thickness=MODELLED_WIDTH)
+    installed = calculix.calculix_version()
+    start = (setting or DeckSetting(rotation=SOLID_DRUM_ROTATION))._replace(
+        thickness=MODELLED_WIDTH
+    )
     tally = calculix.RunTally()
-    for loaded, solid in _posed(brake, elements, across):
+    for loaded, solid in _solid_shoes_under_actuation(brake, elements, across):
         if not loaded.approaches:
-            tally.answers.append(untouched_response(loaded))
+            tally.answers.append(response_of_untouched_shoe(loaded))
             continue
-        pose = calculix.PosedShoe(
-            text=partial(deck, brake, loaded, solid), along=partial(along, loaded)
+        pose = calculix.DeckFormat(
+            text=partial(solid_shoe_deck_text, brake, loaded, solid),
+            along=partial(nodal_forces_on_drum_arc, loaded),
         )
-        state, _ = calculix.slipping(brake, loaded, start, pose)
-        tally.add(loaded, state)
-    return tally.peer(installed, (f"CalculiX {installed}, C3D20R, face-to-face penalty",))
+        state, _ = calculix.run_until_lining_slips(brake, loaded, start, pose)
+        tally.add_shoe_state(loaded, state)
+    return tally.result_of_brake(
+        installed, (f"CalculiX {installed}, C3D20R, face-to-face penalty",)
+    )
 
 
-def _posed(brake: Brake, elements: int, across: int | None) -> list[_SolidShoe]:
+def _solid_shoes_under_actuation(
+    brake: Brake, elements: int, across: int | None
+) -> list[_SolidShoe]:
     """The shoes of a brake under their actuation, with their three-dimensional meshes.
 
     Raises BadInput if drumlin's model of solid shoes cannot solve the brake.
@@ -137,15 +160,15 @@ def _posed(brake: Brake, elements: int, across: int | None) -> list[_SolidShoe]:
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
     posed = []
-    for loaded in loaded_shoes(brake, elements):
+    for loaded in hinged_shoes_under_actuation(brake, elements):
         shoe = loaded.shoe
         solid = solid_mesh(shoe, brake.size, elements, across or elements_across(shoe, elements))
         posed.append(_SolidShoe(loaded, solid))
     return posed
 
 
-def deck(
-    brake: Brake, loaded: Loaded, solid: Solid, setting: DeckSetting, name: str = "shoe"
+def solid_shoe_deck_text(
+    brake: Brake, loaded: LoadedShoe, solid: Solid, setting: DeckSetting, name: str = "shoe"
 ) -> str:
     """The text of the CalculiX deck of half a three-dimensional shoe, in the brake's frame.
 
@@ -163,37 +186,47 @@ def deck(
         for a clearance
     """
     shoe = loaded.shoe
-    check_fit(brake, loaded)
+    require_lining_without_gap(brake, loaded)
     # Nodes keep their numbers in drumlin's mesh; those in the middle of faces and cells are unused.
     x = solid.basis.doflocs
-    points = np.column_stack([shoe.frame.to_brake(x[:2].T), x[2]]) * MM
+    points = np.column_stack([shoe.frame.convert_to_brake_frame(x[:2].T), x[2]]) * MM_PER_METRE
     cells = orient_cells(points, serendipity_cells(solid.basis.element_dofs))
     used = np.unique(cells)
     held = np.intersect1d(hinge_nodes(solid, shoe), used)
-    grid = _deck_grid(loaded, points, cells, held)
-    drum_mesh = mesh_drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
+    grid = _solid_shoe_mesh_for_deck(loaded, points, cells, held)
+    drum_mesh = mesh_solid_drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
     # The nodes of the mid-plane are fixed along z. In a rigid shoe so are those on the lining's
     # back.
     mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
     bonded = held if shoe.body is None else held[:0]
     face = friction_face(solid, shoe, brake.size).nodes
     lines = [
-        *header_lines(brake, loaded, setting, name),
+        *deck_header_lines(brake, loaded, setting, name),
         "** half of the shoe, z >= 0: what is called thickness above is that half",
-        *_shoe_lines(shoe, solid, points, grid),
+        *_deck_lines_of_solid_shoe_mesh(shoe, solid, points, grid),
         *drum_mesh.lines,
-        *_material_lines(shoe),
-        *contact_lines(brake, loaded, setting, _face_lines(cells, face), "S1"),
-        *hinge_lines(loaded, grid),
+        *_deck_lines_of_solid_materials(shoe),
+        *deck_lines_of_contact(
+            brake, loaded, setting, _deck_lines_of_solid_faces(cells, face), "S1"
+        ),
+        *deck_lines_of_hinge(loaded, grid),
         "*BOUNDARY",
         *(f"{i + 1}, 3, 3" for i in np.union1d(mid_plane, bonded)),
         "NDRUM, 3, 3",
-        *step_lines(brake, setting, grid, drum_mesh.xy, _load_lines(loaded, solid, setting, grid)),
+        *deck_lines_of_load_step(
+            brake,
+            setting,
+            grid,
+            drum_mesh.xy,
+            _deck_lines_of_solid_actuation(loaded, solid, setting, grid),
+        ),
     ]
     return "\n".join(lines) + "\n"
 
 
-def _deck_grid(loaded: Loaded, points: Floats, cells: Ints, held: Ints) -> DeckGrid:
+def _solid_shoe_mesh_for_deck(
+    loaded: LoadedShoe, points: Floats, cells: Ints, held: Ints
+) -> DeckGrid:
     """The mesh of half a three-dimensional shoe in the form of a CalculiX deck.
 
     Parameters
@@ -211,78 +244,84 @@ def _deck_grid(loaded: Loaded, points: Floats, cells: Ints, held: Ints) -> DeckG
         edges={"hinge": held},
         pin=len(points) + 1,
         turn=len(points) + 2,
-        bearing=len(cells) + len(drum_angles(loaded)) // 2 + 1,
+        bearing=len(cells) + len(angles_of_drum_nodes(loaded)) // 2 + 1,
     )
 
 
-def _shoe_lines(shoe: Shoe, solid: Solid, points: Floats, grid: DeckGrid) -> list[str]:
+def _deck_lines_of_solid_shoe_mesh(
+    shoe: Shoe, solid: Solid, points: Floats, grid: DeckGrid
+) -> list[str]:
     """The lines of a deck for the nodes (n, 3) [mm] and the elements of half a shoe."""
-    pin = [*(shoe.pin.xy * MM), 0.0]
+    pin = [*(shoe.pin.xy * MM_PER_METRE), 0.0]
     lines = ["*NODE, NSET=NSHOE"]
     used = np.unique(grid.cells)
-    lines += map(_node_line, used + 1, points[used])
-    lines += ["*NODE, NSET=PIN", _node_line(grid.pin, pin)]
+    lines += map(_deck_line_of_solid_node, used + 1, points[used])
+    lines += ["*NODE, NSET=PIN", _deck_line_of_solid_node(grid.pin, pin)]
     lines += ["** its displacement x is the turn [rad] of the shoe about the pin"]
-    lines += ["*NODE, NSET=TURN", _node_line(grid.turn, pin)]
+    lines += ["*NODE, NSET=TURN", _deck_line_of_solid_node(grid.turn, pin)]
     for part, members in solid.mesh.subdomains.items():
         lines.append(f"*ELEMENT, TYPE={grid.kind}, ELSET={part.upper()}")
         for i in np.sort(members):
-            lines += _element_lines(i + 1, grid.cells[i] + 1)
+            lines += _deck_lines_of_solid_element(i + 1, grid.cells[i] + 1)
     return lines
 
 
-def _material_lines(shoe: Shoe) -> list[str]:
+def _deck_lines_of_solid_materials(shoe: Shoe) -> list[str]:
     """The lines of a deck for the materials of a shoe and of the drum."""
     moduli = {}
-    for part, (material, _) in materials_of_parts(shoe).items():
+    for part, (material, _) in materials_and_widths_of_shoe_parts(shoe).items():
         # `why_not` refuses orthotropic materials.
         assert isinstance(material, Material)
         moduli[part.upper()] = material.E, material.nu
     moduli["DRUM"] = DRUM_MODULUS * shoe.lining.material.E_through, 0.0
     lines = []
     for part, (E, nu) in moduli.items():
-        lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E * MPA:.12e}, {nu:.12e}"]
+        lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E * MPA_PER_PASCAL:.12e}, {nu:.12e}"]
         lines += [f"*SOLID SECTION, ELSET={part}, MATERIAL={part}"]
     return lines
 
 
-def _node_line(label: int, at: Floats | list[float]) -> str:
+def _deck_line_of_solid_node(label: int, at: Floats | list[float]) -> str:
     """The line of a deck for a node at the point `at` (3,) [mm]."""
     return f"{label}, {at[0]:.12e}, {at[1]:.12e}, {at[2]:.12e}"
 
 
-def _element_lines(label: int, nodes: Ints) -> list[str]:
+def _deck_lines_of_solid_element(label: int, nodes: Ints) -> list[str]:
     """The two lines of a deck for an element of 20 nodes; a line holds at most 16 entries."""
     return [", ".join(map(str, [label, *nodes[:10]])) + ",", ", ".join(map(str, nodes[10:]))]
 
 
-def _face_lines(cells: Ints, on: Ints) -> list[str]:
+def _deck_lines_of_solid_faces(cells: Ints, on: Ints) -> list[str]:
     """The lines "element, S<face>" of a deck for the faces that lie on a surface.
 
     `on` are the nodes of the surface; a face lies on it if all of its four corners do.
     """
     inside = np.isin(cells[:, :8], on)
     lines = []
-    for k, corners in enumerate(FACES):
+    for k, corners in enumerate(HEXAHEDRON_FACES):
         whole = np.flatnonzero(inside[:, corners].all(axis=1))
         lines += [f"{i + 1}, S{k + 1}" for i in whole]
     return lines
 
 
-def _load_lines(loaded: Loaded, solid: Solid, setting: DeckSetting, grid: DeckGrid) -> list[str]:
+def _deck_lines_of_solid_actuation(
+    loaded: LoadedShoe, solid: Solid, setting: DeckSetting, grid: DeckGrid
+) -> list[str]:
     """The lines of a deck for the actuation of half a shoe.
 
     They are nodal forces on the end face of the shoe, or force and couple on a rigid shoe's pin.
     """
     if "actuation" not in solid.section.boundaries:
-        return pin_load_lines(loaded, setting, grid)
+        return deck_lines_of_load_on_pin(loaded, setting, grid)
     unit, _ = end_forces(solid)
     nodal = (unit @ np.array([*loaded.force, loaded.couple]))[:, :2]
-    forces = setting.thickness * loaded.shoe.frame.to_brake(_without_middles(solid, nodal))
-    return nodal_load_lines(forces, np.flatnonzero(forces.any(axis=1)))
+    forces = setting.thickness * loaded.shoe.frame.convert_to_brake_frame(
+        _forces_moved_from_face_middles(solid, nodal)
+    )
+    return deck_lines_of_nodal_forces(forces, np.flatnonzero(forces.any(axis=1)))
 
 
-def _without_middles(solid: Solid, forces: Floats) -> Floats:
+def _forces_moved_from_face_middles(solid: Solid, forces: Floats) -> Floats:
     """Distribute nodal forces (n, 2) in the middle of faces to the other nodes of these faces.
 
     In CalculiX's element the displacement in the middle of a face is -1/4 of the sum of those at
@@ -310,7 +349,7 @@ def _without_middles(solid: Solid, forces: Floats) -> Floats:
     return moved
 
 
-class _Row(NamedTuple):
+class _DrumNodeRow(NamedTuple):
     """A row of the drum's nodes along the arc: radius [m], angles (k,) [rad], coordinate z [m]."""
 
     radius: float
@@ -318,13 +357,13 @@ class _Row(NamedTuple):
     z: float
 
     @property
-    def xyz(self) -> Floats:
+    def node_positions(self) -> Floats:
         """The positions of the nodes (k, 3) [m]."""
         r, t = self.radius, self.theta
         return np.column_stack([r * np.cos(t), r * np.sin(t), np.full(len(t), self.z)])
 
 
-def mesh_drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
+def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> DrumMesh:
     """The mesh of the drum in a three-dimensional CalculiX deck: one row of elements along the arc.
 
     The width of the elements is half that of the lining and a little more. Their face S1 lies on
@@ -332,37 +371,37 @@ def mesh_drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
     middle of the width and on the outer side. `first` holds the first labels.
     """
     shoe, R = loaded.shoe, brake.size
-    theta = drum_angles(loaded)
+    theta = angles_of_drum_nodes(loaded)
     ends = theta[::2]
     back = R * (1 + shoe.sign * DRUM_LAYER)
     outer = DRUM_WIDTH * shoe.lining.width / 2
     rows = [
-        _Row(R, theta, 0.0),
-        _Row(R, ends, outer / 2),
-        _Row(R, theta, outer),
-        _Row(back, theta, 0.0),
-        _Row(back, ends, outer / 2),
-        _Row(back, theta, outer),
-        _Row((R + back) / 2, ends, 0.0),
-        _Row((R + back) / 2, ends, outer),
+        _DrumNodeRow(R, theta, 0.0),
+        _DrumNodeRow(R, ends, outer / 2),
+        _DrumNodeRow(R, theta, outer),
+        _DrumNodeRow(back, theta, 0.0),
+        _DrumNodeRow(back, ends, outer / 2),
+        _DrumNodeRow(back, theta, outer),
+        _DrumNodeRow((R + back) / 2, ends, 0.0),
+        _DrumNodeRow((R + back) / 2, ends, outer),
     ]
-    xyz = np.concatenate([row.xyz for row in rows]) * MM
+    xyz = np.concatenate([row.node_positions for row in rows]) * MM_PER_METRE
     lines = ["*NODE, NSET=NDRUM"]
-    lines += map(_node_line, count(first.node), xyz)
+    lines += map(_deck_line_of_solid_node, count(first.node), xyz)
     lines.append("*ELEMENT, TYPE=C3D20, ELSET=DRUM")
     labels = first.node + np.cumsum([0, *(len(row.theta) for row in rows)])
     for k in range(len(ends) - 1):
-        nodes = _drum_cell(labels[:-1].tolist(), k, shoe.sign)
-        lines += _element_lines(first.element + k, nodes)
+        nodes = _node_labels_of_drum_element(labels[:-1].tolist(), k, shoe.sign)
+        lines += _deck_lines_of_solid_element(first.element + k, nodes)
     return DrumMesh(lines, xyz[:, :2])
 
 
-def _drum_cell(labels: list[int], k: int, sign: int) -> Ints:
+def _node_labels_of_drum_element(labels: list[int], k: int, sign: int) -> Ints:
     """The labels (20,) of the nodes of element k of the drum, in CalculiX's order.
 
     Parameters
     ----------
-    labels : label of the first node of each row, in the order of the rows in `mesh_drum`
+    labels : label of the first node of each row, in the order of the rows in `mesh_solid_drum`
     k : number of the element along the arc
     sign : 1 for an internal shoe, -1 for an external one
     """
@@ -383,13 +422,13 @@ def _drum_cell(labels: list[int], k: int, sign: int) -> Ints:
     )
 
 
-def along(loaded: Loaded, forces: Floats) -> Floats:
+def nodal_forces_on_drum_arc(loaded: LoadedShoe, forces: Floats) -> Floats:
     """The nodal forces (n, 2) on the drum's arc, summed over the width of the drum.
 
     `forces` are those on all nodes of the drum. The sums are forces on the nodes of a quadratic
     line along the arc.
     """
-    count = len(drum_angles(loaded))
+    count = len(angles_of_drum_nodes(loaded))
     ends = (count + 1) // 2
     total = forces[:count] + forces[count + ends : 2 * count + ends]
     total[::2] += forces[count : count + ends]

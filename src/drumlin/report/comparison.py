@@ -11,11 +11,18 @@ from typing import Any, NamedTuple
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
-from drumlin.comparison import Comparison, Outcome, TableColumn, as_csv, columns_of, compare
-from drumlin.models import MODELS, refusals
+from drumlin.comparison import (
+    Comparison,
+    Outcome,
+    TableColumn,
+    compare,
+    comparison_columns_for_brake,
+    table_as_csv_text,
+)
+from drumlin.models import MODELS, reasons_why_models_do_not_apply
 from drumlin.report import figures
-from drumlin.report.page import software_versions, write_page
-from drumlin.response.balance import loaded
+from drumlin.report.page import software_versions, write_html_page
+from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response
 
 
@@ -36,7 +43,7 @@ class WrittenComparison(NamedTuple):
     columns: tuple[TableColumn, ...]
 
 
-def pressure_panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
+def pressure_panels_of_shoes(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
     """For each shoe, the title of its panel in the pressure figure and its responses by model."""
     brake = comparison.brake
     made: list[tuple[str, dict[str, Any]]] = []
@@ -53,7 +60,7 @@ def pressure_panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, An
     return made
 
 
-def draw_fields(
+def write_and_draw_stress_fields(
     brake: Brake, response: Response, folder: Path, name: str, **options: Any
 ) -> str | None:
     """Write displacements, stresses and pressures as name.vtu, and a picture of them as name.png.
@@ -73,39 +80,47 @@ def draw_fields(
     None, or the reason why there is no picture, such as a machine without off-screen rendering
     """
     # The modules take long to load, and most commands draw no stress fields.
-    from drumlin.fem.analysis.fields import recover_all_fields, write_fields_as_vtu  # noqa: PLC0415
-    from drumlin.fem.solve import prepare_finest_division  # noqa: PLC0415
-    from drumlin.report.render import render_fields  # noqa: PLC0415
+    from drumlin.fem.analysis.fields import (  # noqa: PLC0415
+        stress_and_displacement_fields_of_bodies,
+        write_fields_to_vtu_file,
+    )
+    from drumlin.fem.solve import prepared_model_of_finest_division  # noqa: PLC0415
+    from drumlin.report.render import draw_fields_and_return_failure_reason  # noqa: PLC0415
 
-    brake.check_meshable()
-    scene = prepare_finest_division(brake, **options)
-    write_fields_as_vtu(folder / f"{name}.vtu", recover_all_fields(scene, brake, response))
+    brake.check_shoes_can_be_meshed()
+    scene = prepared_model_of_finest_division(brake, **options)
+    write_fields_to_vtu_file(
+        folder / f"{name}.vtu", stress_and_displacement_fields_of_bodies(scene, brake, response)
+    )
     title = f"{brake.title}, {brake.motion}"
-    return render_fields(
-        folder / f"{name}.vtu", folder / f"{name}.png", loaded(brake, response), title
+    return draw_fields_and_return_failure_reason(
+        folder / f"{name}.vtu",
+        folder / f"{name}.png",
+        brake_with_forces_of_response(brake, response),
+        title,
     )
 
 
-def results_as_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
+def comparisons_as_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
     """All results of some comparisons as JSON text, with the versions of the software.
 
     The computing time [s] of each model is a median. `more` holds further keys of the JSON object.
     """
-    cases = list(map(_case_data, comparisons))
+    cases = list(map(_comparison_as_plain_data, comparisons))
     return json.dumps({"versions": software_versions(), "cases": cases, **more}, indent=1) + "\n"
 
 
-def _case_data(comparison: Comparison[Any]) -> dict[str, Any]:
+def _comparison_as_plain_data(comparison: Comparison[Any]) -> dict[str, Any]:
     """The comparison of all models on one brake as plain data for JSON."""
     return {
         "case": comparison.case,
         "rotation": comparison.brake.sense,
         "friction": comparison.brake.friction,
-        "models": list(map(_model_data, comparison.outcomes)),
+        "models": list(map(_model_answer_as_plain_data, comparison.outcomes)),
     }
 
 
-def _model_data(outcome: Outcome) -> dict[str, Any]:
+def _model_answer_as_plain_data(outcome: Outcome) -> dict[str, Any]:
     """The answer of one model, or its failure, with the computing time, as plain data for JSON."""
     answer = {"model": outcome.model, "failed": outcome.failure}
     if outcome.response:
@@ -138,10 +153,10 @@ def write_comparison_page(
         failures = [f"{outcome.model}: {outcome.failure}" for outcome in comparison.outcomes]
         raise NoAnswer("; ".join(failures))
     table = comparison.rows
-    write_text(folder / "results.csv", as_csv(table))
-    write_text(folder / "results.json", results_as_json([comparison]))
+    write_text(folder / "results.csv", table_as_csv_text(table))
+    write_text(folder / "results.json", comparisons_as_json([comparison]))
     pressure_figure = figures.draw_pressure_panels(
-        pressure_panels(comparison), surface=brake.surface
+        pressure_panels_of_shoes(comparison), surface=brake.surface
     )
     figures.save_figure(pressure_figure, folder / "pressure.svg")
     # Draw the stress field of the finite elements, if at least one shoe touches.
@@ -154,34 +169,34 @@ def write_comparison_page(
         # The correction for the widths knows no stresses. The picture shows plane stress.
         if options.get("finite_width"):
             fem = MODELS["fem"].solve(brake, **{**options, "finite_width": False})
-        not_drawn = draw_fields(brake, fem, folder, "fields", **mesh_options)
-    notes = _notes_of_models(brake, comparison)
-    page = write_page(
+        not_drawn = write_and_draw_stress_fields(brake, fem, folder, "fields", **mesh_options)
+    notes = _notes_and_refusals_of_models(brake, comparison)
+    page = write_html_page(
         Path(__file__).with_name("comparison.html"),
         folder / "index.html",
         brake=brake,
         rows=table,
-        columns=columns_of(brake),
+        columns=comparison_columns_for_brake(brake),
         drawn=drawn,
         not_drawn=not_drawn,
-        notes=notes + _lines_on_neglect(comparison),
+        notes=notes + _lines_on_neglected_effects(comparison),
         source_text=source,
     )
-    return WrittenComparison(table, notes, page, columns_of(brake))
+    return WrittenComparison(table, notes, page, comparison_columns_for_brake(brake))
 
 
-def _notes_of_models(brake: Brake, comparison: Comparison[Any]) -> list[str]:
+def _notes_and_refusals_of_models(brake: Brake, comparison: Comparison[Any]) -> list[str]:
     """The notes of all models that answered, and the reasons why other models do not apply."""
     notes = []
     for model, response in comparison.responses.items():
         for line in response.notes:
             notes.append(f"{model}: {line}")
-    for name, reason in refusals(brake).items():
+    for name, reason in reasons_why_models_do_not_apply(brake).items():
         notes.append(f"{name}: does not apply: {reason}")
     return notes
 
 
-def _lines_on_neglect(comparison: Comparison[Any]) -> list[str]:
+def _lines_on_neglected_effects(comparison: Comparison[Any]) -> list[str]:
     """A line of text for each effect that a model of the comparison neglects."""
     lines = []
     for model, response in comparison.responses.items():

@@ -14,7 +14,7 @@ from matplotlib.patches import Circle, FancyArrowPatch, PathPatch, Rectangle, We
 from matplotlib.path import Path as Outline
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Actuation, Bar, Beam
 from drumlin.report.palette import FAINT, INK
@@ -26,9 +26,9 @@ from drumlin.report.signs import (
     LINING_COLOR,
     MM_PER_M,
     MOTION_COLOR,
-    draw_rigid_arms,
-    draw_shared_parts,
-    draw_support,
+    draw_rigid_arms_of_shoe,
+    draw_struts_and_cam,
+    draw_support_of_shoe,
 )
 
 
@@ -44,7 +44,7 @@ def draw_brake(axes: Axes, brake: Brake) -> None:
     axes.set_ylabel("y [mm]")
 
 
-def _unit_vector(angle: float) -> Floats:
+def _unit_vector_at_angle(angle: float) -> Floats:
     """The unit vector (2,) at an angle [rad] from the x axis."""
     return np.array([math.cos(angle), math.sin(angle)])
 
@@ -57,39 +57,42 @@ def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
     """Draw a brake on a drum, and set the limits of the axes."""
     R = brake.size * MM_PER_M
     unit = R / 10
-    _draw_drum(axes, brake, R, unit)
+    _draw_drum_with_rotation_arrow(axes, brake, R, unit)
     struts = {link.source for link in brake.links}
     for shoe in brake.shoes:
-        _draw_shoe(axes, shoe, R, unit, on_strut=shoe.name in struts)
-    loaded = {shoe.name: _force_point(shoe, R) for shoe in brake.shoes}
-    draw_shared_parts(axes, brake, loaded, unit)
-    tips = {shoe.name: _arrow_tip(shoe, R, unit) for shoe in brake.shoes}
-    _draw_forces(axes, brake, tips, unit)
+        _draw_shoe_on_drum(axes, shoe, R, unit, on_strut=shoe.name in struts)
+    loaded = {shoe.name: _point_where_force_is_drawn(shoe, R) for shoe in brake.shoes}
+    draw_struts_and_cam(axes, brake, loaded, unit)
+    tips = {shoe.name: _tip_of_force_arrow(shoe, R, unit) for shoe in brake.shoes}
+    _draw_force_arrows_with_labels(axes, brake, tips, unit)
     # The axes must hold the drum, the shoes, the force arrows with their labels, and the pins.
-    corners = np.array([[-1.0, -1.0], [1.0, 1.0]]) * _outer_radius(brake)
+    corners = np.array([[-1.0, -1.0], [1.0, 1.0]]) * _outer_radius_of_brake(brake)
     points = [corners]
     for shoe in brake.shoes:
-        points += [_arrow_corners(shoe.actuation, tips[shoe.name], unit), _pin_corners(shoe, unit)]
-    _set_limits(axes, np.concatenate(points), 1.8 * unit)
+        points += [
+            _extreme_points_of_force_arrow(shoe.actuation, tips[shoe.name], unit),
+            _corners_of_box_around_pin(shoe, unit),
+        ]
+    _set_axes_limits_around_points(axes, np.concatenate(points), 1.8 * unit)
 
 
-def _outer_radius(brake: Brake) -> float:
+def _outer_radius_of_brake(brake: Brake) -> float:
     """The radius [mm] of the smallest circle around the drum, its ring and the external shoes."""
-    ring = _ring_depth(brake)
+    ring = _thickness_of_drum_ring(brake)
     outside = any(shoe.side == "internal" for shoe in brake.shoes) and ring
     depth = max((shoe.depth for shoe in brake.shoes if shoe.side == "external"), default=0.0)
     return (brake.size + max(outside, depth)) * MM_PER_M
 
 
-def _ring_depth(brake: Brake) -> float:
+def _thickness_of_drum_ring(brake: Brake) -> float:
     """The thickness [m] of the drum's ring; a tenth of the drum's radius where it is not given."""
     ring = brake.ring
     return ring.thickness if ring and ring.thickness else 0.1 * brake.size
 
 
-def _draw_drum(axes: Axes, brake: Brake, R: float, unit: float) -> None:
+def _draw_drum_with_rotation_arrow(axes: Axes, brake: Brake, R: float, unit: float) -> None:
     """Draw the drum: ring, centre, a line with the radius, and the arrow of the rotation."""
-    ring = _ring_depth(brake) * MM_PER_M
+    ring = _thickness_of_drum_ring(brake) * MM_PER_M
     look = {"facecolor": DRUM_COLOR, "edgecolor": "none"}
     if brake.shoes[0].side == "internal":
         axes.add_patch(Wedge((0, 0), R + ring, 0, 360, width=ring, **look))
@@ -103,10 +106,10 @@ def _draw_drum(axes: Axes, brake: Brake, R: float, unit: float) -> None:
     axes.plot(cross, [0, 0], color=INK, lw=0.8)
     axes.plot([0, 0], cross, color=INK, lw=0.8)
     # Draw a line from the centre to the friction surface, labelled with the radius.
-    direction = _unit_vector(_angle_of_free_radius(brake, R, unit))
+    direction = _unit_vector_at_angle(_free_angle_for_radius_line(brake, R, unit))
     axes.plot([0, R * direction[0]], [0, R * direction[1]], color=FAINT, lw=0.7)
-    _write_label(axes, 0.5 * R * direction, f"R = {R:.5g} mm")
-    _draw_rotation_arrow(axes, brake.spin, 2.6 * unit)
+    _write_text_on_pale_box(axes, 0.5 * R * direction, f"R = {R:.5g} mm")
+    _draw_rotation_arrow(axes, brake.sign_of_motion, 2.6 * unit)
 
 
 def _draw_rotation_arrow(axes: Axes, spin: int, radius: float) -> None:
@@ -123,16 +126,19 @@ def _draw_rotation_arrow(axes: Axes, spin: int, radius: float) -> None:
         lw=2,
         solid_capstyle="round",
     )
-    tip, back = radius * _unit_vector(angles[-1]), radius * _unit_vector(angles[-8])
-    _draw_arrow(axes, back, tip, MOTION_COLOR, width=0.1)
+    tip, back = (
+        radius * _unit_vector_at_angle(angles[-1]),
+        radius * _unit_vector_at_angle(angles[-8]),
+    )
+    _draw_arrow_from_tail_to_tip(axes, back, tip, MOTION_COLOR, width=0.1)
 
 
-def _angle_of_free_radius(brake: Brake, R: float, unit: float) -> float:
+def _free_angle_for_radius_line(brake: Brake, R: float, unit: float) -> float:
     """The angle [rad] at which the line of the radius is farthest from shoes, names and forces."""
     taken = []
     for shoe in brake.shoes:
-        tip = _force_point(shoe, R)
-        tail = tip - _arrow_vector(shoe.actuation, unit)
+        tip = _point_where_force_is_drawn(shoe, R)
+        tail = tip - _vector_of_force_arrow(shoe.actuation, unit)
         taken += [shoe.lining.start, shoe.lining.end, 0.5 * (shoe.lining.start + shoe.lining.end)]
         taken += [math.atan2(tip[1], tip[0]), math.atan2(tail[1], tail[0])]
     candidates = np.radians(np.arange(-60, 300, 5) + 2.0)
@@ -143,7 +149,7 @@ def _angle_of_free_radius(brake: Brake, R: float, unit: float) -> float:
     return float(candidates[int(np.argmax(away))])
 
 
-def _draw_shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool) -> None:
+def _draw_shoe_on_drum(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool) -> None:
     """Draw a shoe of a drum brake with its layers, its name and its support.
 
     Parameters
@@ -155,34 +161,36 @@ def _draw_shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool)
     on_strut : whether the shoe's abutment is the end of a strut
     """
     if shoe.body is None:
-        _draw_rigid_body(axes, shoe, R)
+        _draw_rigid_shoe_on_drum(axes, shoe, R)
     arc = math.degrees(shoe.lining.start), math.degrees(shoe.lining.end)
     depth = shoe.lining.thickness * MM_PER_M
-    _draw_layer(axes, shoe, R, _Layer(0.0, depth, arc, LINING_COLOR))
+    _draw_layer_as_ring_segment(axes, shoe, R, _Layer(0.0, depth, arc, LINING_COLOR))
     # A shoe with a mesh file is drawn without body, since only the mesh knows its shape. `depth`
     # grows from the friction surface through the layers.
     if shoe.mesh is None:
         if isinstance(shoe.body, Beam):
-            _draw_beam(axes, shoe, R, unit)
+            _draw_straight_beam_of_shoe(axes, shoe, R, unit)
         elif shoe.backing is not None:
             backing = shoe.backing.thickness * MM_PER_M
-            _draw_layer(axes, shoe, R, _Layer(depth, backing, arc, BLOCK_COLOR))
+            _draw_layer_as_ring_segment(axes, shoe, R, _Layer(depth, backing, arc, BLOCK_COLOR))
             depth += backing
         if isinstance(shoe.body, Bar):
             body_arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
             for plate in shoe.body.plates.values():
                 thickness = plate.thickness * MM_PER_M
-                _draw_layer(axes, shoe, R, _Layer(depth, thickness, body_arc, BODY_COLOR))
+                _draw_layer_as_ring_segment(
+                    axes, shoe, R, _Layer(depth, thickness, body_arc, BODY_COLOR)
+                )
                 depth += thickness
-    draw_support(axes, shoe, unit, on_strut=on_strut)
-    draw_rigid_arms(axes, shoe, R / MM_PER_M, _force_point(shoe, R), unit)
+    draw_support_of_shoe(axes, shoe, unit, on_strut=on_strut)
+    draw_rigid_arms_of_shoe(axes, shoe, R / MM_PER_M, _point_where_force_is_drawn(shoe, R), unit)
     # The name is written inside the drum, on the inner side of an internal shoe.
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
     inside = R - 1.8 * unit - (shoe.depth * MM_PER_M if shoe.sign > 0 else 0.0)
-    _write_label(axes, inside * _unit_vector(middle), shoe.name)
+    _write_text_on_pale_box(axes, inside * _unit_vector_at_angle(middle), shoe.name)
 
 
-def _draw_rigid_body(axes: Axes, shoe: Shoe, R: float) -> None:
+def _draw_rigid_shoe_on_drum(axes: Axes, shoe: Shoe, R: float) -> None:
     """Draw the thick grey lines that stand for a rigid shoe."""
     for stroke in _rigid_shoe_lines(shoe, R):
         axes.plot(
@@ -195,19 +203,21 @@ def _draw_rigid_body(axes: Axes, shoe: Shoe, R: float) -> None:
         )
 
 
-def _draw_beam(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
+def _draw_straight_beam_of_shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
     """Draw the straight beam of a shoe, and the block between the beam and the lining's back."""
     assert isinstance(shoe.body, Beam)
-    axis = axis_of(shoe.pin.xy * MM_PER_M, shoe.actuation.point.xy * MM_PER_M)
+    axis = make_beam_axis(shoe.pin.xy * MM_PER_M, shoe.actuation.point.xy * MM_PER_M)
     half = 0.5 * (shoe.body.thickness * MM_PER_M if shoe.body.thickness else unit)
     # The block has an arc on the lining's side and a straight edge along the beam.
     if shoe.backing is not None:
         angle = axis.angle(np.linspace(shoe.lining.start, shoe.lining.end, 60))
         back = R + shoe.lining.thickness * MM_PER_M
         x, y = axis.foot + back * np.sin(angle), axis.distance - back * np.cos(angle)
-        block = axis.to_brake(np.append(x, x[[-1, 0]]), np.append(y, [half, half]))
+        block = axis.convert_to_brake_frame(np.append(x, x[[-1, 0]]), np.append(y, [half, half]))
         axes.fill(*block.T, facecolor=BLOCK_COLOR, edgecolor=INK, lw=0.8, zorder=2)
-    corners = axis.to_brake(np.array([0, 1, 1, 0]) * axis.length, np.array([-1, -1, 1, 1]) * half)
+    corners = axis.convert_to_brake_frame(
+        np.array([0, 1, 1, 0]) * axis.length, np.array([-1, -1, 1, 1]) * half
+    )
     axes.fill(*corners.T, facecolor=BODY_COLOR, edgecolor=INK, lw=0.8, zorder=2)
 
 
@@ -228,7 +238,7 @@ class _Layer(NamedTuple):
     color: str
 
 
-def _draw_layer(axes: Axes, shoe: Shoe, R: float, layer: _Layer) -> None:
+def _draw_layer_as_ring_segment(axes: Axes, shoe: Shoe, R: float, layer: _Layer) -> None:
     """Draw a layer of a shoe on the drum as part of a circular ring."""
     outer = R - layer.depth if shoe.sign > 0 else R + layer.depth + layer.thickness
     wedge = Wedge(
@@ -244,7 +254,7 @@ def _draw_layer(axes: Axes, shoe: Shoe, R: float, layer: _Layer) -> None:
     axes.add_patch(wedge)
 
 
-def _back_radius(shoe: Shoe, R: float) -> float:
+def _radius_of_rigid_shoe_back(shoe: Shoe, R: float) -> float:
     """The radius [mm] of the arc that stands for a rigid shoe behind its lining."""
     return R - shoe.sign * (shoe.lining.thickness * MM_PER_M + 0.035 * R)
 
@@ -256,9 +266,9 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     force, or are the shoe's lever and its joint to the arc.
     """
     angles = np.linspace(shoe.lining.start, shoe.lining.end, 80)
-    back = _back_radius(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])
+    back = _radius_of_rigid_shoe_back(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])
     middle = back[40]
-    hinge, load = shoe.pin.xy * MM_PER_M, _force_point(shoe, R)
+    hinge, load = shoe.pin.xy * MM_PER_M, _point_where_force_is_drawn(shoe, R)
     if shoe.pivot is not None:
         pivot = shoe.pivot.xy * MM_PER_M
         return [back, np.array([middle, pivot]), np.array([hinge, pivot, load])]
@@ -266,7 +276,7 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     # along this line.
     clear = np.linalg.norm(np.linspace(hinge, load, 50), axis=1)
     if np.all(clear > R) and shoe.sign < 0:
-        foot = _nearest_on_lever(hinge, load, middle)
+        foot = _nearest_point_on_lever(hinge, load, middle)
         return [back, np.array([hinge, load]), np.array([middle, foot])]
     # For other shoes, the nearer end of the arc is joined to the hinge, the other end to the force.
     near, far = back[0], back[-1]
@@ -275,7 +285,7 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     return [back, np.array([hinge, near]), np.array([far, load])]
 
 
-def _nearest_on_lever(hinge: Floats, load: Floats, point: Floats) -> Floats:
+def _nearest_point_on_lever(hinge: Floats, load: Floats, point: Floats) -> Floats:
     """The point (2,) of the line from hinge to load that is nearest to a point (2,), all in mm."""
     lever = load - hinge
     along = 0.0
@@ -284,7 +294,7 @@ def _nearest_on_lever(hinge: Floats, load: Floats, point: Floats) -> Floats:
     return hinge + along * lever
 
 
-def _force_point(shoe: Shoe, R: float) -> Floats:
+def _point_where_force_is_drawn(shoe: Shoe, R: float) -> Floats:
     """The point (2,) [mm] where the force on a shoe is drawn.
 
     For an external shoe it is the force's point in the brake file, if this point lies outside the
@@ -298,31 +308,31 @@ def _force_point(shoe: Shoe, R: float) -> Floats:
     half = 0.5 * shoe.body.depth if isinstance(shoe.body, Bar) else 0.0
     radius = R - shoe.sign * (shoe.depth - half) * MM_PER_M
     arc = shoe.body if isinstance(shoe.body, Bar) else shoe.lining
-    ends = [radius * _unit_vector(angle) for angle in (arc.start, arc.end)]
+    ends = [radius * _unit_vector_at_angle(angle) for angle in (arc.start, arc.end)]
     far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy * MM_PER_M)))
-    along = _unit_vector(shoe.actuation.direction)
+    along = _unit_vector_at_angle(shoe.actuation.direction)
     nearest = point + ((far - point) @ along) * along
     # `reach` is the square of half the chord that the line of action cuts from the circle of the
     # back; it is negative if the line misses the circle.
     middle = point - (point @ along) * along
-    reach = _back_radius(shoe, R) ** 2 - middle @ middle
+    reach = _radius_of_rigid_shoe_back(shoe, R) ** 2 - middle @ middle
     if shoe.sign > 0 or shoe.body or reach < 0:
         return np.asarray(nearest)
     return np.asarray(middle + math.copysign(math.sqrt(reach), (far - middle) @ along) * along)
 
 
-def _arrow_tip(shoe: Shoe, R: float, unit: float) -> Floats:
+def _tip_of_force_arrow(shoe: Shoe, R: float, unit: float) -> Floats:
     """The tip (2,) [mm] of the arrow that shows the force on a shoe.
 
     The tip is where the force acts. If the force on an external shoe points away from the lining,
     the tail of the arrow is where the force acts.
     """
-    load, arrow = _force_point(shoe, R), _arrow_vector(shoe.actuation, unit)
-    middle = R * _unit_vector(shoe.lining.middle)
+    load, arrow = _point_where_force_is_drawn(shoe, R), _vector_of_force_arrow(shoe.actuation, unit)
+    middle = R * _unit_vector_at_angle(shoe.lining.middle)
     return load + arrow if shoe.sign < 0 and (load - middle) @ arrow > 0 else load
 
 
-def _pin_corners(shoe: Shoe, unit: float) -> Floats:
+def _corners_of_box_around_pin(shoe: Shoe, unit: float) -> Floats:
     """Lower left and upper right corner (2, 2) [mm] of a box around the sign of a shoe's pin."""
     return shoe.pin.xy * MM_PER_M + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
 
@@ -339,22 +349,27 @@ def _draw_plane_brake(axes: Axes, brake: Brake) -> None:
     # The signs are a twentieth of the brake long; the plane reaches two signs beyond the brake.
     unit = (right - left) / 20
     left, right = left - 2 * unit, right + 2 * unit
-    _draw_plane(axes, (left, right), brake.spin, unit)
+    _draw_plane_with_motion_arrow(axes, (left, right), brake.sign_of_motion, unit)
     struts = {link.source for link in brake.links}
     loads = {shoe.name: shoe.actuation.point.xy * MM_PER_M for shoe in brake.shoes}
-    _draw_forces(axes, brake, loads, unit)
-    is_elastic = brake.unmeshable() is None
+    _draw_force_arrows_with_labels(axes, brake, loads, unit)
+    is_elastic = brake.reason_why_not_meshable() is None
     places = [np.array([[left, -2 * unit], [right, 0]])]
     for shoe in brake.shoes:
         load = loads[shoe.name]
-        _draw_flat_shoe(axes, shoe, unit, on_strut=shoe.name in struts)
+        _draw_shoe_on_plane(axes, shoe, unit, on_strut=shoe.name in struts)
         if is_elastic:
-            draw_rigid_arms(axes, shoe, brake.size, load, unit)
-        places += [_arrow_corners(shoe.actuation, load, unit), _pin_corners(shoe, unit)]
-    _set_limits(axes, np.concatenate(places), 2 * unit)
+            draw_rigid_arms_of_shoe(axes, shoe, brake.size, load, unit)
+        places += [
+            _extreme_points_of_force_arrow(shoe.actuation, load, unit),
+            _corners_of_box_around_pin(shoe, unit),
+        ]
+    _set_axes_limits_around_points(axes, np.concatenate(places), 2 * unit)
 
 
-def _draw_plane(axes: Axes, ends: tuple[float, float], spin: int, unit: float) -> None:
+def _draw_plane_with_motion_arrow(
+    axes: Axes, ends: tuple[float, float], spin: int, unit: float
+) -> None:
     """Draw the plane between two ends x [mm], and the arrow of its motion."""
     left, right = ends
     depth = 2 * unit
@@ -363,26 +378,28 @@ def _draw_plane(axes: Axes, ends: tuple[float, float], spin: int, unit: float) -
     axes.plot([left, right], [0, 0], color=INK, lw=1.6)
     middle, half = 0.5 * (left + right), 2.2 * unit * spin
     tail, tip = np.array([middle - half, -unit]), np.array([middle + half, -unit])
-    _draw_arrow(axes, tail, tip, MOTION_COLOR, width=0.14)
+    _draw_arrow_from_tail_to_tip(axes, tail, tip, MOTION_COLOR, width=0.14)
 
 
-def _draw_flat_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
+def _draw_shoe_on_plane(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
     """Draw a shoe on a plane: its layers, name and support, and the height of its hinge."""
     if isinstance(shoe.body, Bar) and shoe.lining.thickness is not None:
-        _draw_flat_layers(axes, shoe, shoe.body)
+        _draw_layers_of_shoe_on_plane(axes, shoe, shoe.body)
     else:
-        _draw_rigid_flat_shoe(axes, shoe, unit)
-    draw_support(axes, shoe, unit, on_strut=on_strut)
+        _draw_rigid_shoe_on_plane(axes, shoe, unit)
+    draw_support_of_shoe(axes, shoe, unit, on_strut=on_strut)
     end = shoe.lining.end * MM_PER_M
-    _write_label(axes, np.array([end + 1.2 * unit, 1.0 * unit]), shoe.name, ha="left")
+    _write_text_on_pale_box(axes, np.array([end + 1.2 * unit, 1.0 * unit]), shoe.name, ha="left")
     if shoe.hinge is not None and shoe.pivot is None:
         x, height = shoe.hinge.xy * MM_PER_M
         arrow = {"arrowstyle": "<->", "color": FAINT, "lw": 0.8}
         axes.annotate("", (x, 0), (x, height), arrowprops=arrow, zorder=4)
-        _write_label(axes, np.array([x - 1.6 * unit, 0.4 * height]), f"h = {height:.4g} mm")
+        _write_text_on_pale_box(
+            axes, np.array([x - 1.6 * unit, 0.4 * height]), f"h = {height:.4g} mm"
+        )
 
 
-def _draw_flat_layers(axes: Axes, shoe: Shoe, body: Bar) -> None:
+def _draw_layers_of_shoe_on_plane(axes: Axes, shoe: Shoe, body: Bar) -> None:
     """Draw the layers of an elastic shoe on a plane: lining, block and plates of the body."""
     lining = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
     layers = [_Layer(0.0, shoe.lining.thickness * MM_PER_M, lining, LINING_COLOR)]
@@ -410,7 +427,7 @@ def _draw_flat_layers(axes: Axes, shoe: Shoe, body: Bar) -> None:
         axes.add_patch(box)
 
 
-def _draw_rigid_flat_shoe(axes: Axes, shoe: Shoe, unit: float) -> None:
+def _draw_rigid_shoe_on_plane(axes: Axes, shoe: Shoe, unit: float) -> None:
     """Draw a rigid shoe on a plane: its lining, its lever, and a block between both."""
     start, end = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
     top = 0.8 * unit
@@ -435,10 +452,10 @@ def _draw_rigid_flat_shoe(axes: Axes, shoe: Shoe, unit: float) -> None:
 # The functions below draw forces and the labels beside them.
 
 
-def _arrow_vector(actuation: Actuation, unit: float) -> Floats:
+def _vector_of_force_arrow(actuation: Actuation, unit: float) -> Floats:
     """The vector (2,) [mm] from tail to tip of a force's arrow; all arrows are four signs long."""
     sense = -1.0 if actuation.force < 0 else 1.0
-    return 4 * unit * sense * _unit_vector(actuation.direction)
+    return 4 * unit * sense * _unit_vector_at_angle(actuation.direction)
 
 
 class _ForceLabel(NamedTuple):
@@ -449,7 +466,7 @@ class _ForceLabel(NamedTuple):
     alignment: str
 
 
-def _force_label(
+def _label_of_force_arrow(
     actuation: Actuation, tip: Floats, unit: float, *, inside: bool = False
 ) -> _ForceLabel:
     """The label with the size of a force, placed above the force's arrow or at its right.
@@ -461,7 +478,7 @@ def _force_label(
     unit : size of the signs [mm]
     inside : whether the label stands on the arrow's side that faces the drum's centre
     """
-    along = _arrow_vector(actuation, unit)
+    along = _vector_of_force_arrow(actuation, unit)
     left = np.array([-along[1], along[0]]) / np.linalg.norm(along)
     is_up = left[1] > 1e-9 or (abs(left[1]) <= 1e-9 and left[0] > 0)
     up = left if is_up else -left
@@ -469,10 +486,12 @@ def _force_label(
         up = -up
     place = tip - 0.75 * along + 0.95 * unit * up
     alignment = "left" if abs(up[1]) < 0.5 else "center"
-    return _ForceLabel(place, _force_text(actuation.force), alignment)
+    return _ForceLabel(place, _force_as_text_with_unit(actuation.force), alignment)
 
 
-def _draw_forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: float) -> None:
+def _draw_force_arrows_with_labels(
+    axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: float
+) -> None:
     """Draw an arrow and a label for each actuation force; forces of struts get no arrow.
 
     A cam has no arrows, but one label with the sum of its forces. Equal forces close to each other
@@ -488,22 +507,26 @@ def _draw_forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: flo
     pushed = [shoe for shoe in brake.shoes if shoe.actuation.force]
     if brake.actuation is not None and brake.actuation.is_cam:
         middle = 0.5 * sum(tips[shoe.name] for shoe in pushed)
-        text = f"{_force_text(brake.actuation.total)} in all"
-        _write_label(axes, middle - np.array([0.0, 1.6 * unit]), text, color=FORCE_COLOR)
+        text = f"{_force_as_text_with_unit(brake.actuation.total)} in all"
+        _write_text_on_pale_box(axes, middle - np.array([0.0, 1.6 * unit]), text, color=FORCE_COLOR)
         return
     # Labels of internal shoes stand on the inner side of the arrows.
     inside = not brake.surface.straight and brake.shoes[0].sign > 0
     labels: list[_ForceLabel] = []
     for shoe in pushed:
         tip = tips[shoe.name]
-        tail = tip - _arrow_vector(shoe.actuation, unit)
-        _draw_arrow(axes, tail, tip, FORCE_COLOR, width=0.12)
-        _add_label(labels, _force_label(shoe.actuation, tip, unit, inside=inside), 5 * unit)
+        tail = tip - _vector_of_force_arrow(shoe.actuation, unit)
+        _draw_arrow_from_tail_to_tip(axes, tail, tip, FORCE_COLOR, width=0.12)
+        _add_or_merge_force_label(
+            labels, _label_of_force_arrow(shoe.actuation, tip, unit, inside=inside), 5 * unit
+        )
     for label in labels:
-        _write_label(axes, label.place, label.text, color=FORCE_COLOR, ha=label.alignment)
+        _write_text_on_pale_box(
+            axes, label.place, label.text, color=FORCE_COLOR, ha=label.alignment
+        )
 
 
-def _add_label(labels: list[_ForceLabel], new: _ForceLabel, reach: float) -> None:
+def _add_or_merge_force_label(labels: list[_ForceLabel], new: _ForceLabel, reach: float) -> None:
     """Add a new label to the list of labels.
 
     If the list has a label with the same text nearer than `reach` [mm], one label that says "each"
@@ -517,19 +540,21 @@ def _add_label(labels: list[_ForceLabel], new: _ForceLabel, reach: float) -> Non
     labels.append(new)
 
 
-def _force_text(force: float) -> str:
+def _force_as_text_with_unit(force: float) -> str:
     """The absolute value of a force [N] as text, in kN from 1 kN on, else in N."""
     return f"{abs(force) / 1e3:.4g} kN" if abs(force) >= 1e3 else f"{abs(force):.4g} N"
 
 
-def _arrow_corners(actuation: Actuation, tip: Floats, unit: float) -> Floats:
+def _extreme_points_of_force_arrow(actuation: Actuation, tip: Floats, unit: float) -> Floats:
     """Points (3, 2) [mm] of a force's arrow and label that must lie within the picture."""
-    label = _force_label(actuation, tip, unit)
+    label = _label_of_force_arrow(actuation, tip, unit)
     words = np.array([3 * unit if label.alignment == "left" else 0.0, 0.0])
-    return np.array([tip, tip - _arrow_vector(actuation, unit), label.place + words])
+    return np.array([tip, tip - _vector_of_force_arrow(actuation, unit), label.place + words])
 
 
-def _draw_arrow(axes: Axes, tail: Floats, tip: Floats, color: str, width: float) -> None:
+def _draw_arrow_from_tail_to_tip(
+    axes: Axes, tail: Floats, tip: Floats, color: str, width: float
+) -> None:
     """Draw an arrow from tail (2,) to tip (2,) [mm]; its line is 20 points times `width` wide."""
     arrow = FancyArrowPatch(
         tuple(tail),
@@ -545,14 +570,16 @@ def _draw_arrow(axes: Axes, tail: Floats, tip: Floats, color: str, width: float)
     axes.add_patch(arrow)
 
 
-def _write_label(axes: Axes, place: Floats, text: str, color: str = INK, **style: Any) -> None:
+def _write_text_on_pale_box(
+    axes: Axes, place: Floats, text: str, color: str = INK, **style: Any
+) -> None:
     """Write a text at a place (2,) [mm] on a pale box; `style` holds options of `Axes.text`."""
     style = {"ha": "center", "va": "center"} | style
     box = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
     axes.text(place[0], place[1], text, color=color, fontsize=8.5, bbox=box, zorder=7, **style)
 
 
-def _set_limits(axes: Axes, points: Floats, margin: float) -> None:
+def _set_axes_limits_around_points(axes: Axes, points: Floats, margin: float) -> None:
     """Set the limits of the axes to hold all points (n, 2) [mm] with a margin [mm] around them."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     axes.set_xlim(low[0], high[0])

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
-from drumlin.base.files import replacing
+from drumlin.base.files import temporary_file_replacing_output
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.report.palette import CATEGORIES, color_of_model, line_style_of_model
 from drumlin.response.response import ShoeResponse
@@ -73,7 +73,11 @@ def save_figure(figure: Figure, path: Path) -> Path:
     """
     # An SVG file gets no date, so that it depends on the figure alone.
     metadata = {"Date": None} if path.suffix == ".svg" else None
-    with mpl.rc_context(STYLE), replacing(path) as partial, warnings.catch_warnings():
+    with (
+        mpl.rc_context(STYLE),
+        temporary_file_replacing_output(path) as partial,
+        warnings.catch_warnings(),
+    ):
         warnings.filterwarnings("ignore", "Glyph .* missing from")
         figure.savefig(partial, dpi=160, metadata=metadata)
     return path
@@ -84,7 +88,7 @@ def model_title(model: str) -> str:
     return MODEL_TITLES.get(model, model)
 
 
-def draw_legend(figure: Figure, axes: Axes, **more: Any) -> None:
+def draw_legend_below_figure(figure: Figure, axes: Axes, **more: Any) -> None:
     """Draw the legend of `axes` below the whole figure, where it covers no data.
 
     A label that several curves share appears once. `more` are options of matplotlib's legend.
@@ -97,7 +101,7 @@ def draw_legend(figure: Figure, axes: Axes, **more: Any) -> None:
     figure.legend(handle_of.values(), handle_of.keys(), **options)
 
 
-def write_curve_name(
+def write_name_beside_curve(
     axes: Axes, x: Floats, curves: Sequence[Floats], which: int, words: str, color: str
 ) -> None:
     """Write the name of a curve beside the curve, if there is a place that no curve crosses.
@@ -114,7 +118,7 @@ def write_curve_name(
     low, high = axes.get_ylim()
     # The curves' y, relative to the height of the axes.
     heights = np.clip((np.array(curves) - low) / (high - low), 0, 1)
-    place = _find_free_place(heights, which)
+    place = _free_place_for_curve_name(heights, which)
     if place is None:
         return
     y = low + place.height * (high - low)
@@ -134,7 +138,7 @@ class _FreePlace(NamedTuple):
     height: float
 
 
-def _find_free_place(heights: Floats, which: int) -> _FreePlace | None:
+def _free_place_for_curve_name(heights: Floats, which: int) -> _FreePlace | None:
     """The place for a curve's name, above or below it, that is farthest from all other curves.
 
     It is None where every place is crossed by a curve or lies beyond the axes. `heights`
@@ -156,7 +160,7 @@ def _find_free_place(heights: Floats, which: int) -> _FreePlace | None:
     return best
 
 
-def mark_cut_off_curve(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
+def mark_where_curve_leaves_axes(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
     """Draw a triangle at each place where a curve y (n,) over x (n,) leaves the axes at the top.
 
     A pressure leaves the axes at a sharp edge of the lining, where it grows without bound.
@@ -213,27 +217,27 @@ def draw_pressure_panels(
         figure = Figure(figsize=(5.2 * columns, 3.1 * rows), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
         few = max(len(responses) for _, responses in panels) <= 2
-        top = _pressure_scale_top(panels)
+        top = _upper_end_of_pressure_axis(panels)
         for axes, panel in zip(grid.flat, panels, strict=False):
             axes.set_ylim(0, top)
-            _draw_panel(axes, panel, surface, named=few)
+            _draw_pressure_panel(axes, panel, surface, named=few)
             axes.tick_params(labelleft=axes in grid[:, 0])
         for axes in grid[:, 0]:
             axes.set_ylabel("pressure p [MPa]")
         # Panels of a column share the axis below the lowest panel. Unused panels stay empty.
         used = list(grid.flat)[: len(panels)]
         for column in range(columns):
-            _label_lowest_panel(used[column::columns])
+            _label_only_lowest_panel(used[column::columns])
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
         # The legend is taken from the panel with the most different labels.
-        draw_legend(
+        draw_legend_below_figure(
             figure, max(used, key=lambda axes: len(set(axes.get_legend_handles_labels()[1])))
         )
     return figure
 
 
-def _pressure_scale_top(panels: Sequence[Panel]) -> float:
+def _upper_end_of_pressure_axis(panels: Sequence[Panel]) -> float:
     """The upper end [MPa] of the pressure axis: 12 % above the largest peak, or 1 if all are 0."""
     peaks: list[float] = []
     for _, responses in panels:
@@ -242,7 +246,9 @@ def _pressure_scale_top(panels: Sequence[Panel]) -> float:
     return 1.12 * highest * 1e-6 if highest > 0 else 1
 
 
-def _draw_panel(axes: Axes, panel: Panel, surface: FrictionSurface, *, named: bool) -> None:
+def _draw_pressure_panel(
+    axes: Axes, panel: Panel, surface: FrictionSurface, *, named: bool
+) -> None:
     """Draw the pressure curves of one panel; if `named`, write the models' names beside them."""
     title, responses = panel
     unit = surface.shown
@@ -252,7 +258,7 @@ def _draw_panel(axes: Axes, panel: Panel, surface: FrictionSurface, *, named: bo
     for model, (theta, p) in curves.items():
         x, y = theta * unit, p * 1e-6
         axes.plot(x, y, **line_style_of_model(model), lw=1.8, label=model_title(model))
-        mark_cut_off_curve(axes, x, y, color_of_model(model))
+        mark_where_curve_leaves_axes(axes, x, y, color_of_model(model))
         if model == "fem":
             axes.fill_between(x, y, color=color_of_model(model), alpha=0.12, lw=0)
     axes.set_xlim(theta[0] * unit - 3, theta[-1] * unit + 3)
@@ -261,10 +267,12 @@ def _draw_panel(axes: Axes, panel: Panel, surface: FrictionSurface, *, named: bo
     even = np.linspace(theta[0], theta[-1], 200)
     lines = [np.interp(even, *curve) * 1e-6 for curve in curves.values()]
     for i, model in enumerate(curves):
-        write_curve_name(axes, even * unit, lines, i, model_title(model), color_of_model(model))
+        write_name_beside_curve(
+            axes, even * unit, lines, i, model_title(model), color_of_model(model)
+        )
 
 
-def _label_lowest_panel(column: Sequence[Axes]) -> None:
+def _label_only_lowest_panel(column: Sequence[Axes]) -> None:
     """Remove the labels of the horizontal axis from all panels of a column but the lowest one.
 
     All labels stay where the panels show different ranges of this axis.
@@ -276,7 +284,9 @@ def _label_lowest_panel(column: Sequence[Axes]) -> None:
         axes.tick_params(labelbottom=False)
 
 
-def draw_convergence(series: Mapping[str, Sequence[tuple[int, float]]], ylabel: str) -> Figure:
+def draw_errors_over_element_numbers(
+    series: Mapping[str, Sequence[tuple[int, float]]], ylabel: str
+) -> Figure:
     """Draw errors over the number of elements along the lining, both on logarithmic scales.
 
     `series` holds pairs of a number of elements and an error (a fraction), by the name of a line.
@@ -298,5 +308,5 @@ def draw_convergence(series: Mapping[str, Sequence[tuple[int, float]]], ylabel: 
         axes.set_xticks(sorted(elements))
         axes.xaxis.set_major_formatter("{x:.0f}")
         axes.minorticks_off()
-        draw_legend(figure, axes, ncols=1)
+        draw_legend_below_figure(figure, axes, ncols=1)
     return figure

@@ -23,7 +23,7 @@ from markupsafe import Markup
 
 import drumlin
 from drumlin.base.files import write_text
-from drumlin.base.texts import formatted, typed
+from drumlin.base.texts import command_text_without_folders, number_as_text
 from drumlin.comparison import TableColumn
 
 _MEDIA = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
@@ -55,11 +55,11 @@ def columns_with_values(
 ) -> list[TableColumn]:
     """The columns of a table that have a value in at least one row."""
 
-    def has_value(column: TableColumn) -> bool:
+    def has_value_in_any_row(column: TableColumn) -> bool:
         """Whether at least one row has a value in the column."""
         return any(row.get(column.key) is not None for row in rows)
 
-    return list(filter(has_value, columns))
+    return list(filter(has_value_in_any_row, columns))
 
 
 def is_text_column(rows: Sequence[dict[str, Any]], column: TableColumn) -> bool:
@@ -71,7 +71,7 @@ _PERCENT = re.compile(r"(?<=[0-9]) %")
 """The pattern of a space and a percent sign after a number, where no line may break."""
 
 
-def write_page(template: Path, page: Path, **values: Any) -> Path:
+def write_html_page(template: Path, page: Path, **values: Any) -> Path:
     """Fill a jinja template with values and write the page whole or not at all; returns `page`.
 
     The template extends base.html (blocks title, lead, body) and imports macros from blocks.html:
@@ -85,20 +85,20 @@ def write_page(template: Path, page: Path, **values: Any) -> Path:
     """
     # Versions, date and command are printed at the foot of each page.
     text = (
-        _template_environment(template, page)
+        _jinja_environment_for_page(template, page)
         .get_template(template.name)
         .render(
             **values,
             versions=software_versions(),
             date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
-            command=typed(["drumlin", *sys.argv[1:]]),
+            command=command_text_without_folders(["drumlin", *sys.argv[1:]]),
         )
     )
-    write_text(page, add_contents_list(_PERCENT.sub("\N{NO-BREAK SPACE}%", text)))
+    write_text(page, html_with_contents_list(_PERCENT.sub("\N{NO-BREAK SPACE}%", text)))
     return page
 
 
-def _template_environment(template: Path, page: Path) -> jinja2.Environment:
+def _jinja_environment_for_page(template: Path, page: Path) -> jinja2.Environment:
     """The environment of jinja with the functions and filters that a template can use.
 
     Pictures are looked for in the folder of `page`.
@@ -113,16 +113,16 @@ def _template_environment(template: Path, page: Path) -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["form"] = formatted
+    environment.filters["form"] = number_as_text
     count: Counter[str] = Counter()
 
-    def numbered(kind: str) -> Markup:
+    def next_figure_or_table_label(kind: str) -> Markup:
         """The label of the next figure or table, such as "Figure 2."; `kind` is its first word."""
         count[kind] += 1
         return Markup("<b>{} {}.</b>").format(kind, count[kind])
 
     environment.globals |= {
-        "numbered": numbered,
+        "numbered": next_figure_or_table_label,
         "tex": formula_as_mathml,
         "embedded": lambda name: picture_data_uri(page.parent / name),
         "filled": columns_with_values,
@@ -142,23 +142,23 @@ _HEADING = re.compile(r"<h2>(.*?)</h2>", re.DOTALL)
 """The pattern of a section's heading in HTML."""
 
 
-def add_contents_list(text: str) -> str:
+def html_with_contents_list(text: str) -> str:
     """The HTML of a page, with an anchor added to each section and a list of links to them.
 
     The list stands below the first paragraph of the page. Pages with fewer than LEAST_SECTIONS
     sections get no list.
     """
-    titles = list(map(strip_html_tags, _HEADING.findall(text)))
-    names = _anchor_names(titles)
+    titles = list(map(text_without_html_tags, _HEADING.findall(text)))
+    names = _distinct_anchor_names_of_titles(titles)
     next_name = iter(names)
 
-    def linked(heading: re.Match[str]) -> str:
+    def heading_with_link_to_itself(heading: re.Match[str]) -> str:
         """A section's heading in HTML with an anchor, and with a link to this anchor."""
         name = next(next_name)
         return f'<h2 id="{name}"><a href="#{name}">{heading[1]}</a></h2>'
 
     # Each heading becomes a link to itself, so that a reader can copy its address.
-    text = _HEADING.sub(linked, text)
+    text = _HEADING.sub(heading_with_link_to_itself, text)
     if len(titles) < LEAST_SECTIONS:
         return text
     links = "".join(map('<li><a href="#{}">{}</a></li>'.format, names, titles))
@@ -166,7 +166,7 @@ def add_contents_list(text: str) -> str:
     return text.replace("<!-- contents -->", contents, 1)
 
 
-def _anchor_names(titles: Sequence[str]) -> list[str]:
+def _distinct_anchor_names_of_titles(titles: Sequence[str]) -> list[str]:
     """A distinct name for the anchor of each section title.
 
     The name is the title in small letters with hyphens. A name that is empty or that an earlier
@@ -182,6 +182,6 @@ def _anchor_names(titles: Sequence[str]) -> list[str]:
     return anchors
 
 
-def strip_html_tags(text: str) -> str:
+def text_without_html_tags(text: str) -> str:
     """The text of a piece of HTML, without tags and outer spaces."""
     return re.sub(r"<[^>]*>", "", text).strip()

@@ -22,7 +22,7 @@ SHADE = "#e9d8c3"
 GRADES = ("#2166ac", "#92c5de", "#f7e3b0", "#d6604d")
 """Colours of a scale of errors, from low (blue) to high (red)."""
 
-LOOKS: dict[str, tuple[str, Any]] = {
+COLOR_AND_LINE_STYLE_BY_MODEL: dict[str, tuple[str, Any]] = {
     "fem": (BLUE, "-"),
     "sine": (RED, "--"),
     "cosine": (PURPLE, "-."),
@@ -42,9 +42,16 @@ LOOKS: dict[str, tuple[str, Any]] = {
 
 def color_of_model(model: str) -> str:
     """The colour of a model's curves in all figures; FAINT for an unknown model."""
-    return LOOKS[model][0] if model in LOOKS else FAINT
+    return (
+        COLOR_AND_LINE_STYLE_BY_MODEL[model][0] if model in COLOR_AND_LINE_STYLE_BY_MODEL else FAINT
+    )
 
 
 def line_style_of_model(model: str) -> dict[str, Any]:
     """Colour and line style of a model's curves, as keyword arguments of matplotlib."""
-    return {"color": color_of_model(model), "ls": LOOKS[model][1] if model in LOOKS else "-"}
+    return {
+        "color": color_of_model(model),
+        "ls": COLOR_AND_LINE_STYLE_BY_MODEL[model][1]
+        if model in COLOR_AND_LINE_STYLE_BY_MODEL
+        else "-",
+    }

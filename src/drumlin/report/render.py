@@ -1,8 +1,9 @@
 """A picture of stress and contact pressure, which pyvista draws without a window.
 
 Drawing without a window needs OpenGL or its replacement in software. If neither is installed, the
-library VTK may end the whole process instead of raising an error. `render_fields` therefore runs
-this module as a process of its own, and returns the reason if that process fails.
+library VTK may end the whole process instead of raising an error.
+`draw_fields_and_return_failure_reason` therefore runs this module as a process of its own, and
+returns the reason if that process fails.
 """
 
 import json
@@ -15,9 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.errors import ended
-from drumlin.base.files import replacing
-from drumlin.base.texts import one_line
+from drumlin.base.errors import run_and_return_exit_status
+from drumlin.base.files import temporary_file_replacing_output
+from drumlin.base.texts import printable_single_line
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Point
 from drumlin.brake.support import Held
@@ -29,7 +30,7 @@ RENDER_SECONDS = 120
 STRESS_TITLE = "von Mises stress [MPa]"
 """The title of the colour bar, and the name of the stresses [MPa] in the grid of pyvista."""
 
-BAR_TOPS = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
+COLOUR_BAR_ENDS = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
 """Upper ends of the colour bar, times a power of ten. A quarter of each is a round number."""
 
 ARROW_LENGTH = 0.28
@@ -43,7 +44,9 @@ class NoPicture(Exception):
     """The exception for a drawing process that has ended without a picture."""
 
 
-def render_fields(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
+def draw_fields_and_return_failure_reason(
+    fields: Path, picture: Path, brake: Brake, title: str
+) -> str | None:
     """Draw the displacements, stresses and pressures of a .vtu file into a .png file.
 
     Parameters
@@ -57,23 +60,27 @@ def render_fields(fields: Path, picture: Path, brake: Brake, title: str) -> str 
     -------
     None, or one line that says why the picture could not be drawn
     """
-    surface = _surface_line(brake)
+    surface = _friction_surface_to_draw(brake)
     pins: list[list[float]] = []
     for shoe in brake.shoes:
-        pins += [list(point.xy) for point in _support_points(shoe)]
+        pins += [list(point.xy) for point in _points_of_shoe_supports(shoe)]
     # What the picture shows besides the .vtu file; it is passed to the drawing process as JSON.
     marks = {
         "surface": surface.line.tolist(),
         "size": surface.size,
         "flat": brake.surface.straight,
         "pins": pins,
-        "forces": [[*shoe.actuation.point.xy, *shoe.actuation.vector] for shoe in brake.shoes],
+        "forces": [
+            [*shoe.actuation.point.xy, *shoe.actuation.force_vector] for shoe in brake.shoes
+        ],
         "title": title,
     }
-    return draw_in_own_process(__name__, fields, picture, json.dumps(marks))
+    return draw_picture_in_own_process(__name__, fields, picture, json.dumps(marks))
 
 
-def draw_in_own_process(module: str, fields: Path, picture: Path, argument: str) -> str | None:
+def draw_picture_in_own_process(
+    module: str, fields: Path, picture: Path, argument: str
+) -> str | None:
     """Start a new process in which a module's `main` draws a .vtu file into a .png file.
 
     Parameters
@@ -95,14 +102,14 @@ def draw_in_own_process(module: str, fields: Path, picture: Path, argument: str)
     folder = str(Path(__file__).parents[2])
     command = [sys.executable, "-P", "-c", child, folder, str(fields)]
     try:
-        with replacing(picture) as partial:
+        with temporary_file_replacing_output(picture) as partial:
             run_drawing_process([*command, str(partial), argument])
         return None
     except NoPicture as error:
         # Delete an old picture, so that nobody takes it for the picture of the new result.
         if picture.is_file():
             picture.unlink()
-        reason = one_line(str(error), 200)
+        reason = printable_single_line(str(error), 200)
         return f"no field picture: off-screen rendering is not possible here ({reason})"
 
 
@@ -119,7 +126,7 @@ class _SurfaceLine(NamedTuple):
     size: float
 
 
-def _surface_line(brake: Brake) -> _SurfaceLine:
+def _friction_surface_to_draw(brake: Brake) -> _SurfaceLine:
     """The line of a brake's friction surface, with the length to which signs are relative.
 
     This length is the drum's radius, on a plane half the length of the brake.
@@ -134,7 +141,7 @@ def _surface_line(brake: Brake) -> _SurfaceLine:
     return _SurfaceLine(np.array([[left, 0.0], [right, 0.0]]), 0.5 * (right - left))
 
 
-def _support_points(shoe: Held) -> list[Point]:
+def _points_of_shoe_supports(shoe: Held) -> list[Point]:
     """The points that support a shoe: its pin, its lever's pivot, its abutment, if it has them."""
     foot = None if shoe.abutment is None else shoe.abutment.point
     return [point for point in (shoe.hinge, shoe.pivot, foot) if point is not None]
@@ -155,11 +162,11 @@ def run_drawing_process(command: list[str]) -> None:
         raise NoPicture(lines[-1] if lines else f"exit status {done.returncode}")
 
 
-def draw_fields_picture(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
+def draw_fields_in_this_process(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
     """Draw a .vtu file of fields into a .png file, within this process.
 
     The picture shows the von Mises stress on the deformed shoes, arrows of pressure, pins, forces,
-    and drum or plane. `marks` is the dictionary that `render_fields` makes.
+    and drum or plane. `marks` is the dictionary that `draw_fields_and_return_failure_reason` makes.
     """
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
@@ -168,37 +175,39 @@ def draw_fields_picture(fields: Path, picture: Path, marks: dict[str, Any]) -> N
     u = np.asarray(grid.point_data["displacement [m]"])
     grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
     # Displacements are enlarged: the largest one is drawn as some 4 % of the drum's radius.
-    factor = _round_down(0.04 * size / (float(np.linalg.norm(u, axis=1).max()) or 1.0))
+    factor = _rounded_down_to_1_2_5(0.04 * size / (float(np.linalg.norm(u, axis=1).max()) or 1.0))
     deformed = grid.copy()
     deformed.points = np.asarray(grid.points) + factor * u
     plotter = pv.Plotter(off_screen=True, window_size=(FIELD_WIDTH, FIELD_HEIGHT))
     plotter.set_background("white")
-    _add_stress(plotter, deformed)
-    plotter.add_mesh(_undeformed_outline(grid), color="#888888", line_width=2)
+    _add_stress_colours_to_picture(plotter, deformed)
+    plotter.add_mesh(_outline_of_undeformed_shoes(grid), color="#888888", line_width=2)
     points = np.column_stack([line, np.zeros(len(line))])
     plotter.add_mesh(pv.lines_from_points(points), color="black", line_width=5)
-    _add_pressure(plotter, grid, size, flat=marks["flat"])
-    arrow_ends = _add_forces(plotter, marks["forces"], size)
+    _add_pressure_arrows_to_picture(plotter, grid, size, flat=marks["flat"])
+    arrow_ends = _add_force_arrows_to_picture(plotter, marks["forces"], size)
     for x, y in marks["pins"]:
         disc = pv.Disc(center=(x, y, 0), inner=0, outer=0.035 * size, c_res=40)
         plotter.add_mesh(disc, color=INK)
     plotter.add_text(
-        _text_of_picture(marks, factor), position="upper_left", font_size=12, color="black"
+        _title_and_key_of_picture(marks, factor), position="upper_left", font_size=12, color="black"
     )
     # Choose the visible part so that shoes, surface, pins and arrows are inside.
     plotter.view_xy()
     plotter.enable_parallel_projection()
     corners = np.reshape(deformed.bounds[:4], (2, 2)).T
     places = [line.min(axis=0), line.max(axis=0), *marks["pins"], *arrow_ends, *corners]
-    _aim_camera(plotter.camera, np.array(places), margin=0.2 * size)
+    _aim_camera_at_places(plotter.camera, np.array(places), margin=0.2 * size)
     plotter.screenshot(str(picture))
 
 
-def _add_stress(plotter: Any, deformed: Any) -> None:
+def _add_stress_colours_to_picture(plotter: Any, deformed: Any) -> None:
     """Add the deformed shoes to the picture, coloured by their stress, and the colour bar."""
     # Stresses at singular edges are far above all others, so that the colour bar ends at the stress
     # which 0.5 % of the nodes exceed.
-    top = _round_up(float(np.percentile(deformed.point_data[STRESS_TITLE], 99.5)))
+    top = _rounded_up_to_end_of_colour_bar(
+        float(np.percentile(deformed.point_data[STRESS_TITLE], 99.5))
+    )
     surface = deformed.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=3)
     bar = {
         "title": STRESS_TITLE + "\n", "color": "black", "vertical": True,
@@ -215,7 +224,9 @@ def _add_stress(plotter: Any, deformed: Any) -> None:
     )
 
 
-def _add_forces(plotter: Any, forces: list[list[float]], size: float) -> list[list[float]]:
+def _add_force_arrows_to_picture(
+    plotter: Any, forces: list[list[float]], size: float
+) -> list[list[float]]:
     """Add an arrow of the same length for each actuation force to the picture.
 
     A force is given as x, y [m] and Fx, Fy [N]. Returns the points x, y [m] of all tails and tips.
@@ -239,7 +250,7 @@ def _add_forces(plotter: Any, forces: list[list[float]], size: float) -> list[li
     return ends
 
 
-def _text_of_picture(marks: dict[str, Any], factor: float) -> str:
+def _title_and_key_of_picture(marks: dict[str, Any], factor: float) -> str:
     """The text in the picture: its title, the factor on displacements, and what the signs mean."""
     surface = "plane" if marks["flat"] else "drum"
     return (
@@ -250,7 +261,7 @@ def _text_of_picture(marks: dict[str, Any], factor: float) -> str:
     )
 
 
-def _aim_camera(camera: Any, places: Floats, margin: float) -> None:
+def _aim_camera_at_places(camera: Any, places: Floats, margin: float) -> None:
     """Aim the camera so that all places (n, 2) [m] are left of the colour bar and below the text.
 
     The colour bar takes 16 % of the width, the text 10 % of the height.
@@ -267,7 +278,7 @@ def _aim_camera(camera: Any, places: Floats, margin: float) -> None:
     camera.focal_point, camera.position = (x, y, 0), (x, y, 1)
 
 
-def _undeformed_outline(grid: Any) -> Any:
+def _outline_of_undeformed_shoes(grid: Any) -> Any:
     """The outline of the undeformed shoes as a grid of pyvista.
 
     It consists of all edges of cells that belong to one cell only, after equal nodes are merged.
@@ -280,7 +291,7 @@ def _undeformed_outline(grid: Any) -> Any:
     )
 
 
-def _add_pressure(plotter: Any, grid: Any, size: float, *, flat: bool) -> None:
+def _add_pressure_arrows_to_picture(plotter: Any, grid: Any, size: float, *, flat: bool) -> None:
     """Add arrows of the contact pressure to the picture, evenly spread over the contact.
 
     The length of an arrow is in proportion to the pressure. `size` [m] is the drum's radius, or
@@ -294,7 +305,7 @@ def _add_pressure(plotter: Any, grid: Any, size: float, *, flat: bool) -> None:
         return
     points = np.asarray(grid.points)[touching]
     push = np.asarray(grid.point_data["push of the drum [Pa]"])[touching]
-    chosen = _choose_evenly_spread(points, size, flat=flat)
+    chosen = _indices_of_evenly_spread_points(points, size, flat=flat)
     lengths = np.linalg.norm(push[chosen], axis=1)
     # Pressures at singular edges are far above all others, so that the highest tenth of the arrows
     # is shortened to one length.
@@ -306,7 +317,7 @@ def _add_pressure(plotter: Any, grid: Any, size: float, *, flat: bool) -> None:
     plotter.add_mesh(cloud.glyph(orient="arrow", scale="size", geom=tip), color=RED)
 
 
-def _choose_evenly_spread(points: Floats, size: float, *, flat: bool) -> Any:
+def _indices_of_evenly_spread_points(points: Floats, size: float, *, flat: bool) -> Any:
     """Indices of evenly spread points among the given points (n, 2 or 3) [m].
 
     One point is chosen in each sector of 2.5 degrees of the drum. On a plane a sector is this angle
@@ -321,25 +332,25 @@ def _choose_evenly_spread(points: Floats, size: float, *, flat: bool) -> Any:
     return order[np.unique(slot[order], return_index=True)[1]]
 
 
-def _round_down(value: float) -> float:
+def _rounded_down_to_1_2_5(value: float) -> float:
     """The largest number not above `value` that is 1, 2 or 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
     steps = [step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)]
     return max(steps, default=power)
 
 
-def _round_up(value: float) -> float:
-    """The smallest number not below `value` that is one of BAR_TOPS times a power of ten."""
+def _rounded_up_to_end_of_colour_bar(value: float) -> float:
+    """The smallest number not below `value` that is one of COLOUR_BAR_ENDS times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value)) if value > 0 else 1.0
-    return next(step * power for step in BAR_TOPS if step * power >= value * (1 - 1e-9))
+    return next(step * power for step in COLOUR_BAR_ENDS if step * power >= value * (1 - 1e-9))
 
 
 def main() -> int:
     """Draw the picture that the arguments of this process name; returns the exit status."""
 
-    def drew() -> int:
+    def draw_fields_named_by_arguments() -> int:
         """Draw the .vtu file (argument 1) into the .png file (2), with further data as JSON (3)."""
-        draw_fields_picture(Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3]))
+        draw_fields_in_this_process(Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3]))
         return 0
 
-    return ended(drew)
+    return run_and_return_exit_status(draw_fields_named_by_arguments)

@@ -29,7 +29,7 @@ FORCE_COLOR = RED
 MOTION_COLOR = BLUE
 
 
-def draw_support(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None:
+def draw_support_of_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None:
     """Draw the support of a shoe: its pin, pivot, abutment or guide.
 
     Parameters
@@ -40,20 +40,20 @@ def draw_support(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False)
     on_strut : whether the shoe's abutment is the end of a strut, which moves
     """
     if shoe.hinge is not None:
-        draw_pin(axes, shoe.hinge, unit, fixed=True)
+        draw_fixed_or_moving_pin(axes, shoe.hinge, unit, fixed=True)
     if shoe.pivot is not None:
         if shoe.hinge is not None:
             lever = np.array([shoe.hinge.xy, shoe.pivot.xy, shoe.actuation.point.xy])
             axes.plot(*lever.T * MM_PER_M, color=FAINT, lw=3, alpha=0.5, zorder=2)
-        draw_pin(axes, shoe.pivot, unit, fixed=False)
+        draw_fixed_or_moving_pin(axes, shoe.pivot, unit, fixed=False)
     if shoe.abutment is not None:
         point = shoe.abutment.point.xy * MM_PER_M
         draw_abutment_face(axes, point, shoe.abutment.direction, unit, ground=not on_strut)
     if shoe.guide is not None:
-        _draw_guide(axes, shoe.pin.xy * MM_PER_M, shoe.guide.direction, unit)
+        _draw_guide_as_two_lines(axes, shoe.pin.xy * MM_PER_M, shoe.guide.direction, unit)
 
 
-def _draw_guide(axes: Axes, at: Floats, direction: float, unit: float) -> None:
+def _draw_guide_as_two_lines(axes: Axes, at: Floats, direction: float, unit: float) -> None:
     """Draw a guide as two lines in its direction [rad], one on each side of a point (2,) [mm]."""
     along = np.array([math.cos(direction), math.sin(direction)])
     for side in (-1.0, 1.0):
@@ -99,7 +99,9 @@ class _Arm(NamedTuple):
     end: Floats
 
 
-def draw_rigid_arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> None:
+def draw_rigid_arms_of_shoe(
+    axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float
+) -> None:
     """Draw the rigid arms of an elastic shoe as dashed lines, and the gripped part of its back.
 
     A rigid arm joins the shoe's body to a hinge, pivot or force at some distance from the body.
@@ -120,8 +122,8 @@ def draw_rigid_arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: 
     drawn: Sequence[_Arm]
     if grip is None:
         # Without a grip, the arms start at the two end faces of the body.
-        held_face = shoe.end_face(radius)
-        loaded_face = shoe.end_face(radius, loaded=True)
+        held_face = shoe.middle_of_body_end_face(radius)
+        loaded_face = shoe.middle_of_body_end_face(radius, loaded=True)
         drawn = [_Arm(held_face, pin_at), _Arm(loaded_face, force)]
     else:
         # With a grip, the arms start at the middle of the gripped part of the back.
@@ -139,7 +141,9 @@ def draw_rigid_arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: 
             axes.plot(*line.T, color=INK, lw=1.6, ls="--", zorder=4)
 
 
-def draw_shared_parts(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float) -> None:
+def draw_struts_and_cam(
+    axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float
+) -> None:
     """Draw the parts that shoes share: struts from shoe to shoe, a cam between the shoes' tips.
 
     Parameters
@@ -164,7 +168,7 @@ def draw_shared_parts(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], un
         axes.add_patch(Circle(middle, radius, facecolor=BODY_COLOR, edgecolor=INK, zorder=5))
 
 
-def draw_pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:
+def draw_fixed_or_moving_pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:
     """Draw a pin as a small circle. A fixed pin stands on a triangle on hatched ground."""
     x, y = point.xy * MM_PER_M
     if fixed:

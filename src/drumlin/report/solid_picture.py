@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.base.errors import ended
-from drumlin.report.render import STRESS_TITLE, draw_in_own_process
+from drumlin.base.errors import run_and_return_exit_status
+from drumlin.report.render import STRESS_TITLE, draw_picture_in_own_process
 
 LARGEST_DISPLACEMENT = 0.05
 """Length of the largest displacement in the picture, relative to the drum's radius.
@@ -19,15 +19,17 @@ Longer displacements would hide the shape of the shoes, shorter ones would hide 
 """
 
 
-def render_solid_shoes(fields: Path, picture: Path, title: str) -> str | None:
+def draw_solid_shoes_and_return_failure_reason(
+    fields: Path, picture: Path, title: str
+) -> str | None:
     """Draw the .vtu file of solid shoes into a .png file.
 
     Returns None, or one line that says why the picture could not be drawn.
     """
-    return draw_in_own_process(__name__, fields, picture, title)
+    return draw_picture_in_own_process(__name__, fields, picture, title)
 
 
-def draw_solid_shoes(fields: Path, picture: Path, title: str) -> None:
+def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) -> None:
     """Draw the von Mises stress on the deformed solid shoes into a .png file, within this process.
 
     The .vtu file holds half of each shoe, on one side of the middle plane of its width. The picture
@@ -37,7 +39,7 @@ def draw_solid_shoes(fields: Path, picture: Path, title: str) -> None:
 
     grid = pv.read(fields)
     grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
-    factor = _displacement_factor(grid)
+    factor = _enlargement_of_displacements(grid)
     # The second half is the first one mirrored at the middle plane z = 0.
     halves = []
     for side in (1.0, -1.0):
@@ -75,7 +77,7 @@ def draw_solid_shoes(fields: Path, picture: Path, title: str) -> None:
     plotter.screenshot(str(picture))
 
 
-def _displacement_factor(grid: Any) -> float:
+def _enlargement_of_displacements(grid: Any) -> float:
     """The factor by which the picture enlarges the displacements.
 
     It is 1, 2 or 5 times a power of ten, and the largest at which no displacement is drawn longer
@@ -92,9 +94,9 @@ def _displacement_factor(grid: Any) -> float:
 def main() -> int:
     """Draw the picture that the arguments of this process name; returns the exit status."""
 
-    def drew() -> int:
+    def draw_solids_named_by_arguments() -> int:
         """Draw the .vtu file (argument 1) into the .png file (2), under a title (3)."""
-        draw_solid_shoes(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
+        draw_solid_shoes_in_this_process(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
         return 0
 
-    return ended(drew)
+    return run_and_return_exit_status(draw_solids_named_by_arguments)

@@ -9,8 +9,8 @@ from drumlin.base.arrays import Ints
 from drumlin.brake.brake import Brake
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.preparation.bodies import ShoeSubstructure
-from drumlin.fem.solve import prepare_finest_division
-from drumlin.models import refusals
+from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.models import reasons_why_models_do_not_apply
 from drumlin.report.drawing import draw_brake
 
 MESH_COLORS = {"shoe": "#c9d3dc", "table": "#b3c0cc", "backing": "#d9c39a", "lining": "#b98b6b"}
@@ -27,14 +27,18 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
     axes = figure.subplots()
     draw_brake(axes, brake)
     axes.set_title(f"{brake.title}, {brake.motion}")
-    if "fem" in refusals(brake):
+    if "fem" in reasons_why_models_do_not_apply(brake):
         return figure
     for shoe, body in zip(
-        brake.shoes, prepare_finest_division(brake, **options).bodies, strict=True
+        brake.shoes, prepared_model_of_finest_division(brake, **options).bodies, strict=True
     ):
         # Each element is drawn as the polygon of the nodes around it.
         xy = shoe.points(body.basis.doflocs).T * 1e3  # mm
-        around = body.mesh.outline if isinstance(body.mesh, ColumnGrid) else _nodes_around(body)
+        around = (
+            body.mesh.boundary_nodes_around_each_element
+            if isinstance(body.mesh, ColumnGrid)
+            else _nodes_around_elements(body)
+        )
         for name, elements in body.mesh.subdomains.items():
             polygons = PolyCollection(
                 list(xy[around[:, elements].T]),
@@ -47,7 +51,7 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
     return figure
 
 
-def _nodes_around(body: ShoeSubstructure) -> Ints:
+def _nodes_around_elements(body: ShoeSubstructure) -> Ints:
     """The nodes on the boundary of each element of a mesh (k, elements), in order around it.
 
     They are corners and middles of edges; linear elements have corners only.

@@ -12,12 +12,16 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.response.response import Balance, Response, ShoeResponse
-from drumlin.response.resultants import Resultant, cross, resultant
+from drumlin.response.resultants import (
+    Resultant,
+    planar_cross_product,
+    resultant_of_pressure_and_friction,
+)
 
 BrakeType = TypeVar("BrakeType", bound=Brake)
 
 
-def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
+def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
     """The resultant of pressure and friction on the lining of shoe `index`.
 
     It is the integral of the pressure in the shoe's response, unless the model has lumped the
@@ -26,7 +30,7 @@ def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resul
     if response.lumped is not None:
         return response.lumped
     shoe = brake.shoes[index]
-    return resultant(
+    return resultant_of_pressure_and_friction(
         brake.surface,
         response.theta,
         response.pressure,
@@ -38,7 +42,7 @@ def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resul
     )
 
 
-def loaded(brake: BrakeType, response: Response) -> BrakeType:
+def brake_with_forces_of_response(brake: BrakeType, response: Response) -> BrakeType:
     """The brake with the actuation forces that a model has found for its shoes.
 
     Where a cam or a strut shares a force among shoes, the response states the part of each shoe.
@@ -52,7 +56,7 @@ def loaded(brake: BrakeType, response: Response) -> BrakeType:
     return brake if unchanged else brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
+def relative_imbalance_of_shoe(brake: Brake, index: int, response: ShoeResponse) -> Balance:
     """The imbalance of shoe `index` under actuation, support reaction, pressure and friction.
 
     Moments are about the shoe's hinge. The imbalance of a shoe that does not touch is 0.
@@ -61,21 +65,21 @@ def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
     if not response.contact_arcs:
         return Balance(0.0, 0.0)
     shoe = brake.shoes[index]
-    contact = contact_resultant(brake, index, response)
-    forces = [contact.force, response.hinge_reaction, shoe.actuation.vector]
+    contact = resultant_of_contact_on_shoe(brake, index, response)
+    forces = [contact.force, response.hinge_reaction, shoe.actuation.force_vector]
     hinge = shoe.pin.xy
     moments = [
-        contact.moment - float(cross(hinge, contact.force)),
-        shoe.actuation.moment_about(shoe.pin),
+        contact.moment - float(planar_cross_product(hinge, contact.force)),
+        shoe.actuation.moment_of_force_about_point(shoe.pin),
         response.reaction_moment,
     ]
     if shoe.guide is not None:
         length = brake.scale_factor * (shoe.lining.end - shoe.lining.start)
-        moments += guide_moments(shoe.actuation.force, length)
-    return relative_balance(forces, moments)
+        moments += moments_that_scale_imbalance_on_guide(shoe.actuation.force, length)
+    return relative_sums_of_forces_and_moments(forces, moments)
 
 
-def guide_moments(force: float, length: float) -> list[float]:
+def moments_that_scale_imbalance_on_guide(force: float, length: float) -> list[float]:
     """Two opposite moments [N m] that give the moments on a guided shoe a scale.
 
     The real moments on a guided shoe may all vanish but for round-off. Their sum would then be
@@ -89,7 +93,7 @@ def guide_moments(force: float, length: float) -> list[float]:
     return [0.5 * force * length, -0.5 * force * length]
 
 
-def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
+def relative_sums_of_forces_and_moments(forces: list[Floats], moments: list[float]) -> Balance:
     """The sum of forces (2,) [N] and the sum of moments [N m], each relative to its largest member.
 
     A sum counts as 0 if all its members are 0.
@@ -105,7 +109,7 @@ def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
     )
 
 
-def worst(balances: list[Balance]) -> Balance:
+def largest_imbalance_among_shoes(balances: list[Balance]) -> Balance:
     """The largest imbalance of forces, and the largest of moments, among the shoes of a brake."""
     forces, moments = zip(*map(astuple, balances), strict=True)
     return Balance(max(forces), max(moments))

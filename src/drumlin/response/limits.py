@@ -20,7 +20,9 @@ must be wrong.
 """
 
 
-def check_strain(shoe: Shoe, scale_factor: float, force: float, contact: float) -> None:
+def require_possible_strain_of_lining(
+    shoe: Shoe, scale_factor: float, force: float, contact: float
+) -> None:
     """Raise NoAnswer if a force would strain a lining through its thickness beyond LARGEST_STRAIN.
 
     The strain is the mean over the contact, or over a length of one thickness if the contact is
@@ -45,15 +47,15 @@ def check_strain(shoe: Shoe, scale_factor: float, force: float, contact: float) 
         )
 
 
-def warnings(brake: Brake, peaks: dict[str, float]) -> tuple[str, ...]:
+def warnings_on_strain_and_overlap(brake: Brake, peaks: dict[str, float]) -> tuple[str, ...]:
     """Lines for the reader that warn of strains beyond LARGE_STRAIN and of linings that overlap.
 
     `peaks` holds the peak pressure [Pa] of each shoe by its name.
     """
-    return (*_strain_warnings(brake, peaks), *_overlap_warnings(brake))
+    return (*_warnings_on_large_strains(brake, peaks), *_warnings_on_overlapping_linings(brake))
 
 
-def _strain_warnings(brake: Brake, peaks: dict[str, float]) -> Iterator[str]:
+def _warnings_on_large_strains(brake: Brake, peaks: dict[str, float]) -> Iterator[str]:
     """A line of text for each lining that is strained beyond LARGE_STRAIN at its peak pressure."""
     for shoe in brake.shoes:
         # A lining without a material is rigid and has no strain.
@@ -69,7 +71,7 @@ def _strain_warnings(brake: Brake, peaks: dict[str, float]) -> Iterator[str]:
             )
 
 
-def _overlap_warnings(brake: Brake) -> Iterator[str]:
+def _warnings_on_overlapping_linings(brake: Brake) -> Iterator[str]:
     """A line of text for each pair of linings that cover the same part of the drum or the plane."""
     surface = brake.surface
     text = surface.place

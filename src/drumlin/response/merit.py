@@ -6,7 +6,7 @@ Scieszka 1987, eq. 22-26). The formulas of the short shoe therefore hold for any
 notes, eq. 8): the ratio of torque T to actuation moment M is eta = T/M = 1/(m - dD n), and the
 sensitivity to the friction coefficient is S = m eta. Here m is the moment of the normal pressure
 about the hinge over T, n the moment of the friction about the hinge over T, and dD the sign
-`double_delta`.
+`sign_of_friction_moment_double_delta`.
 """
 
 import math
@@ -20,15 +20,19 @@ from drumlin.base.arrays import Floats, Values
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.response.balance import contact_resultant, loaded
-from drumlin.response.limits import warnings
+from drumlin.response.balance import brake_with_forces_of_response, resultant_of_contact_on_shoe
+from drumlin.response.limits import warnings_on_strain_and_overlap
 from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
-from drumlin.response.resultants import Resultant, cross, integrate
+from drumlin.response.resultants import (
+    Resultant,
+    integral_of_piecewise_polynomial,
+    planar_cross_product,
+)
 
 BrakeVar = TypeVar("BrakeVar", bound=Brake)
 
 
-def double_delta(brake: Brake, shoe: Shoe) -> int:
+def sign_of_friction_moment_double_delta(brake: Brake, shoe: Shoe) -> int:
     """The sign dD (double delta) of the friction's moment in the UWA notes, eq. 6: +1 or -1.
 
     The sign is +1 for an external shoe whose lining the drum drags away from the hinge, and for an
@@ -37,12 +41,14 @@ def double_delta(brake: Brake, shoe: Shoe) -> int:
     sign is the opposite one.
     """
     # If the lining reaches beyond half a turn, the actuation moment tells on which side it presses.
-    M = shoe.actuation.moment_about(shoe.pin)
+    M = shoe.actuation.moment_of_force_about_point(shoe.pin)
     beyond = shoe.arc[1] > math.pi and M * -shoe.sign * shoe.frame.sense < 0
-    return shoe.sign * brake.spin * shoe.frame.sense * (1 if beyond else -1)
+    return shoe.sign * brake.sign_of_motion * shoe.frame.sense * (1 if beyond else -1)
 
 
-def merit(brake: Brake, index: int, response: ShoeResponse, contact: Resultant) -> Merit:
+def figures_of_merit_of_shoe_on_drum(
+    brake: Brake, index: int, response: ShoeResponse, contact: Resultant
+) -> Merit:
     """The figures of merit of one shoe on a drum.
 
     Parameters
@@ -56,33 +62,35 @@ def merit(brake: Brake, index: int, response: ShoeResponse, contact: Resultant) 
     R, b = brake.size, shoe.lining.width
     # Moments about the hinge: of the actuation, of the normal pressure and of the friction.
     to_centre = -shoe.pin.xy
-    M = shoe.actuation.moment_about(shoe.pin)
-    M_N = float(cross(to_centre, contact.normal))
-    M_F = contact.moment + float(cross(to_centre, contact.friction))
+    M = shoe.actuation.moment_of_force_about_point(shoe.pin)
+    M_N = float(planar_cross_product(to_centre, contact.normal))
+    M_F = contact.moment + float(planar_cross_product(to_centre, contact.friction))
     N, T = float(np.linalg.norm(contact.normal)), response.torque
     # The normal force of an external shoe is turned round, so that its angle is that of the lining.
     outwards = -shoe.sign * contact.normal
     angle = math.atan2(outwards[1], outwards[0])
-    sum_of_forces = b * R * integrate(response.theta, response.pressure, response.order)
+    sum_of_forces = (
+        b * R * integral_of_piecewise_polynomial(response.theta, response.pressure, response.order)
+    )
     return Merit(
-        resultant_angle=_turned_to_lining(angle, shoe) if N else None,
-        friction_radius=_quotient(sum_of_forces, N),
-        shoe_factor=_quotient(T, abs(shoe.actuation.force) * R),
-        mechanical_advantage=_quotient(T, abs(M)),
-        m=_quotient(-math.copysign(1, M) * M_N, T),
-        n=_quotient(M_F, contact.moment),
-        double_delta=double_delta(brake, shoe),
-        sensitivity_at_fixed_shape=_quotient(-M_N, M) if N else None,
+        resultant_angle=_angle_in_same_turn_as_lining(angle, shoe) if N else None,
+        friction_radius=_quotient_or_none(sum_of_forces, N),
+        shoe_factor=_quotient_or_none(T, abs(shoe.actuation.force) * R),
+        mechanical_advantage=_quotient_or_none(T, abs(M)),
+        m=_quotient_or_none(-math.copysign(1, M) * M_N, T),
+        n=_quotient_or_none(M_F, contact.moment),
+        double_delta=sign_of_friction_moment_double_delta(brake, shoe),
+        sensitivity_at_fixed_shape=_quotient_or_none(-M_N, M) if N else None,
     )
 
 
-def _turned_to_lining(angle: float, shoe: Shoe) -> float:
+def _angle_in_same_turn_as_lining(angle: float, shoe: Shoe) -> float:
     """An angle [rad] plus the full turns that bring it nearest to the middle of a shoe's lining."""
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
     return middle + math.remainder(angle - middle, 2 * math.pi)
 
 
-def _quotient(a: float, b: float) -> float | None:
+def _quotient_or_none(a: float, b: float) -> float | None:
     """The quotient a / b; None if b is 0 or the quotient is not a finite number."""
     return a / b if b and math.isfinite(a / b) else None
 
@@ -101,24 +109,27 @@ def barecki_shoe_factor(
     psi : apparent friction radius over the drum's radius R
     delta : radius of the hinge over R
     gamma : arm of the actuation force P about the hinge over R
-    sense : +1 for a leading shoe of the paper, -1 for a trailing shoe, as `double_delta`. On a
-        leading external shoe the friction points from the hinge to the loaded end.
+    sense : +1 for a leading shoe of the paper, -1 for a trailing shoe, as
+        `sign_of_friction_moment_double_delta`. On a leading external shoe the friction points from
+        the hinge to the loaded end.
     """
     resisting = delta * (np.sin(angle) / mu + sense * np.cos(angle))
     return np.asarray(gamma * psi / (resisting - sense * psi))
 
 
-def flat_merit(brake: Brake, index: int, response: ShoeResponse) -> FlatMerit:
+def figures_of_merit_of_shoe_on_plane(
+    brake: Brake, index: int, response: ShoeResponse
+) -> FlatMerit:
     """The figures of merit of shoe `index` of a brake on a plane."""
     shoe, N = brake.shoes[index], response.normal_force
-    M = shoe.actuation.moment_about(shoe.pin)
+    M = shoe.actuation.moment_of_force_about_point(shoe.pin)
     force = brake.friction * N
     # The moment of the friction about the hinge, positive if it helps the actuation.
-    helping = -math.copysign(1, M) * brake.friction * brake.spin * shoe.pin.y * N
+    helping = -math.copysign(1, M) * brake.friction * brake.sign_of_motion * shoe.pin.y * N
     return FlatMerit(
         braking_force=force,
-        braking_force_over_moment=_quotient(force, abs(M)),
-        sensitivity_at_fixed_shape=_quotient(abs(M) - helping, abs(M)) if N else None,
+        braking_force_over_moment=_quotient_or_none(force, abs(M)),
+        sensitivity_at_fixed_shape=_quotient_or_none(abs(M) - helping, abs(M)) if N else None,
     )
 
 
@@ -130,36 +141,43 @@ def brake_factor(brake: Brake, response: Response) -> float | None:
     F. Without actuation the brake factor is None.
     """
     pushed = {link.to for link in brake.links}
-    shoes = loaded(brake, response).shoes
+    shoes = brake_with_forces_of_response(brake, response).shoes
     forces = [abs(shoe.actuation.force) for shoe in shoes if shoe.name not in pushed]
     force = math.fsum(forces) / len(forces)
-    return _quotient(response.effect, force * brake.scale_factor)
+    return _quotient_or_none(response.effect, force * brake.scale_factor)
 
 
-def with_merits(brake: Brake, response: Response) -> Response:
+def response_with_figures_of_merit(brake: Brake, response: Response) -> Response:
     """The response with figures of merit, the load on the drum's bearings, and warnings added."""
-    shoes, brake = response.shoes, loaded(brake, response)
+    shoes, brake = response.shoes, brake_with_forces_of_response(brake, response)
     peaks = {shoe.name: shoe.peak_pressure for shoe in shoes}
-    notes = (*warnings(brake, peaks), *response.notes)
+    notes = (*warnings_on_strain_and_overlap(brake, peaks), *response.notes)
     if brake.surface.straight:
         # A shoe on a plane has no torque. Its braking force is one of the figures of merit.
         return replace(
             response,
             shoes=tuple(replace(shoe, torque=0.0) for shoe in shoes),
-            merits=tuple(flat_merit(brake, i, shoe) for i, shoe in enumerate(shoes)),
+            merits=tuple(
+                figures_of_merit_of_shoe_on_plane(brake, i, shoe) for i, shoe in enumerate(shoes)
+            ),
             notes=notes,
             surface=brake.surface,
         )
-    contacts = [contact_resultant(brake, i, shoe) for i, shoe in enumerate(shoes)]
+    contacts = [resultant_of_contact_on_shoe(brake, i, shoe) for i, shoe in enumerate(shoes)]
     return replace(
         response,
-        merits=tuple(merit(brake, i, shoe, contacts[i]) for i, shoe in enumerate(shoes)),
+        merits=tuple(
+            figures_of_merit_of_shoe_on_drum(brake, i, shoe, contacts[i])
+            for i, shoe in enumerate(shoes)
+        ),
         notes=notes,
         bearing_load=-np.sum([contact.force for contact in contacts], axis=0),
     )
 
 
-def sensitivity(brake: Brake, solve: Callable[[Brake], Response], step: float = 1e-4) -> float:
+def torque_sensitivity_by_differences(
+    brake: Brake, solve: Callable[[Brake], Response], step: float = 1e-4
+) -> float:
     """The sensitivity S = (mu/T) dT/dmu of a brake's torque to friction, at fixed actuation.
 
     S is the central difference of two solves at mu (1 - step) and mu (1 + step). It therefore
@@ -177,12 +195,15 @@ def sensitivity(brake: Brake, solve: Callable[[Brake], Response], step: float = 
         if the brake has no torque
     """
 
-    def at(friction: float) -> float:
+    def torque_or_force_at_friction(friction: float) -> float:
         """The torque [N m], or on a plane the braking force [N], at a friction coefficient."""
         varied = vary(brake, {"friction": friction})
-        return with_merits(varied, solve(varied)).effect
+        return response_with_figures_of_merit(varied, solve(varied)).effect
 
-    high, low = at(brake.friction * (1 + step)), at(brake.friction * (1 - step))
+    high, low = (
+        torque_or_force_at_friction(brake.friction * (1 + step)),
+        torque_or_force_at_friction(brake.friction * (1 - step)),
+    )
     if high + low == 0:
         raise NoAnswer(
             "sensitivity: the brake does not brake, so its torque has no relative change"
@@ -190,7 +211,9 @@ def sensitivity(brake: Brake, solve: Callable[[Brake], Response], step: float = 
     return (high - low) / (high + low) / step
 
 
-def rated(brake: BrakeVar, solve: Callable[[BrakeVar], Response], peak_pressure: float) -> BrakeVar:
+def brake_scaled_to_peak_pressure(
+    brake: BrakeVar, solve: Callable[[BrakeVar], Response], peak_pressure: float
+) -> BrakeVar:
     """The brake with all actuation forces scaled by one factor to a given largest peak pressure.
 
     Parameters

@@ -8,11 +8,11 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.response.response import EDGE_ZONE, ShoeResponse
-from drumlin.response.resultants import GAUSS, WEIGHTS, edge_left_out
+from drumlin.response.resultants import GAUSS, WEIGHTS, edge_zone_that_does_not_count
 
 
 @dataclass(frozen=True)
-class Difference:
+class PressureDifference:
     """The difference p_a - p_b between the pressures of two responses a and b of the same shoe.
 
     The lining is divided into pieces on which both pressures are polynomials. Each piece has the
@@ -34,7 +34,7 @@ class Difference:
     pressure: Floats
 
     @classmethod
-    def of(cls, a: ShoeResponse, b: ShoeResponse, *zones: float) -> Self:
+    def between_responses(cls, a: ShoeResponse, b: ShoeResponse, *zones: float) -> Self:
         """Evaluate the difference between the pressures of two responses of the same shoe.
 
         Parameters
@@ -53,7 +53,7 @@ class Difference:
         off = (pa - pb).reshape(theta.shape)
         return cls(b, theta, half * WEIGHTS, off, pb.reshape(theta.shape))
 
-    def inside(self, zone: float) -> Bools:
+    def is_piece_outside_end_zones(self, zone: float) -> Bools:
         """Whether each piece of the lining is farther than a zone [rad] from both its ends.
 
         The result is a mask (pieces,).
@@ -61,13 +61,13 @@ class Difference:
         middle, ends = self.theta.mean(axis=1), self.b.theta
         return np.asarray((middle > ends[0] + zone) & (middle < ends[-1] - zone))
 
-    def distance(self, zone: float) -> float:
+    def relative_norm_outside_end_zones(self, zone: float) -> float:
         """The L2 norm of p_a - p_b relative to the L2 norm of p_b, outside the end zones [rad].
 
         If p_b vanishes outside the zones at the lining's ends, the distance is 0 if p_a vanishes
         there, too, and infinite otherwise.
         """
-        inside = self.inside(zone)
+        inside = self.is_piece_outside_end_zones(zone)
         weight, off, p = self.weight[inside], self.off[inside], self.pressure[inside]
         size = float(np.vdot(weight, p**2))
         if size > 0:
@@ -75,49 +75,51 @@ class Difference:
         return math.inf if off.any() else 0.0
 
     @property
-    def columns(self) -> Ints:
+    def element_numbers_of_pieces(self) -> Ints:
         """The numbers (pieces,) of the elements of response b that contain the pieces."""
         ends, starts = self.b.theta[:: self.b.order], self.theta[:, 0]
         return np.asarray(np.searchsorted(ends, starts, side="right") - 1)
 
-    def by_chance(self) -> float:
+    def relative_force_with_random_signs(self) -> float:
         """The force of p_a - p_b over that of p_b, if the elements' forces had random signs.
 
         The differences in the elements' forces may cancel by accident. This measure does not see
         the cancellation.
         """
         # The sum of numbers with random signs is the root of the sum of their squares.
-        forces = np.bincount(self.columns, (self.weight * self.off).sum(axis=1))
+        forces = np.bincount(self.element_numbers_of_pieces, (self.weight * self.off).sum(axis=1))
         return float(np.linalg.norm(forces) / np.vdot(self.weight, self.pressure))
 
-    def at_peak(self, zone: float) -> float:
+    def relative_difference_near_peak(self, zone: float) -> float:
         """The largest |p_a - p_b| in the element in which p_b peaks, over the peak pressure of b.
 
         Zones [rad] at the ends of the lining do not count.
         """
-        inside, columns = self.inside(zone), self.columns
+        inside, columns = self.is_piece_outside_end_zones(zone), self.element_numbers_of_pieces
         highest = np.where(inside, self.pressure.max(axis=1), -math.inf).argmax()
         off = self.off[inside & (columns == columns[highest])]
         return float(np.abs(off).max(initial=0.0)) / self.b.peak_pressure
 
 
-def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE) -> float:
+def relative_distance_of_pressures(
+    a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE
+) -> float:
     """The relative L2 distance between the pressures p_a and p_b of two responses of a shoe.
 
     It is the L2 norm of p_a - p_b over theta, divided by that of p_b. Zones of `edge` [rad] at the
     lining's ends do not count, unless half of the force of p_b acts in the zones. If p_b vanishes,
     the distance is 0 if p_a vanishes, too, and infinite otherwise.
     """
-    edge = edge_left_out(b.theta, b.pressure, b.order, edge)
-    return Difference.of(a, b, edge).distance(edge)
+    edge = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, edge)
+    return PressureDifference.between_responses(a, b, edge).relative_norm_outside_end_zones(edge)
 
 
-def vector_distance(a: Floats, b: Floats) -> float:
+def relative_distance_of_vectors(a: Floats, b: Floats) -> float:
     """The length of the vector a - b relative to the length of b; nan if b is zero."""
     size = float(np.linalg.norm(b))
     return float(np.linalg.norm(np.asarray(a) - b)) / size if size else math.nan
 
 
-def relative(value: float, true: float) -> float:
+def relative_error_of_number(value: float, true: float) -> float:
     """The relative error (value - true) / true, with its sign; nan if `true` is 0."""
     return (value - true) / true if true else math.nan

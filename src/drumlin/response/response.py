@@ -11,16 +11,20 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM, FrictionSurface
-from drumlin.response.limits import check_strain
+from drumlin.response.limits import require_possible_strain_of_lining
 from drumlin.response.resultants import (
-    InnerPart,
+    LiningWithoutEndZones,
     Resultant,
-    by_piece,
-    contact_arcs,
-    edge_left_out,
-    integrate,
+    arrange_nodal_values_by_piece,
+    contact_arcs_from_nodal_pressures,
+    edge_zone_that_does_not_count,
+    integral_of_piecewise_polynomial,
 )
-from drumlin.response.show import as_html, as_text, plot
+from drumlin.response.show import (
+    html_table_of_response,
+    plot_pressure_of_each_shoe,
+    text_of_response,
+)
 
 EDGE_ZONE = math.radians(0.2)
 """Length [rad] of the zone at each end of a lining in which pressures are not compared.
@@ -108,7 +112,7 @@ NO_CHANGE = ShoeChange(0.0, 0.0, 0.0)
 """The relative changes of a shoe's results without a cause: all are zero."""
 
 
-def reaction_size(reaction: Floats, normal_force: float) -> float:
+def reference_force_of_reaction_errors(reaction: Floats, normal_force: float) -> float:
     """The force [N] to which errors of a support reaction (2,) [N] are relative.
 
     It is the size of the reaction, and at least NO_FORCE times the normal force [N] on the lining.
@@ -229,7 +233,10 @@ class ShoeResponse:
         theta = np.asarray(theta, dtype=float)
         ends = self.theta[:: self.order]
         piece = np.clip(np.searchsorted(ends, theta, side="right") - 1, 0, len(ends) - 2)
-        x, y = by_piece(self.theta, self.order), by_piece(self.pressure, self.order)
+        x, y = (
+            arrange_nodal_values_by_piece(self.theta, self.order),
+            arrange_nodal_values_by_piece(self.pressure, self.order),
+        )
         # The denominators of Lagrange's polynomials are products of the distances between the nodes
         # of a piece. Ones on the diagonal leave out the distance of a node from itself.
         apart = x[:, :, None] - x[:, None]  # (pieces, nodes, nodes)
@@ -330,7 +337,7 @@ class Merit(NamedTuple):
     double_delta: int
     sensitivity_at_fixed_shape: float | None
 
-    def effect_of(self, shoe: ShoeResponse) -> float:
+    def torque_or_braking_force_of_shoe(self, shoe: ShoeResponse) -> float:
         """The effect of a shoe on the drum, which is its torque [N m]."""
         return shoe.torque
 
@@ -350,7 +357,7 @@ class FlatMerit(NamedTuple):
     braking_force_over_moment: float | None
     sensitivity_at_fixed_shape: float | None
 
-    def effect_of(self, shoe: ShoeResponse) -> float:
+    def torque_or_braking_force_of_shoe(self, shoe: ShoeResponse) -> float:
         """The effect of a shoe on the plane, which is its braking force [N]."""
         return self.braking_force
 
@@ -369,11 +376,11 @@ class Response:
     seconds : time [s] of each phase of the solve, by the name of the phase
     left_out : effects that the model neglects, a line of text for each
     notes : lines of text for the reader, such as warnings
-    merits : figures of merit of each shoe; empty until `with_merits` adds them
+    merits : figures of merit of each shoe; empty until `response_with_figures_of_merit` adds them
     bearing_load : (2,) [N], force of all shoes on the drum, which the drum's bearings carry
     error : estimated relative errors by their keys "pressure" (of the worst shoe, L2 norm outside
         the edge zones) and "torque"; None if nothing was estimated
-    surface : kind of surface, drum or plane, right once `with_merits` has set it
+    surface : kind of surface, drum or plane, right once `response_with_figures_of_merit` has set it
     plane_stress_error : estimated error of the assumption of plane stress; None if it was not asked
         for
     """
@@ -412,7 +419,7 @@ class Response:
         """The effect of each shoe: its torque [N m], on a plane its braking force [N]."""
         effects = [shoe.torque for shoe in self.shoes]
         for i, merit in enumerate(self.merits):
-            effects[i] = merit.effect_of(self.shoes[i])
+            effects[i] = merit.torque_or_braking_force_of_shoe(self.shoes[i])
         return effects
 
     @property
@@ -422,11 +429,11 @@ class Response:
 
     def __repr__(self) -> str:
         """The response as a table of text."""
-        return as_text(self)
+        return text_of_response(self)
 
     def _repr_html_(self) -> str:
         """The response as an HTML table, which notebooks display."""
-        return as_html(self)
+        return html_table_of_response(self)
 
     def plot(self, axes: Any = None) -> Any:
         """Draw the pressure of every shoe, in MPa over degrees, or over mm on a plane.
@@ -434,7 +441,7 @@ class Response:
         The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. The
         method returns the axes.
         """
-        return plot(self, axes)
+        return plot_pressure_of_each_shoe(self, axes)
 
     def as_dict(self) -> dict[str, Any]:
         """The response as plain data for JSON, in N m, N, Pa, rad and s."""
@@ -462,7 +469,7 @@ class Response:
         return data
 
 
-def untouched(shoe: Shoe, hinge_reaction: Floats) -> ShoeResponse:
+def response_of_shoe_without_contact(shoe: Shoe, hinge_reaction: Floats) -> ShoeResponse:
     """The response of a shoe that does not touch the drum: torque and pressure are zero.
 
     `hinge_reaction` (2,) [N] is the force of the support, which balances the actuation.
@@ -482,7 +489,7 @@ def untouched(shoe: Shoe, hinge_reaction: Floats) -> ShoeResponse:
     )
 
 
-def pressed_shoe(
+def response_of_pressed_elastic_shoe(
     shoe: Shoe,
     scale_factor: float,
     theta: Floats,
@@ -521,16 +528,22 @@ def pressed_shoe(
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure = theta[forward], pressure[forward]
     if peak is None:
-        zone = edge_zone(shoe, scale_factor)
+        zone = length_of_edge_zone_without_peak(shoe, scale_factor)
         if located:
-            peak = InnerPart(theta, order, zone).peak(pressure)
+            peak = LiningWithoutEndZones(theta, order, zone).peak(pressure)
         else:
-            peak = nodal_peak(theta, pressure, edge_left_out(theta, pressure, order, zone))
-    arcs = contact_arcs(theta, pressure, order, located=located)
+            peak = largest_nodal_pressure_outside_zones(
+                theta, pressure, edge_zone_that_does_not_count(theta, pressure, order, zone)
+            )
+    arcs = contact_arcs_from_nodal_pressures(theta, pressure, order, located=located)
     # The sizes of the normal forces are summed. In their vector sum, forces on opposite sides of a
     # long arc would cancel.
-    force = shoe.lining.width * scale_factor * integrate(theta, pressure, order)
-    check_strain(shoe, scale_factor, force, sum(end - start for start, end in arcs))
+    force = (
+        shoe.lining.width * scale_factor * integral_of_piecewise_polynomial(theta, pressure, order)
+    )
+    require_possible_strain_of_lining(
+        shoe, scale_factor, force, sum(end - start for start, end in arcs)
+    )
     if surface is not None:
         surface = surface._replace(pressure=surface.pressure[forward])
     return ShoeResponse(
@@ -545,7 +558,7 @@ def pressed_shoe(
     )
 
 
-def edge_zone(shoe: Shoe, scale_factor: float) -> float:
+def length_of_edge_zone_without_peak(shoe: Shoe, scale_factor: float) -> float:
     """The length of the zone at each end of a lining in which the peak pressure is not sought.
 
     In this zone a sharp edge makes the pressure steep. The zone is half the lining's thickness, or
@@ -557,16 +570,16 @@ def edge_zone(shoe: Shoe, scale_factor: float) -> float:
     return zone if 2 * zone < length else 0.25 * length
 
 
-def own_edge_zone(shoe: Shoe, size: float) -> float:
-    """The `edge_zone` of a lining as an angle phi in the shoe's own frame.
+def edge_zone_angle_in_shoe_frame(shoe: Shoe, size: float) -> float:
+    """The `length_of_edge_zone_without_peak` of a lining as an angle phi in the shoe's own frame.
 
     `size` [m] is the size of the brake, on a drum its radius.
     """
     unit = shoe.frame.unit
-    return edge_zone(shoe, size / unit) / unit
+    return length_of_edge_zone_without_peak(shoe, size / unit) / unit
 
 
-def singular_zone(length: float, unit: float = 1.0) -> float:
+def length_of_uncompared_edge_zone(length: float, unit: float = 1.0) -> float:
     """The length of the zone at each end of a lining in which pressures are not compared.
 
     It is EDGE_ZONE, or a quarter of the length of a short lining. The zone and the length are in a
@@ -588,7 +601,7 @@ class PeakPlace(NamedTuple):
     zone: float
 
 
-def peak_place(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | None:
+def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | None:
     """The place of the peak pressure of shoe `index`; None if the shoe does not touch.
 
     The place is one of the points of the pressure curve, at most CURVE_SPACING apart.
@@ -596,8 +609,8 @@ def peak_place(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | 
     if not response.contact_arcs or not response.peak_pressure > 0:
         return None
     theta, pressure = response.curve()
-    zone = edge_zone(brake.shoes[index], brake.scale_factor)
-    inside = _is_outside_zones(theta, zone)
+    zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
+    inside = _is_angle_outside_end_zones(theta, zone)
     # A response does not tell whether its peak pressure was sought on the whole lining or outside
     # the end zones. The largest value of the curve is known for both. The value that is nearer to
     # the peak pressure decides.
@@ -608,15 +621,15 @@ def peak_place(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | 
     return PeakPlace(float(theta[inside][highest]), zone)
 
 
-def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:
+def largest_nodal_pressure_outside_zones(theta: Floats, pressure: Floats, zone: float) -> float:
     """The largest nodal pressure [Pa] at nodes farther than `zone` [rad] from the lining's ends.
 
     If the pressure is zero at all these nodes, the largest of all nodal pressures is returned.
     """
-    inside = _is_outside_zones(theta, zone)
+    inside = _is_angle_outside_end_zones(theta, zone)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())
 
 
-def _is_outside_zones(theta: Floats, zone: float) -> Bools:
+def _is_angle_outside_end_zones(theta: Floats, zone: float) -> Bools:
     """Whether angles (n,) are farther than a zone from both the first and the last angle."""
     return np.asarray((theta > theta[0] + zone) & (theta < theta[-1] - zone))

@@ -47,13 +47,13 @@ class Resultant(NamedTuple):
         return self.normal + self.friction
 
 
-def cross(a: Floats, b: Floats) -> Floats:
+def planar_cross_product(a: Floats, b: Floats) -> Floats:
     """The out-of-plane component of the vector product a x b, for vectors (..., 2)."""
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 @cache
-def lobatto(order: int) -> Floats:
+def gauss_lobatto_points(order: int) -> Floats:
     """The Gauss-Lobatto points (order + 1,) on [-1, 1]: nodes of a polynomial of degree `order`.
 
     Up to degree 2 the points are evenly spaced.
@@ -69,24 +69,28 @@ def lobatto(order: int) -> Floats:
 
 
 @cache
-def _coefficients(order: int) -> Floats:
+def _legendre_coefficients_of_shape_functions(order: int) -> Floats:
     """The Legendre coefficients (order + 1, order + 1) of the Lagrange shape functions.
 
     A column belongs to each shape function.
     """
-    return np.asarray(np.linalg.inv(legendre.legvander(lobatto(order), order)), dtype=float)
+    return np.asarray(
+        np.linalg.inv(legendre.legvander(gauss_lobatto_points(order), order)), dtype=float
+    )
 
 
-def shape(order: int, xi: Floats) -> Floats:
+def lagrange_shape_function_values(order: int, xi: Floats) -> Floats:
     """The values (order + 1, *xi.shape) of the Lagrange shape functions at points xi in [-1, 1].
 
     Their nodes are the Gauss-Lobatto points.
     """
-    rows = _legendre_values(order, xi)
-    return (_coefficients(order).T @ rows.reshape(order + 1, -1)).reshape(rows.shape)
+    rows = _legendre_polynomial_values(order, xi)
+    return (
+        _legendre_coefficients_of_shape_functions(order).T @ rows.reshape(order + 1, -1)
+    ).reshape(rows.shape)
 
 
-def _legendre_values(order: int, xi: Floats) -> Floats:
+def _legendre_polynomial_values(order: int, xi: Floats) -> Floats:
     """The values (order + 1, *xi.shape) of the Legendre polynomials up to degree `order` at xi."""
     # The recurrence gives each polynomial from the two polynomials of the next lower degrees.
     rows = np.ones((order + 1, *np.shape(xi)))
@@ -98,30 +102,34 @@ def _legendre_values(order: int, xi: Floats) -> Floats:
 
 
 @cache
-def _integral_coefficients(order: int) -> Floats:
+def _legendre_coefficients_of_shape_integrals(order: int) -> Floats:
     """The Legendre coefficients (order + 1, order + 2) of the integrated Lagrange shape functions.
 
     Each row belongs to the integral of one shape function from -1 to x, as a function of x.
     """
-    return np.ascontiguousarray(legendre.legint(_coefficients(order), lbnd=-1).T)
+    return np.ascontiguousarray(
+        legendre.legint(_legendre_coefficients_of_shape_functions(order), lbnd=-1).T
+    )
 
 
-def slopes(order: int, xi: Floats) -> Floats:
+def lagrange_shape_function_derivatives(order: int, xi: Floats) -> Floats:
     """The derivatives (order + 1, *xi.shape) of the Lagrange shape functions at points xi."""
-    derivative = legendre.legder(_coefficients(order))
+    derivative = legendre.legder(_legendre_coefficients_of_shape_functions(order))
     return np.moveaxis(legendre.legvander(xi, order - 1) @ derivative, -1, 0)
 
 
 @cache
-def at_gauss(order: int) -> tuple[Floats, Floats]:
+def shape_functions_at_gauss_points(order: int) -> tuple[Floats, Floats]:
     """The Lagrange shape functions and their derivatives (order + 1, q) at the q points GAUSS."""
-    return shape(order, GAUSS), slopes(order, GAUSS)
+    return lagrange_shape_function_values(order, GAUSS), lagrange_shape_function_derivatives(
+        order, GAUSS
+    )
 
 
 @cache
-def _piece_weights(order: int) -> Floats:
+def _integrals_of_shape_functions(order: int) -> Floats:
     """The integrals (order + 1,) of the Lagrange shape functions over a piece of length 1."""
-    return np.asarray(at_gauss(order)[0] @ WEIGHTS / 2, dtype=float)
+    return np.asarray(shape_functions_at_gauss_points(order)[0] @ WEIGHTS / 2, dtype=float)
 
 
 class GaussValues(NamedTuple):
@@ -139,18 +147,19 @@ class GaussValues(NamedTuple):
     weights: Floats
 
 
-def gauss_points(theta: Floats, values: Floats, order: int) -> GaussValues:
+def polynomial_values_at_gauss_points(theta: Floats, values: Floats, order: int) -> GaussValues:
     """A piecewise polynomial, with values (n,) at nodes theta (n,), evaluated at Gauss points."""
     ends = theta[::order]
     half = 0.5 * (ends[1:] - ends[:-1])[:, None]
     return GaussValues(
         places=ends[:-1, None] + half * (1 + GAUSS),
-        values=by_piece(values, order) @ at_gauss(order)[0],
+        values=arrange_nodal_values_by_piece(values, order)
+        @ shape_functions_at_gauss_points(order)[0],
         weights=half * WEIGHTS,
     )
 
 
-def by_piece(values: Floats, order: int) -> Floats:
+def arrange_nodal_values_by_piece(values: Floats, order: int) -> Floats:
     """The nodal values (n,) of a piecewise polynomial, as one row (order + 1,) for each piece.
 
     A node that two pieces share is in the rows of both.
@@ -163,9 +172,9 @@ def by_piece(values: Floats, order: int) -> Floats:
 
 
 @cache
-def _at_samples(order: int) -> Floats:
+def _shape_functions_at_peak_samples(order: int) -> Floats:
     """The Lagrange shape functions (order + 1, s) at the s points PEAK_SAMPLES."""
-    return shape(order, PEAK_SAMPLES)
+    return lagrange_shape_function_values(order, PEAK_SAMPLES)
 
 
 class _Samples(NamedTuple):
@@ -187,7 +196,7 @@ class _Samples(NamedTuple):
 
 
 @dataclass(frozen=True)
-class InnerPart:
+class LiningWithoutEndZones:
     """The part of a lining outside the zones at its ends, for integrals and peaks of pressures.
 
     It serves all pressures on the same nodes. The part is empty if the two zones cover the lining.
@@ -204,7 +213,7 @@ class InnerPart:
     zone: float
 
     @cached_property
-    def weights(self) -> Floats:
+    def nodal_weights_of_integrals(self) -> Floats:
         """The weights (2, n) of nodal values in two integrals over theta.
 
         The first row is for the integral over the whole lining, the second row for the integral
@@ -218,7 +227,9 @@ class InnerPart:
         # the piece becomes the nearer end of the piece.
         xi = np.minimum(np.maximum((limits[:, None] - ends[:-1]) / half - 1, -1.0), 1.0)
         # Integrals of the shape functions of each piece from the begin of the piece up to a limit.
-        integrals = _integral_coefficients(order) @ _legendre_values(order + 1, xi).swapaxes(0, 1)
+        integrals = _legendre_coefficients_of_shape_integrals(order) @ _legendre_polynomial_values(
+            order + 1, xi
+        ).swapaxes(0, 1)
         up_to = half[:, None] * integrals.swapaxes(1, 2)
         between = up_to[3:1:-1] - up_to[:2]
         # A node that two pieces share gets the sum of the weights from both pieces.
@@ -227,16 +238,16 @@ class InnerPart:
         found[:, order::order] += between[:, :, -1]
         return found
 
-    def part(self, values: Floats) -> float:
+    def fraction_of_integral_outside_end_zones(self, values: Floats) -> float:
         """The fraction of the integral over the lining that lies outside the end zones.
 
         `values` (n,) are the nodal values of a piecewise polynomial, such as pressures.
         """
-        whole, inside = (self.weights @ values).tolist()
+        whole, inside = (self.nodal_weights_of_integrals @ values).tolist()
         return float(inside / (whole or 1.0))
 
     @cached_property
-    def samples(self) -> _Samples:
+    def sample_points_for_largest_value(self) -> _Samples:
         """The points at which the largest pressure on the lining is sought.
 
         They lie outside the end zones, or on the whole lining if the end zones cover it.
@@ -252,17 +263,17 @@ class InnerPart:
         low, high = low[pieces[cut], None], high[pieces[cut], None]
         start, end = start[pieces[cut], None], end[pieces[cut], None]
         xi = (low + high - start - end + (high - low) * PEAK_SAMPLES) / (end - start)
-        shapes = shape(self.order, xi).swapaxes(0, 1)
+        shapes = lagrange_shape_function_values(self.order, xi).swapaxes(0, 1)
         return _Samples(slice(int(pieces[0]), int(pieces[-1]) + 1), cut, shapes)
 
-    def largest(self, values: Floats) -> float:
+    def largest_value_outside_end_zones(self, values: Floats) -> float:
         """The largest value outside the end zones; on the whole lining if the zones cover it.
 
         `values` (n,) are the nodal values of a piecewise polynomial.
         """
-        samples = self.samples
-        pieces = by_piece(values, self.order)[samples.pieces]
-        found = pieces @ _at_samples(self.order)
+        samples = self.sample_points_for_largest_value
+        pieces = arrange_nodal_values_by_piece(values, self.order)[samples.pieces]
+        found = pieces @ _shape_functions_at_peak_samples(self.order)
         if len(samples.cut):
             found[samples.cut] = (pieces[samples.cut, None] @ samples.shapes)[:, 0]
         piece, sample = divmod(int(found.argmax()), len(PEAK_SAMPLES))
@@ -270,19 +281,19 @@ class InnerPart:
         if sample in {0, len(PEAK_SAMPLES) - 1}:
             return float(found[piece, sample])
         x = PEAK_SAMPLES[sample - 1 : sample + 2].tolist()
-        return _top_of_parabola(x, found[piece, sample - 1 : sample + 2].tolist())
+        return _largest_value_of_parabola(x, found[piece, sample - 1 : sample + 2].tolist())
 
     def peak(self, pressure: Floats) -> float:
         """The largest pressure [Pa] outside the end zones, from nodal pressures (n,) [Pa].
 
         If half of the force acts in the end zones, the largest pressure of all is returned.
         """
-        if self.part(pressure) > 0.5:
-            return self.largest(pressure)
-        return largest(self.theta, pressure, self.order)
+        if self.fraction_of_integral_outside_end_zones(pressure) > 0.5:
+            return self.largest_value_outside_end_zones(pressure)
+        return largest_value_of_piecewise_polynomial(self.theta, pressure, self.order)
 
 
-def _top_of_parabola(x: list[float], y: list[float]) -> float:
+def _largest_value_of_parabola(x: list[float], y: list[float]) -> float:
     """The largest value of a parabola through three points (x, y), of which the middle is highest.
 
     If the points lie on a line, the highest y is returned.
@@ -295,26 +306,35 @@ def _top_of_parabola(x: list[float], y: list[float]) -> float:
     return float(max(top, top - slope * slope / (4 * bend))) if bend < 0 else float(top)
 
 
-def largest(theta: Floats, values: Floats, order: int) -> float:
+def largest_value_of_piecewise_polynomial(theta: Floats, values: Floats, order: int) -> float:
     """The largest value of a piecewise polynomial with values (n,) at the nodes theta (n,)."""
-    return InnerPart(theta, order, 0.0).largest(values)
+    return LiningWithoutEndZones(theta, order, 0.0).largest_value_outside_end_zones(values)
 
 
-def edge_left_out(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
+def edge_zone_that_does_not_count(
+    theta: Floats, pressure: Floats, order: int, zone: float
+) -> float:
     """The length [rad] of the zone at each end of a lining in which pressure errors do not count.
 
     It is `zone`, or 0 if half of the force on the lining acts in the two zones.
     """
-    return zone if InnerPart(theta, order, zone).part(pressure) > 0.5 else 0.0
+    return (
+        zone
+        if LiningWithoutEndZones(theta, order, zone).fraction_of_integral_outside_end_zones(
+            pressure
+        )
+        > 0.5
+        else 0.0
+    )
 
 
-def integrate(theta: Floats, values: Floats, order: int) -> float:
+def integral_of_piecewise_polynomial(theta: Floats, values: Floats, order: int) -> float:
     """The integral over theta of a piecewise polynomial with values (n,) at nodes theta (n,)."""
-    rule = gauss_points(theta, values, order)
+    rule = polynomial_values_at_gauss_points(theta, values, order)
     return float(np.sum(rule.values * rule.weights))
 
 
-def resultant(
+def resultant_of_pressure_and_friction(
     surface: FrictionSurface,
     theta: Floats,
     pressure: Floats,
@@ -341,10 +361,10 @@ def resultant(
     sign : +1 for an internal lining, -1 for an external lining
     drag : friction per pressure along the growing coordinate, mu or -mu
     """
-    rule = gauss_points(theta, pressure, order)
+    rule = polynomial_values_at_gauss_points(theta, pressure, order)
     load = rule.values * rule.weights * per_place
-    normal, along = surface.outwards(rule.places), surface.along(rule.places)
-    lever = surface.levers(rule.places, size)
+    normal, along = surface.unit_normals_into_surface(rule.places), surface.along(rule.places)
+    lever = surface.moments_of_unit_forces_on_surface(rule.places, size)
     moment = drag * np.sum(load * lever[1]) - sign * np.sum(load * lever[0])
     return Resultant(
         normal=-sign * np.sum(load * normal, axis=(1, 2)),
@@ -353,7 +373,7 @@ def resultant(
     )
 
 
-def contact_arcs(
+def contact_arcs_from_nodal_pressures(
     theta: Floats, pressure: Floats, order: int, *, located: bool = True
 ) -> tuple[tuple[float, float], ...]:
     """The arcs of a lining in contact with the drum: begin and end of each [rad].
@@ -375,16 +395,16 @@ def contact_arcs(
     for first, last in zip(edges[::2], edges[1::2], strict=True):
         start, end = float(theta[first]), float(theta[last])
         if located and not pressed[first]:
-            start = _locate_end(theta, pressure, first, order)
+            start = _angle_at_which_contact_begins(theta, pressure, first, order)
         if located and not pressed[last]:
             # The far end of an arc is the near end in the mirror image of the pressure.
             mirrored = len(theta) - 1 - last
-            end = -_locate_end(-theta[::-1], pressure[::-1], mirrored, order)
+            end = -_angle_at_which_contact_begins(-theta[::-1], pressure[::-1], mirrored, order)
         arcs.append((start, end))
     return tuple(arcs)
 
 
-def _locate_end(theta: Floats, pressure: Floats, node: int, order: int) -> float:
+def _angle_at_which_contact_begins(theta: Floats, pressure: Floats, node: int, order: int) -> float:
     """The angle [rad] at which a contact arc begins, between an unpressed `node` and the next node.
 
     The pressure of a smooth contact falls towards the begin e of the contact as sqrt(theta - e).
@@ -397,7 +417,9 @@ def _locate_end(theta: Floats, pressure: Floats, node: int, order: int) -> float
     # If there are no two elements up to the end of the lining, the contact begins at the node.
     if far >= len(theta):
         return float(theta[node])
-    means = by_piece(pressure[begin : far + 1], order) @ _piece_weights(order)
+    means = arrange_nodal_values_by_piece(
+        pressure[begin : far + 1], order
+    ) @ _integrals_of_shape_functions(order)
     first, second = means.tolist()
     first, second = first * (theta[near] - theta[begin]), second * (theta[far] - theta[near])
     f_near, f_far = (max(force, 0.0) ** (2 / 3) for force in (first, first + second))

@@ -17,14 +17,14 @@ More points do not change a small plot.
 """
 
 
-def arcs_text(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
+def text_of_contact_arcs(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
     """The arcs of a shoe in contact as text, in degrees, or in mm on a plane; "none" without."""
     factor = surface.shown
     arcs = [f"{start * factor:.1f} to {end * factor:.1f}" for start, end in shoe.contact_arcs]
     return ", ".join(arcs) or "none"
 
 
-def rows_of(response: "Response") -> list[tuple[str, ...]]:
+def rows_of_response_table(response: "Response") -> list[tuple[str, ...]]:
     """The cells of a response's table: a head, a row for each shoe, and a row for the brake."""
     surface, effects = response.surface, response.effects
     head = (
@@ -42,39 +42,40 @@ def rows_of(response: "Response") -> list[tuple[str, ...]]:
             f"{effects[i]:.6g}",
             f"{shoe.normal_force:.6g}",
             f"{shoe.peak_pressure * 1e-6:.4g}",
-            arcs_text(shoe, surface),
+            text_of_contact_arcs(shoe, surface),
             "yes" if shoe.self_energising else "no",
         )
         rows.append(row)
     return [*rows, ("all", f"{response.effect:.6g}", "", "", "", "")]
 
 
-def as_text(response: "Response") -> str:
+def text_of_response(response: "Response") -> str:
     """A response as text: a line with model and torque, and a table with aligned columns."""
-    table = rows_of(response)
+    table = rows_of_response_table(response)
     widths = np.char.str_len(table).max(axis=0).tolist()
-    lines = [_title(response)]
+    lines = [_title_line_of_response(response)]
     for row in table:
         # Each cell is padded to the width of its column.
         lines.append("  ".join(map(str.ljust, row, widths)).rstrip())
     return "\n".join(lines)
 
 
-def as_html(response: "Response") -> str:
+def html_table_of_response(response: "Response") -> str:
     """A response as an HTML table, which notebooks display."""
     # The standard module `html` loads a table of all entities, and only notebooks need it.
     from html import escape  # noqa: PLC0415
 
-    def row(cells: tuple[str, ...], tag: str) -> str:
+    def html_of_table_row(cells: tuple[str, ...], tag: str) -> str:
         """The HTML of a row whose cells have the given tag, "td" or "th"."""
         return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
 
-    head, *rest = rows_of(response)
-    body = "".join(row(cells, "td") for cells in rest)
-    return f"<table><caption>{escape(_title(response))}</caption>{row(head, 'th')}{body}</table>"
+    head, *rest = rows_of_response_table(response)
+    body = "".join(html_of_table_row(cells, "td") for cells in rest)
+    caption = f"<caption>{escape(_title_line_of_response(response))}</caption>"
+    return f"<table>{caption}{html_of_table_row(head, 'th')}{body}</table>"
 
 
-def plot(response: "Response", axes: Any = None) -> Any:
+def plot_pressure_of_each_shoe(response: "Response", axes: Any = None) -> Any:
     """Draw the pressure of every shoe, in MPa over degrees, or over mm on a plane.
 
     The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. The
@@ -91,12 +92,14 @@ def plot(response: "Response", axes: Any = None) -> Any:
         pieces = [np.linspace(a, b, POINTS_PER_PIECE) for a, b in pairwise(ends)]
         theta = np.unique(np.concatenate(pieces))
         axes.plot(theta * surface.shown, shoe.pressure_at(theta) * 1e-6, label=shoe.name)
-    axes.set(xlabel=surface.axis, ylabel="pressure p [MPa]", title=_title(response))
+    axes.set(
+        xlabel=surface.axis, ylabel="pressure p [MPa]", title=_title_line_of_response(response)
+    )
     axes.legend()
     return axes
 
 
-def _title(response: "Response") -> str:
+def _title_line_of_response(response: "Response") -> str:
     """A line of text with the model of a response and the torque, on a plane the braking force."""
     surface = response.surface
     unconverged = "" if response.converged else ", not converged"

@@ -19,20 +19,20 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.errors import BadInput, DrumlinError, NoAnswer
-from drumlin.base.journal import Journal, key_of, source_stamp
+from drumlin.base.journal import Journal, checksum_of_source_and_libraries, journal_key_of_case
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.mesh.content import digest_of_mesh_file
 from drumlin.fem.preparation.cache import Cache
-from drumlin.models import pick
+from drumlin.models import model_by_name
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.sweeps.workers import SayLine, waiting_line
+from drumlin.sweeps.workers import SayLine, message_on_waiting_for_workers
 
 Row = dict[str, Any]
 """The results of a case by name, such as "torque", or its failure under "status"."""
 
-QUIET_SECONDS = 20.0
+SECONDS_BEFORE_WAITING_MESSAGE = 20.0
 """Seconds without a result after which a message says that the sweep waits for workers.
 
 The limit is a judgement: most cases take far less.
@@ -51,13 +51,13 @@ MAX_CASES_PER_CHUNK = 64
 FURTHER_ATTEMPTS = 2
 """Number of further attempts at a case that failed for want of memory or of its worker."""
 
-OTHER_DRUMLIN = (
+DIFFERENT_DRUMLIN_MESSAGE = (
     "executor: its workers run another drumlin, or other libraries, than this one; "
     "install the same there"
 )
 """The message for workers whose version of drumlin or its libraries differs from this process's."""
 
-LOAD_KEYS = (
+KEYS_WITHOUT_EFFECT_ON_STIFFNESS = (
     "title",
     "rotation",
     "friction",
@@ -108,7 +108,9 @@ class CaseAnswer(NamedTuple):
     again: bool = False
 
 
-def solve_case(case: SweepCase, cache: Cache | None = None) -> tuple[Brake, Response]:
+def brake_and_response_of_case(
+    case: SweepCase, cache: Cache | None = None
+) -> tuple[Brake, Response]:
     """Solve a case; returns the brake with its changed values, and the response of the model.
 
     The models "fem" and "solid" take the condensed stiffness of equal shoes from the cache, and
@@ -119,40 +121,40 @@ def solve_case(case: SweepCase, cache: Cache | None = None) -> tuple[Brake, Resp
     options = dict(case.options)
     if case.model in {"fem", "solid"}:
         options["cache"] = cache
-    return brake, pick(case.model, brake).solve(brake, **options)
+    return brake, model_by_name(case.model, brake).solve(brake, **options)
 
 
-def case_row(case: SweepCase, cache: Cache | None = None) -> Row:
-    """Solve a case; returns its results as `response_row` does, or its failure. Never raises."""
-    return attempt_case(case, cache).row
+def results_or_failure_of_case(case: SweepCase, cache: Cache | None = None) -> Row:
+    """Solve a case. Returns its results by name, or its failure, and never raises."""
+    return solve_case_without_raising(case, cache).row
 
 
-def attempt_case(case: SweepCase, cache: Cache | None = None) -> CaseAnswer:
+def solve_case_without_raising(case: SweepCase, cache: Cache | None = None) -> CaseAnswer:
     """Solve a case, and say whether its results may be kept. Never raises.
 
     Results are lasting, and so are refusals because of the input or the physics. Failures for want
     of memory or files may pass. Faults of drumlin are neither lasting nor tried again.
     """
     try:
-        return CaseAnswer(response_row(*solve_case(case, cache)))
+        return CaseAnswer(results_of_response_by_name(*brake_and_response_of_case(case, cache)))
     # An error in one case must not end the sweep. It is written into the row of the case.
     except Exception as error:
-        return _failed_answer(case, error)
+        return _answer_of_failed_case(case, error)
 
 
-def _failed_answer(case: SweepCase, error: Exception) -> CaseAnswer:
+def _answer_of_failed_case(case: SweepCase, error: Exception) -> CaseAnswer:
     """The answer for a case that ended with an error: a row with the error's text as its status."""
     known = isinstance(error, DrumlinError)
     text = str(error) if known else f"unexpected {type(error).__name__}: {error}"
-    passing = _is_passing_failure(error)
+    passing = _is_failure_of_memory_or_system(error)
     # The failure does not last if a mesh file cannot be read now: its digest is "none". The file
     # may be there next time.
-    readable = "none" not in map(digest_of_mesh_file, mesh_files(case.brake, case.changes))
+    readable = "none" not in map(digest_of_mesh_file, paths_of_mesh_files(case.brake, case.changes))
     row = {"status": f"failed: {' '.join(text.split())}"}
     return CaseAnswer(row, lasting=known and not passing and readable, again=passing)
 
 
-def _is_passing_failure(error: BaseException | None) -> bool:
+def _is_failure_of_memory_or_system(error: BaseException | None) -> bool:
     """Whether lack of memory or the operating system, not the case, caused an error."""
     # A model may turn an error of the system into a refusal. Follow the chain of causes.
     while error is not None:
@@ -162,7 +164,7 @@ def _is_passing_failure(error: BaseException | None) -> bool:
     return False
 
 
-def response_row(brake: Brake, response: Response) -> Row:
+def results_of_response_by_name(brake: Brake, response: Response) -> Row:
     """The results of a case by name, in SI; results of the shoe NAME as "NAME.torque" and so on.
 
     Of the brake: "torque" [N m], on a plane "braking_force" [N]; "brake_factor" T/(F R) with the
@@ -190,12 +192,12 @@ def response_row(brake: Brake, response: Response) -> Row:
             row[f"plane_stress_error_{name}"] = value
     # The results of each shoe follow, with the shoe's name in front.
     for i, shoe in enumerate(response.shoes):
-        numbers = _shoe_row(brake, i, response.effects[i], shoe)
+        numbers = _results_of_shoe_by_name(brake, i, response.effects[i], shoe)
         row |= {f"{shoe.name}.{name}": value for name, value in numbers.items()}
-    return {name: _as_plain_value(value) for name, value in row.items()}
+    return {name: _result_as_plain_python_value(value) for name, value in row.items()}
 
 
-def _shoe_row(brake: Brake, number: int, effect: float, shoe: ShoeResponse) -> Row:
+def _results_of_shoe_by_name(brake: Brake, number: int, effect: float, shoe: ShoeResponse) -> Row:
     """The results of one shoe by name, in SI.
 
     Parameters
@@ -218,7 +220,7 @@ def _shoe_row(brake: Brake, number: int, effect: float, shoe: ShoeResponse) -> R
     }
 
 
-def _as_plain_value(value: Any) -> Any:
+def _result_as_plain_python_value(value: Any) -> Any:
     """A result as a plain Python value, which JSON can store: numpy's numbers become floats."""
     return value if value is None or isinstance(value, str | int) else float(value)
 
@@ -254,8 +256,8 @@ def solve_cases(
         where the workers run another version of drumlin or its libraries
     """
     journal = Journal() if journal is None else journal
-    keys = list(journal_keys(cases))
-    missing = _missing_cases(cases, keys, journal)
+    keys = list(journal_keys_of_cases(cases))
+    missing = _positions_of_unsolved_cases(cases, keys, journal)
     finished = len(cases) - len(missing)
     done(finished, len(cases))
     # Rows of failures that may pass, by the key of their case; the journal does not keep them.
@@ -264,27 +266,29 @@ def solve_cases(
     for further in reversed(range(FURTHER_ATTEMPTS + 1)):
         again = []
         if executor is None:
-            answers = _solve_in_process(cases, missing)
+            answers = _solve_cases_in_this_process(cases, missing)
         else:
             alone = further < FURTHER_ATTEMPTS
-            answers = _solve_by_workers(_Dispatch(executor, workers, cases, missing, alone), say)
+            answers = _solve_cases_by_workers(
+                _ChunkDispatcher(executor, workers, cases, missing, alone), say
+            )
         # Store each answer as it comes, and collect the cases that are tried again.
         for i, answer in answers:
             if answer.lasting:
                 journal.add(keys[i], answer.row)
-                passing.pop(key_of(keys[i]), None)
+                passing.pop(journal_key_of_case(keys[i]), None)
             else:
-                passing[key_of(keys[i])] = answer.row
+                passing[journal_key_of_case(keys[i])] = answer.row
             if answer.again and further:
                 again.append(i)
             else:
                 finished += 1
                 done(finished, len(cases))
         missing = again
-    return [passing.get(key_of(key)) or journal[key] for key in keys]
+    return [passing.get(journal_key_of_case(key)) or journal[key] for key in keys]
 
 
-def _missing_cases(
+def _positions_of_unsolved_cases(
     cases: Sequence[SweepCase], keys: Sequence[dict[str, Any]], journal: Journal
 ) -> list[int]:
     """The positions of the cases that are not in the journal.
@@ -296,12 +300,12 @@ def _missing_cases(
 
     def order(i: int) -> tuple[str, str, int]:
         """The sort key of the case at position i: its model, then its shoes, then the position."""
-        return cases[i].model, shared_body_key(cases[i]), i
+        return cases[i].model, key_of_cases_with_equal_shoe_stiffness(cases[i]), i
 
     return sorted(distinct.values(), key=order)
 
 
-def journal_keys(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
+def journal_keys_of_cases(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
     """Yield for each case the data by which the journal recognises the case.
 
     They are a digest of the base brake, the changed values, the model and its options. Changed mesh
@@ -313,10 +317,10 @@ def journal_keys(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
     for case in cases:
         # Many cases share one brake object, so that its digest is computed once.
         if id(case.brake) not in brake_digests:
-            brake_digests[id(case.brake)] = brake_digest(case.brake)
+            brake_digests[id(case.brake)] = digest_of_brake_data(case.brake)
         changes = dict(case.changes)
         for key, value in changes.items():
-            if is_mesh_key(key) and isinstance(value, str | Path):
+            if is_key_of_mesh_file(key) and isinstance(value, str | Path):
                 changes[key] = file_digest(Path(value))
         yield {
             "brake": brake_digests[id(case.brake)],
@@ -326,7 +330,7 @@ def journal_keys(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
         }
 
 
-def brake_digest(brake: Brake) -> str:
+def digest_of_brake_data(brake: Brake) -> str:
     """A digest (16 hexadecimal digits) of all data of a brake.
 
     It depends on the content of mesh files, not on their names.
@@ -339,39 +343,40 @@ def brake_digest(brake: Brake) -> str:
     return hashlib.sha256(json.dumps(data).encode()).hexdigest()[:16]
 
 
-def is_mesh_key(key: str) -> bool:
+def is_key_of_mesh_file(key: str) -> bool:
     """Whether the values of a key of the brake file are paths of mesh files."""
     return key.rpartition(".")[2] == "mesh"
 
 
-def mesh_files(brake: Brake, changes: Mapping[str, Any]) -> list[Path]:
+def paths_of_mesh_files(brake: Brake, changes: Mapping[str, Any]) -> list[Path]:
     """The paths of all mesh files that a brake or its changed values name."""
     named = [shoe.mesh for shoe in brake.shoes]
-    named += [value for key, value in changes.items() if is_mesh_key(key)]
+    named += [value for key, value in changes.items() if is_key_of_mesh_file(key)]
     return [Path(path) for path in named if isinstance(path, str | Path)]
 
 
-def shared_body_key(case: SweepCase) -> str:
+def key_of_cases_with_equal_shoe_stiffness(case: SweepCase) -> str:
     """A text that is equal for cases whose shoes have the same stiffness.
 
-    It holds the options of the model, and all changed values except those of LOAD_KEYS.
+    It holds the options of the model, and all changed values except those of
+    KEYS_WITHOUT_EFFECT_ON_STIFFNESS.
     """
     changes_of_bodies = {}
     for key, value in case.changes.items():
         # Split a key into its words: "shoe[0].actuation.force" has shoe, 0, actuation and force.
         words = set(key.replace("[", ".").split("."))
-        if not words & set(LOAD_KEYS):
+        if not words & set(KEYS_WITHOUT_EFFECT_ON_STIFFNESS):
             changes_of_bodies[key] = value
     return json.dumps([changes_of_bodies, dict(case.options)], sort_keys=True, default=str)
 
 
-def _solve_in_process(
+def _solve_cases_in_this_process(
     cases: Sequence[SweepCase], missing: Sequence[int]
 ) -> Iterator[tuple[int, CaseAnswer]]:
     """Solve the cases at the positions `missing` in this process; yields position and answer."""
     bodies = Cache()
     for i in missing:
-        yield i, attempt_case(cases[i], bodies)
+        yield i, solve_case_without_raising(cases[i], bodies)
 
 
 class _ChunkAnswer(NamedTuple):
@@ -393,44 +398,48 @@ _worker_bodies = threading.local()
 """The cache of condensed stiffnesses of shoes in a worker, one for each thread of the worker."""
 
 
-def solve_chunk(cases: Sequence[SweepCase]) -> _ChunkAnswer:
+def solve_chunk_of_cases(cases: Sequence[SweepCase]) -> _ChunkAnswer:
     """Solve a chunk of cases; a worker runs this function."""
     if not hasattr(_worker_bodies, "cache"):
         _worker_bodies.cache = Cache()
     start = time.perf_counter()
-    answers = [attempt_case(case, _worker_bodies.cache) for case in cases]
-    return _ChunkAnswer(answers, time.perf_counter() - start, _drumlin_stamp())
+    answers = [solve_case_without_raising(case, _worker_bodies.cache) for case in cases]
+    return _ChunkAnswer(answers, time.perf_counter() - start, _digest_of_drumlin_and_libraries())
 
 
 @cache
-def _drumlin_stamp() -> str:
+def _digest_of_drumlin_and_libraries() -> str:
     """A digest of the source of this process's drumlin and of the versions of its libraries."""
-    return source_stamp()
+    return checksum_of_source_and_libraries()
 
 
-def _solve_by_workers(dispatch: "_Dispatch", say: SayLine) -> Iterator[tuple[int, CaseAnswer]]:
+def _solve_cases_by_workers(
+    dispatch: "_ChunkDispatcher", say: SayLine
+) -> Iterator[tuple[int, CaseAnswer]]:
     """Solve cases by workers; yields the position and answer of each case as the answer comes."""
     last_answer, told = time.time(), False
     try:
-        while dispatch.has_open_work:
-            dispatch.send_chunks()
-            finished = wait(dispatch.sent, timeout=QUIET_SECONDS, return_when=FIRST_COMPLETED).done
+        while dispatch.has_unfinished_cases:
+            dispatch.send_chunks_to_workers()
+            finished = wait(
+                dispatch.sent, timeout=SECONDS_BEFORE_WAITING_MESSAGE, return_when=FIRST_COMPLETED
+            ).done
             if finished:
                 last_answer, told = time.time(), False
             elif not told:
-                say(waiting_line(last_answer))
+                say(message_on_waiting_for_workers(last_answer))
                 told = True
             for future in finished:
-                yield from dispatch.collect_answers(future)
+                yield from dispatch.answers_of_finished_chunk(future)
     except BrokenExecutor as error:
         raise NoAnswer(
             f"sweep: the workers died ({error}); what has finished is kept, the same run goes on"
         ) from error
     finally:
-        dispatch.cancel_chunks()
+        dispatch.cancel_unstarted_chunks()
 
 
-class _Dispatch:
+class _ChunkDispatcher:
     """The distribution of cases to the workers of an executor, in chunks.
 
     Chunks grow until each takes CHUNK_SECONDS. Cases that are tried again are sent one at a time,
@@ -455,25 +464,27 @@ class _Dispatch:
     ) -> None:
         self.sent: dict[Future[_ChunkAnswer], list[int]] = {}
         self._executor, self._cases = executor, cases
-        self._waiting = _Chunks(cases, missing)
+        self._waiting = _WaitingCases(cases, missing)
         self._size = 1
         self._max_size = 1 if alone else MAX_CASES_PER_CHUNK
         # Each worker has one chunk that it solves and one that waits.
         self._max_sent = 1 if alone else 2 * workers + 1
 
     @property
-    def has_open_work(self) -> bool:
+    def has_unfinished_cases(self) -> bool:
         """Whether cases wait for a worker or are being solved."""
-        return self._waiting.has_cases or bool(self.sent)
+        return self._waiting.has_waiting_cases or bool(self.sent)
 
-    def send_chunks(self) -> None:
+    def send_chunks_to_workers(self) -> None:
         """Send chunks of cases to the workers until each worker has two chunks."""
-        while self._waiting.has_cases and len(self.sent) < self._max_sent:
-            positions = self._waiting.take_cases(self._size)
+        while self._waiting.has_waiting_cases and len(self.sent) < self._max_sent:
+            positions = self._waiting.remove_and_return_case_positions(self._size)
             chunk = [self._cases[i] for i in positions]
-            self.sent[self._executor.submit(solve_chunk, chunk)] = positions
+            self.sent[self._executor.submit(solve_chunk_of_cases, chunk)] = positions
 
-    def collect_answers(self, future: "Future[_ChunkAnswer]") -> Iterator[tuple[int, CaseAnswer]]:
+    def answers_of_finished_chunk(
+        self, future: "Future[_ChunkAnswer]"
+    ) -> Iterator[tuple[int, CaseAnswer]]:
         """Yield the position and answer of each case of a chunk that a worker has finished.
 
         If the worker died, its cases fail for a reason that may pass. Raises BadInput if the worker
@@ -482,8 +493,8 @@ class _Dispatch:
         positions = self.sent.pop(future)
         try:
             chunk = future.result()
-            if chunk.stamp != _drumlin_stamp():
-                raise BadInput(OTHER_DRUMLIN)
+            if chunk.stamp != _digest_of_drumlin_and_libraries():
+                raise BadInput(DIFFERENT_DRUMLIN_MESSAGE)
             answers = chunk.answers
             # The next chunks get as many cases as are solved in CHUNK_SECONDS.
             size = round(CHUNK_SECONDS * len(positions) / max(chunk.seconds, 1e-6))
@@ -491,36 +502,36 @@ class _Dispatch:
         except DrumlinError:
             raise
         except ImportError as error:
-            raise BadInput(f"{OTHER_DRUMLIN} ({error})") from error
+            raise BadInput(f"{DIFFERENT_DRUMLIN_MESSAGE} ({error})") from error
         except Exception as error:
             status = f"failed: its worker was lost ({type(error).__name__}: {error})"
             lost = CaseAnswer({"status": status}, lasting=False, again=True)
             answers = [lost] * len(positions)
         yield from zip(positions, answers, strict=True)
 
-    def cancel_chunks(self) -> None:
+    def cancel_unstarted_chunks(self) -> None:
         """Cancel all chunks that no worker has begun to solve."""
         for future in self.sent:
             future.cancel()
 
 
-class _Chunks:
+class _WaitingCases:
     """The cases that still wait for a worker, in groups whose shoes have the same stiffness.
 
     A chunk of cases is a part of one large group, or consists of several small groups.
     """
 
     def __init__(self, cases: Sequence[SweepCase], missing: Sequence[int]) -> None:
-        groups = groupby(missing, lambda i: shared_body_key(cases[i]))
+        groups = groupby(missing, lambda i: key_of_cases_with_equal_shoe_stiffness(cases[i]))
         # The groups stand in reverse order, since removing the last item of a list is fast.
         self._groups = [list(group) for _, group in groups][::-1]
 
     @property
-    def has_cases(self) -> bool:
+    def has_waiting_cases(self) -> bool:
         """Whether cases are left that no worker has got."""
         return bool(self._groups)
 
-    def take_cases(self, size: int) -> list[int]:
+    def remove_and_return_case_positions(self, size: int) -> list[int]:
         """Remove about `size` cases from the waiting cases and return their positions."""
         taken: list[int] = []
         while self._groups and len(taken) < size:

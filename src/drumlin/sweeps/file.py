@@ -20,13 +20,20 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Part, Title
-from drumlin.brake.file import is_interval, read_toml, unit_of, validated, values_of, vary
-from drumlin.brake.plane_brake import any_from, read_any
-from drumlin.brake.units import to_si
-from drumlin.fem.mesh.content import read_mesh_bytes
-from drumlin.foundation.model import included_effects
+from drumlin.brake.file import (
+    is_allowed_range_an_interval,
+    make_validated_part,
+    read_data_of_brake_file,
+    si_unit_of_brake_key,
+    values_of_brake_key,
+    vary,
+)
+from drumlin.brake.plane_brake import make_brake_from_data, read_any
+from drumlin.brake.units import quantity_in_si
+from drumlin.fem.mesh.content import read_bytes_of_mesh_file
+from drumlin.foundation.model import names_of_included_effects
 from drumlin.models import MODELS
-from drumlin.sweeps.cases import SweepCase, is_mesh_key, mesh_files
+from drumlin.sweeps.cases import SweepCase, is_key_of_mesh_file, paths_of_mesh_files
 from drumlin.sweeps.options import MODEL_OPTIONS
 
 MAX_FILE_NESTING = 50
@@ -150,17 +157,17 @@ def read_sweep(path: Path, done: Done = lambda judged, of: None) -> Sweep:
     with one line that names the wrong key, its value and what is allowed.
     """
     try:
-        data = read_toml(path)
-        _check_size(data)
+        data = read_data_of_brake_file(path)
+        _check_integers_and_nesting_depth(data)
     except ValueError as error:
         raise BadInput(f"{path}: is not TOML ({error})") from error
     try:
-        return sweep_from_data(data, path.parent.resolve(), done)
+        return sweep_from_file_data(data, path.parent.resolve(), done)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 
 
-def _check_size(data: Any, depth: int = 0) -> None:
+def _check_integers_and_nesting_depth(data: Any, depth: int = 0) -> None:
     """Raise ValueError for integers beyond 64 bits and for nesting deeper than MAX_FILE_NESTING.
 
     `depth` is the number of tables and lists around `data`.
@@ -172,10 +179,10 @@ def _check_size(data: Any, depth: int = 0) -> None:
     items = list(data.values()) if isinstance(data, dict) else data
     if isinstance(items, list):
         for item in items:
-            _check_size(item, depth + 1)
+            _check_integers_and_nesting_depth(item, depth + 1)
 
 
-def sweep_from_data(
+def sweep_from_file_data(
     data: Mapping[str, Any], base: Path = Path(), done: Done = lambda judged, of: None
 ) -> Sweep:
     """Make a sweep from the nested data of a sweep file.
@@ -191,36 +198,36 @@ def sweep_from_data(
     BadInput
         with one line that names the wrong key, its value and what is allowed
     """
-    file = validated(SweepFile, data)
+    file = make_validated_part(SweepFile, data)
     # The brake is read first, since allowed keys and models depend on the brake.
-    brake = _base_brake(file.brake, base)
+    brake = _base_brake_of_sweep(file.brake, base)
     models = _validated_model_options(file.model, brake)
     specs: dict[str, _KeySpec] = {}
     for name, given in file.vary.items():
-        specs |= _specs_of_line(brake, name, given, base)
+        specs |= _values_of_keys_in_vary_line(brake, name, given, base)
     # Combine the values of all keys to cases, and check that brakes can have these values.
-    plan = _plan_cases(file, specs)
-    changes = _changes_of_cases(file, specs, plan, len(models))
-    _check_values(brake, file.combine, specs, plan, changes, done)
+    plan = _plan_of_listed_and_drawn_keys(file, specs)
+    changes = _new_values_of_each_case(file, specs, plan, len(models))
+    _check_some_brake_allows_each_value(brake, file.combine, specs, plan, changes, done)
     for name in models:
         reason = MODELS[name].why_not(brake)
         if reason is not None:
             raise BadInput(f"model.{name}: does not apply to this brake: {reason}")
-    _check_meshes(brake, specs)
+    _check_mesh_files_are_readable(brake, specs)
     # Each combination of values is solved by each model.
     cases = []
     for change in changes:
         cases += [SweepCase(brake, change, name, options) for name, options in models.items()]
-    units = {key: unit_of(brake, key) for key in specs}
+    units = {key: si_unit_of_brake_key(brake, key) for key in specs}
     return Sweep(file.title or brake.title, brake, units, cases, file.pressure)
 
 
-def _base_brake(brake: str | dict[str, Any], base: Path) -> Brake:
+def _base_brake_of_sweep(brake: str | dict[str, Any], base: Path) -> Brake:
     """The base brake of a sweep, read from the path or the table that the sweep file gives."""
     if isinstance(brake, str):
         return read_any(base / brake)
     try:
-        return any_from(brake, unit_required=True, base=base)
+        return make_brake_from_data(brake, unit_required=True, base=base)
     except BadInput as error:
         raise BadInput(f"brake.{error}") from error
 
@@ -233,11 +240,13 @@ def _validated_model_options(
     for name, options in given.items():
         if name not in MODELS:
             raise BadInput(f"model.{name}: unknown model; allowed: {', '.join(MODELS)}")
-        checked = _validate_sweep_table(f"model.{name}", MODEL_OPTIONS.get(name, Part), options)
+        checked = _validated_table_of_sweep_file(
+            f"model.{name}", MODEL_OPTIONS.get(name, Part), options
+        )
         models[name] = checked.model_dump(exclude_none=True)
         # The effects named by `lift` are checked. On a plane the model itself is refused later.
         if "lift" in models[name] and not brake.surface.straight:
-            included_effects(brake, models[name]["lift"])
+            names_of_included_effects(brake, models[name]["lift"])
     return models
 
 
@@ -270,7 +279,7 @@ class _Plan(NamedTuple):
     repeats: int
 
 
-def _plan_cases(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
+def _plan_of_listed_and_drawn_keys(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
     """Decide which keys are drawn at random and which take their listed values one by one.
 
     Raises BadInput if the number of `cases` is missing, or given although no key is drawn.
@@ -291,7 +300,7 @@ def _plan_cases(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
     return _Plan(listed, drawn, file.cases or 1)
 
 
-def _changes_of_cases(
+def _new_values_of_each_case(
     file: SweepFile, specs: Mapping[str, _KeySpec], plan: _Plan, models: int
 ) -> list[dict[str, Any]]:
     """The new values of the varied keys, by key, for each case.
@@ -310,7 +319,7 @@ def _changes_of_cases(
     """
     draws = {}
     for key in plan.drawn:
-        draws[key] = _drawn_values(specs[key], key, file.seed, plan.repeats)
+        draws[key] = _random_values_of_key(specs[key], key, file.seed, plan.repeats)
     lengths = list(map(len, plan.listed.values()))
     combinations = math.prod(lengths) if file.combine == "grid" else max(lengths, default=1)
     count = combinations * plan.repeats * models
@@ -318,13 +327,13 @@ def _changes_of_cases(
         raise BadInput(f"vary: makes {count} cases; allowed: {MOST_CASES}")
     # Each combination of listed values gets the same random draws, so that they can be compared.
     changes = []
-    for point in _combinations_of_values(file.combine, plan.listed):
+    for point in _combinations_of_listed_values(file.combine, plan.listed):
         for i in range(plan.repeats):
             changes.append({key: point[key] if key in point else draws[key][i] for key in specs})
     return changes
 
 
-def _check_values(
+def _check_some_brake_allows_each_value(
     brake: Brake,
     combine: str,
     specs: Mapping[str, _KeySpec],
@@ -351,26 +360,28 @@ def _check_values(
     medians = {key: spec.at(half)[0] for key, spec in specs.items() if key not in plan.listed}
     vary(brake, medians)
     lengths = list(map(len, plan.listed.values()))
-    steps = _cases_per_step(combine, lengths, plan.repeats)
+    steps = _case_count_until_next_value_of_key(combine, lengths, plan.repeats)
     for (key, values), step in zip(plan.listed.items(), steps, strict=True):
-        _check_key(brake, _ListedKey(key, values, changes[::step]), medians, done)
+        _check_listed_values_of_key(brake, _ListedKey(key, values, changes[::step]), medians, done)
 
 
-def _check_meshes(brake: Brake, specs: Mapping[str, _KeySpec]) -> None:
+def _check_mesh_files_are_readable(brake: Brake, specs: Mapping[str, _KeySpec]) -> None:
     """Raise BadInput or NoAnswer if a mesh file that the sweep names cannot be read."""
     # Collect the mesh files of the base brake and of the varied keys; each is read once.
-    meshes = set(mesh_files(brake, {}))
+    meshes = set(paths_of_mesh_files(brake, {}))
     for key, spec in specs.items():
-        if is_mesh_key(key):
+        if is_key_of_mesh_file(key):
             meshes |= {Path(value) for value in spec.values or () if isinstance(value, str)}
     for path in sorted(meshes):
         try:
-            read_mesh_bytes(path)
+            read_bytes_of_mesh_file(path)
         except DrumlinError as error:
             raise type(error)(f"mesh = {error}") from error
 
 
-def _specs_of_line(brake: Brake, name: str, given: Any, base: Path) -> dict[str, _KeySpec]:
+def _values_of_keys_in_vary_line(
+    brake: Brake, name: str, given: Any, base: Path
+) -> dict[str, _KeySpec]:
     """The values, by key of the brake file, that one line of the table [vary] gives.
 
     A line gives values of one key. With a distribution from which each shoe draws its own value, it
@@ -385,11 +396,11 @@ def _specs_of_line(brake: Brake, name: str, given: Any, base: Path) -> dict[str,
     """
     where = f"vary.{name if name.isidentifier() else json.dumps(name, ensure_ascii=False)}"
     try:
-        unit = unit_of(brake, name)
+        unit = si_unit_of_brake_key(brake, name)
     except BadInput as error:
         raise BadInput(f"{where}: {str(error).removeprefix(f'{name}: ')}") from error
     if isinstance(given, list):
-        return {name: _listed_values(where, name, given, unit, base)}
+        return {name: _values_of_key_given_as_list(where, name, given, unit, base)}
     if not isinstance(given, dict):
         raise BadInput(
             f"{where} = {given!r}: "
@@ -398,14 +409,14 @@ def _specs_of_line(brake: Brake, name: str, given: Any, base: Path) -> dict[str,
     if unit is None:
         raise BadInput(f"{where}: takes words, not numbers; must be a list of values")
     if "distribution" in given:
-        return _specs_of_distribution(brake, where, name, given, unit)
-    span = _validate_sweep_table(where, Range, given)
+        return _values_of_key_given_as_distribution(brake, where, name, given, unit)
+    span = _validated_table_of_sweep_file(where, Range, given)
     start = _number_in_si(f"{where}.from", span.start, unit)
     end = _number_in_si(f"{where}.to", span.to, unit)
-    return {name: _range_values(where, start, end, span)}
+    return {name: _values_of_key_given_as_range(where, start, end, span)}
 
 
-def _listed_values(
+def _values_of_key_given_as_list(
     where: str, name: str, given: list[Any], unit: str | None, base: Path
 ) -> _KeySpec:
     """The values of a varied key that the sweep file gives as a list.
@@ -420,18 +431,18 @@ def _listed_values(
     """
     if not given:
         raise BadInput(f"{where}: the list is empty; needs at least one value")
-    values = [_listed_value(where, value, unit) for value in given]
-    if is_mesh_key(name):
+    values = [_listed_value_in_si(where, value, unit) for value in given]
+    if is_key_of_mesh_file(name):
         values = [str(base / value) if isinstance(value, str) else value for value in values]
 
-    def at(u: Floats) -> list[Any]:
+    def listed_values_at_random_numbers(u: Floats) -> list[Any]:
         """The values for random numbers u (n,) in (0, 1): each listed value is equally likely."""
         return [values[i] for i in (u * len(values)).astype(int)]
 
-    return _KeySpec(values, at)
+    return _KeySpec(values, listed_values_at_random_numbers)
 
 
-def _specs_of_distribution(
+def _values_of_key_given_as_distribution(
     brake: Brake, where: str, name: str, given: Mapping[str, Any], unit: str
 ) -> dict[str, _KeySpec]:
     """The values of a varied key that the sweep file gives as a distribution.
@@ -451,7 +462,7 @@ def _specs_of_distribution(
         raise BadInput(
             f"{where}.distribution = {kind!r}: unknown; allowed: {', '.join(DISTRIBUTIONS)}"
         )
-    distribution = _validate_sweep_table(where, DISTRIBUTIONS[kind], given)
+    distribution = _validated_table_of_sweep_file(where, DISTRIBUTIONS[kind], given)
     keys = [name]
     if distribution.each_shoe:
         if not name.startswith("shoe."):
@@ -462,26 +473,30 @@ def _specs_of_distribution(
         keys = [f"shoe[{i}]{name.removeprefix('shoe')}" for i in range(len(brake.shoes))]
     specs = {}
     for key in keys:
-        nominal = values_of(brake, key)
-        specs[key] = _KeySpec(None, _draw_function(where, distribution, unit, nominal))
+        nominal = values_of_brake_key(brake, key)
+        specs[key] = _KeySpec(
+            None, _inverse_cumulative_function_to_list(where, distribution, unit, nominal)
+        )
     return specs
 
 
 PartKind = TypeVar("PartKind", bound=Part)
 
 
-def _validate_sweep_table(where: str, kind: type[PartKind], data: Mapping[str, Any]) -> PartKind:
+def _validated_table_of_sweep_file(
+    where: str, kind: type[PartKind], data: Mapping[str, Any]
+) -> PartKind:
     """A table of the sweep file, checked and read as an object of the class `kind`.
 
     Raises BadInput with a message that begins with `where`, the place of the table.
     """
     try:
-        return validated(kind, data)
+        return make_validated_part(kind, data)
     except BadInput as error:
         raise BadInput(f"{where}: {error}") from error
 
 
-def _listed_value(where: str, value: Any, unit: str | None) -> Any:
+def _listed_value_in_si(where: str, value: Any, unit: str | None) -> Any:
     """One value of a list in the sweep file.
 
     It is a number in SI, a word, or a list of numbers with their units, which stays as it is.
@@ -489,13 +504,13 @@ def _listed_value(where: str, value: Any, unit: str | None) -> Any:
     if unit is None:
         return value
     if isinstance(value, list):
-        if unit and not _has_units(value):
+        if unit and not _has_only_text_entries(value):
             raise BadInput(f"{where}: {value}: every number of a table needs its unit")
         return value
     return _number_in_si(where, value, unit)
 
 
-def _has_units(rows: list[Any]) -> bool:
+def _has_only_text_entries(rows: list[Any]) -> bool:
     """Whether every entry of a list, or list of lists, is a text such as "3 mm"."""
     for row in rows:
         entries = row if isinstance(row, list) else [row]
@@ -508,7 +523,7 @@ def _number_in_si(where: str, value: Any, unit: str) -> float:
     """A value of the sweep file as a number in SI; unchanged where `unit` is "" (no unit)."""
     if unit:
         try:
-            return to_si(value, unit, unit_required=True)
+            return quantity_in_si(value, unit, unit_required=True)
         except ValueError as error:
             raise BadInput(f"{where} = {value!r}: {error}") from error
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
@@ -516,7 +531,7 @@ def _number_in_si(where: str, value: Any, unit: str) -> float:
     return float(value)
 
 
-def _range_values(where: str, start: float, end: float, span: Range) -> _KeySpec:
+def _values_of_key_given_as_range(where: str, start: float, end: float, span: Range) -> _KeySpec:
     """The values of a varied key that the sweep file gives as a range; the ends are in SI."""
     if span.scale == "linear":
         return _KeySpec(
@@ -531,18 +546,18 @@ def _range_values(where: str, start: float, end: float, span: Range) -> _KeySpec
     )
 
 
-def _draw_function(
+def _inverse_cumulative_function_to_list(
     where: str, distribution: Distribution, unit: str, nominal: Sequence[Any]
 ) -> Callable[[Floats], list[float]]:
     """A function that turns random numbers u (n,) in (0, 1) into a list of values of a key.
 
-    The values have the given distribution; see `_inverse_cumulative` for the parameters.
+    The values have the given distribution; see `_inverse_cumulative_function` for the parameters.
     """
-    inverse = _inverse_cumulative(where, distribution, unit, nominal)
+    inverse = _inverse_cumulative_function(where, distribution, unit, nominal)
     return lambda u: inverse(u).tolist()
 
 
-def _inverse_cumulative(
+def _inverse_cumulative_function(
     where: str, distribution: Distribution, unit: str, nominal: Sequence[Any]
 ) -> Callable[[Floats], Floats]:
     """The inverse of a distribution's cumulative function, which draws its values.
@@ -558,29 +573,33 @@ def _inverse_cumulative(
     nominal : values of the key in the brake file
     """
     if isinstance(distribution, Normal):
-        mean = _centre_in_si(f"{where}.mean", distribution.mean, unit, nominal)
-        deviation = _deviation_in_si(f"{where}.deviation", distribution.deviation, mean, unit)
+        mean = _mean_or_mode_in_si(f"{where}.mean", distribution.mean, unit, nominal)
+        deviation = _standard_deviation_in_si(
+            f"{where}.deviation", distribution.deviation, mean, unit
+        )
         if isinstance(distribution, TruncatedNormal):
-            return _inverse_truncated_normal(where, distribution, unit, mean, deviation)
+            return _inverse_truncated_normal_distribution(
+                where, distribution, unit, mean, deviation
+            )
         if distribution.distribution == "lognormal":
-            return _inverse_lognormal(where, distribution, mean, deviation)
-        return _inverse_normal(mean, deviation)
+            return _inverse_lognormal_distribution(where, distribution, mean, deviation)
+        return _inverse_normal_distribution(mean, deviation)
     assert isinstance(distribution, Uniform)
-    start = _end_in_si(f"{where}.from", distribution.start, unit)
-    end = _end_in_si(f"{where}.to", distribution.to, unit)
+    start = _limit_of_distribution_in_si(f"{where}.from", distribution.start, unit)
+    end = _limit_of_distribution_in_si(f"{where}.to", distribution.to, unit)
     if not start < end:
         raise BadInput(
             f"{where}.to = {distribution.to!r}: must be greater than from = {distribution.start!r}"
         )
     if not isinstance(distribution, Triangular):
         return lambda u: start + (end - start) * u
-    mode = _centre_in_si(f"{where}.mode", distribution.mode, unit, nominal)
+    mode = _mean_or_mode_in_si(f"{where}.mode", distribution.mode, unit, nominal)
     if not start <= mode <= end:
         raise BadInput(f"{where}.mode = {mode:g}: must be from {start:g} to {end:g}")
-    return _inverse_triangular(start, mode, end)
+    return _inverse_triangular_distribution(start, mode, end)
 
 
-def _centre_in_si(
+def _mean_or_mode_in_si(
     where: str, given: float | str | None, unit: str, nominal: Sequence[Any]
 ) -> float:
     """The mean or mode of a distribution in SI: the given value, or else the brake file's value.
@@ -600,21 +619,21 @@ def _centre_in_si(
     return float(nominal[0])
 
 
-def _end_in_si(where: str, given: float | str, unit: str) -> float:
+def _limit_of_distribution_in_si(where: str, given: float | str, unit: str) -> float:
     """The lower or upper limit of a distribution in SI; an infinite limit stays infinite."""
     if isinstance(given, float) and math.isinf(given):
         return given
     return _number_in_si(where, given, unit)
 
 
-def _inverse_normal(mean: float, deviation: float) -> Callable[[Floats], Floats]:
+def _inverse_normal_distribution(mean: float, deviation: float) -> Callable[[Floats], Floats]:
     """The inverse of a normal distribution's cumulative function."""
     from scipy.special import ndtri  # noqa: PLC0415  (0.1 s)
 
     return lambda u: mean + deviation * ndtri(u)
 
 
-def _inverse_lognormal(
+def _inverse_lognormal_distribution(
     where: str, distribution: Normal, mean: float, deviation: float
 ) -> Callable[[Floats], Floats]:
     """The inverse of a lognormal distribution's cumulative function.
@@ -635,7 +654,7 @@ def _inverse_lognormal(
     return lambda u: median * np.exp(spread * ndtri(u))
 
 
-def _inverse_truncated_normal(
+def _inverse_truncated_normal_distribution(
     where: str, distribution: TruncatedNormal, unit: str, mean: float, deviation: float
 ) -> Callable[[Floats], Floats]:
     """The inverse of the cumulative function of a normal distribution that is cut off at both ends.
@@ -648,32 +667,36 @@ def _inverse_truncated_normal(
     mean, deviation : mean and standard deviation of the distribution before it is cut off
     """
     # Both limits are measured from the mean in standard deviations.
-    low = (_end_in_si(f"{where}.from", distribution.start, unit) - mean) / deviation
-    high = (_end_in_si(f"{where}.to", distribution.to, unit) - mean) / deviation
+    low = (
+        _limit_of_distribution_in_si(f"{where}.from", distribution.start, unit) - mean
+    ) / deviation
+    high = (_limit_of_distribution_in_si(f"{where}.to", distribution.to, unit) - mean) / deviation
     if not low < high:
         raise BadInput(
             f"{where}.to = {distribution.to!r}: must be greater than from = {distribution.start!r}"
         )
-    return lambda u: mean + deviation * _truncated_standard_normal(u, low, high)
+    return lambda u: mean + deviation * _inverse_truncated_standard_normal(u, low, high)
 
 
-def _inverse_triangular(start: float, mode: float, end: float) -> Callable[[Floats], Floats]:
+def _inverse_triangular_distribution(
+    start: float, mode: float, end: float
+) -> Callable[[Floats], Floats]:
     """The inverse of a triangular distribution's cumulative function."""
     # `top` is the cumulative probability of the mode. The cumulative function is one parabola below
     # the mode and another parabola above.
     top = (mode - start) / (end - start)
 
-    def inverse(u: Floats) -> Floats:
+    def values_at_cumulative_probability(u: Floats) -> Floats:
         """The values (n,) that have the cumulative probabilities u (n,) in (0, 1)."""
         rising = np.sqrt(top * u)
         falling = 1 - np.sqrt((1 - top) * (1 - u))
         values: Floats = start + (end - start) * np.where(u < top, rising, falling)
         return values
 
-    return inverse
+    return values_at_cumulative_probability
 
 
-def _truncated_standard_normal(u: Floats, low: float, high: float) -> Floats:
+def _inverse_truncated_standard_normal(u: Floats, low: float, high: float) -> Floats:
     """The inverse of the standard normal distribution's cumulative function, cut off at two ends.
 
     It turns cumulative probabilities u (n,) in (0, 1) into values (n,) between `low` and `high`.
@@ -683,7 +706,7 @@ def _truncated_standard_normal(u: Floats, low: float, high: float) -> Floats:
 
     # If both ends are above the mean, mirror the distribution: small probabilities are accurate.
     if low > 0:
-        return -_truncated_standard_normal(1 - u, -high, -low)
+        return -_inverse_truncated_standard_normal(1 - u, -high, -low)
     below, above = log_ndtr(low), log_ndtr(high)
     # This is log(u (P(high) - P(low))), computed from log P(high) and log P(low).
     log_inside = np.log(u) + above + np.log1p(-np.exp(below - above))
@@ -691,7 +714,7 @@ def _truncated_standard_normal(u: Floats, low: float, high: float) -> Floats:
     return values
 
 
-def _deviation_in_si(where: str, given: float | str, mean: float, unit: str) -> float:
+def _standard_deviation_in_si(where: str, given: float | str, mean: float, unit: str) -> float:
     """The standard deviation of a distribution in SI.
 
     Parameters
@@ -714,7 +737,7 @@ def _deviation_in_si(where: str, given: float | str, mean: float, unit: str) -> 
     return value
 
 
-def _drawn_values(spec: _KeySpec, key: str, seed: int, count: int) -> list[Any]:
+def _random_values_of_key(spec: _KeySpec, key: str, seed: int, count: int) -> list[Any]:
     """Draw `count` random values of a varied key.
 
     They depend on the seed and on the name of the key only.
@@ -728,7 +751,7 @@ def _drawn_values(spec: _KeySpec, key: str, seed: int, count: int) -> list[Any]:
     return spec.at(np.maximum(u, 2.0**-54))
 
 
-def _combinations_of_values(
+def _combinations_of_listed_values(
     combine: str, listed: Mapping[str, list[Any]]
 ) -> Iterator[dict[str, Any]]:
     """Yield each combination of the listed values, as values by key.
@@ -745,7 +768,9 @@ def _combinations_of_values(
         yield dict(zip(listed, row, strict=True))
 
 
-def _cases_per_step(combine: str, lengths: Sequence[int], repeats: int) -> list[int]:
+def _case_count_until_next_value_of_key(
+    combine: str, lengths: Sequence[int], repeats: int
+) -> list[int]:
     """For each listed key, the number of cases after which its next value comes.
 
     With this number m, the first case that has value k of the key is case k m, counted from 0.
@@ -777,12 +802,14 @@ class _ListedKey(NamedTuple):
     firsts: Sequence[Mapping[str, Any]]
 
 
-def _check_key(brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], done: Done) -> None:
+def _check_listed_values_of_key(
+    brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], done: Done
+) -> None:
     """Raise BadInput for a listed value of a key that no brake can have.
 
     A value is allowed if the base brake can have it, or the brake of the first case with it. If the
-    key allows all numbers of an interval (`is_interval`), and the base brake can have the smallest
-    and the largest listed number, the numbers between them are not checked.
+    key allows all numbers of an interval (`is_allowed_range_an_interval`), and the base brake can
+    have the smallest and the largest listed number, the numbers between them are not checked.
 
     Parameters
     ----------
@@ -793,7 +820,9 @@ def _check_key(brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], don
     """
     key, values, firsts = listed
     # If a brake can have the extreme numbers of an interval, it can have all numbers between them.
-    extremes = _positions_of_extremes(values) if is_interval(brake, key) else []
+    extremes = (
+        _positions_of_extreme_numbers(values) if is_allowed_range_an_interval(brake, key) else []
+    )
     places = list(range(len(values)))
     if extremes:
         places = [i for i in places if not isinstance(values[i], float)]
@@ -814,7 +843,7 @@ def _check_key(brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], don
             vary(brake, {**firsts[i], **medians})
 
 
-def _positions_of_extremes(values: Sequence[Any]) -> list[int]:
+def _positions_of_extreme_numbers(values: Sequence[Any]) -> list[int]:
     """The positions of the extreme numbers in a list of values, in ascending order.
 
     They are those of the smallest and largest negative number, of 0, and of the smallest and

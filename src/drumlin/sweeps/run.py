@@ -8,10 +8,10 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 from drumlin.base.errors import NoAnswer, Stopped
-from drumlin.base.journal import Journal, source_stamp
+from drumlin.base.journal import Journal, checksum_of_source_and_libraries
 from drumlin.sweeps.cases import Row, solve_cases
 from drumlin.sweeps.file import Sweep, read_sweep
-from drumlin.sweeps.table import make_case_table
+from drumlin.sweeps.table import table_lines_of_cases
 from drumlin.sweeps.workers import provide_workers
 
 Say = Callable[[str], None]
@@ -40,29 +40,31 @@ def solve_sweep_file(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
     prepared = read_sweep(Path(path))
     with provide_workers(jobs) as (pool, workers):
         rows = solve_cases(prepared.cases, executor=pool, workers=workers)
-    return table_rows(prepared, rows, Path(path))
+    return rows_of_sweep_table(prepared, rows, Path(path))
 
 
-def table_rows(prepared: Sweep, rows: list[Row], sweep_file: Path) -> list[Row]:
+def rows_of_sweep_table(prepared: Sweep, rows: list[Row], sweep_file: Path) -> list[Row]:
     """The rows of a sweep's table, with the changed keys and the results of each case.
 
     `rows` holds the results of the cases. Paths of mesh files are relative to the sweep file.
     """
-    return make_case_table(prepared.cases, rows, sweep_file.parent.resolve(), prepared.pressure)
+    return table_lines_of_cases(
+        prepared.cases, rows, sweep_file.parent.resolve(), prepared.pressure
+    )
 
 
-def _ignore_progress(_: str) -> AbstractContextManager[Callable[[int, int], None]]:
+def _progress_bar_that_shows_nothing(_: str) -> AbstractContextManager[Callable[[int, int], None]]:
     """A progress bar that shows nothing, in place of the one of the command line."""
     return nullcontext(lambda finished, of: None)
 
 
-def solve_and_keep_rows(
+def solve_sweep_with_journal(
     prepared: Sweep,
     table_file: Path,
     *,
     jobs: int | None = None,
     scheduler: str | None = None,
-    progress: Progress = _ignore_progress,
+    progress: Progress = _progress_bar_that_shows_nothing,
     say: Say = lambda line: None,
 ) -> list[Row]:
     """Solve a sweep, and keep each finished case in a journal file beside the table.
@@ -89,7 +91,9 @@ def solve_and_keep_rows(
     NoAnswer
         where all workers are lost; the message names the journal
     """
-    with Journal(table_file.with_name(table_file.name + ".journal"), source_stamp()) as journal:
+    with Journal(
+        table_file.with_name(table_file.name + ".journal"), checksum_of_source_and_libraries()
+    ) as journal:
         kept = f"finished cases are kept in {journal.path}; the same command goes on"
         for line in journal.notes:
             say(line)

@@ -4,26 +4,30 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from drumlin.brake.schema import DIALECT, UnitSchema, written
+from drumlin.brake.schema import DIALECT, UnitSchema, schema_reduced_to_file_content
 from drumlin.models import MODELS
 from drumlin.sweeps.file import DISTRIBUTIONS, Range, SweepFile
 from drumlin.sweeps.options import MODEL_OPTIONS
 
 
-def sweep_schema() -> dict[str, Any]:
+def json_schema_of_sweep_file() -> dict[str, Any]:
     """The JSON schema of a sweep file: its varied keys, its models and their options."""
     schema = TypeAdapter(SweepFile).json_schema(schema_generator=UnitSchema)
-    schema["properties"]["vary"] = _vary_schema()
-    schema["properties"]["model"] = _model_schema()
-    return {"$schema": DIALECT, "title": "drumlin sweep file", **written(schema)}
+    schema["properties"]["vary"] = _json_schema_of_vary_table()
+    schema["properties"]["model"] = _json_schema_of_model_table()
+    return {
+        "$schema": DIALECT,
+        "title": "drumlin sweep file",
+        **schema_reduced_to_file_content(schema),
+    }
 
 
-def _vary_schema() -> dict[str, Any]:
+def _json_schema_of_vary_table() -> dict[str, Any]:
     """The JSON schema of the table [vary]: each key takes a list, a range or a distribution."""
     listed = {"type": "array", "minItems": 1, "description": "values, each with its unit, or words"}
     distributions = []
     for name, kind in DISTRIBUTIONS.items():
-        distribution = _class_schema(kind)
+        distribution = _json_schema_of_class(kind)
         distribution["properties"]["distribution"] = {"const": name}
         distributions.append(distribution)
     return {
@@ -32,16 +36,16 @@ def _vary_schema() -> dict[str, Any]:
         ),
         "type": "object",
         "minProperties": 1,
-        "additionalProperties": {"anyOf": [listed, _class_schema(Range), *distributions]},
+        "additionalProperties": {"anyOf": [listed, _json_schema_of_class(Range), *distributions]},
     }
 
 
-def _model_schema() -> dict[str, Any]:
+def _json_schema_of_model_table() -> dict[str, Any]:
     """The JSON schema of the table [model]: the options of each model, by the model's name."""
     options = {}
     for name in MODELS:
         kind = MODEL_OPTIONS.get(name)
-        options[name] = {"type": "object"} if kind is None else _class_schema(kind)
+        options[name] = {"type": "object"} if kind is None else _json_schema_of_class(kind)
     return {
         "description": "the models that answer, each with its options; default: fem",
         "type": "object",
@@ -50,6 +54,6 @@ def _model_schema() -> dict[str, Any]:
     }
 
 
-def _class_schema(kind: type[Any]) -> dict[str, Any]:
+def _json_schema_of_class(kind: type[Any]) -> dict[str, Any]:
     """The JSON schema of the class `kind` that reads a part of the sweep file."""
     return dict(TypeAdapter(kind).json_schema(schema_generator=UnitSchema))

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from drumlin.base.errors import BadInput
-from drumlin.base.files import replacing, write_text
-from drumlin.brake.file import unit_of
-from drumlin.comparison import as_csv
-from drumlin.sweeps.cases import Row, SweepCase, is_mesh_key
+from drumlin.base.files import temporary_file_replacing_output, write_text
+from drumlin.brake.file import si_unit_of_brake_key
+from drumlin.comparison import table_as_csv_text
+from drumlin.sweeps.cases import Row, SweepCase, is_key_of_mesh_file
 
 ROW_UNITS = {
     "torque": "N m",
@@ -26,7 +26,7 @@ Other results have no unit, except the ends of a contact: rad on a drum, m on a 
 """
 
 
-def make_case_table(
+def table_lines_of_cases(
     cases: Sequence[SweepCase],
     rows: Sequence[Row],
     base: Path | None = None,
@@ -53,26 +53,28 @@ def make_case_table(
         line: Row = {"case": number}
         for key, value in case.changes.items():
             if key not in headings:
-                headings[key] = _column_heading(key, unit_of(case.brake, key))
-            line[headings[key]] = _changed_value_cell(key, value, base)
+                headings[key] = _column_heading_with_unit(
+                    key, si_unit_of_brake_key(case.brake, key)
+                )
+            line[headings[key]] = _table_cell_of_changed_value(key, value, base)
         line |= {"model": case.model, "status": row["status"]}
         for name, value in row.items():
-            line[_column_heading(name, _row_unit(case, name))] = value
-        lines.append(line if pressure == "Pa" else _stresses_in_megapascal(line))
+            line[_column_heading_with_unit(name, _unit_of_result(case, name))] = value
+        lines.append(line if pressure == "Pa" else _table_line_with_stresses_in_mpa(line))
     return lines
 
 
-def _changed_value_cell(key: str, value: Any, base: Path | None) -> Any:
+def _table_cell_of_changed_value(key: str, value: Any, base: Path | None) -> Any:
     """A changed value as a cell of the table.
 
     The path of a mesh file is made relative to the folder `base`; a list becomes JSON.
     """
-    if base is not None and is_mesh_key(key):
+    if base is not None and is_key_of_mesh_file(key):
         return Path(os.path.relpath(value, base)).as_posix()
     return json.dumps(value) if isinstance(value, list | tuple) else value
 
 
-def _row_unit(case: SweepCase, name: str) -> str | None:
+def _unit_of_result(case: SweepCase, name: str) -> str | None:
     """The unit of a result of a case, by the name of the result; None without a unit."""
     # Results of a shoe have the name of the shoe in front, such as "leading.torque".
     quantity = name.rpartition(".")[2]
@@ -81,7 +83,7 @@ def _row_unit(case: SweepCase, name: str) -> str | None:
     return ROW_UNITS.get(quantity)
 
 
-def _stresses_in_megapascal(line: Row) -> Row:
+def _table_line_with_stresses_in_mpa(line: Row) -> Row:
     """A copy of a line of the table, with stresses in MPa instead of Pa."""
     converted: Row = {}
     for name, value in line.items():
@@ -93,20 +95,20 @@ def _stresses_in_megapascal(line: Row) -> Row:
     return converted
 
 
-def _column_heading(name: str, unit: str | None) -> str:
+def _column_heading_with_unit(name: str, unit: str | None) -> str:
     """The heading of a column: the name, followed by the unit in brackets if there is one."""
     return f"{name} [{unit}]" if unit else name
 
 
-def write_table(lines: Sequence[Row], path: Path) -> None:
+def write_table_file(lines: Sequence[Row], path: Path) -> None:
     """Write the lines of a table into a file, whole or not at all.
 
     The file is Parquet if its name ends in .parquet, else CSV.
     """
     if path.suffix != ".parquet":
-        write_text(path, as_csv(lines))
+        write_text(path, table_as_csv_text(lines))
         return
-    parquet = _parquet_module()
+    parquet = _require_parquet_module()
     arrow = importlib.import_module("pyarrow")
     columns: dict[str, list[Any]] = {}
     # The columns stand in the order in which their names first occur in the lines.
@@ -116,11 +118,11 @@ def write_table(lines: Sequence[Row], path: Path) -> None:
         if any(isinstance(value, str) for value in values):
             values = [value if value is None else str(value) for value in values]
         columns[name] = values
-    with replacing(path) as partial:
+    with temporary_file_replacing_output(path) as partial:
         parquet.write_table(arrow.table(columns), partial)
 
 
-def _parquet_module() -> Any:
+def _require_parquet_module() -> Any:
     """The Python module that writes Parquet files. Raises BadInput where it is not installed."""
     try:
         return importlib.import_module("pyarrow.parquet")
@@ -130,7 +132,7 @@ def _parquet_module() -> Any:
         ) from error
 
 
-def check_table_file(path: Path) -> None:
+def check_table_file_is_writable(path: Path) -> None:
     """Raise BadInput where the table of a sweep could not be written in the format of its name.
 
     The check is done before the sweep, which may take hours.
@@ -138,4 +140,4 @@ def check_table_file(path: Path) -> None:
     if path.suffix not in {".csv", ".parquet"}:
         raise BadInput(f"--output = {str(path)!r}: must end in .csv or .parquet")
     if path.suffix == ".parquet":
-        _parquet_module()
+        _require_parquet_module()

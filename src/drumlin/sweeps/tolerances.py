@@ -16,10 +16,10 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.file import value_of, vary
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.brake.file import numerical_value_of_brake_key, vary
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.lining_wear import archard, run_in
-from drumlin.lining_wear.linings import fem_wear_setup
+from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.sweeps.cases import Row, SweepCase
 
 PERCENTILES = (1, 5, 50, 95, 99)
@@ -43,7 +43,7 @@ class ManufacturingTolerance(NamedTuple):
     moves: Mapping[str, float]
 
 
-def truncated_normal_deviate(limit: float) -> Any:
+def truncated_normal_distribution(limit: float) -> Any:
     """The distribution of a deviation that inspection keeps between -limit and +limit.
 
     It is a normal distribution with a standard deviation of limit/2, cut off at both limits.
@@ -53,14 +53,16 @@ def truncated_normal_deviate(limit: float) -> Any:
     return truncnorm(-2, 2, scale=limit / 2)
 
 
-def uniform_deviate(low: float, high: float) -> Any:
+def uniform_distribution(low: float, high: float) -> Any:
     """The uniform distribution of a deviation between `low` and `high`."""
     from scipy.stats import uniform  # noqa: PLC0415  (0.5 s)
 
     return uniform(low, high - low)
 
 
-def draw_deviates(tolerances: Sequence[ManufacturingTolerance], n: int, seed: int) -> Floats:
+def draw_random_deviations(
+    tolerances: Sequence[ManufacturingTolerance], n: int, seed: int
+) -> Floats:
     """Draw the deviations of all brakes of the samples A, B, AB_1 ... AB_d.
 
     The random numbers are scrambled Sobol' points, which fill the space of d deviations evenly.
@@ -94,7 +96,7 @@ def draw_deviates(tolerances: Sequence[ManufacturingTolerance], n: int, seed: in
     return np.concatenate([A[None], B[None], mixed])
 
 
-def tolerance_cases(
+def cases_with_random_deviations(
     brake: Brake,
     tolerances: Sequence[ManufacturingTolerance],
     deviates: Floats,
@@ -107,7 +109,7 @@ def tolerance_cases(
     ----------
     brake : the base brake, without deviations
     tolerances : the d tolerances
-    deviates : deviations (..., d), as `draw_deviates` returns them
+    deviates : deviations (..., d), as `draw_random_deviations` returns them
     model, options : model that solves the cases, and its options
 
     Raises
@@ -118,9 +120,9 @@ def tolerance_cases(
     """
     # Read the base brake's value of each key that a tolerance changes.
     nominal: dict[str, Any] = {}
-    _check_keys({key for tolerance in tolerances for key in tolerance.moves})
+    _check_keys_mean_different_numbers({key for tolerance in tolerances for key in tolerance.moves})
     for tolerance in tolerances:
-        nominal |= {key: value_of(brake, key) for key in tolerance.moves}
+        nominal |= {key: numerical_value_of_brake_key(brake, key) for key in tolerance.moves}
     # Row i holds the change of each key per unit of deviation of tolerance i.
     slopes = np.zeros((len(tolerances), len(nominal)))
     for i, tolerance in enumerate(tolerances):
@@ -133,7 +135,7 @@ def tolerance_cases(
     return made
 
 
-def _check_keys(keys: set[str]) -> None:
+def _check_keys_mean_different_numbers(keys: set[str]) -> None:
     """Raise BadInput where two keys of the brake file mean the same number.
 
     "shoe.lining.thickness" means all shoes, and so "shoe[0].lining.thickness", too.
@@ -147,7 +149,7 @@ def _check_keys(keys: set[str]) -> None:
             )
 
 
-def values_of_rows(rows: Sequence[Row], name: str) -> Floats:
+def one_result_of_all_cases(rows: Sequence[Row], name: str) -> Floats:
     """The result called `name`, such as "torque", of all cases as an array (cases,).
 
     `rows` holds the results of each case. Raises NoAnswer where a case has no answer, since shares
@@ -172,12 +174,12 @@ class SampleSpread(NamedTuple):
     percentiles: tuple[float, ...]
 
     @property
-    def relative(self) -> float:
+    def relative_standard_deviation(self) -> float:
         """The standard deviation divided by the mean."""
         return self.deviation / self.mean
 
 
-def sample_spread(values: Floats) -> SampleSpread:
+def mean_and_percentiles_of_sample(values: Floats) -> SampleSpread:
     """The mean, standard deviation and percentiles of the values (n,) of a sample."""
     return SampleSpread(
         mean=float(values.mean()),
@@ -226,33 +228,37 @@ def sobol_indices_of_tolerances(
     Parameters
     ----------
     tolerances : the d tolerances
-    values : the result (d + 2, n) of each brake in each sample of `draw_deviates`
+    values : the result (d + 2, n) of each brake in each sample of `draw_random_deviations`
     seed : seed of the bootstrap
     confidence : probability of the confidence intervals
     resamples : number of bootstrap samples
     """
     rng = np.random.default_rng(seed)
     n = values.shape[1]
-    indices = _sobol_index_values(values)
+    indices = _first_and_total_sobol_indices(values)
     resampled = []
     for _ in range(resamples):
         chosen = rng.integers(n, size=n)
-        resampled.append(_sobol_index_values(values[:, chosen]))
+        resampled.append(_first_and_total_sobol_indices(values[:, chosen]))
     # The interval leaves out the same probability below and above.
     tails = [(1 - confidence) / 2, (1 + confidence) / 2]
     low, high = np.quantile(np.array(resampled), tails, axis=0)
 
-    def share(kind: int, i: int) -> SobolIndex:
+    def sobol_index_with_interval(kind: int, i: int) -> SobolIndex:
         """The first-order (`kind` 0) or total (1) Sobol index of tolerance i, with its interval."""
         return SobolIndex(float(indices[kind, i]), float(low[kind, i]), float(high[kind, i]))
 
     return [
-        SobolIndices(tolerance.name, first=share(0, i), total=share(1, i))
+        SobolIndices(
+            tolerance.name,
+            first=sobol_index_with_interval(0, i),
+            total=sobol_index_with_interval(1, i),
+        )
         for i, tolerance in enumerate(tolerances)
     ]
 
 
-def _sobol_index_values(values: Floats) -> Floats:
+def _first_and_total_sobol_indices(values: Floats) -> Floats:
     """First-order and total Sobol indices (2, d) of a result (d + 2, n) in all samples."""
     from scipy.stats import sobol_indices  # noqa: PLC0415  (0.5 s)
 
@@ -282,13 +288,19 @@ def torque_and_peak_during_run_in(
     torque [N m] of the rigid-shoe law that the wear tends to
     """
     on_round_drum = vary(brake, {"drum.out_of_round": []})
-    setup = fem_wear_setup(prepare(on_round_drum, elements=elements), on_round_drum)
-    states = run_in.run_in(setup, tolerance=tolerance)
+    setup = wear_setup_by_finite_elements(
+        make_prepared_model(on_round_drum, elements=elements), on_round_drum
+    )
+    states = run_in.run_brake_linings_in(setup, tolerance=tolerance)
     settled_at = states[-1].s
     # The computation ends where pressure and torque no longer change. Later states equal the last.
-    states_at = [archard.interpolate_state(states, min(s, settled_at)) for s in distances]
+    states_at = [
+        archard.interpolate_wear_state_at_distance(states, min(s, settled_at)) for s in distances
+    ]
     return {
         "torque": [state.torque for state in states_at],
-        "peak_pressure": [run_in.peak_nodal_pressure(setup, state) for state in states_at],
-        "worn_in": run_in.rigid_law_target(setup).torque,
+        "peak_pressure": [
+            run_in.peak_nodal_pressure_of_wear_state(setup, state) for state in states_at
+        ],
+        "worn_in": run_in.end_of_wear_by_rigid_shoe_law(setup).torque,
     }

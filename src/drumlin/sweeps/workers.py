@@ -109,10 +109,10 @@ def provide_workers(
                 f"--jobs = {jobs}: "
                 "the scheduler has its own workers; leave out --jobs or --scheduler"
             )
-        with _dask_workers(scheduler, say) as workers:
+        with _provide_dask_workers(scheduler, say) as workers:
             yield workers
         return
-    jobs = min(_usable_cores(), MAX_JOBS) if jobs is None else jobs
+    jobs = min(_number_of_usable_cores(), MAX_JOBS) if jobs is None else jobs
     if not 1 <= jobs <= MAX_JOBS:
         raise BadInput(f"--jobs = {jobs}: must be from 1 to {MAX_JOBS}")
     if jobs == 1:
@@ -128,12 +128,12 @@ def provide_workers(
     pool.shutdown()
 
 
-def waiting_line(start: float) -> str:
+def message_on_waiting_for_workers(start: float) -> str:
     """The message that the sweep has been waiting for workers since `start` [s, as time.time()]."""
     return f"waiting for workers since {time.strftime('%H:%M:%S', time.localtime(start))}"
 
 
-def _usable_cores() -> int:
+def _number_of_usable_cores() -> int:
     """The number of processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
@@ -156,7 +156,7 @@ class _ProcessPool(Executor):
     def __init__(self, number: int) -> None:
         self._threads = ThreadPoolExecutor(number)
         self._of_thread = threading.local()
-        self._all: list[_Process] = []
+        self._all: list[_WorkerProcess] = []
         self._ended = False
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
@@ -165,7 +165,7 @@ class _ProcessPool(Executor):
         The future raises NoAnswer where no process can be started, and BrokenExecutor where the
         process dies during the call.
         """
-        return self._threads.submit(self._ask, fn, args, kwargs)
+        return self._threads.submit(self._call_in_process_of_thread, fn, args, kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End all worker processes: with `wait` after they have finished their work, or at once."""
@@ -174,15 +174,15 @@ class _ProcessPool(Executor):
         for process in self._all:
             process.kill()
 
-    def _ask(self, *work: Any) -> Any:
+    def _call_in_process_of_thread(self, *work: Any) -> Any:
         """Call a function in the worker process of this thread and return its result.
 
         `work` is the function, its arguments and its keyword arguments.
         """
-        process = getattr(self._of_thread, "process", None) or self._start_process()
+        process = getattr(self._of_thread, "process", None) or self._start_worker_process()
         self._of_thread.process = process
         try:
-            outcome = process.ask(work)
+            outcome = process.call_function_in_process(work)
         except Exception as error:
             process.kill()
             # This thread starts a new process for its next work.
@@ -192,7 +192,7 @@ class _ProcessPool(Executor):
             raise outcome.value
         return outcome.value
 
-    def _start_process(self) -> "_Process":
+    def _start_worker_process(self) -> "_WorkerProcess":
         """Start a new worker process and wait for its first answer.
 
         Raises NoAnswer where MAX_PROCESS_STARTS attempts fail.
@@ -200,9 +200,9 @@ class _ProcessPool(Executor):
         reason = "stopped"
         for _ in range(0 if self._ended else MAX_PROCESS_STARTS):
             try:
-                process = _Process()
+                process = _WorkerProcess()
                 self._all.append(process)
-                process.ask((os.getpid, (), {}), ANSWER_SECONDS)
+                process.call_function_in_process((os.getpid, (), {}), ANSWER_SECONDS)
                 return process
             # A process that does not answer in time raises TimeoutError, which is an OSError.
             except (EOFError, OSError, MemoryError, RuntimeError) as error:
@@ -223,20 +223,22 @@ class _Outcome(NamedTuple):
     value: Any
 
 
-class _Process:
+class _WorkerProcess:
     """A worker process, which gets function calls through a pipe and returns their outcomes."""
 
     def __init__(self) -> None:
         spawn = multiprocessing.get_context("spawn")
         self._pipe, far_end = spawn.Pipe()
-        self._process = spawn.Process(target=_serve_calls, args=(far_end,), daemon=True)
-        with _limit_threads():
+        self._process = spawn.Process(
+            target=_call_functions_from_pipe, args=(far_end,), daemon=True
+        )
+        with _limit_threads_of_new_processes():
             self._process.start()
         # The worker process has its own copy of the pipe's far end. Once the copy here is closed,
         # the pipe ends when the process dies.
         far_end.close()
 
-    def ask(self, work: Any, limit: float | None = None) -> _Outcome:
+    def call_function_in_process(self, work: Any, limit: float | None = None) -> _Outcome:
         """Call a function in the worker process and return the outcome, within `limit` [s].
 
         `work` is the function, its arguments and its keyword arguments. Any exception that this
@@ -253,12 +255,12 @@ class _Process:
         self._process.join()
 
 
-def _serve_calls(pipe: Any) -> None:
+def _call_functions_from_pipe(pipe: Any) -> None:
     """Call the functions that come through the pipe, and send back the outcomes, until it closes.
 
     This is the main function of a worker process.
     """
-    _follow_parent()
+    _end_process_when_parent_ends()
     with suppress(EOFError):
         while True:
             fn, args, kwargs = pipe.recv()
@@ -274,7 +276,7 @@ _environment_lock = threading.Lock()
 
 
 @contextmanager
-def _limit_threads() -> Iterator[None]:
+def _limit_threads_of_new_processes() -> Iterator[None]:
     """Limit the threads of the processes that are started while the block runs.
 
     A new process inherits the environment variables of this process, which the block changes.
@@ -289,31 +291,31 @@ def _limit_threads() -> Iterator[None]:
                 os.environ.pop(name, None)
 
 
-def _follow_parent() -> None:
+def _end_process_when_parent_ends() -> None:
     """Ignore Ctrl-C in this worker process, and end the process as soon as its parent ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 
-    def follow() -> None:
+    def wait_for_end_of_parent() -> None:
         """Wait for the end of the parent process, then end this worker process."""
         if parent is not None:
             parent.join()
             os._exit(1)
 
-    threading.Thread(target=follow, daemon=True).start()
+    threading.Thread(target=wait_for_end_of_parent, daemon=True).start()
 
 
 @contextmanager
-def _dask_workers(address: str, say: SayLine) -> Iterator[Workers]:
+def _provide_dask_workers(address: str, say: SayLine) -> Iterator[Workers]:
     """Provide the workers of the Dask scheduler at an address while the block runs."""
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError as error:
         raise BadInput("--scheduler: Dask needs the extra drumlin[distributed]") from error
-    with _silence_dask():
-        client = _connected_client(distributed, address)
+    with _silence_dask_loggers():
+        client = _connected_dask_client(distributed, address)
         try:
-            threads = _await_first_workers(client, address, say)
+            threads = _wait_for_first_dask_workers(client, address, say)
             pool = _DaskPool(client, address, distributed)
             try:
                 yield Workers(pool, threads)
@@ -325,7 +327,7 @@ def _dask_workers(address: str, say: SayLine) -> Iterator[Workers]:
                 client.close(timeout=2)
 
 
-def _connected_client(distributed: Any, address: str) -> Any:
+def _connected_dask_client(distributed: Any, address: str) -> Any:
     """Connect to the Dask scheduler at an address and return the client.
 
     Raises BadInput where no scheduler answers within CONNECT_SECONDS.
@@ -338,7 +340,7 @@ def _connected_client(distributed: Any, address: str) -> Any:
         def __del__(self) -> None:
             """Do nothing. Dask's own method would wait for a client that was never connected."""
 
-    def connect() -> None:
+    def connect_client_to_scheduler() -> None:
         """Connect the client, and put the client or the error into the future `connected`."""
         try:
             client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
@@ -349,11 +351,11 @@ def _connected_client(distributed: Any, address: str) -> Any:
     start = time.monotonic()
     # The client connects in a thread of its own, since a port that accepts a connection and stays
     # silent may block the thread for ever.
-    threading.Thread(target=connect, daemon=True).start()
+    threading.Thread(target=connect_client_to_scheduler, daemon=True).start()
     try:
         return connected.result(CONNECT_SECONDS)
     except Exception as error:
-        connected.add_done_callback(_close_late_client)
+        connected.add_done_callback(_close_client_connected_too_late)
         reason = ""
         if time.monotonic() - start > 0.9 * CONNECT_SECONDS:
             reason = f" (tried for {CONNECT_SECONDS:g} s)"
@@ -364,13 +366,13 @@ def _connected_client(distributed: Any, address: str) -> Any:
         ) from error
 
 
-def _close_late_client(connected: "Future[Any]") -> None:
+def _close_client_connected_too_late(connected: "Future[Any]") -> None:
     """Close a client whose connection came too late; ignore errors of a client that is lost."""
     with suppress(Exception):
         connected.result().close(timeout=2)
 
 
-def _await_first_workers(client: Any, address: str, say: SayLine) -> int:
+def _wait_for_first_dask_workers(client: Any, address: str, say: SayLine) -> int:
     """Wait for the first workers of a scheduler; returns the number of all their threads.
 
     Each thread solves one case at a time.
@@ -378,7 +380,9 @@ def _await_first_workers(client: Any, address: str, say: SayLine) -> int:
     """
     start, told = time.time(), False
     while True:
-        threads = sum(worker["nthreads"] for worker in _scheduler_workers(client, address).values())
+        threads = sum(
+            worker["nthreads"] for worker in _workers_of_dask_scheduler(client, address).values()
+        )
         if threads:
             return threads
         if time.time() - start > FIRST_WORKER_SECONDS:
@@ -386,12 +390,12 @@ def _await_first_workers(client: Any, address: str, say: SayLine) -> int:
                 f"--scheduler = {address!r}: it has had no workers for {FIRST_WORKER_SECONDS:g} s"
             )
         if not told:
-            say(waiting_line(start))
+            say(message_on_waiting_for_workers(start))
             told = True
         time.sleep(min(1.0, FIRST_WORKER_SECONDS / 4))
 
 
-def _scheduler_workers(client: Any, address: str) -> dict[str, Any]:
+def _workers_of_dask_scheduler(client: Any, address: str) -> dict[str, Any]:
     """The data of all workers of a Dask scheduler, by the name of the worker.
 
     Raises NoAnswer where the scheduler does not answer or is too old.
@@ -431,7 +435,7 @@ class _DaskPool(Executor):
         # The lock guards the two attributes above. The event ends the watching thread.
         self._lock = threading.Lock()
         self._end = threading.Event()
-        threading.Thread(target=self._watch, daemon=True).start()
+        threading.Thread(target=self._watch_dask_cluster, daemon=True).start()
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Have a Dask worker call a function; returns the future of its result.
@@ -447,10 +451,10 @@ class _DaskPool(Executor):
                 raise self._lost
             self._waiting.add(future)
         try:
-            inner = self._inner.submit(call_packed_function, pickle.dumps((fn, args, kwargs)))
+            inner = self._inner.submit(call_pickled_function, pickle.dumps((fn, args, kwargs)))
         except Exception as error:
             raise _lost_scheduler_error(self._address) from error
-        inner.add_done_callback(lambda done: self._pass_answer(future, done))
+        inner.add_done_callback(lambda done: self._pass_result_to_sweep(future, done))
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -459,7 +463,7 @@ class _DaskPool(Executor):
         with self._lock:
             self._waiting.clear()
 
-    def _pass_answer(self, future: "Future[Any]", inner: "Future[Any]") -> None:
+    def _pass_result_to_sweep(self, future: "Future[Any]", inner: "Future[Any]") -> None:
         """Pass the result or error of Dask's future `inner` on to the sweep's future `future`."""
         with self._lock:
             if future not in self._waiting:
@@ -476,7 +480,7 @@ class _DaskPool(Executor):
             except BaseException as error:
                 future.set_exception(error)
 
-    def _watch(self) -> None:
+    def _watch_dask_cluster(self) -> None:
         """Ask the scheduler for its workers once a second; fail all work once the cluster is lost.
 
         This is the main function of the watching thread.
@@ -485,7 +489,7 @@ class _DaskPool(Executor):
         last_sign = time.monotonic()
         while not self._end.wait(min(1.0, ANSWER_SECONDS / 4)):
             try:
-                workers = _scheduler_workers(self._client, self._address)
+                workers = _workers_of_dask_scheduler(self._client, self._address)
                 # A worker is alive if the time at which the scheduler last heard of it has changed.
                 seen = {name: worker.get("last_seen") for name, worker in workers.items()}
                 if any(last_seen.get(name) != moment for name, moment in seen.items()):
@@ -498,10 +502,10 @@ class _DaskPool(Executor):
                         f"none of its workers is heard of for {limit:g} s"
                     )
             except NoAnswer as error:
-                self._fail_all(error)
+                self._fail_all_unfinished_work(error)
                 return
 
-    def _fail_all(self, error: NoAnswer) -> None:
+    def _fail_all_unfinished_work(self, error: NoAnswer) -> None:
         """Let all unfinished work, and all work submitted later, fail with an error."""
         with self._lock:
             self._lost = error
@@ -510,7 +514,7 @@ class _DaskPool(Executor):
             self._waiting.clear()
 
 
-def call_packed_function(work: bytes) -> Any:
+def call_pickled_function(work: bytes) -> Any:
     """Unpack a pickled function with its arguments, call it, and return its result.
 
     Dask workers run this function. The number of threads is limited first: unpacking loads numpy,
@@ -524,7 +528,7 @@ def call_packed_function(work: bytes) -> Any:
 
 
 @contextmanager
-def _silence_dask() -> Iterator[None]:
+def _silence_dask_loggers() -> Iterator[None]:
     """Silence Dask's log while the block runs.
 
     This module itself reports a lost cluster in one line. If the block fails, the log stays silent

@@ -12,26 +12,26 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.base.files import read_text
-from drumlin.base.texts import formatted
+from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.file import differing
+from drumlin.brake.file import first_differing_key
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.surface import DRUM, FrictionSurface
-from drumlin.brake.units import LARGEST_NUMBER_SI, to_si
-from drumlin.comparison import as_csv
+from drumlin.brake.units import LARGEST_NUMBER_SI, quantity_in_si
+from drumlin.comparison import table_as_csv_text
 from drumlin.response.response import Response
 from drumlin.verification.reference import Reference, ShoeReference
-from drumlin.verification.reference_file import LARGEST_FILE
+from drumlin.verification.reference_file import LARGEST_REFERENCE_FILE
 
 
-def _place_heading(surface: FrictionSurface) -> str:
+def _place_column_heading(surface: FrictionSurface) -> str:
     """The heading of the column of angles or places, with its unit: "theta [deg]" or "x [mm]"."""
     return f"{surface.coordinate} [{surface.shown_unit}]"
 
 
 def _allowed_columns(surface: FrictionSurface) -> str:
     """The columns that a table of p(theta) may have, in words for messages."""
-    place = _place_heading(surface)
+    place = _place_column_heading(surface)
     return f"columns 'shoe', {place!r} and 'p [MPa]', or other units"
 
 
@@ -77,24 +77,24 @@ class Verdict(NamedTuple):
     torque_floor: float
 
 
-def curves_text(response: Response, surface: FrictionSurface = DRUM) -> str:
-    """The pressures of all shoes of a response as a CSV table, which `read_curves` can read."""
-    heading = _place_heading(surface)
+def pressure_curves_as_csv(response: Response, surface: FrictionSurface = DRUM) -> str:
+    """The pressures of all shoes as a CSV table, which `read_pressure_curves` can read."""
+    heading = _place_column_heading(surface)
     rows = []
     for shoe in response.shoes:
         places, p = shoe.curve()
         for x, mpa in zip(places * surface.shown, p * 1e-6, strict=True):
             rows.append({"shoe": shoe.name, heading: f"{x:.12g}", "p [MPa]": f"{mpa:.12g}"})
-    return as_csv(rows)
+    return table_as_csv_text(rows)
 
 
-def read_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
+def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
     """Read the pressure curve of each shoe, by its name, from a CSV file.
 
     Raises BadInput for a table that cannot be used. The message is one line, which names the file,
     the line and the allowed content.
     """
-    text = read_text(path, LARGEST_FILE, "a table of p(theta)")
+    text = read_text(path, LARGEST_REFERENCE_FILE, "a table of p(theta)")
     try:
         lines = list(csv.reader(io.StringIO(text, newline="")))
     except csv.Error as error:
@@ -103,7 +103,7 @@ def read_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
     wanted = {surface.coordinate: surface.unit, "p": "Pa"}
     if not lines:
         raise BadInput(f"{path}: is empty; must have {_allowed_columns(surface)}")
-    columns = _read_heading(path, lines[0], wanted, surface)
+    columns = _columns_from_heading(path, lines[0], wanted, surface)
     names = [shoe.name for shoe in brake.shoes]
     if "shoe" not in columns and len(names) > 1:
         raise BadInput(f"{path}: line 1: no column 'shoe'; the brake has {', '.join(names)}")
@@ -124,9 +124,11 @@ def read_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
                 f"{path}: line {number}: shoe = {name!r}: unknown; allowed: {', '.join(names)}"
             )
         place = f"{path}: line {number}: "
-        point = [_cell_in_si(place, line, key, columns[key]) for key in wanted]
+        point = [_number_of_cell_in_si(place, line, key, columns[key]) for key in wanted]
         points[name].append(point)
-    return {shoe.name: _pressure_curve(path, shoe, points[shoe.name]) for shoe in brake.shoes}
+    return {
+        shoe.name: _sorted_pressure_curve(path, shoe, points[shoe.name]) for shoe in brake.shoes
+    }
 
 
 class _NumberColumn(NamedTuple):
@@ -136,7 +138,7 @@ class _NumberColumn(NamedTuple):
     factor: float
 
 
-def _read_heading(
+def _columns_from_heading(
     path: Path, heading: Sequence[str], wanted: Mapping[str, str], surface: FrictionSurface
 ) -> dict[str, _NumberColumn]:
     """The columns of a table of pressures by name, read from cells such as 'theta [deg]'.
@@ -161,7 +163,7 @@ def _read_heading(
             columns[name] = _NumberColumn(position, 1.0)
         if name in wanted:
             try:
-                factor = to_si(f"1 {unit.strip()}", wanted[name], unit_required=True)
+                factor = quantity_in_si(f"1 {unit.strip()}", wanted[name], unit_required=True)
                 columns[name] = _NumberColumn(position, factor)
             except ValueError as error:
                 raise BadInput(f"{path}: line 1: {cell.strip()!r}: {error}") from error
@@ -174,7 +176,9 @@ def _read_heading(
     return columns
 
 
-def _cell_in_si(place: str, line: Sequence[str], key: str, column: _NumberColumn) -> float:
+def _number_of_cell_in_si(
+    place: str, line: Sequence[str], key: str, column: _NumberColumn
+) -> float:
     """The number in a cell of a table, in SI.
 
     Parameters
@@ -203,7 +207,7 @@ def _cell_in_si(place: str, line: Sequence[str], key: str, column: _NumberColumn
     return value
 
 
-def _pressure_curve(path: Path, shoe: Shoe, points: list[list[float]]) -> PressureTable:
+def _sorted_pressure_curve(path: Path, shoe: Shoe, points: list[list[float]]) -> PressureTable:
     """The pressure curve of a shoe from the points (theta, p) of a table, in any order.
 
     Raises BadInput for fewer than two points, and for two points at one place.
@@ -221,17 +225,19 @@ def _pressure_curve(path: Path, shoe: Shoe, points: list[list[float]]) -> Pressu
     # Two points at one angle would give the curve two pressures there.
     same = np.diff(theta) <= 0
     if same.any():
-        place = _place_text(shoe, theta[:-1][same][0])
+        place = _angle_or_place_text(shoe, theta[:-1][same][0])
         raise BadInput(f"{path}: shoe {shoe.name!r}: {place} stands twice")
     return PressureTable(theta, p)
 
 
-def _place_text(shoe: Shoe, at: float) -> str:
+def _angle_or_place_text(shoe: Shoe, at: float) -> str:
     """An angle [rad] on a shoe, or a place [m] on a flat shoe, in words with its unit."""
     return f"{shoe.surface.coordinate} = {shoe.surface.place(at)}"
 
 
-def judge_curves(brake: Brake, known: Reference, curves: dict[str, PressureTable]) -> list[Verdict]:
+def compare_curves_with_reference(
+    brake: Brake, known: Reference, curves: dict[str, PressureTable]
+) -> list[Verdict]:
     """Compare the pressure curve of each shoe with the reference values of a brake.
 
     Raises BadInput if the reference values are those of another brake, or if a curve ends before it
@@ -241,16 +247,18 @@ def judge_curves(brake: Brake, known: Reference, curves: dict[str, PressureTable
         said = ", ".join(shoe.name for shoe in known.shoes)
         raise BadInput(f"the reference is of another brake, with the shoes {said}")
     # The reference keeps the text of its brake file, which is compared with this brake.
-    key = differing(brake, read_any(Path("brake_file"), known.text))
+    key = first_differing_key(brake, read_any(Path("brake_file"), known.text))
     if key is not None:
         raise BadInput(f"the reference is of another brake: {key} is not the same")
     verdicts = []
     for spec, shoe in zip(brake.shoes, known.shoes, strict=True):
-        verdicts.append(_verdict(brake, spec, shoe, curves[shoe.name]))
+        verdicts.append(_verdict_on_pressure_curve(brake, spec, shoe, curves[shoe.name]))
     return verdicts
 
 
-def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: PressureTable) -> Verdict:
+def _verdict_on_pressure_curve(
+    brake: Brake, spec: Shoe, known: ShoeReference, curve: PressureTable
+) -> Verdict:
     """The verdict on the pressure curve of one shoe.
 
     Parameters
@@ -274,9 +282,10 @@ def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: PressureTabl
         )
     if curve.theta[0] > theta[0] + 1e-9 or curve.theta[-1] < theta[-1] - 1e-9:
         raise BadInput(
-            f"shoe {known.name!r}: from {_place_text(spec, curve.theta[0])} "
-            f"to {_place_text(spec, curve.theta[-1])}: must reach "
-            f"from {_place_text(spec, theta[0])} to {_place_text(spec, theta[-1])}"
+            f"shoe {known.name!r}: from {_angle_or_place_text(spec, curve.theta[0])} "
+            f"to {_angle_or_place_text(spec, curve.theta[-1])}: must reach "
+            f"from {_angle_or_place_text(spec, theta[0])} "
+            f"to {_angle_or_place_text(spec, theta[-1])}"
         )
     # The curve is interpolated linearly to the angles of the reference.
     off = np.interp(theta, *curve) - p
@@ -286,22 +295,22 @@ def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: PressureTabl
     torque_off, torque = abs(lever * float(np.trapezoid(off, theta))), known.torque.value
     return Verdict(
         shoe=known.name,
-        distance=_relative_difference(math.sqrt(float(off @ off)), math.sqrt(float(p @ p))),
-        largest=_relative_difference(abs(float(off[worst])), known.peak_pressure.value),
-        at=_place_text(spec, float(theta[worst])),
-        torque=lever * _pressure_integral(spec, curve),
+        distance=_difference_over_size(math.sqrt(float(off @ off)), math.sqrt(float(p @ p))),
+        largest=_difference_over_size(abs(float(off[worst])), known.peak_pressure.value),
+        at=_angle_or_place_text(spec, float(theta[worst])),
+        torque=lever * _pressure_integral_along_lining(spec, curve),
         torque_error=torque_off / torque if torque else 0.0,
         floor=known.distance,
         torque_floor=known.torque.relative,
     )
 
 
-def _relative_difference(difference: float, size: float) -> float:
+def _difference_over_size(difference: float, size: float) -> float:
     """A difference divided by a size; for the size 0 infinite, or 0 if the difference is 0."""
     return difference / size if size else math.inf if difference else 0.0
 
 
-def _pressure_integral(shoe: Shoe, curve: PressureTable) -> float:
+def _pressure_integral_along_lining(shoe: Shoe, curve: PressureTable) -> float:
     """The integral of p over theta along the lining [Pa rad], by the trapezoidal rule.
 
     The rule's points are those of the curve inside the lining, and the two ends of the lining.
@@ -312,12 +321,12 @@ def _pressure_integral(shoe: Shoe, curve: PressureTable) -> float:
     return float(np.trapezoid(np.interp(theta, *curve), theta))
 
 
-def are_within_tolerance(verdicts: Sequence[Verdict], tolerance: float) -> bool:
+def are_verdicts_within_tolerance(verdicts: Sequence[Verdict], tolerance: float) -> bool:
     """Whether the L2 distance of p and the torque error of each shoe are within a tolerance."""
     return all(max(each.distance, each.torque_error) <= tolerance for each in verdicts)
 
 
-def verdict_lines(
+def verdict_text_lines(
     verdicts: Sequence[Verdict], tolerance: float, surface: FrictionSurface = DRUM
 ) -> list[str]:
     """The verdicts as text: one line for each shoe, then whether all are within the tolerance.
@@ -328,12 +337,12 @@ def verdict_lines(
     text = []
     for verdict in verdicts:
         text.append(
-            f"shoe {verdict.shoe!r}: p off by {formatted(verdict.distance, '.2%')} in L2 "
+            f"shoe {verdict.shoe!r}: p off by {number_as_text(verdict.distance, '.2%')} in L2 "
             f"(reference known to {verdict.floor:.1e}), "
-            f"at most by {formatted(verdict.largest, '.2%')} of the peak, at {verdict.at}; "
-            f"that is {formatted(verdict.torque_error, '.2%')} of the {effect} "
+            f"at most by {number_as_text(verdict.largest, '.2%')} of the peak, at {verdict.at}; "
+            f"that is {number_as_text(verdict.torque_error, '.2%')} of the {effect} "
             f"(known to {verdict.torque_floor:.1e}); "
             f"{effect} of its points {verdict.torque:.7g} {unit}"
         )
-    is_within = "within" if are_within_tolerance(verdicts, tolerance) else "NOT within"
+    is_within = "within" if are_verdicts_within_tolerance(verdicts, tolerance) else "NOT within"
     return [*text, f"{is_within} {tolerance:.3g} of the reference"]

@@ -21,17 +21,20 @@ from scipy.sparse.linalg import splu
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.grading import LiningDivision, divide_lining
+from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.grading import LiningDivision, divide_lining_into_elements
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.meshes import Mesher
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solve import check_division_options
-from drumlin.fem.substructure.body import scalar_basis, stiffness
+from drumlin.fem.solve import require_division_options_have_effect
+from drumlin.fem.substructure.body import (
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
+)
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.models import pick
+from drumlin.models import model_by_name
 
 COST_ELEMENTS = 140
 """Elements along each lining of a brake whose cost is measured, unless the user gives a number.
@@ -39,16 +42,16 @@ COST_ELEMENTS = 140
 A shoe of a car's brake then has some 20 000 unknowns.
 """
 
-REPEATS = 7
+TIMING_REPEATS = 7
 """Number of times that each step is timed; the median of the times is reported."""
 
-SIZES = (20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)
+COST_TABLE_UNKNOWNS = (20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)
 """Number of unknowns of a shoe for each row of the table of cost by size."""
 
-SOLID_ELEMENTS = (16, 24, 32, 48, 72)
+SOLID_COST_ELEMENTS = (16, 24, 32, 48, 72)
 """Elements along the lining of a three-dimensional shoe for each row of its table of cost."""
 
-LARGEST_FITTED = 600_000
+LARGEST_FITTED_UNKNOWNS = 600_000
 """Number of unknowns above which a row does not count for the exponent k in time ~ unknowns^k."""
 
 
@@ -89,12 +92,12 @@ class Cost(NamedTuple):
         return self.further / self.solve
 
 
-def measure_fem_cost(
+def measure_time_and_memory_of_fem(
     brake: Brake,
     *,
     elements: int = COST_ELEMENTS,
     penalty: float = PENALTY,
-    repeats: int = REPEATS,
+    repeats: int = TIMING_REPEATS,
     mesher: Mesher | None = None,
 ) -> Cost:
     """Measure the time and memory of solving a brake by finite elements.
@@ -108,50 +111,52 @@ def measure_fem_cost(
     mesher : function that meshes a shoe; None: drumlin's own mesher
     """
 
-    def prepare_and_respond() -> PreparedModel:
+    def mesh_and_solve_brake() -> PreparedModel:
         """Mesh the brake and solve it; returns the prepared model."""
-        scene = prepare(brake, elements=elements, mesher=mesher)
+        scene = make_prepared_model(brake, elements=elements, mesher=mesher)
         solve_prepared_model(scene, brake, penalty=penalty)
         return scene
 
     start = time.perf_counter()
-    scene = prepare_and_respond()
+    scene = mesh_and_solve_brake()
     solve = time.perf_counter() - start
-    memory = peak_memory()
+    memory = peak_memory_of_process()
     # Shoes of equal shape share one body, whose assembly and factorisation are timed once.
     bodies: dict[int, ShoeSubstructure] = {}
     parts = np.zeros(3)
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in bodies:
             bodies[id(body)] = body
-            parts += _baseline_seconds(body, shoe, repeats)
+            parts += _assembly_and_factorisation_seconds(body, shoe, repeats)
     assembly, factorisation, substitution = parts.tolist()
     if repeats > 1:
-        solve = _median_seconds(prepare_and_respond, repeats)
-    further_case = partial(solve_prepared_model, scene, _with_less_friction(brake), penalty=penalty)
+        solve = _median_seconds_of_call(mesh_and_solve_brake, repeats)
+    further_case = partial(
+        solve_prepared_model, scene, _brake_with_less_friction(brake), penalty=penalty
+    )
     return Cost(
         unknowns=sum(body.unknowns for body in bodies.values()),
         contact_nodes=sum(len(body.line.nodes) for body in bodies.values()),
         memory=memory,
         solve=solve,
-        further=_median_seconds(further_case, max(repeats, 3)),
+        further=_median_seconds_of_call(further_case, max(repeats, 3)),
         assembly=assembly,
         factorisation=factorisation,
         substitution=substitution,
     )
 
 
-def _with_less_friction(brake: Brake) -> Brake:
+def _brake_with_less_friction(brake: Brake) -> Brake:
     """A copy of the brake with 0.9 times its friction coefficient, as a further load case."""
     return brake.model_copy(update={"friction": 0.9 * brake.friction})
 
 
-def _baseline_seconds(body: ShoeSubstructure, shoe: Shoe, repeats: int) -> Floats:
+def _assembly_and_factorisation_seconds(body: ShoeSubstructure, shoe: Shoe, repeats: int) -> Floats:
     """The times (3,) [s] of assembling, factorising and back-substituting one shoe's stiffness.
 
     The shoe is clamped at its hinge. Each time is the median of `repeats` runs.
     """
-    K = stiffness(body.basis, elastic_layers_of_shoe(shoe))
+    K = sparse_stiffness_of_body(body.basis, elastic_layers_of_shoe(shoe))
     # The two displacements of each node at the hinge are fixed and leave the matrix.
     free = np.ones(K.shape[0], dtype=bool)
     hinge = body.basis.get_dofs(body.mesh.boundaries["hinge"]).flatten()
@@ -167,26 +172,30 @@ def _baseline_seconds(body: ShoeSubstructure, shoe: Shoe, repeats: int) -> Float
     )
     substitute = partial(factorise().solve, np.ones(K.shape[0]))
     tasks = (
-        lambda: stiffness(scalar_basis(body.mesh), elastic_layers_of_shoe(shoe)),
+        lambda: sparse_stiffness_of_body(
+            scalar_finite_element_basis_of_mesh(body.mesh), elastic_layers_of_shoe(shoe)
+        ),
         factorise,
         substitute,
     )
-    return np.array([_median_seconds(task, repeats) for task in tasks])
+    return np.array([_median_seconds_of_call(task, repeats) for task in tasks])
 
 
-def mesh_of_given_size(unknowns: int, shoe: Shoe, radius: float) -> object:
+def shoe_mesh_of_given_size(unknowns: int, shoe: Shoe, radius: float) -> object:
     """The mesh of a shoe with some `unknowns` displacements, on a drum of `radius` [m].
 
     The number of elements through the shoe grows in proportion to the number along the lining.
     """
     elements = round(0.95 * math.sqrt(unknowns))
     layers = round(elements / 15)
-    even = divide_lining(shoe, radius, elements)
+    even = divide_lining_into_elements(shoe, radius, elements)
     depths = np.linspace(0, shoe.lining.thickness, layers + 1)
-    return shoe_mesh(shoe, radius, LiningDivision(even.angles, depths, even.step, behind=layers))
+    return parametric_mesh_of_shoe(
+        shoe, radius, LiningDivision(even.angles, depths, even.step, behind=layers)
+    )
 
 
-def _in_new_process(task: Callable[..., Any], *arguments: Any) -> Any:
+def _run_in_new_process(task: Callable[..., Any], *arguments: Any) -> Any:
     """The result of task(*arguments), run in a new process.
 
     The largest memory of that process is then the memory of this task alone.
@@ -196,7 +205,9 @@ def _in_new_process(task: Callable[..., Any], *arguments: Any) -> Any:
         return process.submit(task, *arguments).result()
 
 
-def cost_table_lines(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
+def cost_by_size_table_lines(
+    brake: Brake, sizes: tuple[int, ...] = COST_TABLE_UNKNOWNS
+) -> Iterator[str]:
     """Yield the lines of a table of cost, with a row for each number of unknowns in `sizes`.
 
     Each row comes as soon as it is measured. The last line states the exponent k in
@@ -205,16 +216,19 @@ def cost_table_lines(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[s
     yield "unknowns  contact nodes  solve [s]  of its parts  further [ms]  memory [GiB]"
     costs = []
     for size in sizes:
-        repeats = REPEATS if size <= 2 * SIZES[0] else 1
+        repeats = TIMING_REPEATS if size <= 2 * COST_TABLE_UNKNOWNS[0] else 1
         task = partial(
-            measure_fem_cost, brake, mesher=partial(mesh_of_given_size, size), repeats=repeats
+            measure_time_and_memory_of_fem,
+            brake,
+            mesher=partial(shoe_mesh_of_given_size, size),
+            repeats=repeats,
         )
-        row: Cost = _in_new_process(task)
+        row: Cost = _run_in_new_process(task)
         yield (
             f"{row.unknowns:8d}  {row.contact_nodes:13d}  {row.solve:9.3f}  "
             f"{row.solve_ratio:12.2f}  {row.further * 1e3:12.1f}  {row.memory / 2**30:12.2f}"
         )
-        if row.unknowns <= LARGEST_FITTED:
+        if row.unknowns <= LARGEST_FITTED_UNKNOWNS:
             costs.append((row.unknowns, row.solve))
     if len(costs) > 1:
         # The slope of log(time) over log(unknowns) is the exponent.
@@ -242,7 +256,9 @@ class _SolidCost(NamedTuple):
     further: float
 
 
-def solid_cost_table_lines(brake: Brake, elements: Sequence[int] = SOLID_ELEMENTS) -> Iterator[str]:
+def solid_shoe_cost_table_lines(
+    brake: Brake, elements: Sequence[int] = SOLID_COST_ELEMENTS
+) -> Iterator[str]:
     """Yield the lines of a table of the cost of three-dimensional (solid) shoes.
 
     There is a row for each number of elements along the lining in `elements`. Each row comes as
@@ -251,14 +267,14 @@ def solid_cost_table_lines(brake: Brake, elements: Sequence[int] = SOLID_ELEMENT
     """
     yield "unknowns  contact nodes  solve [s]  further [s]  peak memory [GiB]"
     for count in elements:
-        row: _SolidCost = _in_new_process(_measure_solid_cost, brake, count)
+        row: _SolidCost = _run_in_new_process(_measure_time_and_memory_of_solid, brake, count)
         yield (
             f"{row.unknowns:8d}  {row.nodes:13d}  {row.first:9.2f}  "
             f"{row.further:11.2f}  {row.memory / 2**30:17.2f}"
         )
 
 
-def _measure_solid_cost(brake: Brake, elements: int) -> _SolidCost:
+def _measure_time_and_memory_of_solid(brake: Brake, elements: int) -> _SolidCost:
     """Solve a brake with solid shoes and measure it; `elements` are those along the lining."""
     # Importing the solid model takes long, and only this function needs it.
     from drumlin.fem.solid import model as solid  # noqa: PLC0415
@@ -267,8 +283,8 @@ def _measure_solid_cost(brake: Brake, elements: int) -> _SolidCost:
     scene = solid.prepare(brake, elements=elements)
     solve_prepared_model(scene, brake)
     first = time.process_time() - start
-    memory, start = peak_memory(), time.process_time()
-    solve_prepared_model(scene, _with_less_friction(brake))
+    memory, start = peak_memory_of_process(), time.process_time()
+    solve_prepared_model(scene, _brake_with_less_friction(brake))
     further = time.process_time() - start
     # Shoes of equal shape share one body, which counts once.
     bodies = {id(body): body for body in scene.bodies}.values()
@@ -277,7 +293,7 @@ def _measure_solid_cost(brake: Brake, elements: int) -> _SolidCost:
     return _SolidCost(unknowns, nodes, memory, first, further)
 
 
-def cost_report_lines(
+def time_and_memory_report_lines(
     brake: Brake, model: str = "fem", *, by_size: bool = False, **options: Any
 ) -> Iterator[str]:
     """Yield lines of text on the time and memory of solving a brake, as they are measured.
@@ -296,25 +312,28 @@ def cost_report_lines(
     """
     if model not in {"fem", "solid"}:
         raise BadInput(f"--model = {model!r}: has no cost to print; allowed: fem, solid")
-    pick(model, brake)
-    brake.check_meshable()
-    check_division_options(brake, elements=options.get("elements"))
+    model_by_name(model, brake)
+    brake.check_shoes_can_be_meshed()
+    require_division_options_have_effect(brake, elements=options.get("elements"))
     if options and (by_size or model == "solid"):
         chooses = "--table" if by_size else "--model solid"
         raise BadInput(f"{chooses} chooses the elements itself; leave out --elements and --penalty")
     if model == "solid":
-        yield from solid_cost_table_lines(brake)
+        yield from solid_shoe_cost_table_lines(brake)
     elif by_size:
-        yield from cost_table_lines(brake)
+        yield from cost_by_size_table_lines(brake)
     else:
-        yield from measured_cost_lines(brake, **options)
+        yield from measured_time_and_memory_lines(brake, **options)
 
 
-def measured_cost_lines(brake: Brake, **options: Any) -> list[str]:
-    """Lines of text on the cost of one brake; `options` are arguments of `measure_fem_cost`."""
-    found = measure_fem_cost(brake, **options)
+def measured_time_and_memory_lines(brake: Brake, **options: Any) -> list[str]:
+    """Lines of text on the cost of one brake.
+
+    The `options` are arguments of `measure_time_and_memory_of_fem`.
+    """
+    found = measure_time_and_memory_of_fem(brake, **options)
     return [
-        f"{found.unknowns} unknowns; medians of {REPEATS} repeats in one run",
+        f"{found.unknowns} unknowns; medians of {TIMING_REPEATS} repeats in one run",
         f"assembly {found.assembly * 1e3:.1f} ms, "
         f"factorisation {found.factorisation * 1e3:.1f} ms, "
         f"substitution {found.substitution * 1e3:.1f} ms",
@@ -324,7 +343,7 @@ def measured_cost_lines(brake: Brake, **options: Any) -> list[str]:
     ]
 
 
-def peak_memory() -> int:
+def peak_memory_of_process() -> int:
     """The largest resident memory of this process so far [bytes]."""
     # On Linux getrusage also counts memory of the parent process, so VmHWM is read instead.
     status = Path("/proc/self/status")
@@ -336,7 +355,7 @@ def peak_memory() -> int:
     return size if sys.platform == "darwin" else 1024 * size
 
 
-def _median_seconds(call: Callable[[], object], repeats: int) -> float:
+def _median_seconds_of_call(call: Callable[[], object], repeats: int) -> float:
     """The median time [s] of `repeats` runs of `call`."""
     seconds = []
     for _ in range(repeats):

@@ -23,18 +23,23 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.surface import DRUM, FrictionSurface
-from drumlin.comparison import edge_of
-from drumlin.fem.error_control.levels import solved_levels
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.comparison import uncompared_edge_length
+from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.response.balance import contact_resultant
-from drumlin.response.norms import pressure_distance
-from drumlin.response.response import Response, ShoeResponse, edge_zone, pressed_shoe
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.response.balance import resultant_of_contact_on_shoe
+from drumlin.response.norms import relative_distance_of_pressures
+from drumlin.response.response import (
+    Response,
+    ShoeResponse,
+    length_of_edge_zone_without_peak,
+    response_of_pressed_elastic_shoe,
+)
 from drumlin.verification import triangles
 
-PACKAGES = ("numpy", "scipy", "scikit-fem")
+STATED_PACKAGES = ("numpy", "scipy", "scikit-fem")
 """Packages whose versions are stored with reference values, beside that of drumlin."""
 
 PROBLEM_SOLVED = (
@@ -43,7 +48,7 @@ PROBLEM_SOLVED = (
 )
 """First words of the description of the method that is stored with reference values."""
 
-METHOD = PROBLEM_SOLVED + (
+METHOD_WITH_TRIANGLES = PROBLEM_SOLVED + (
     "larger of the distances from another division of them and "
     "from curved triangles with contact node by node"
 )
@@ -71,7 +76,7 @@ class Refinement(NamedTuple):
 ONE_DEGREE = math.pi / 180
 """One degree [rad]: the step of the angles at which reference values list the pressure."""
 
-FINE = Refinement(
+REFERENCE_REFINEMENT = Refinement(
     3,
     (
         Level(7, 0.02, 0.01, 0.002, 0.45, 0.45, 15 * ONE_DEGREE, 0.01, 0.01, 0.3),
@@ -101,12 +106,14 @@ class ReferenceResponses(NamedTuple):
     other: Response | None
 
     @property
-    def others(self) -> tuple[Response, ...]:
+    def other_responses(self) -> tuple[Response, ...]:
         """The responses whose distances from `value` give the uncertainty."""
         return (self.before,) if self.other is None else (self.before, self.other)
 
 
-def solve_reference_responses(brake: Brake, refinement: Refinement = FINE) -> ReferenceResponses:
+def solve_brake_for_reference_values(
+    brake: Brake, refinement: Refinement = REFERENCE_REFINEMENT
+) -> ReferenceResponses:
     """Solve a brake for its reference values: on two hp meshes, and by curved triangles.
 
     Raises BadInput if finite elements cannot solve the brake or a shoe has a mesh file, and
@@ -119,12 +126,14 @@ def solve_reference_responses(brake: Brake, refinement: Refinement = FINE) -> Re
             )
     solve_exactly = partial(solve_prepared_model, penalty=math.inf)
     # Coarse meshes find the ends of the contact, to which the two fine meshes are graded.
-    for step in islice(solved_levels(brake, solve_exactly), refinement.first):
+    for step in islice(solve_on_finer_and_finer_levels(brake, solve_exactly), refinement.first):
         last = step.response
     found = []
     for level in refinement.levels:
-        singular_points = singular_points_of(brake, last, error=level.error)
-        last = solve_exactly(prepare(brake, level, singular_points), brake, start=last)
+        singular_points = singular_points_of_all_linings(
+            brake, last, error=level.pressure_error_by_column_ratio
+        )
+        last = solve_exactly(make_prepared_model(brake, level, singular_points), brake, start=last)
         found.append(last)
     before, value = found
     return ReferenceResponses(value, before, _response_by_triangles(brake, value, refinement))
@@ -139,12 +148,12 @@ def _response_by_triangles(brake: Brake, like: Response, refinement: Refinement)
     if not refinement.triangles or brake.surface.straight:
         return None
     try:
-        *_, solutions = triangles.solve_sequence(brake, refinement.triangles)
+        *_, solutions = triangles.solve_on_triangle_level_sequence(brake, refinement.triangles)
     except BadInput:
         return None
     shoes = []
     for shoe, solution, own in zip(brake.shoes, solutions, like.shoes, strict=True):
-        response = pressed_shoe(
+        response = response_of_pressed_elastic_shoe(
             shoe,
             brake.scale_factor,
             solution.theta,
@@ -159,7 +168,9 @@ def _response_by_triangles(brake: Brake, like: Response, refinement: Refinement)
     return replace(like, model="triangles", shoes=tuple(shoes))
 
 
-def peak_pressure_inside(response: ShoeResponse, edge: float, points: int = 2001) -> float:
+def peak_pressure_between_edge_zones(
+    response: ShoeResponse, edge: float, points: int = 2001
+) -> float:
     """The largest pressure [Pa] of a shoe outside the two edge zones at its lining's ends.
 
     Each edge zone is `edge` [rad] long. The pressure is evaluated at `points` equidistant angles.
@@ -257,31 +268,33 @@ class Reference:
     surface: FrictionSurface = DRUM
 
 
-def compute_reference(
+def compute_reference_values(
     brake: Brake, text: str, command: str, trio: ReferenceResponses | None = None
 ) -> Reference:
-    """Compute the reference values of a brake. Raises the errors of `solve_reference_responses`.
+    """Compute the reference values of a brake.
+
+    Raises the errors of `solve_brake_for_reference_values`.
 
     Parameters
     ----------
     brake : the brake
     text : text of its file, which the reference keeps
     command : shell command that computes the values again, which the reference keeps
-    trio : the solutions of the brake; None: `solve_reference_responses` computes them
+    trio : the solutions of the brake; None: `solve_brake_for_reference_values` computes them
     """
-    brake.check_meshable()
-    trio = trio or solve_reference_responses(brake)
+    brake.check_shoes_can_be_meshed()
+    trio = trio or solve_brake_for_reference_values(brake)
     versions = {"drumlin": drumlin.__version__}
-    for name in PACKAGES:
+    for name in STATED_PACKAGES:
         versions[name] = importlib.metadata.version(name)
-    shoes = tuple(_shoe_reference(brake, i, trio) for i in range(len(brake.shoes)))
+    shoes = tuple(_reference_values_of_shoe(brake, i, trio) for i in range(len(brake.shoes)))
     # The errors of the shoes may have one sign, so the uncertainties of their torques are added.
     torque = UncertainValue(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))
-    method = METHOD_WITHOUT_TRIANGLES if trio.other is None else METHOD
+    method = METHOD_WITHOUT_TRIANGLES if trio.other is None else METHOD_WITH_TRIANGLES
     return Reference(brake.title, text, command, method, versions, torque, shoes, brake.surface)
 
 
-def _with_uncertainty(values: Sequence[Any]) -> UncertainValue:
+def _value_with_uncertainty(values: Sequence[Any]) -> UncertainValue:
     """The first of `values` with its uncertainty, its largest distance from the other values.
 
     The distance is infinite if an array has another shape, such as another number of contact arcs.
@@ -294,26 +307,26 @@ def _with_uncertainty(values: Sequence[Any]) -> UncertainValue:
     return UncertainValue(cited.tolist(), distance)
 
 
-def _contact_force(brake: Brake, index: int, response: ShoeResponse) -> Floats:
+def _contact_force_on_lining(brake: Brake, index: int, response: ShoeResponse) -> Floats:
     """The force (2,) [N] of the drum or the plane on the lining of the shoe number `index`."""
     shoe = brake.shoes[index]
     if not shoe.flat:
-        return contact_resultant(brake, index, response).force
+        return resultant_of_contact_on_shoe(brake, index, response).force
     # On a plane surface the contact force follows from equilibrium of the shoe: contact force,
     # hinge reaction and actuation add up to zero.
     pushed = shoe if response.force is None else shoe.under(response.force)
-    return -response.hinge_reaction - pushed.actuation.vector
+    return -response.hinge_reaction - pushed.actuation.force_vector
 
 
-def _shoe_reference(brake: Brake, index: int, trio: ReferenceResponses) -> ShoeReference:
+def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses) -> ShoeReference:
     """The reference values of the shoe number `index` from the responses of the brake."""
     spec = brake.shoes[index]
-    edge = edge_zone(spec, brake.scale_factor)
+    edge = length_of_edge_zone_without_peak(spec, brake.scale_factor)
     first, last = spec.lining.start, spec.lining.end
     # The pressure is listed at whole degrees, on a plane at whole millimetres.
     step = 1e-3 if spec.flat else ONE_DEGREE
     theta = np.arange(math.ceil(first / step + 1e-6), last / step - 1e-6) * step
-    answers = [response.shoes[index] for response in (trio.value, *trio.others)]
+    answers = [response.shoes[index] for response in (trio.value, *trio.other_responses)]
     cited, *others = answers
     pressure = cited.pressure_at(theta)
     differences, distances = [], [0.0]
@@ -321,19 +334,25 @@ def _shoe_reference(brake: Brake, index: int, trio: ReferenceResponses) -> ShoeR
         differences.append(np.abs(other.pressure_at(theta) - pressure))
         # A lining without any pressure has no relative distance.
         if cited.pressure.any():
-            distances.append(pressure_distance(other, cited, edge_of(brake)))
+            distances.append(
+                relative_distance_of_pressures(other, cited, uncompared_edge_length(brake))
+            )
 
-    def compared(quantity: Callable[[ShoeResponse], Any]) -> UncertainValue:
+    def quantity_with_uncertainty(quantity: Callable[[ShoeResponse], Any]) -> UncertainValue:
         """A quantity of the shoe in the reference solution, with its uncertainty."""
-        return _with_uncertainty([quantity(answer) for answer in answers])
+        return _value_with_uncertainty([quantity(answer) for answer in answers])
 
     return ShoeReference(
         name=spec.name,
-        torque=compared(attrgetter("torque")),
-        contact_force=compared(partial(_contact_force, brake, index)),
-        hinge_reaction=compared(attrgetter("hinge_reaction")),
-        peak_pressure=compared(partial(peak_pressure_inside, edge=edge)),
-        contact_arcs=compared(lambda answer: np.reshape(answer.contact_arcs, (-1, 2))),
+        torque=quantity_with_uncertainty(attrgetter("torque")),
+        contact_force=quantity_with_uncertainty(partial(_contact_force_on_lining, brake, index)),
+        hinge_reaction=quantity_with_uncertainty(attrgetter("hinge_reaction")),
+        peak_pressure=quantity_with_uncertainty(
+            partial(peak_pressure_between_edge_zones, edge=edge)
+        ),
+        contact_arcs=quantity_with_uncertainty(
+            lambda answer: np.reshape(answer.contact_arcs, (-1, 2))
+        ),
         ends=(first, last),
         edge=edge,
         theta=theta,

@@ -14,12 +14,12 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.base.files import read_text, write_text
-from drumlin.base.texts import check_digits, check_toml
+from drumlin.base.texts import check_numbers_have_few_digits, check_toml_parses_quickly
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.brake.units import LARGEST_NUMBER_SI
 from drumlin.verification.reference import Reference, ShoeReference, UncertainValue
 
-FORMAT = "drumlin reference values, 1"
+REFERENCE_FORMAT = "drumlin reference values, 1"
 """Name and version of the file format, stored under the first key of the file."""
 
 FILE_DIGITS = 10
@@ -28,7 +28,7 @@ FILE_DIGITS = 10
 _NUMBER_LIST = re.compile(r"\[[-+0-9.eE,\s]*\]")
 """Pattern of a list of numbers in a JSON text."""
 
-LARGEST_FILE = 10_000_000
+LARGEST_REFERENCE_FILE = 10_000_000
 """Size [bytes] above which a file is refused unread.
 
 A file of reference values has fewer than 100 000 bytes."""
@@ -42,7 +42,7 @@ UNCERTAIN_QUANTITIES = (
 )
 """Keys, in a file, of the quantities of a shoe that are stored with an uncertainty."""
 
-UNITS = {
+REFERENCE_UNITS = {
     "torque": "N m",
     "contact_force": "N",
     "hinge_reaction": "N",
@@ -64,7 +64,7 @@ SURFACE_UNITS = {
 }
 """For each friction surface, drum or plane, the units by key that differ between the two."""
 
-UNREADABLE = (
+REFERENCE_READING_ERRORS = (
     ValueError,
     LookupError,
     TypeError,
@@ -75,87 +75,90 @@ UNREADABLE = (
 """Errors that are raised when a file is read as reference values but holds other data."""
 
 
-def _round_numbers(value: Any, digits: int = FILE_DIGITS) -> Any:
+def _round_to_significant_digits(value: Any, digits: int = FILE_DIGITS) -> Any:
     """The number, or nested lists of numbers, rounded to a number of significant digits."""
     if isinstance(value, list):
-        return [_round_numbers(each, digits) for each in value]
+        return [_round_to_significant_digits(each, digits) for each in value]
     return float(f"{value:.{digits}g}")
 
 
-def _uncertain_value_data(sure: UncertainValue) -> dict[str, Any]:
+def _uncertain_value_as_json_data(sure: UncertainValue) -> dict[str, Any]:
     """A value and its uncertainty as a dictionary for JSON; an infinite uncertainty is null."""
     uncertainty = None
     if math.isfinite(sure.uncertainty):
-        uncertainty = _round_numbers(sure.uncertainty, 3)
-    return {"value": _round_numbers(sure.value), "uncertainty": uncertainty}
+        uncertainty = _round_to_significant_digits(sure.uncertainty, 3)
+    return {"value": _round_to_significant_digits(sure.value), "uncertainty": uncertainty}
 
 
-def reference_data(found: Reference) -> dict[str, Any]:
+def reference_values_as_json_data(found: Reference) -> dict[str, Any]:
     """The reference values of a brake as a dictionary for JSON."""
     return {
-        "format": FORMAT,
+        "format": REFERENCE_FORMAT,
         "title": found.title,
         "method": found.method,
-        "units": UNITS | SURFACE_UNITS[found.surface],
+        "units": REFERENCE_UNITS | SURFACE_UNITS[found.surface],
         "command": found.command,
         "versions": found.versions,
-        "torque": _uncertain_value_data(found.torque),
-        "shoes": list(map(_shoe_data, found.shoes)),
+        "torque": _uncertain_value_as_json_data(found.torque),
+        "shoes": list(map(_shoe_reference_as_json_data, found.shoes)),
         "brake_file": found.text,
     }
 
 
-def _shoe_data(shoe: ShoeReference) -> dict[str, Any]:
+def _shoe_reference_as_json_data(shoe: ShoeReference) -> dict[str, Any]:
     """The reference values of a shoe as a dictionary for JSON."""
     return {
         "name": shoe.name,
-        **{key: _uncertain_value_data(getattr(shoe, key)) for key in UNCERTAIN_QUANTITIES},
-        "lining": _round_numbers(list(shoe.ends)),
-        "edge": _round_numbers(shoe.edge),
-        "pressure_distance": _round_numbers(shoe.distance, 3),
-        "theta": _round_numbers(shoe.theta.tolist()),
-        "pressure": _round_numbers(shoe.pressure.tolist()),
-        "pressure_uncertainty": _round_numbers(shoe.uncertainty.tolist(), 3),
+        **{key: _uncertain_value_as_json_data(getattr(shoe, key)) for key in UNCERTAIN_QUANTITIES},
+        "lining": _round_to_significant_digits(list(shoe.ends)),
+        "edge": _round_to_significant_digits(shoe.edge),
+        "pressure_distance": _round_to_significant_digits(shoe.distance, 3),
+        "theta": _round_to_significant_digits(shoe.theta.tolist()),
+        "pressure": _round_to_significant_digits(shoe.pressure.tolist()),
+        "pressure_uncertainty": _round_to_significant_digits(shoe.uncertainty.tolist(), 3),
     }
 
 
-def write_reference(data: dict[str, Any], path: Path) -> None:
-    """Write reference values, as `reference_data` returns them, to a JSON file."""
+def write_reference_file(data: dict[str, Any], path: Path) -> None:
+    """Write reference values, as `reference_values_as_json_data` returns them, to a JSON file."""
     text = json.dumps(data, indent=1, allow_nan=False)
     # json.dumps writes each number of a list on a line of its own; a list shall take one line.
     write_text(path, _NUMBER_LIST.sub(lambda match: " ".join(match.group().split()), text) + "\n")
 
 
-def read_reference(path: Path) -> Reference:
-    """Read reference values from a file of `write_reference`. Raises BadInput for another file."""
-    text = read_text(path, LARGEST_FILE, "a file of reference values")
+def read_reference_file(path: Path) -> Reference:
+    """Read reference values from a file of `write_reference_file`.
+
+    Raises BadInput for another file.
+    """
+    text = read_text(path, LARGEST_REFERENCE_FILE, "a file of reference values")
     try:
-        check_digits(text)
-        data = json.loads(text, parse_constant=_refuse_non_finite)
-        if data["format"] != FORMAT:
-            raise BadInput(f"{path}: format = {data['format']!r}: must be {FORMAT!r}")
+        check_numbers_have_few_digits(text)
+        data = json.loads(text, parse_constant=_refuse_non_finite_json_number)
+        if data["format"] != REFERENCE_FORMAT:
+            raise BadInput(f"{path}: format = {data['format']!r}: must be {REFERENCE_FORMAT!r}")
         return Reference(
-            title=_checked_text(data["title"]),
-            text=_checked_text(data["brake_file"]),
-            command=_checked_text(data["command"]),
-            method=_checked_text(data["method"]),
-            versions=dict(map(_checked_text_pair, data["versions"].items())),
+            title=_require_text(data["title"]),
+            text=_require_text(data["brake_file"]),
+            command=_require_text(data["command"]),
+            method=_require_text(data["method"]),
+            versions=dict(map(_require_text_pair, data["versions"].items())),
             torque=_read_uncertain_value(data["torque"]),
             shoes=tuple(map(_read_shoe_reference, data["shoes"])),
             surface=PLANE if data["units"]["theta"] == PLANE.unit else DRUM,
         )
-    except UNREADABLE as error:
+    except REFERENCE_READING_ERRORS as error:
         raise BadInput(
             f"{path}: holds no reference values in the form of `drumlin reference`"
         ) from error
 
 
-def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
+def reference_summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
     """Rows of a table that summarises the reference values of a brake, one row for each shoe.
 
-    `values` are the reference values as `reference_data` returns them; `name` is the brake's name
-    in the table. Six digits of the torque and four digits of p outside the edge zones should be
-    certain. The last column says which of the two are not, with the relative uncertainty.
+    `values` are the reference values as `reference_values_as_json_data` returns them; `name` is the
+    brake's name in the table. Six digits of the torque and four digits of p outside the edge zones
+    should be certain. The last column says which of the two are not, with the relative uncertainty.
     """
     rows = []
     for shoe in values["shoes"]:
@@ -186,24 +189,24 @@ def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
     return rows
 
 
-def _refuse_non_finite(word: str) -> float:
+def _refuse_non_finite_json_number(word: str) -> float:
     """Raise ValueError for the word NaN or Infinity, which Python's JSON reader would accept."""
     raise ValueError(f"{word} is no number of JSON")
 
 
-def _checked_text(value: object) -> str:
+def _require_text(value: object) -> str:
     """Return the value if it is a text, else raise TypeError."""
     if not isinstance(value, str):
         raise TypeError("not a text")
     return value
 
 
-def _checked_text_pair(pair: tuple[object, object]) -> tuple[str, str]:
+def _require_text_pair(pair: tuple[object, object]) -> tuple[str, str]:
     """Return the pair if both of its values are texts, else raise TypeError."""
-    return _checked_text(pair[0]), _checked_text(pair[1])
+    return _require_text(pair[0]), _require_text(pair[1])
 
 
-def _checked_array(value: object, *shape: int) -> Floats:
+def _require_finite_array_of_shape(value: object, *shape: int) -> Floats:
     """The value as an array of finite numbers with the given shape; a length of -1 is any length.
 
     Raises ValueError or TypeError for other values.
@@ -223,13 +226,15 @@ def _checked_array(value: object, *shape: int) -> Floats:
 def _read_uncertain_value(data: dict[str, Any], *shape: int) -> UncertainValue:
     """Read a value of the given shape and its uncertainty; null is an infinite uncertainty."""
     given = data["uncertainty"]
-    uncertainty = math.inf if given is None else _checked_size(given)
-    return UncertainValue(_checked_array(data["value"], *shape).tolist(), uncertainty)
+    uncertainty = math.inf if given is None else _require_non_negative_number(given)
+    return UncertainValue(
+        _require_finite_array_of_shape(data["value"], *shape).tolist(), uncertainty
+    )
 
 
-def _checked_size(value: object) -> float:
+def _require_non_negative_number(value: object) -> float:
     """Return the value as a number. Raises ValueError or TypeError if it is none or negative."""
-    size = float(_checked_array(value))
+    size = float(_require_finite_array_of_shape(value))
     if size < 0:
         raise ValueError("negative")
     return size
@@ -240,23 +245,23 @@ def _read_shoe_reference(data: dict[str, Any]) -> ShoeReference:
 
     Raises one of the errors UNREADABLE if the data are not reference values.
     """
-    theta = _checked_array(data["theta"], -1)
-    first, last = _checked_array(data["lining"], 2).tolist()
+    theta = _require_finite_array_of_shape(data["theta"], -1)
+    first, last = _require_finite_array_of_shape(data["lining"], 2).tolist()
     if not first < last or (np.diff(theta) <= 0).any():
         raise ValueError("angles that do not grow")
     return ShoeReference(
-        name=_checked_text(data["name"]),
+        name=_require_text(data["name"]),
         torque=_read_uncertain_value(data["torque"]),
         contact_force=_read_uncertain_value(data["contact_force"], 2),
         hinge_reaction=_read_uncertain_value(data["hinge_reaction"], 2),
         peak_pressure=_read_uncertain_value(data["peak_pressure"]),
         contact_arcs=_read_uncertain_value(data["contact_arcs"], -1, 2),
         ends=(first, last),
-        edge=_checked_size(data["edge"]),
+        edge=_require_non_negative_number(data["edge"]),
         theta=theta,
-        pressure=_checked_array(data["pressure"], len(theta)),
-        uncertainty=_checked_array(data["pressure_uncertainty"], len(theta)),
-        distance=_checked_size(data["pressure_distance"]),
+        pressure=_require_finite_array_of_shape(data["pressure"], len(theta)),
+        uncertainty=_require_finite_array_of_shape(data["pressure_uncertainty"], len(theta)),
+        distance=_require_non_negative_number(data["pressure_distance"]),
     )
 
 
@@ -267,21 +272,21 @@ def stored_reference_path(text: str, *folders: Path) -> Path | None:
     equal, even if their comments differ. Returns None if no folder has reference values of the
     brake.
     """
-    wanted = _toml_content(text)
+    wanted = _toml_keys_and_values(text)
     for folder in folders:
         for path in sorted(folder.glob("*.json")):
             # A JSON file that is unreadable or has no brake file is skipped.
-            with suppress(BadInput, *UNREADABLE):
-                data = json.loads(read_text(path, LARGEST_FILE, "reference values"))
-                if _toml_content(data["brake_file"]) == wanted:
+            with suppress(BadInput, *REFERENCE_READING_ERRORS):
+                data = json.loads(read_text(path, LARGEST_REFERENCE_FILE, "reference values"))
+                if _toml_keys_and_values(data["brake_file"]) == wanted:
                     return path
     return None
 
 
-def _toml_content(text: str) -> object:
+def _toml_keys_and_values(text: str) -> object:
     """The keys and values of a TOML text; if the text is not TOML, the text itself."""
     try:
-        check_toml(text)
+        check_toml_parses_quickly(text)
         return tomllib.loads(text)
     except (ValueError, RecursionError):
         return text

@@ -15,26 +15,31 @@ from typing import Any
 import meshio
 import numpy as np
 
-from drumlin.brake.file import brake_from
-from drumlin.fem.mesh.file import FORMATS, write_mesh
-from drumlin.fem.preparation.prepare import prepare
-from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, BrokenInput, brake_text, data_as_toml
+from drumlin.brake.file import make_drum_brake_from_data
+from drumlin.fem.mesh.file import FORMATS, write_shoe_mesh_to_file
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin_studies.fuzzing.inputs import (
+    SOUND_BRAKES,
+    BrokenInput,
+    content_of_brake_file,
+    data_as_toml,
+)
 
 MESH_SUFFIXES = (".msh", ".inp", ".vtu")
 """Suffixes of the mesh files that are broken: Gmsh, Abaqus and VTK."""
 
 
 @cache
-def sound_mesh_files() -> dict[str, bytes]:
+def valid_mesh_files_by_suffix() -> dict[str, bytes]:
     """Valid mesh files of a small shoe by suffix, and under "brake" the brake file of this shoe."""
-    data = tomllib.loads(brake_text(SOUND_BRAKES[0]).decode())
+    data = tomllib.loads(content_of_brake_file(SOUND_BRAKES[0]).decode())
     data["shoe"] = data["shoe"][:1]
-    brake = brake_from(data, unit_required=True)
-    mesh = prepare(brake, elements=6, kind="tri2").bodies[0].mesh
+    brake = make_drum_brake_from_data(data, unit_required=True)
+    mesh = make_prepared_model(brake, elements=6, kind="tri2").bodies[0].mesh
     with tempfile.TemporaryDirectory() as folder:
         paths = [Path(folder) / f"shoe{suffix}" for suffix in FORMATS]
         for path in paths:
-            write_mesh(path, mesh, brake.shoes[0])
+            write_shoe_mesh_to_file(path, mesh, brake.shoes[0])
         return {path.suffix: path.read_bytes() for path in paths} | {"brake": data_as_toml(data)}
 
 
@@ -45,7 +50,7 @@ def brake_file_with_mesh(brake_file: bytes, name: str) -> bytes:
     return data_as_toml(data)
 
 
-def solve_of_meshed_brake(
+def input_with_mesh_file(
     kind: str, mesh: bytes, suffix: str, *, must_fail: bool = True
 ) -> BrokenInput:
     """An input of `drumlin solve`: a brake whose shoe has a mesh file.
@@ -62,53 +67,68 @@ def solve_of_meshed_brake(
         Whether drumlin must refuse the input.
     """
     name = f"m{suffix}"
-    files = {"b.toml": brake_file_with_mesh(sound_mesh_files()["brake"], name), name: mesh}
+    files = {
+        "b.toml": brake_file_with_mesh(valid_mesh_files_by_suffix()["brake"], name),
+        name: mesh,
+    }
     words = ["solve", "b.toml", "--json", "r.json"]
     return BrokenInput(kind, files, words, must_fail=must_fail)
 
 
-def make_impossible_mesh(rng: random.Random) -> BrokenInput:
+def make_input_with_impossible_mesh(rng: random.Random) -> BrokenInput:
     """An input whose mesh file is cut off, mislabelled, has wrong counts, or is no valid shoe."""
     (maker,) = rng.choices(
-        [_cut_off_mesh, _mislabelled_mesh, _mesh_with_wrong_counts, _invalid_shoe_mesh],
+        [
+            _input_with_cut_off_mesh,
+            _input_with_mislabelled_mesh,
+            _input_with_wrong_mesh_counts,
+            _input_with_spoiled_shoe_mesh,
+        ],
         [3, 1, 1, 6],
     )
     return maker(rng)
 
 
-def _cut_off_mesh(rng: random.Random) -> BrokenInput:
+def _input_with_cut_off_mesh(rng: random.Random) -> BrokenInput:
     """An input whose mesh file is cut off after less than three quarters of its bytes."""
     suffix = rng.choice(MESH_SUFFIXES)
-    text = sound_mesh_files()[suffix]
+    text = valid_mesh_files_by_suffix()[suffix]
     left = text[: rng.randrange(3 * len(text) // 4)]
-    return solve_of_meshed_brake(f"mesh {suffix}: cut off", left, suffix)
+    return input_with_mesh_file(f"mesh {suffix}: cut off", left, suffix)
 
 
-def _mislabelled_mesh(rng: random.Random) -> BrokenInput:
+def _input_with_mislabelled_mesh(rng: random.Random) -> BrokenInput:
     """An input whose mesh file has the suffix of another format, or is no mesh at all."""
     suffix, other = rng.sample(MESH_SUFFIXES, 2)
     noise = bytes(rng.randrange(256) for _ in range(99))
-    text = rng.choice([sound_mesh_files()[other], brake_text(rng.choice(SOUND_BRAKES)), b"", noise])
-    return solve_of_meshed_brake(f"mesh {suffix}: another format", text, suffix)
+    text = rng.choice(
+        [
+            valid_mesh_files_by_suffix()[other],
+            content_of_brake_file(rng.choice(SOUND_BRAKES)),
+            b"",
+            noise,
+        ]
+    )
+    return input_with_mesh_file(f"mesh {suffix}: another format", text, suffix)
 
 
-def _mesh_with_wrong_counts(rng: random.Random) -> BrokenInput:
+def _input_with_wrong_mesh_counts(rng: random.Random) -> BrokenInput:
     """An input whose mesh file states a wrong number of nodes, elements or names."""
-    text = sound_mesh_files()[".msh"].decode()
+    text = valid_mesh_files_by_suffix()[".msh"].decode()
     keyword = rng.choice(["$Nodes\n", "$Elements\n", "$PhysicalNames\n"])
     start = text.index(keyword) + len(keyword)
     count = rng.choice(["-1", "0", "1", "999999", "99999999999999", "1e9", "nan"])
     false = text[:start] + count + text[text.index("\n", start) :]
-    return solve_of_meshed_brake("mesh .msh: false counts", false.encode(), ".msh")
+    return input_with_mesh_file("mesh .msh: false counts", false.encode(), ".msh")
 
 
-def _invalid_shoe_mesh(rng: random.Random) -> BrokenInput:
+def _input_with_spoiled_shoe_mesh(rng: random.Random) -> BrokenInput:
     """An input whose mesh file is readable but no valid shoe: torn, folded, or without groups."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "shoe.vtu"
-        path.write_bytes(sound_mesh_files()[".vtu"])
+        path.write_bytes(valid_mesh_files_by_suffix()[".vtu"])
         mesh = meshio.read(path)
-        name, spoil = rng.choice(list(SPOILS.items()))
+        name, spoil = rng.choice(list(MESH_SPOILERS.items()))
         # The mesh is taken apart into arrays, spoiled, and written again.
         points, cells = mesh.points.copy(), mesh.cells[0].data.copy()
         cell_data = {key: values[0].copy() for key, values in mesh.cell_data.items()}
@@ -120,10 +140,10 @@ def _invalid_shoe_mesh(rng: random.Random) -> BrokenInput:
             cell_data={key: [values] for key, values in cell_data.items()},
             point_data=point_data,
         ).write(path, file_format="vtu")
-        return solve_of_meshed_brake(f"mesh: {name}", path.read_bytes(), ".vtu")
+        return input_with_mesh_file(f"mesh: {name}", path.read_bytes(), ".vtu")
 
 
-Spoiled = tuple[Any, Any, dict[str, Any], dict[str, Any]]
+SpoiledMesh = tuple[Any, Any, dict[str, Any], dict[str, Any]]
 """A spoiled mesh: its points, its cells, the data of its cells and the data of its points.
 
 The functions below take these four of a valid mesh and return those of a spoiled one. Their
@@ -133,14 +153,14 @@ argument `at` holds the data of cells by group, `on` the data of points by group
 
 def _mesh_with_inverted_element(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> Spoiled:
+) -> SpoiledMesh:
     """The mesh with two corners of a random element exchanged."""
     i = rng.randrange(len(cells))
     cells[i, [0, 1]] = cells[i, [1, 0]]
     return points, cells, at, on
 
 
-def _mesh_torn_in_two(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+def _mesh_torn_in_two(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> SpoiledMesh:
     """The mesh without the elements that cross a random angle, which leaves two parts."""
     # An element stays if all of its corners are on one side of the random angle.
     theta = np.arctan2(points[:, 1], points[:, 0])[cells[:, :3]]
@@ -151,7 +171,7 @@ def _mesh_torn_in_two(rng: random.Random, points: Any, cells: Any, at: Any, on: 
 
 def _mesh_with_doubled_node(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> Spoiled:
+) -> SpoiledMesh:
     """The mesh with a node doubled, so that an element does not share it with its neighbours."""
     i, k = rng.randrange(len(cells)), rng.randrange(3)
     points = np.vstack([points, points[cells[i, k]]])
@@ -165,7 +185,7 @@ def _mesh_with_doubled_node(
 
 def _mesh_with_infinite_coordinate(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> Spoiled:
+) -> SpoiledMesh:
     """The mesh with one coordinate of a random corner set to NaN or infinity."""
     points[cells[rng.randrange(len(cells)), rng.randrange(3)], rng.randrange(2)] = rng.choice(
         [math.nan, math.inf]
@@ -175,7 +195,7 @@ def _mesh_with_infinite_coordinate(
 
 def _mesh_with_folded_corner(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> Spoiled:
+) -> SpoiledMesh:
     """The mesh with a random corner moved by 0.3 m, far across the neighbouring elements."""
     points[cells[rng.randrange(len(cells)), rng.randrange(3)], :2] += rng.choice([-1, 1]) * 0.3
     return points, cells, at, on
@@ -183,7 +203,7 @@ def _mesh_with_folded_corner(
 
 def _mesh_with_doubled_element(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> Spoiled:
+) -> SpoiledMesh:
     """The mesh with a random element listed twice."""
     i = rng.randrange(len(cells))
     return (
@@ -194,7 +214,9 @@ def _mesh_with_doubled_element(
     )
 
 
-def _mesh_without_group(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+def _mesh_with_missing_group(
+    rng: random.Random, points: Any, cells: Any, at: Any, on: Any
+) -> SpoiledMesh:
     """The mesh with one of its groups removed or emptied."""
     data, name = rng.choice(
         [(at, "lining"), (at, "shoe"), (on, "contact"), (on, "hinge"), (on, "actuation")]
@@ -208,7 +230,7 @@ def _mesh_without_group(rng: random.Random, points: Any, cells: Any, at: Any, on
 
 def _mesh_with_wrong_groups(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> Spoiled:
+) -> SpoiledMesh:
     """The mesh with a random element in no group of elements, or in all of them."""
     i, value = rng.randrange(len(cells)), rng.randrange(2)
     for values in at.values():
@@ -216,12 +238,16 @@ def _mesh_with_wrong_groups(
     return points, cells, at, on
 
 
-def _mesh_in_other_unit(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+def _mesh_in_other_length_unit(
+    rng: random.Random, points: Any, cells: Any, at: Any, on: Any
+) -> SpoiledMesh:
     """The mesh with its coordinates in another unit of length: mm, km or inches for metres."""
     return points * rng.choice([1e3, 1e-3, 25.4]), cells, at, on
 
 
-def _mesh_off_plane(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+def _mesh_with_point_off_plane(
+    rng: random.Random, points: Any, cells: Any, at: Any, on: Any
+) -> SpoiledMesh:
     """The mesh with a random point moved off the plane by 0.01 m."""
     points[rng.randrange(len(points)), 2] = 0.01
     return points, cells, at, on
@@ -229,7 +255,7 @@ def _mesh_off_plane(rng: random.Random, points: Any, cells: Any, at: Any, on: An
 
 def _mesh_with_missing_node(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> Spoiled:
+) -> SpoiledMesh:
     """The mesh with a random element that refers to a node that does not exist."""
     cells[rng.randrange(len(cells)), rng.randrange(cells.shape[1])] = rng.choice(
         [-1, len(points), 2**40]
@@ -239,23 +265,23 @@ def _mesh_with_missing_node(
 
 def _mesh_with_far_middle_node(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> Spoiled:
+) -> SpoiledMesh:
     """The mesh with the middle node of an edge moved far away, so that an element folds over."""
     points[cells[rng.randrange(len(cells)), rng.randrange(3, 6)], :2] += 0.2
     return points, cells, at, on
 
 
-SPOILS: dict[str, Callable[..., Spoiled]] = {
+MESH_SPOILERS: dict[str, Callable[..., SpoiledMesh]] = {
     "inverted element": _mesh_with_inverted_element,
     "disconnected parts": _mesh_torn_in_two,
     "doubled node": _mesh_with_doubled_node,
     "NaN or infinity": _mesh_with_infinite_coordinate,
     "folded": _mesh_with_folded_corner,
     "doubled element": _mesh_with_doubled_element,
-    "group missing": _mesh_without_group,
+    "group missing": _mesh_with_missing_group,
     "element in no group or in two": _mesh_with_wrong_groups,
-    "another unit": _mesh_in_other_unit,
-    "not plane": _mesh_off_plane,
+    "another unit": _mesh_in_other_length_unit,
+    "not plane": _mesh_with_point_off_plane,
     "undefined node": _mesh_with_missing_node,
     "middle node far off": _mesh_with_far_middle_node,
 }

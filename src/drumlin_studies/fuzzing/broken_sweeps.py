@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from drumlin.studies import REPOSITORY
-from drumlin_studies.fuzzing.broken_meshes import sound_mesh_files
+from drumlin_studies.fuzzing.broken_meshes import valid_mesh_files_by_suffix
 from drumlin_studies.fuzzing.inputs import (
     FEW_ELEMENTS,
     SOUND_BRAKES,
     BrokenInput,
-    add_noise,
-    brake_text,
+    bytes_with_random_noise,
+    content_of_brake_file,
     data_as_toml,
 )
 from drumlin_studies.fuzzing.wrong_values import (
@@ -93,16 +93,16 @@ DISTRIBUTION_NAMES = (
 
 
 @cache
-def sound_table_and_journal() -> tuple[bytes, bytes]:
+def table_and_journal_of_valid_sweep() -> tuple[bytes, bytes]:
     """The table and the journal that the valid sweep SOUND_SWEEP writes."""
-    from drumlin.cli.process import run  # noqa: PLC0415
+    from drumlin.cli.process import run_command_line  # noqa: PLC0415
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for file, data in sound_sweep_files().items():
+        for file, data in files_of_valid_sweep().items():
             (folder / file).write_bytes(data)
         with contextlib.redirect_stdout(io.StringIO()):
-            run(
+            run_command_line(
                 [
                     "sweep",
                     str(folder / "s.toml"),
@@ -115,16 +115,16 @@ def sound_table_and_journal() -> tuple[bytes, bytes]:
         return (folder / SWEEP_TABLE).read_bytes(), (folder / SWEEP_JOURNAL).read_bytes()
 
 
-def sound_sweep_files() -> dict[str, bytes]:
+def files_of_valid_sweep() -> dict[str, bytes]:
     """The valid sweep file SOUND_SWEEP and its brake file, by file name."""
-    return {"b.toml": brake_text(SOUND_BRAKES[0]), "s.toml": SOUND_SWEEP.encode()}
+    return {"b.toml": content_of_brake_file(SOUND_BRAKES[0]), "s.toml": SOUND_SWEEP.encode()}
 
 
-def make_broken_sweep(rng: random.Random) -> BrokenInput:
+def make_input_with_broken_sweep(rng: random.Random) -> BrokenInput:
     """An input of `drumlin sweep` whose file has wrong values or keys, or broken bytes."""
     # Three in ten files have broken bytes; the others are valid TOML with wrong keys or values.
     if rng.random() < 0.3:
-        text = add_noise(rng, SOUND_SWEEP.encode(), WRONG_WORDS)
+        text = bytes_with_random_noise(rng, SOUND_SWEEP.encode(), WRONG_WORDS)
     else:
         data: dict[str, Any] = {
             "brake": "b.toml",
@@ -134,35 +134,37 @@ def make_broken_sweep(rng: random.Random) -> BrokenInput:
             "vary": {"friction": rng.choice([[0.1, 0.3], {"from": 0.1, "to": 0.4, "count": 3}])},
         }
         if rng.random() < 0.7:
-            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = _random_varied_values(rng)
+            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = _random_values_to_vary(rng)
         if rng.random() < 0.4:
             data[rng.choice(["seed", "cases", "combine", "brake", "model", "title", "x"])] = (
                 rng.choice([random_toml_value(rng), 3, "zip", "grid", 1])
             )
         text = data_as_toml(data)
     return BrokenInput(
-        "sweep file", {"b.toml": brake_text(SOUND_BRAKES[0]), "s.toml": text}, SWEEP_WORDS
+        "sweep file",
+        {"b.toml": content_of_brake_file(SOUND_BRAKES[0]), "s.toml": text},
+        SWEEP_WORDS,
     )
 
 
-def make_changed_sweep(rng: random.Random) -> BrokenInput:
+def make_input_with_changed_sweep(rng: random.Random) -> BrokenInput:
     """An input of `drumlin sweep`: a small sweep of the studies with one to three wrong changes."""
-    data = _small_sweep_data(rng)
+    data = _random_small_sweep_data(rng)
     for _ in range(rng.choice([1, 1, 2, 3])):
-        table = _random_table_of(rng, data)
+        table = _random_table_in_sweep_data(rng, data)
         kind = rng.random()
         key = rng.choice([*table, "seed", "cases", "combine"])
         if kind < 0.1:
             table.pop(key, None)
         elif kind < 0.5 and isinstance(data.get("vary"), dict):
-            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = _random_varied_values(rng)
+            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = _random_values_to_vary(rng)
         elif key in SWEEP_LENGTH_KEYS:
             table[key] = rng.choice(WRONG_LENGTHS)
         else:
             table[key] = random_toml_value(rng)
     files = {
-        "b.toml": brake_text(SOUND_BRAKES[0]),
-        "m.msh": sound_mesh_files()[".msh"],
+        "b.toml": content_of_brake_file(SOUND_BRAKES[0]),
+        "m.msh": valid_mesh_files_by_suffix()[".msh"],
         "s.toml": data_as_toml(data),
     }
     return BrokenInput("sweep file of a study", files, SWEEP_WORDS)
@@ -188,7 +190,7 @@ WRONG_LENGTHS: tuple[Any, ...] = (
 """Values for the keys SWEEP_LENGTH_KEYS: small numbers, wrong types, and too large numbers."""
 
 
-def _small_sweep_data(rng: random.Random) -> dict[str, Any]:
+def _random_small_sweep_data(rng: random.Random) -> dict[str, Any]:
     """The data of a random sweep file of the studies, with few cases and elements.
 
     One of the choices is a sweep over mesh files, which no study has.
@@ -209,7 +211,7 @@ def _small_sweep_data(rng: random.Random) -> dict[str, Any]:
     return data | {"brake": "b.toml", "model": {"fem": {"elements": int(FEW_ELEMENTS)}, "sine": {}}}
 
 
-def _random_table_of(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]:
+def _random_table_in_sweep_data(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]:
     """A random table of the sweep file's data: the whole data or a table inside them."""
     table = data
     while rng.random() < 0.7:
@@ -220,7 +222,7 @@ def _random_table_of(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]
     return table
 
 
-def _random_varied_values(rng: random.Random) -> Any:
+def _random_values_to_vary(rng: random.Random) -> Any:
     """Random values for a key under `vary`: a list, a range or a distribution, valid or not."""
     # Values come from one pool: numbers, forces, lengths, or wrong ones.
     pool = rng.choice(
@@ -254,12 +256,14 @@ def _random_varied_values(rng: random.Random) -> Any:
     )
 
 
-def make_damaged_journal(rng: random.Random) -> BrokenInput:
+def make_input_with_damaged_journal(rng: random.Random) -> BrokenInput:
     """An input of `drumlin sweep`: the valid sweep, beside which lies a damaged journal."""
-    return damage_journal(rng, *sound_table_and_journal())
+    return input_with_random_journal_damage(rng, *table_and_journal_of_valid_sweep())
 
 
-def damage_journal(rng: random.Random, table: bytes, journal: bytes) -> BrokenInput:
+def input_with_random_journal_damage(
+    rng: random.Random, table: bytes, journal: bytes
+) -> BrokenInput:
     """An input of `drumlin sweep` with a journal in which bytes are flipped, lost or doubled.
 
     The sweep must write the same table as without a journal, whatever the damage is.
@@ -290,7 +294,7 @@ def damage_journal(rng: random.Random, table: bytes, journal: bytes) -> BrokenIn
             break
     return BrokenInput(
         "journal",
-        sound_sweep_files() | {SWEEP_JOURNAL: bytes(data)},
+        files_of_valid_sweep() | {SWEEP_JOURNAL: bytes(data)},
         SWEEP_WORDS,
         {SWEEP_TABLE: table},
     )

@@ -24,7 +24,7 @@ from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.base.errors import ended
+from drumlin.base.errors import run_and_return_exit_status
 from drumlin_studies.fuzzing.inputs import BrokenInput
 
 LONGEST_RUN = 10.0
@@ -55,7 +55,7 @@ class Ending(NamedTuple):
     seconds: float
 
 
-def write_input_files(given: BrokenInput, folder: Path) -> None:
+def write_files_of_broken_input(given: BrokenInput, folder: Path) -> None:
     """Write the files of an input into a folder, with a subfolder and links beside them.
 
     Paths on the command line may name the subfolder or a link.
@@ -68,7 +68,7 @@ def write_input_files(given: BrokenInput, folder: Path) -> None:
     (folder / "hard.json").hardlink_to(folder / "b.toml")
 
 
-def read_written_files(folder: Path, given: BrokenInput) -> dict[str, bytes]:
+def contents_of_written_files(folder: Path, given: BrokenInput) -> dict[str, bytes]:
     """The contents, by name, of the files that a run has added or changed in a folder."""
     found = {}
     for path in sorted(folder.rglob("*")):
@@ -80,18 +80,18 @@ def read_written_files(folder: Path, given: BrokenInput) -> dict[str, bytes]:
     return found
 
 
-def run_in_this_process(given: BrokenInput) -> Ending:
+def run_input_in_this_process(given: BrokenInput) -> Ending:
     """Run the command line of an input in this process; returns how the run ended.
 
     This is faster than a new process, but an endless loop in a library cannot be stopped.
     """
-    from drumlin.cli.process import run  # noqa: PLC0415
+    from drumlin.cli.process import run_command_line  # noqa: PLC0415
 
     before = Path.cwd()
     out, err = io.StringIO(), io.StringIO()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        write_input_files(given, folder)
+        write_files_of_broken_input(given, folder)
         os.chdir(folder)
         start = time.process_time()
         try:
@@ -104,12 +104,16 @@ def run_in_this_process(given: BrokenInput) -> Ending:
                 warnings.simplefilter("error")
                 # Deprecated calls of one library by another one are no fault of drumlin.
                 warnings.filterwarnings("ignore", category=DeprecationWarning, module="(?!drumlin)")
-                status = ended(lambda: run(given.words))
+                status = run_and_return_exit_status(lambda: run_command_line(given.words))
         finally:
             os.chdir(before)
         seconds = time.process_time() - start
         return Ending(
-            status, out.getvalue(), err.getvalue(), read_written_files(folder, given), seconds
+            status,
+            out.getvalue(),
+            err.getvalue(),
+            contents_of_written_files(folder, given),
+            seconds,
         )
 
 
@@ -121,7 +125,7 @@ class RunTooLong(BaseException):
 def _limit_run_time() -> Iterator[None]:
     """Raise RunTooLong in a `with` block that takes too much processor time or wall-clock time."""
 
-    def raise_too_long(*_: object) -> None:
+    def raise_run_too_long(*_: object) -> None:
         """Raise RunTooLong when a timer ends."""
         raise RunTooLong
 
@@ -130,7 +134,7 @@ def _limit_run_time() -> Iterator[None]:
         (signal.ITIMER_PROF, signal.SIGPROF, 1.5 * LONGEST_RUN),
         (signal.ITIMER_REAL, signal.SIGALRM, LONGEST_WAIT),
     )
-    before = [(sign, signal.signal(sign, raise_too_long)) for _, sign, _ in timers]
+    before = [(sign, signal.signal(sign, raise_run_too_long)) for _, sign, _ in timers]
     for timer, _, seconds in timers:
         signal.setitimer(timer, seconds)
     try:
@@ -142,7 +146,7 @@ def _limit_run_time() -> Iterator[None]:
             signal.signal(sign, handler)
 
 
-def run_in_subprocess(given: BrokenInput, **more: Any) -> Ending:
+def run_input_in_subprocess(given: BrokenInput, **more: Any) -> Ending:
     """Run the command line of an input in a new process; returns how the run ended.
 
     `more` are further arguments of subprocess.run.
@@ -150,7 +154,7 @@ def run_in_subprocess(given: BrokenInput, **more: Any) -> Ending:
     command = [sys.executable, "-c", "from drumlin.cli import main; main()"]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        write_input_files(given, folder)
+        write_files_of_broken_input(given, folder)
         start = _children_processor_time()
         words = [os.fsencode(word) for word in given.words]
         try:
@@ -166,7 +170,7 @@ def run_in_subprocess(given: BrokenInput, **more: Any) -> Ending:
             return Ending(-1, "", "no end", {}, LONGEST_WAIT)
         seconds = _children_processor_time() - start
         out, err = (text.decode(errors="replace") for text in (done.stdout, done.stderr))
-        return Ending(done.returncode, out, err, read_written_files(folder, given), seconds)
+        return Ending(done.returncode, out, err, contents_of_written_files(folder, given), seconds)
 
 
 def _children_processor_time() -> float:
@@ -182,7 +186,7 @@ _NOT_FINITE = re.compile(r"(?<![\w'\"/.-])[-+]?(?:nan|inf|NaN|Infinity)(?![\w'\"
 """Pattern of a number in a text that is not finite; words and paths with "nan" do not match."""
 
 
-def find_fault(given: BrokenInput, end: Ending) -> str:
+def describe_fault_of_run(given: BrokenInput, end: Ending) -> str:
     """The fault with which the run of an input ended, as text, or "" if it ended well."""
     if end.seconds > LONGEST_RUN:
         return f"took {end.seconds:.0f} s"
@@ -192,7 +196,11 @@ def find_fault(given: BrokenInput, end: Ending) -> str:
         control = re.search(r"[^\n -~\u00a0-\U0010ffff]", getattr(end, name))
         if control:
             return f"control character {control.group()!r} in std{name}"
-    return _find_fault_of_refusal(end) if end.status else _find_fault_of_answer(given, end)
+    return (
+        _describe_fault_of_refused_run(end)
+        if end.status
+        else _describe_fault_of_successful_run(given, end)
+    )
 
 
 KEPT_FILES = ("m/", "m.", "t.csv")
@@ -204,7 +212,7 @@ _NOTES = re.compile(r"(?:drumlin: t\.csv\.journal: [^\n]*\n)*")
 """Pattern of the lines by which a sweep reports a repaired journal."""
 
 
-def _find_fault_of_refusal(end: Ending) -> str:
+def _describe_fault_of_refused_run(end: Ending) -> str:
     """The fault of a run with exit status 2 or 3, as text, or "" if it ended well."""
     said = _NOTES.sub("", end.err, count=1)
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
@@ -217,18 +225,18 @@ def _find_fault_of_refusal(end: Ending) -> str:
     return ""
 
 
-def _find_fault_of_answer(given: BrokenInput, end: Ending) -> str:
+def _describe_fault_of_successful_run(given: BrokenInput, end: Ending) -> str:
     """The fault of a run with exit status 0, as text, or "" if it ended well."""
     if not _NOTES.fullmatch(end.err):
         return f"an answer with {end.err[:200]!r} in stderr"
     if given.must_fail:
         return "an answer of an input that has none"
-    names = _odd_shoe_names(given)
+    names = _shoe_names_like_non_finite_numbers(given)
     # The title of the brake and the names of shoes may be any text: they are left out.
     _, _, numbers = end.out.partition(", drum turns")
     numbers = reduce(lambda text, name: text.replace(name, "_"), names, numbers or end.out)
     if _NOT_FINITE.search(numbers):
-        return f"not finite: {_text_around_bad_number(numbers)}"
+        return f"not finite: {_text_around_non_finite_number(numbers)}"
     if any(end.written.get(name) != data for name, data in given.right.items()):
         return f"not the right {', '.join(given.right)}"
     if set(end.written) & {name for name in given.files if name not in {"r.csv", "t.csv.journal"}}:
@@ -237,13 +245,13 @@ def _find_fault_of_answer(given: BrokenInput, end: Ending) -> str:
         (
             why
             for name, data in end.written.items()
-            if (why := _find_fault_of_file(name, data, names))
+            if (why := _describe_fault_of_written_file(name, data, names))
         ),
         "",
     )
 
 
-def _odd_shoe_names(given: BrokenInput) -> list[str]:
+def _shoe_names_like_non_finite_numbers(given: BrokenInput) -> list[str]:
     """Names of shoes in the brake file that look like an infinite number, such as "inf mm"."""
     try:
         shoes = tomllib.loads(given.files.get("b.toml", b"").decode()).get("shoe", [])
@@ -253,7 +261,7 @@ def _odd_shoe_names(given: BrokenInput) -> list[str]:
     return [name for name in names if _NOT_FINITE.search(name)]
 
 
-def _text_around_bad_number(text: str) -> str:
+def _text_around_non_finite_number(text: str) -> str:
     """The part of a text around its first number that is not finite; "" if all are finite."""
     match = _NOT_FINITE.search(text)
     return (
@@ -263,7 +271,7 @@ def _text_around_bad_number(text: str) -> str:
     )
 
 
-def _find_fault_of_file(name: str, data: bytes, names: Sequence[str]) -> str:
+def _describe_fault_of_written_file(name: str, data: bytes, names: Sequence[str]) -> str:
     """The fault of a file that a run has written, as text, or "" if it has none.
 
     Parameters
@@ -279,7 +287,7 @@ def _find_fault_of_file(name: str, data: bytes, names: Sequence[str]) -> str:
         return f"a temporary file is left: {name}"
     if data.startswith(b"{") and ".journal" not in name:
         try:
-            json.loads(data, parse_constant=_refuse_constant)
+            json.loads(data, parse_constant=_refuse_non_finite_json_word)
         except ValueError as error:
             return f"{name}: {error}"
     if data.startswith((b"shoe,", b"case,")):
@@ -291,6 +299,6 @@ def _find_fault_of_file(name: str, data: bytes, names: Sequence[str]) -> str:
     return ""
 
 
-def _refuse_constant(word: str) -> float:
+def _refuse_non_finite_json_word(word: str) -> float:
     """Raise ValueError for the word NaN or Infinity, which Python's JSON reader would accept."""
     raise ValueError(f"holds {word}")

@@ -18,13 +18,13 @@ from typing import Any
 from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.studies import REPOSITORY
-from drumlin_studies.fuzzing.broken_meshes import brake_file_with_mesh, sound_mesh_files
+from drumlin_studies.fuzzing.broken_meshes import brake_file_with_mesh, valid_mesh_files_by_suffix
 from drumlin_studies.fuzzing.inputs import (
     FEW_ELEMENTS,
     SOUND_BRAKES,
     BrokenInput,
-    add_noise,
-    brake_text,
+    bytes_with_random_noise,
+    content_of_brake_file,
     data_as_toml,
 )
 from drumlin_studies.fuzzing.wrong_values import (
@@ -34,9 +34,9 @@ from drumlin_studies.fuzzing.wrong_values import (
     WRONG_PATHS,
     WRONG_TEXTS,
     WRONG_WORDS,
-    places_by_schema,
     random_toml_value,
     random_value_near_type,
+    tables_and_keys_by_schema,
 )
 
 REFERENCE_FILE = "reports/reference/values/double_shoe_brake.json"
@@ -44,33 +44,35 @@ REFERENCE_FILE = "reports/reference/values/double_shoe_brake.json"
 
 
 @cache
-def reference_file_text() -> bytes:
+def content_of_reference_file() -> bytes:
     """The content of the file of reference values of the double-shoe brake."""
     return (REPOSITORY / REFERENCE_FILE).read_bytes()
 
 
 @cache
-def pressure_table_text() -> bytes:
+def csv_table_of_pressures() -> bytes:
     """A CSV table of p(theta) of the double-shoe brake, as a user gives it to `drumlin check`."""
     from drumlin.models import MODELS  # noqa: PLC0415
-    from drumlin.verification.check import curves_text  # noqa: PLC0415
+    from drumlin.verification.check import pressure_curves_as_csv  # noqa: PLC0415
 
     brake = read_any(REPOSITORY / "studies" / f"{SOUND_BRAKES[0]}.toml")
-    return curves_text(MODELS["fem"].solve(brake, elements=12)).encode()
+    return pressure_curves_as_csv(MODELS["fem"].solve(brake, elements=12)).encode()
 
 
-def make_broken_bytes(rng: random.Random) -> BrokenInput:
+def make_input_with_broken_bytes(rng: random.Random) -> BrokenInput:
     """An input whose brake file has broken bytes."""
-    text = add_noise(rng, brake_text(rng.choice(SOUND_BRAKES)), WRONG_WORDS)
-    return BrokenInput("brake file: bytes", {"b.toml": text}, _random_solving_command(rng))
+    text = bytes_with_random_noise(
+        rng, content_of_brake_file(rng.choice(SOUND_BRAKES)), WRONG_WORDS
+    )
+    return BrokenInput("brake file: bytes", {"b.toml": text}, _words_of_random_solve_command(rng))
 
 
-def make_scaled_quantities(rng: random.Random) -> BrokenInput:
+def make_input_with_scaled_quantities(rng: random.Random) -> BrokenInput:
     """An input whose brake file has one to four quantities multiplied by random factors.
 
     The file often still describes a valid but extreme brake.
     """
-    text = brake_text(rng.choice(SOUND_BRAKES)).decode()
+    text = content_of_brake_file(rng.choice(SOUND_BRAKES)).decode()
     # A number that is followed by a unit or that ends its value.
     number = r"(?<![\w.])(-?\d[\d.]*)(?= \w+\"|\s*(?:[,}#]|$))"
     places = list(re.finditer(number, text, re.MULTILINE))
@@ -81,18 +83,20 @@ def make_scaled_quantities(rng: random.Random) -> BrokenInput:
         size = rng.choice(sizes)
         value = float(place[1]) * size * rng.choice([1, 1, 1, -1])
         text = text[: place.start()] + f"{value:.9g}" + text[place.end() :]
-    return BrokenInput("brake file: sizes", {"b.toml": text.encode()}, _random_solving_command(rng))
+    return BrokenInput(
+        "brake file: sizes", {"b.toml": text.encode()}, _words_of_random_solve_command(rng)
+    )
 
 
-def make_wrong_values(rng: random.Random) -> BrokenInput:
+def make_input_with_wrong_values(rng: random.Random) -> BrokenInput:
     """An input whose brake file has random values for one to three keys that a brake file may have.
 
     The keys may be ones that the file did not have.
     """
-    data = tomllib.loads(brake_text(rng.choice(SOUND_BRAKES)).decode())
+    data = tomllib.loads(content_of_brake_file(rng.choice(SOUND_BRAKES)).decode())
     # A change may remove a key, add an unknown one, or give a key another value.
     for _ in range(rng.choice([1, 1, 2, 3])):
-        places = list(places_by_schema(Brake.shape_of(data), data))
+        places = list(tables_and_keys_by_schema(Brake.brake_class_for_file_data(data), data))
         table, key, annotation = rng.choice(places)
         if not isinstance(table, dict):
             continue
@@ -103,11 +107,11 @@ def make_wrong_values(rng: random.Random) -> BrokenInput:
         else:
             table[key] = random_value_near_type(rng, annotation, table.get(key))
     return BrokenInput(
-        "brake file: schema", {"b.toml": data_as_toml(data)}, _random_solving_command(rng)
+        "brake file: schema", {"b.toml": data_as_toml(data)}, _words_of_random_solve_command(rng)
     )
 
 
-def _random_solving_command(rng: random.Random) -> list[str]:
+def _words_of_random_solve_command(rng: random.Random) -> list[str]:
     """The words of a random command line that reads the brake file, mostly `drumlin solve`."""
     model = rng.choice(
         [
@@ -135,9 +139,9 @@ def _random_solving_command(rng: random.Random) -> list[str]:
     return [*words, "--model", model]
 
 
-def make_broken_mesh(rng: random.Random) -> BrokenInput:
+def make_input_with_broken_mesh(rng: random.Random) -> BrokenInput:
     """An input whose mesh file has broken bytes or a wrong number, is cut off, or mislabelled."""
-    files = sound_mesh_files()
+    files = valid_mesh_files_by_suffix()
     suffix = rng.choice([".msh", ".inp", ".vtu"])
     data = files[suffix]
     what = rng.randrange(6)
@@ -161,7 +165,7 @@ def make_broken_mesh(rng: random.Random) -> BrokenInput:
     elif what == 4 and suffix == ".inp":
         data += rng.choice(INP_ENDS)
     else:
-        data = add_noise(rng, data, WRONG_WORDS)
+        data = bytes_with_random_noise(rng, data, WRONG_WORDS)
     text = brake_file_with_mesh(files["brake"], f"m{suffix}")
     contents = {"b.toml": text, f"m{suffix}": data}
     words = ["solve", "b.toml", "--json", "r.json"]
@@ -180,15 +184,15 @@ INP_ENDS = (
 """Lines appended to a mesh file .inp: huge sets, sets that contain themselves, wrong keywords."""
 
 
-def make_broken_reference(rng: random.Random) -> BrokenInput:
+def make_input_with_broken_reference(rng: random.Random) -> BrokenInput:
     """An input of `drumlin check` whose reference values have wrong types or broken bytes."""
-    text = reference_file_text()
+    text = content_of_reference_file()
     if rng.random() < 0.4:
-        text = add_noise(rng, text, WRONG_WORDS)
+        text = bytes_with_random_noise(rng, text, WRONG_WORDS)
     else:
         data = json.loads(text)
         for _ in range(rng.choice([1, 1, 2])):
-            places = list(_places_in_nested_data(data))
+            places = list(_tables_and_keys_in_nested_data(data))
             owner, key = rng.choice(places)
             value = rng.choice(
                 [
@@ -210,16 +214,16 @@ def make_broken_reference(rng: random.Random) -> BrokenInput:
                 owner[key] = value
         text = json.dumps(data).encode()
     files = {
-        "b.toml": brake_text(SOUND_BRAKES[0]),
+        "b.toml": content_of_brake_file(SOUND_BRAKES[0]),
         "ref.json": text,
-        "r.csv": pressure_table_text(),
+        "r.csv": csv_table_of_pressures(),
     }
     return BrokenInput(
         "reference values", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"]
     )
 
 
-def _places_in_nested_data(data: Any) -> Iterator[tuple[Any, Any]]:
+def _tables_and_keys_in_nested_data(data: Any) -> Iterator[tuple[Any, Any]]:
     """Yield each table or list of nested data with each of its keys or indices.
 
     In a list of tables or lists, only the first three places below it are taken.
@@ -227,16 +231,16 @@ def _places_in_nested_data(data: Any) -> Iterator[tuple[Any, Any]]:
     for key, value in list(data.items() if isinstance(data, dict) else enumerate(data)):
         yield data, key
         if isinstance(value, dict):
-            yield from _places_in_nested_data(value)
+            yield from _tables_and_keys_in_nested_data(value)
         elif isinstance(value, list) and value:
-            yield from list(_places_in_nested_data(value))[:3]
+            yield from list(_tables_and_keys_in_nested_data(value))[:3]
 
 
-def make_broken_table(rng: random.Random) -> BrokenInput:
+def make_input_with_broken_pressure_table(rng: random.Random) -> BrokenInput:
     """An input of `drumlin check` whose table of p(theta) has wrong cells or broken bytes."""
-    text = pressure_table_text()
+    text = csv_table_of_pressures()
     if rng.random() < 0.5:
-        text = add_noise(rng, text, WRONG_WORDS)
+        text = bytes_with_random_noise(rng, text, WRONG_WORDS)
     else:
         rows = list(csv.reader(io.StringIO(text.decode())))
         for _ in range(rng.choice([1, 1, 3])):
@@ -248,8 +252,8 @@ def make_broken_table(rng: random.Random) -> BrokenInput:
         csv.writer(buffer).writerows(rows)
         text = buffer.getvalue().encode(errors="replace")
     files = {
-        "b.toml": brake_text(SOUND_BRAKES[0]),
-        "ref.json": reference_file_text(),
+        "b.toml": content_of_brake_file(SOUND_BRAKES[0]),
+        "ref.json": content_of_reference_file(),
         "r.csv": text,
     }
     return BrokenInput(
@@ -260,12 +264,12 @@ def make_broken_table(rng: random.Random) -> BrokenInput:
 SLOW_COMMANDS = {"study", "sweep", "reference", "cost", "compare", "hold", "explore"}
 """Commands that take long or run until they are stopped.
 
-They are only run with wrong options, by `make_wrong_command`, so that they end at once.
+They are only run with wrong options, by `make_input_with_wrong_command`, so that they end at once.
 """
 
 
 @cache
-def _drumlin_commands() -> dict[str, Any]:
+def _drumlin_commands_by_name() -> dict[str, Any]:
     """The commands of drumlin's command line, by name, as objects of the library typer."""
     from typer.main import get_command  # noqa: PLC0415
 
@@ -274,9 +278,9 @@ def _drumlin_commands() -> dict[str, Any]:
     return dict(vars(get_command(app))["commands"])
 
 
-def make_random_command(rng: random.Random) -> BrokenInput:
+def make_input_with_random_command(rng: random.Random) -> BrokenInput:
     """An input that is a random command of drumlin with random values of its options."""
-    commands = _drumlin_commands()
+    commands = _drumlin_commands_by_name()
     name = rng.choice([name for name in commands if name not in SLOW_COMMANDS - {"hold"}])
     words = [name, "b.toml"]
     chosen = {}
@@ -285,7 +289,7 @@ def make_random_command(rng: random.Random) -> BrokenInput:
         required = option.param_type_name == "argument" or option.name == "to"
         if option.name in {"brake_file", "brake_files"} or (not required and rng.random() < 0.65):
             continue
-        value = _random_option_word(rng, option)
+        value = _random_word_for_option(rng, option)
         if option.param_type_name == "argument":
             words.append(str(value))
         else:
@@ -296,16 +300,18 @@ def make_random_command(rng: random.Random) -> BrokenInput:
         if chosen.get("model", ["", "fem"])[1] != "fem":
             del chosen["elements"]
     files = {
-        "b.toml": brake_text(rng.choice([SOUND_BRAKES[0], SOUND_BRAKES[0], *SOUND_BRAKES])),
-        "r.csv": pressure_table_text(),
-        "ref.json": reference_file_text(),
+        "b.toml": content_of_brake_file(
+            rng.choice([SOUND_BRAKES[0], SOUND_BRAKES[0], *SOUND_BRAKES])
+        ),
+        "r.csv": csv_table_of_pressures(),
+        "ref.json": content_of_reference_file(),
     }
     for option in chosen.values():
         words += option
     return BrokenInput(f"command line: {name}", files, words)
 
 
-def _random_option_word(rng: random.Random, option: Any) -> str | None:
+def _random_word_for_option(rng: random.Random, option: Any) -> str | None:
     """A random word as the value of an option, chosen by its name and type; None for a flag."""
     if getattr(option, "is_flag", False) or getattr(option, "is_bool_flag", False):
         return None
@@ -326,19 +332,21 @@ def _random_option_word(rng: random.Random, option: Any) -> str | None:
     return rng.choice(pool if rng.random() < 0.95 else WRONG_WORDS)
 
 
-def make_wrong_command(rng: random.Random) -> BrokenInput:
+def make_input_with_wrong_command(rng: random.Random) -> BrokenInput:
     """An input whose command line is not valid: random words after the name of a command."""
-    name = rng.choice([*_drumlin_commands(), "", "x", "--help", "--version", "-h", "--bad"])
+    name = rng.choice([*_drumlin_commands_by_name(), "", "x", "--help", "--version", "-h", "--bad"])
     words = [name] + [
         rng.choice([*WRONG_WORDS, *WRONG_PATHS, "--json", "--elements", "--bad"])
         for _ in range(rng.choice([0, 1, 2]))
     ]
     if name in SLOW_COMMANDS:
         words += ["--nope"]
-    return BrokenInput("command line: words", {"b.toml": brake_text(SOUND_BRAKES[0])}, words)
+    return BrokenInput(
+        "command line: words", {"b.toml": content_of_brake_file(SOUND_BRAKES[0])}, words
+    )
 
 
-def shown_command_line(given: BrokenInput) -> str:
+def command_line_as_text(given: BrokenInput) -> str:
     """The command line of an input as text for people: long words are cut, odd words quoted."""
     safe = set(string.ascii_letters + string.digits + "-_./=")
     cut = [word if len(word) < 40 else word[:20] + f"...({len(word)})" for word in given.words]

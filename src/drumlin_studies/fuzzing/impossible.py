@@ -7,13 +7,13 @@ from functools import cache
 from typing import Any
 
 from drumlin.brake.plane_brake import read_any
-from drumlin.models import applicable
+from drumlin.models import applicable_models
 from drumlin.studies import REPOSITORY
 from drumlin_studies.fuzzing.inputs import (
     FEW_ELEMENTS,
     SOUND_BRAKES,
     BrokenInput,
-    brake_text,
+    content_of_brake_file,
     data_as_toml,
 )
 
@@ -32,26 +32,26 @@ WRONG_TYPES: tuple[Any, ...] = (
 """Values that every key of a brake file must refuse, except titles and names."""
 
 
-def make_broken_structure(rng: random.Random) -> BrokenInput:
+def make_input_with_broken_structure(rng: random.Random) -> BrokenInput:
     """An input whose brake file has a renamed key or a value of a wrong type."""
     name = rng.choice(SOUND_BRAKES)
-    data = tomllib.loads(brake_text(name).decode())
+    data = tomllib.loads(content_of_brake_file(name).decode())
     # Titles and names are left out, since any text is valid for them.
-    keyed = [place for place in _places_of_leaf_values(data) if isinstance(place[-1], str)]
+    keyed = [place for place in _paths_of_leaf_values(data) if isinstance(place[-1], str)]
     named = [place for place in keyed if place[-1] not in {"title", "name"}]
     *parents, key = rng.choice(named)
-    owner = _value_at_place(data, tuple(parents))
+    owner = _value_at_path(data, tuple(parents))
     if rng.random() < 0.5:
         owner[key + rng.choice(["_", "x", " "])] = owner.pop(key)
     else:
         owner[key] = rng.choice(WRONG_TYPES)
-    return _solve_of_broken_file(rng, "brake file: structure", name, data_as_toml(data))
+    return _input_with_broken_brake_file(rng, "brake file: structure", name, data_as_toml(data))
 
 
-def make_huge_file(rng: random.Random) -> BrokenInput:
+def make_input_with_huge_file(rng: random.Random) -> BrokenInput:
     """An input whose brake file is far too long, too deeply nested, or has too many shoes."""
     name = rng.choice(SOUND_BRAKES)
-    text = brake_text(name).decode()
+    text = content_of_brake_file(name).decode()
     # Functions make the texts, so that only the chosen text takes memory.
     texts: list[Callable[[], str]] = [
         lambda: text + "\nx = " + "[" * 50_000,
@@ -61,10 +61,14 @@ def make_huge_file(rng: random.Random) -> BrokenInput:
         lambda: "\0" * 900_000,
         lambda: text.replace("[[shoe]]", "[[shoe]]\n" * 20_000, 1),
     ]
-    return _solve_of_broken_file(rng, "brake file: huge", name, rng.choice(texts)().encode())
+    return _input_with_broken_brake_file(
+        rng, "brake file: huge", name, rng.choice(texts)().encode()
+    )
 
 
-def _solve_of_broken_file(rng: random.Random, kind: str, name: str, text: bytes) -> BrokenInput:
+def _input_with_broken_brake_file(
+    rng: random.Random, kind: str, name: str, text: bytes
+) -> BrokenInput:
     """An input of `drumlin solve` with a broken brake file and a random model.
 
     The model can solve the valid brake file from which the broken one was made.
@@ -81,31 +85,31 @@ def _solve_of_broken_file(rng: random.Random, kind: str, name: str, text: bytes)
         Content of the broken brake file.
     """
     words = ["solve", "b.toml", "--json", "r.json"]
-    model = rng.choice(_answering_models(name))
+    model = rng.choice(_models_that_can_solve_brake(name))
     words += ["--elements", FEW_ELEMENTS] if model == "fem" else ["--model", model]
     return BrokenInput(kind, {"b.toml": text}, words, must_fail=True)
 
 
 @cache
-def _answering_models(name: str) -> tuple[str, ...]:
+def _models_that_can_solve_brake(name: str) -> tuple[str, ...]:
     """The names of the models that can solve the valid brake file `name` of the studies."""
     brake = read_any(REPOSITORY / "studies" / f"{name}.toml")
-    return tuple(model.name for model in applicable(brake))
+    return tuple(model.name for model in applicable_models(brake))
 
 
-def _places_of_leaf_values(data: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+def _paths_of_leaf_values(data: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
     """Yield the place of each number and text in nested data, as keys and indices from the top."""
     if isinstance(data, dict):
         for key, value in data.items():
-            yield from _places_of_leaf_values(value, (*place, key))
+            yield from _paths_of_leaf_values(value, (*place, key))
     elif isinstance(data, list):
         for i, value in enumerate(data):
-            yield from _places_of_leaf_values(value, (*place, i))
+            yield from _paths_of_leaf_values(value, (*place, i))
     else:
         yield place
 
 
-def _value_at_place(data: Any, place: tuple[Any, ...]) -> Any:
+def _value_at_path(data: Any, place: tuple[Any, ...]) -> Any:
     """The value in nested data at a place, given as keys and indices from the top."""
     for step in place:
         data = data[step]

@@ -45,19 +45,19 @@ class BrokenInput(NamedTuple):
     must_fail: bool = False
 
 
-class Raw(NamedTuple):
+class UnquotedTomlText(NamedTuple):
     """A text that `data_as_toml` writes without quotes."""
 
     text: str
 
 
 @cache
-def brake_text(name: str) -> bytes:
+def content_of_brake_file(name: str) -> bytes:
     """The content of the brake file `name` of the studies."""
     return (REPOSITORY / "studies" / f"{name}.toml").read_bytes()
 
 
-def add_noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> bytes:
+def bytes_with_random_noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> bytes:
     """A copy of the data with random bytes dropped, doubled, overwritten, reversed or inserted.
 
     `words` are texts that may be inserted, too.
@@ -102,7 +102,7 @@ def _value_as_toml(value: Any) -> str:
         return "[" + ", ".join(map(_value_as_toml, value)) + "]"
     if isinstance(value, bool):
         return str(value).lower()
-    if isinstance(value, Raw):
+    if isinstance(value, UnquotedTomlText):
         return value.text
     return _text_as_toml(value) if isinstance(value, str) else repr(value)
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from drumlin.base.journal import Journal
-from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, brake_text
+from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, content_of_brake_file
 
 KILLED_CASES = 150
 """Number of cases of a sweep that is killed."""
@@ -41,7 +41,7 @@ to = "0.2 mm", each_shoe = true }}
 """Text of the sweep file of the sweeps that are killed."""
 
 
-def killed_sweep_row(case: dict[str, Any]) -> dict[str, Any]:
+def kill_and_finish_one_sweep(case: dict[str, Any]) -> dict[str, Any]:
     """Kill a sweep several times, let it finish, and return a row of a table on how it ended.
 
     `case` holds the `way` to run the sweep, one of RUN_WAYS, the number of `kills`, and the `seed`
@@ -53,13 +53,13 @@ def killed_sweep_row(case: dict[str, Any]) -> dict[str, Any]:
     moments = sorted(rng.sample(range(1, KILLED_CASES - 10), case["kills"]))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "b.toml").write_bytes(brake_text(SOUND_BRAKES[0]))
+        (folder / "b.toml").write_bytes(content_of_brake_file(SOUND_BRAKES[0]))
         (folder / "s.toml").write_text(KILLED_SWEEP, encoding="utf-8")
-        whole = _finish_sweep(folder, "whole.csv", ["--jobs", "1"])
-        with _run_options(case["way"], folder) as words:
-            met = sum(_kill_at_row(moment, folder, words) for moment in moments)
-            table = _finish_sweep(folder, "t.csv", words)
-        keys = _journal_case_keys(folder / "t.csv.journal")
+        whole = _run_sweep_to_its_end(folder, "whole.csv", ["--jobs", "1"])
+        with _options_to_run_sweep(case["way"], folder) as words:
+            met = sum(_kill_sweep_at_row(moment, folder, words) for moment in moments)
+            table = _run_sweep_to_its_end(folder, "t.csv", words)
+        keys = _case_keys_in_journal(folder / "t.csv.journal")
     # The final table must be that of the undisturbed run, with each case once in the journal.
     wrong, different = [], len(set(keys))
     if table != whole:
@@ -72,7 +72,7 @@ def killed_sweep_row(case: dict[str, Any]) -> dict[str, Any]:
 
 
 @contextmanager
-def _run_options(way: str, folder: Path) -> Iterator[list[str]]:
+def _options_to_run_sweep(way: str, folder: Path) -> Iterator[list[str]]:
     """The options of `drumlin sweep` for a way to run it, during a `with` block.
 
     For the way "Dask" a scheduler and a worker run on this machine during the block.
@@ -82,7 +82,7 @@ def _run_options(way: str, folder: Path) -> Iterator[list[str]]:
         return
     known = folder / "scheduler.json"
     here = ["--scheduler-file", str(known), "--host", "127.0.0.1", "--no-dashboard"]
-    scheduler = _start_child_process(
+    scheduler = _start_python_process(
         ["-m", "distributed.cli.dask_scheduler", *here, "--port", "0", "--no-show"], folder
     )
     started = [scheduler]
@@ -94,7 +94,7 @@ def _run_options(way: str, folder: Path) -> Iterator[list[str]]:
                 raise RuntimeError("the scheduler has not started")
             time.sleep(0.05)
         started.append(
-            _start_child_process(
+            _start_python_process(
                 ["-m", "distributed.cli.dask_worker", *here, "--nthreads", "1", "--no-nanny"],
                 folder,
             )
@@ -106,7 +106,7 @@ def _run_options(way: str, folder: Path) -> Iterator[list[str]]:
             process.wait()
 
 
-def _start_child_process(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
+def _start_python_process(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
     """Start Python with the given words in a folder; modules are found as in this process."""
     env = os.environ | {
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
@@ -121,25 +121,25 @@ def _start_child_process(words: list[str], folder: Path) -> subprocess.Popen[byt
     )
 
 
-def _start_sweep(folder: Path, output: str, words: list[str]) -> subprocess.Popen[bytes]:
+def _start_sweep_process(folder: Path, output: str, words: list[str]) -> subprocess.Popen[bytes]:
     """Start the sweep of a folder with further options `words`; returns the process."""
-    return _start_child_process(
+    return _start_python_process(
         ["-c", DRUMLIN_PROGRAM, "sweep", "s.toml", "--output", output, *words], folder
     )
 
 
-def _finish_sweep(folder: Path, output: str, words: list[str]) -> bytes:
+def _run_sweep_to_its_end(folder: Path, output: str, words: list[str]) -> bytes:
     """Run the sweep of a folder to its end; returns the table, or the exit status as text."""
-    status = _start_sweep(folder, output, words).wait(RUN_LIMIT)
+    status = _start_sweep_process(folder, output, words).wait(RUN_LIMIT)
     return (folder / output).read_bytes() if status == 0 else f"status {status}".encode()
 
 
-def _kill_at_row(moment: int, folder: Path, words: list[str]) -> bool:
+def _kill_sweep_at_row(moment: int, folder: Path, words: list[str]) -> bool:
     """Start the sweep of a folder and kill it as soon as its journal has `moment` cases.
 
     Returns whether the sweep was still running when it was killed.
     """
-    process, journal = _start_sweep(folder, "t.csv", words), folder / "t.csv.journal"
+    process, journal = _start_sweep_process(folder, "t.csv", words), folder / "t.csv.journal"
     end = time.monotonic() + RUN_LIMIT
     while process.poll() is None and time.monotonic() < end:
         if journal.exists() and journal.read_bytes().count(b"\n") > moment:
@@ -158,27 +158,27 @@ def _wait_for_unlocked_journal(journal: Path) -> None:
     while time.monotonic() < end:
         try:
             with journal.open("ab") as file:
-                _try_lock(file.fileno())
+                _lock_open_file(file.fileno())
             return
         except OSError:
             time.sleep(0.02)
 
 
-def _try_lock(handle: int) -> None:
+def _lock_open_file(handle: int) -> None:
     """Lock an open file. Raises BlockingIOError if another process has locked it."""
     import fcntl  # noqa: PLC0415
 
     fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-def _journal_case_keys(journal: Path) -> list[str]:
+def _case_keys_in_journal(journal: Path) -> list[str]:
     """The keys of the cases in the journal of a sweep, a key for each line below the first."""
     return [
         json.loads(line)["key"] for line in journal.read_text(encoding="utf-8").splitlines()[1:]
     ]
 
 
-def kill_sweeps(
+def kill_and_finish_many_sweeps(
     chains: dict[str, int], kills: int, journal: Journal, say: Callable[[str], None]
 ) -> list[dict[str, Any]]:
     """Kill many sweeps and let them finish; returns a row for each sweep on how it ended.
@@ -200,12 +200,16 @@ def kill_sweeps(
     rows: list[dict[str, Any]] = []
     for case in cases:
         say(f"killing a sweep: {case['way']}, {len(rows) + 1} of {len(cases)}")
-        rows.append(journal.once({"of": "kills", **case}, partial(killed_sweep_row, case)))
+        rows.append(
+            journal.get_or_compute_result(
+                {"of": "kills", **case}, partial(kill_and_finish_one_sweep, case)
+            )
+        )
     return rows
 
 
-def kill_table(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Summarise the rows of `kill_sweeps` in a table with a row for each way to run a sweep.
+def killed_sweeps_summary_rows(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Summarise killed sweeps in a table with a row for each way to run a sweep.
 
     A row counts the sweeps, the kills, the kills that hit a running sweep, and the faults.
     """

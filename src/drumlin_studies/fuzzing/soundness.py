@@ -10,7 +10,7 @@ import numpy as np
 from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.models import MODELS
-from drumlin.response.balance import contact_resultant
+from drumlin.response.balance import resultant_of_contact_on_shoe
 from drumlin.response.response import Response
 from drumlin_studies.fuzzing.inputs import BrokenInput
 
@@ -27,7 +27,7 @@ then off by 1 % each.
 """
 
 
-def find_unsound_answer(given: BrokenInput) -> str:
+def explain_wrong_answer_to_input(given: BrokenInput) -> str:
     """Why the response to an input of `drumlin solve` must be wrong; "" if it may be right.
 
     The brake is read and solved again with the options of the input. Raises the errors of the
@@ -35,22 +35,22 @@ def find_unsound_answer(given: BrokenInput) -> str:
     """
     options: dict[str, Any] = {}
     if "--elements" in given.words:
-        options["elements"] = int(_word_after(given.words, "--elements"))
-    model = _word_after(given.words, "--model") if "--model" in given.words else "fem"
+        options["elements"] = int(_word_after_option(given.words, "--elements"))
+    model = _word_after_option(given.words, "--model") if "--model" in given.words else "fem"
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("error")
         for name, data in given.files.items():
             (Path(folder) / name).write_bytes(data)
         brake = read_any(Path(folder) / "b.toml")
-        return find_unsound_response(brake, MODELS[model].solve(brake, **options))
+        return explain_wrong_response(brake, MODELS[model].solve(brake, **options))
 
 
-def _word_after(words: list[str], option: str) -> str:
+def _word_after_option(words: list[str], option: str) -> str:
     """The word that follows an option on a command line. Raises ValueError without the option."""
     return words[words.index(option) + 1]
 
 
-def find_unsound_response(brake: Brake, response: Response) -> str:
+def explain_wrong_response(brake: Brake, response: Response) -> str:
     """Why the response of a brake must be wrong, as text; "" if it may be right."""
     numbers = [response.torque, response.balance.force, response.balance.moment]
     for shoe in response.shoes:
@@ -66,7 +66,7 @@ def find_unsound_response(brake: Brake, response: Response) -> str:
     if brake.surface.straight or response.model == "foundation":
         return ""
     for i, shoe in enumerate(response.shoes):
-        by_pressure = abs(contact_resultant(brake, i, shoe).moment)
+        by_pressure = abs(resultant_of_contact_on_shoe(brake, i, shoe).moment)
         if abs(by_pressure - shoe.torque) > TORQUE_SLACK * shoe.torque + 1e-300:
             return f"torque {shoe.torque:g} N m, of its pressure {by_pressure:g} N m"
     return ""

@@ -10,20 +10,27 @@ import re
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from drumlin.base.errors import line_and_status
+from drumlin.base.errors import error_line_and_exit_status
 from drumlin.base.journal import Journal
 from drumlin_studies.fuzzing import faults
-from drumlin_studies.fuzzing.broken_meshes import make_impossible_mesh
+from drumlin_studies.fuzzing.broken_meshes import make_input_with_impossible_mesh
 from drumlin_studies.fuzzing.broken_sweeps import (
-    make_broken_sweep,
-    make_changed_sweep,
-    make_damaged_journal,
+    make_input_with_broken_sweep,
+    make_input_with_changed_sweep,
+    make_input_with_damaged_journal,
 )
-from drumlin_studies.fuzzing.endings import find_fault, run_in_subprocess, run_in_this_process
-from drumlin_studies.fuzzing.impossible import make_broken_structure, make_huge_file
+from drumlin_studies.fuzzing.endings import (
+    describe_fault_of_run,
+    run_input_in_subprocess,
+    run_input_in_this_process,
+)
+from drumlin_studies.fuzzing.impossible import (
+    make_input_with_broken_structure,
+    make_input_with_huge_file,
+)
 from drumlin_studies.fuzzing.inputs import BrokenInput
-from drumlin_studies.fuzzing.soundness import find_unsound_answer
-from drumlin_studies.side_by_side import Case, compute_and_keep_cases
+from drumlin_studies.fuzzing.soundness import explain_wrong_answer_to_input
+from drumlin_studies.side_by_side import Case, compute_cases_in_parallel_with_journal
 
 INPUTS_AT_A_TIME = 50
 """Number of inputs that are given to a process together and that make one entry of the journal."""
@@ -31,35 +38,50 @@ KEPT_LETTERS = 300
 """Number of letters of an error message that a verdict keeps, enough to see what was refused."""
 
 GENERATORS: dict[str, tuple[Callable[[random.Random], BrokenInput], str]] = {
-    "bytes": (faults.make_broken_bytes, "a brake file with its bytes in disorder"),
+    "bytes": (faults.make_input_with_broken_bytes, "a brake file with its bytes in disorder"),
     "schema": (
-        faults.make_wrong_values,
+        faults.make_input_with_wrong_values,
         "keys of the brake file's schema with values near and far",
     ),
     "sizes": (
-        faults.make_scaled_quantities,
+        faults.make_input_with_scaled_quantities,
         "quantities of a brake file made larger or smaller by up to 1e12",
     ),
-    "structure": (make_broken_structure, "a brake file with a key renamed or of another type"),
-    "huge": (make_huge_file, "brake files that are deep, long or wide beyond sense"),
-    "meshes": (faults.make_broken_mesh, "mesh files cut off, mislabelled, with numbers that lie"),
+    "structure": (
+        make_input_with_broken_structure,
+        "a brake file with a key renamed or of another type",
+    ),
+    "huge": (make_input_with_huge_file, "brake files that are deep, long or wide beyond sense"),
+    "meshes": (
+        faults.make_input_with_broken_mesh,
+        "mesh files cut off, mislabelled, with numbers that lie",
+    ),
     "impossible meshes": (
-        make_impossible_mesh,
+        make_input_with_impossible_mesh,
         "meshes torn, folded, doubled or without their groups",
     ),
     "references": (
-        faults.make_broken_reference,
+        faults.make_input_with_broken_reference,
         "files of reference values with other values or bytes",
     ),
-    "tables": (faults.make_broken_table, "tables of p(θ) with cells of all sorts"),
-    "sweeps": (make_broken_sweep, "sweep files with values, keys and bytes of all sorts"),
-    "changed sweeps": (make_changed_sweep, "sweep files of the studies, changed anywhere"),
+    "tables": (
+        faults.make_input_with_broken_pressure_table,
+        "tables of p(θ) with cells of all sorts",
+    ),
+    "sweeps": (
+        make_input_with_broken_sweep,
+        "sweep files with values, keys and bytes of all sorts",
+    ),
+    "changed sweeps": (
+        make_input_with_changed_sweep,
+        "sweep files of the studies, changed anywhere",
+    ),
     "journals": (
-        make_damaged_journal,
+        make_input_with_damaged_journal,
         "journals of a sweep with flipped, lost, doubled and zeroed bytes",
     ),
-    "command lines": (faults.make_random_command, "commands with options of all sorts"),
-    "words": (faults.make_wrong_command, "words that are no command line"),
+    "command lines": (faults.make_input_with_random_command, "commands with options of all sorts"),
+    "words": (faults.make_input_with_wrong_command, "words that are no command line"),
 }
 """The generators of broken inputs by name: a function that makes an input, and a description."""
 
@@ -92,38 +114,38 @@ COUNTED_STATUSES = {"answers": 0, "refused": 2, "no answer": 3}
 """The exit statuses of runs that end well, by the column of the table that counts them."""
 
 
-def make_input(generator: str, number: int) -> BrokenInput:
+def make_numbered_input(generator: str, number: int) -> BrokenInput:
     """Make the input of a generator with a number. The same number gives the same input."""
     return GENERATORS[generator][0](random.Random(f"{generator} {number}"))
 
 
-def try_input(generator: str, number: int, apart: bool = False) -> InputVerdict:
+def run_and_judge_input(generator: str, number: int, apart: bool = False) -> InputVerdict:
     """Make the input of a generator with a number, run it, and judge how the run ended.
 
     If `apart` is true, the input runs in a new process, else in this one.
     """
     # A word with a NUL byte cannot be given to a new process.
-    given = make_input(generator, number)
-    apart = apart and all(map(can_be_process_word, given.words))
-    end = run_in_subprocess(given) if apart else run_in_this_process(given)
-    fault = find_fault(given, end)
+    given = make_numbered_input(generator, number)
+    apart = apart and all(map(can_be_process_argument, given.words))
+    end = run_input_in_subprocess(given) if apart else run_input_in_this_process(given)
+    fault = describe_fault_of_run(given, end)
     # A successful solve is repeated in this process to check its numbers.
     if not fault and end.status == 0 and given.words[0] == "solve" and not apart:
-        fault = _find_unsound_answer(given)
+        fault = _explain_wrong_or_failing_answer(given)
     line = end.err.removeprefix("drumlin: ").strip()[:KEPT_LETTERS] if end.status else ""
-    said = f"{faults.shown_command_line(given)}: {fault}" if fault else ""
+    said = f"{faults.command_line_as_text(given)}: {fault}" if fault else ""
     return InputVerdict(number, end.status, end.seconds, said, line)
 
 
-def _find_unsound_answer(given: BrokenInput) -> str:
+def _explain_wrong_or_failing_answer(given: BrokenInput) -> str:
     """Why the response to an input must be wrong, or the error of a second solve; "" if neither."""
     try:
-        return find_unsound_answer(given)
+        return explain_wrong_answer_to_input(given)
     except Exception as error:
-        return f"solved again: {line_and_status(error)[0]}"
+        return f"solved again: {error_line_and_exit_status(error)[0]}"
 
 
-def can_be_process_word(word: str) -> bool:
+def can_be_process_argument(word: str) -> bool:
     """Whether a word can be an argument of a process: without NUL, and with letters in UTF-8."""
     try:
         return b"\0" not in os.fsencode(word)
@@ -131,14 +153,16 @@ def can_be_process_word(word: str) -> bool:
         return False
 
 
-def _verdicts_of_chunk(case: Case) -> dict[str, Any]:
+def _verdicts_on_chunk_of_inputs(case: Case) -> dict[str, Any]:
     """Run the inputs of a generator that a process is given together; returns their verdicts."""
     numbers = range(case["first"], case["first"] + case["count"])
     generator, apart = case["generator"], case["apart"]
-    return {"verdicts": [try_input(generator, number, apart)._asdict() for number in numbers]}
+    return {
+        "verdicts": [run_and_judge_input(generator, number, apart)._asdict() for number in numbers]
+    }
 
 
-def try_generators(
+def run_and_judge_generators(
     counts: dict[str, int],
     journal: Journal,
     *,
@@ -169,9 +193,9 @@ def try_generators(
             case |= {"count": min(INPUTS_AT_A_TIME, count - first), "apart": apart}
             cases[name].append(case)
     everything = list(itertools.chain(*cases.values()))
-    compute_and_keep_cases(
+    compute_cases_in_parallel_with_journal(
         everything,
-        _verdicts_of_chunk,
+        _verdicts_on_chunk_of_inputs,
         journal,
         say,
         processes,
@@ -184,7 +208,7 @@ def try_generators(
     return verdicts
 
 
-def verdict_table(verdicts: dict[str, list[InputVerdict]]) -> list[dict[str, Any]]:
+def verdict_summary_rows(verdicts: dict[str, list[InputVerdict]]) -> list[dict[str, Any]]:
     """Summarise verdicts in a table with a row for each generator, and a last row for all.
 
     A row counts the inputs by how they ended and the faults, and holds the longest time [s].
@@ -201,7 +225,7 @@ def verdict_table(verdicts: dict[str, list[InputVerdict]]) -> list[dict[str, Any
     return [*rows, {"generator": "all", **total, "longest": max(row["longest"] for row in rows)}]
 
 
-def refusal_lines(verdicts: dict[str, list[InputVerdict]], count: int = 40) -> str:
+def most_frequent_refusals_text(verdicts: dict[str, list[InputVerdict]], count: int = 40) -> str:
     """The `count` most frequent error messages, a line each, with the number of their inputs.
 
     Messages that differ only in numbers and quoted texts count as one; the shortest is shown.

@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from drumlin_studies.fuzzing.inputs import Raw
+from drumlin_studies.fuzzing.inputs import UnquotedTomlText
 
 WRONG_WORDS = (
     "",
@@ -159,7 +159,7 @@ def random_toml_value(rng: random.Random, deep: int = 2) -> Any:
         lambda: rng.choice(WRONG_QUANTITIES),
         lambda: rng.choice(WRONG_NUMBERS),
         lambda: rng.random() < 0.5,
-        lambda: Raw(
+        lambda: UnquotedTomlText(
             rng.choice(
                 [
                     "1979-05-27",
@@ -184,16 +184,16 @@ def random_toml_value(rng: random.Random, deep: int = 2) -> Any:
     return rng.choice(simple)()
 
 
-def _models_in_annotation(kind: Any) -> Iterator[type[BaseModel]]:
+def _pydantic_models_in_annotation(kind: Any) -> Iterator[type[BaseModel]]:
     """Yield the pydantic models in the type annotation of a field."""
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         yield kind
     for part in typing.get_args(kind):
         if not isinstance(part, types.EllipsisType):
-            yield from _models_in_annotation(part)
+            yield from _pydantic_models_in_annotation(part)
 
 
-def places_by_schema(kind: type[BaseModel], data: Any) -> Iterator[tuple[Any, str, Any]]:
+def tables_and_keys_by_schema(kind: type[BaseModel], data: Any) -> Iterator[tuple[Any, str, Any]]:
     """Yield each key that the tables of nested data may have, by the pydantic model of the data.
 
     Yields the table, the key, and the type annotation of the key. The data are a brake file's.
@@ -202,10 +202,10 @@ def places_by_schema(kind: type[BaseModel], data: Any) -> Iterator[tuple[Any, st
         key = field.alias or name
         yield data, key, field.annotation
         inside = data.get(key) if isinstance(data, dict) else None
-        for model in dict.fromkeys(_models_in_annotation(field.annotation)):
+        for model in dict.fromkeys(_pydantic_models_in_annotation(field.annotation)):
             for part in inside if isinstance(inside, list) else [inside]:
                 if isinstance(part, dict):
-                    yield from places_by_schema(model, part)
+                    yield from tables_and_keys_by_schema(model, part)
 
 
 def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> Any:

@@ -17,7 +17,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.sharing import matrix_with_force_unknowns
+from drumlin.fem.equilibrium.sharing import contact_matrix_with_forces_as_unknowns
 
 
 class ShoeAdjoint(NamedTuple):
@@ -65,17 +65,17 @@ class GroupAdjoint(NamedTuple):
     given_forces_slope: float
 
 
-def solve_adjoint_of_group(group: ShoeGroup) -> GroupAdjoint:
+def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     """Solve a group's contact problem, and the adjoint problem for the sum of its torques.
 
     Raises NoAnswer as `ShoeGroup.solve_contact` does.
     """
     group, contact = group.solve_contact()
-    size, mu = group.unit_force, group.brake.friction
+    size, mu = group.largest_actuation_force, group.brake.friction
     lever, n = group.torque_per_pressure, len(contact.p)
-    without_friction = _matrix_of_group_equations(group, 0.0)
-    per_friction = _matrix_of_group_equations(group, 1.0) - without_friction
-    y = group.generalised_coordinates(contact)
+    without_friction = _equation_matrix_of_shoe_group(group, 0.0)
+    per_friction = _equation_matrix_of_shoe_group(group, 1.0) - without_friction
+    y = group.generalised_coordinates_of_shoes(contact)
     F = np.abs(group.actuation_forces(contact.p))
     coordinates = sum(map(len, y))
     # The last unknown is the travel of a cam's tips. In no equation the coefficient of the travel
@@ -90,40 +90,46 @@ def solve_adjoint_of_group(group: ShoeGroup) -> GroupAdjoint:
     # The torque of the group is the sum of the shoes' torques, and so is its adjoint.
     a, b, c = np.split(each.sum(axis=1), [n, n + coordinates])
     shoes = []
-    for k, (nodes, modes) in enumerate(zip(group.node_ranges, group.mode_ranges, strict=True)):
+    for k, (nodes, modes) in enumerate(
+        zip(group.contact_node_slices_of_shoes, group.rigid_body_mode_slices_of_shoes, strict=True)
+    ):
         p, force = size * contact.p[nodes], size * float(F[k])
         shoes.append(ShoeAdjoint(a[nodes], b[modes], float(c[k]), p, size * y[k], force))
     # The first term is the change of the torque at fixed pressures. The second term is the change
     # of the pressures, since friction enters the equations.
     by_friction = lever.T @ contact.p - each.T @ (per_friction @ answer)
-    given = _slope_by_given_forces(group, shoes)
+    given = _torque_slope_by_given_forces(group, shoes)
     return GroupAdjoint(
         group=group,
         shoes=shoes,
         torques=size * mu * (lever.T @ contact.p),
         friction_slopes=size * by_friction,
-        ring_modulus_slope=_slope_by_ring_modulus(group, a, contact.p),
-        given_forces_slope=size * group.cam_force_sum * float(c[-1]) if group.cam_shoes else given,
+        ring_modulus_slope=_torque_slope_by_ring_modulus(group, a, contact.p),
+        given_forces_slope=size * group.relative_sum_of_cam_forces * float(c[-1])
+        if group.numbers_of_shoes_under_cam
+        else given,
     )
 
 
-def _slope_by_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> float:
+def _torque_slope_by_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> float:
     """The change of the torque [N m] by the logarithm of the elastic modulus of the drum ring.
 
     `a` are the gap multipliers and `p` the pressures (n,) of the group. A rigid drum gives 0.
     """
-    if group.ring_flexibility_roots is None:
+    if group.factors_of_ring_flexibility is None:
         return 0.0
-    pressed, dragged = group.ring_flexibility_roots
-    return group.unit_force * float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))
+    pressed, dragged = group.factors_of_ring_flexibility
+    return group.largest_actuation_force * float(
+        (pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p)
+    )
 
 
-def _slope_by_given_forces(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
+def _torque_slope_by_given_forces(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
     """The change of the torque by the logarithm of all given actuation forces [N m].
 
     The forces of struts are not given by the brake file and do not count.
     """
-    pushed_by_struts = [to for _, to in group.struts]
+    pushed_by_struts = [to for _, to in group.pushing_and_pushed_shoe_of_struts]
     return float(
         sum(
             own.force_multiplier * own.force
@@ -133,15 +139,17 @@ def _slope_by_given_forces(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
     )
 
 
-def _matrix_of_group_equations(group: ShoeGroup, friction: float) -> Floats:
+def _equation_matrix_of_shoe_group(group: ShoeGroup, friction: float) -> Floats:
     """The matrix of all equations of a group of shoes at a friction coefficient.
 
     The matrix is linear in the friction coefficient. The actuation forces are among the unknowns,
-    see `matrix_with_force_unknowns`.
+    see `contact_matrix_with_forces_as_unknowns`.
     """
-    blocks = group.problem_with_own_forces(friction)
-    effects = group.effects_of_forces(friction)
-    return matrix_with_force_unknowns(blocks, effects, group.struts, group.cam_shoes)
+    blocks = group.contact_problem_without_shared_forces(friction)
+    effects = group.effects_of_actuation_forces(friction)
+    return contact_matrix_with_forces_as_unknowns(
+        blocks, effects, group.pushing_and_pushed_shoe_of_struts, group.numbers_of_shoes_under_cam
+    )
 
 
 def _solve_transposed_equations(matrix: Floats, on: Bools, weights: Floats) -> Floats:

@@ -18,27 +18,33 @@ from drumlin.brake.support import UNHELD
 from drumlin.contact import equations
 from drumlin.contact.stick_slip import FrictionalProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.sharing import ForceEffects, make_problem_with_shared_forces
+from drumlin.fem.equilibrium.sharing import ForceEffects, make_contact_problem_with_shared_forces
 from drumlin.fem.model import PENALTY
-from drumlin.fem.preparation.bodies import acting_loads, actuation_load_factors, contact_stiffness
+from drumlin.fem.preparation.bodies import (
+    contact_stiffness_by_penalty,
+    load_factors_and_pin_moment_per_newton,
+    load_factors_under_actuation_force,
+)
 
 
-def make_stick_slip_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
+def make_stick_slip_problem_of_shoe_group(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
     """The stick-slip problem of a group of shoes on a resting drum, and its slip per rotation.
 
     The problem holds for pressures per newton of the group's actuation force. The second value (n,)
     [m^3] is the weighted slip of each contact node per radian: a rotation of the drum by Omega adds
     this value times Omega to the slips q_s. Tractions and slips count along e_theta of the brake.
     The nodes of the linings come first, then one node for each foot on a rough abutment, see
-    `RoughFeet`.
+    `FeetOnRoughAbutments`.
     """
-    feet = RoughFeet.of_group(group)
+    feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     still = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=feet.senses)
-    shoes = [_traction_matrices_of_shoe(still, k) for k in range(len(group.members))]
-    problem = feet.add_foot_nodes(_problem_with_free_feet(still, shoes), still)
-    if group.struts or group.cam_shoes:
-        problem = _add_shared_forces(still, problem, shoes)
-    lever = np.concatenate([body.coupling.lever for body in group.bodies])
+    shoes = [_matrices_of_tractions_on_lining(still, k) for k in range(len(group.members))]
+    problem = feet.stick_slip_problem_with_foot_nodes(
+        _stick_slip_problem_with_free_feet(still, shoes), still
+    )
+    if group.pushing_and_pushed_shoe_of_struts or group.numbers_of_shoes_under_cam:
+        problem = _stick_slip_problem_with_shared_forces(still, problem, shoes)
+    lever = np.concatenate([body.coupling.lever for body in group.substructures_of_shoes])
     return problem, np.append(lever, np.zeros(len(feet.shoe_numbers)))
 
 
@@ -70,26 +76,31 @@ class _TractionMatrices(NamedTuple):
     effects: ForceEffects
 
 
-def _traction_matrices_of_shoe(group: ShoeGroup, k: int) -> _TractionMatrices:
+def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatrices:
     """The matrices of tractions on the lining of shoe `k` of a group without friction."""
-    body, shoe = group.bodies[k], group.shoes[k]
-    modes = group.rigid_body_modes[k]
+    body, shoe = group.substructures_of_shoes[k], group.shoes[k]
+    modes = group.rigid_body_modes_of_shoes[k]
     coupling, condensed = body.coupling, body.condensed
     n = len(body.line.nodes)
     # Tractions count along e_theta of the brake, whichever way the shoe's own frame turns.
     T = shoe.frame.sense * coupling.T
     # Y holds half flexibilities. The product of two of them, such as pressed^T dragged, gives
     # displacements under tractions, weighted as the gaps are weighted by the pressures.
-    Y = condensed.half_flexibility(np.hstack([-coupling.N.T, T.T, condensed.load_on_contact]))
+    Y = condensed.nodal_forces_over_cholesky_factor(
+        np.hstack([-coupling.N.T, T.T, condensed.load_on_contact])
+    )
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
-    load, _ = actuation_load_factors(body, shoe)
-    acting = acting_loads(body, shoe, shoe.actuation.force) / group.unit_force
+    load, _ = load_factors_and_pin_moment_per_newton(body, shoe)
+    acting = (
+        load_factors_under_actuation_force(body, shoe, shoe.actuation.force)
+        / group.largest_actuation_force
+    )
     tip = dragged.T @ (loaded @ load)
     bearing = np.zeros(n)
     if shoe.abutment is not None:
         nodal = T.reshape(n, -1, 2).sum(axis=1)
-        bearing = -shoe.frame.to_brake(nodal) @ shoe.bearing
-    effects = group.effects_of_forces(0.0)[k]
+        bearing = -shoe.frame.convert_to_brake_frame(nodal) @ shoe.bearing
+    effects = group.effects_of_actuation_forces(0.0)[k]
     return _TractionMatrices(
         # Displacements u of the contact nodes close the weighted gaps by N u. The nodal forces of
         # tractions t are T^T t.
@@ -98,7 +109,7 @@ def _traction_matrices_of_shoe(group: ShoeGroup, k: int) -> _TractionMatrices:
         A_st=-dragged.T @ dragged,
         B_s=-(T @ modes.contact_modes),
         C_t=(T @ modes.test_modes).T,
-        compliance=coupling.M / group.contact_stiffnesses[k],
+        compliance=coupling.M / group.contact_stiffness_per_area_of_shoes[k],
         q_s=-(dragged.T @ (loaded @ acting)),
         effects=effects._replace(
             gap_by_force=-tip, tip_travel_by_pressure=tip, foot_force_by_pressure=bearing
@@ -106,7 +117,9 @@ def _traction_matrices_of_shoe(group: ShoeGroup, k: int) -> _TractionMatrices:
     )
 
 
-def _problem_with_free_feet(still: ShoeGroup, shoes: list[_TractionMatrices]) -> FrictionalProblem:
+def _stick_slip_problem_with_free_feet(
+    still: ShoeGroup, shoes: list[_TractionMatrices]
+) -> FrictionalProblem:
     """The stick-slip problem of the linings of a group whose feet move freely in the plane.
 
     Parameters
@@ -114,16 +127,20 @@ def _problem_with_free_feet(still: ShoeGroup, shoes: list[_TractionMatrices]) ->
     still : the group without friction
     shoes : the matrices of tractions on each lining
     """
-    normal = still.problem_with_own_forces(0.0)
+    normal = still.contact_problem_without_shared_forces(0.0)
 
-    def diagonal(name: str) -> Floats:
+    def block_diagonal_matrix_of_shoes(name: str) -> Floats:
         """The block-diagonal matrix of all shoes' `_TractionMatrices` entries with this name."""
         return block_diag(*(getattr(shoe, name) for shoe in shoes))
 
-    A_wt, A_sp, A_st = diagonal("A_wt"), diagonal("A_sp"), diagonal("A_st")
-    if still.ring_flexibility_roots is not None:
+    A_wt, A_sp, A_st = (
+        block_diagonal_matrix_of_shoes("A_wt"),
+        block_diagonal_matrix_of_shoes("A_sp"),
+        block_diagonal_matrix_of_shoes("A_st"),
+    )
+    if still.factors_of_ring_flexibility is not None:
         # The ring under one shoe moves by the pressures and tractions on all shoes.
-        pressed, dragged = still.ring_flexibility_roots
+        pressed, dragged = still.factors_of_ring_flexibility
         A_wt = A_wt + pressed.T @ dragged
         A_sp = A_sp - dragged.T @ pressed
         A_st = A_st - dragged.T @ dragged
@@ -133,17 +150,17 @@ def _problem_with_free_feet(still: ShoeGroup, shoes: list[_TractionMatrices]) ->
         A_sp=A_sp,
         A_st=A_st,
         B_w=normal.B,
-        B_s=diagonal("B_s"),
+        B_s=block_diagonal_matrix_of_shoes("B_s"),
         C_p=normal.C,
-        C_t=diagonal("C_t"),
+        C_t=block_diagonal_matrix_of_shoes("C_t"),
         q_w=normal.q,
         q_s=np.concatenate([shoe.q_s for shoe in shoes]),
         h=normal.h,
-        Q=diagonal("compliance"),
+        Q=block_diagonal_matrix_of_shoes("compliance"),
     )
 
 
-class RoughFeet(NamedTuple):
+class FeetOnRoughAbutments(NamedTuple):
     """The feet of a group's shoes on rough abutments, each as a node of the stick-slip problem.
 
     The node of a foot bears a force p [N] along the normal of the abutment's face and a force t [N]
@@ -165,7 +182,7 @@ class RoughFeet(NamedTuple):
     foot_compliance: Floats
 
     @classmethod
-    def of_group(cls, group: ShoeGroup) -> "RoughFeet":
+    def collect_feet_on_rough_abutments(cls, group: ShoeGroup) -> "FeetOnRoughAbutments":
         """Collect the feet of a group's shoes on rough abutments."""
         # Without a penalty the contact of linings has no compliance, but a sticking foot needs a
         # finite stiffness.
@@ -177,8 +194,8 @@ class RoughFeet(NamedTuple):
                 continue
             on.append(k)
             senses[k] = UNHELD
-            area = float(group.bodies[k].coupling.area.sum())
-            stiffness.append(contact_stiffness(shoe, penalty) * area)
+            area = float(group.substructures_of_shoes[k].coupling.areas_of_contact_nodes.sum())
+            stiffness.append(contact_stiffness_by_penalty(shoe, penalty) * area)
         return cls(group, on, tuple(senses), 1 / np.array(stiffness))
 
     def brake_with_smooth_abutments(self, friction: float) -> Brake:
@@ -189,14 +206,16 @@ class RoughFeet(NamedTuple):
             shoes.append(shoe.model_copy(update={"abutment": abutment}))
         return self.group.brake.model_copy(update={"friction": friction, "shoes": tuple(shoes)})
 
-    def friction_of_all_nodes(self) -> Floats:
+    def friction_coefficients_of_all_nodes(self) -> Floats:
         """The friction coefficients (n,) of all nodes, those of linings before those of feet."""
-        n = self.group.node_ranges[-1].stop
+        n = self.group.contact_node_slices_of_shoes[-1].stop
         abutments = [self.group.shoes[k].abutment for k in self.shoe_numbers]
         of_feet = [abutment.friction for abutment in abutments if abutment is not None]
         return np.array([self.group.brake.friction] * n + of_feet)
 
-    def add_foot_nodes(self, problem: FrictionalProblem, still: ShoeGroup) -> FrictionalProblem:
+    def stick_slip_problem_with_foot_nodes(
+        self, problem: FrictionalProblem, still: ShoeGroup
+    ) -> FrictionalProblem:
         """Add a node for each foot on a rough abutment to a stick-slip problem.
 
         Parameters
@@ -213,7 +232,7 @@ class RoughFeet(NamedTuple):
         # The translations move the foot off and along the abutment; the rotation leaves it.
         for row, k in enumerate(self.shoe_numbers):
             names = still.shoes[k].freedoms(UNHELD).names
-            first = still.mode_ranges[k].start
+            first = still.rigid_body_mode_slices_of_shoes[k].start
             off[row, first + names.index("off")] = 1.0
             slid[row, first + names.index("slide")] = 1.0
         yielding, nothing = np.diag(self.foot_compliance), np.zeros((count, count))
@@ -233,7 +252,7 @@ class RoughFeet(NamedTuple):
         )
 
 
-def _add_shared_forces(
+def _stick_slip_problem_with_shared_forces(
     still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
 ) -> FrictionalProblem:
     """Add to a stick-slip problem that struts and a cam share forces among the shoes.
@@ -245,8 +264,8 @@ def _add_shared_forces(
     shoes : the matrices of tractions on each lining
     """
     n = len(problem.q_w)
-    # `make_problem_with_shared_forces` takes a contact problem with one kind of unknowns, so that
-    # the n pressures and the n tractions are stacked to 2n unknowns.
+    # `make_contact_problem_with_shared_forces` takes a contact problem with one kind of unknowns,
+    # so that the n pressures and the n tractions are stacked to 2n unknowns.
     whole = equations.ContactProblem(
         A=np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st]]),
         q=np.concatenate([problem.q_w, problem.q_s]),
@@ -256,7 +275,7 @@ def _add_shared_forces(
     )
     effects = []
     # The effects of each actuation force on gaps and on slips are stacked in the same way.
-    for normal, shoe in zip(still.effects_of_forces(0.0), shoes, strict=True):
+    for normal, shoe in zip(still.effects_of_actuation_forces(0.0), shoes, strict=True):
         nodes, tangential = np.arange(n)[normal.nodes], shoe.effects
         both = normal._replace(
             nodes=np.concatenate([nodes, n + nodes]),
@@ -269,8 +288,13 @@ def _add_shared_forces(
             ),
         )
         effects.append(both)
-    sharing = make_problem_with_shared_forces(
-        whole, effects, still.own_forces, still.struts, still.cam_shoes, still.cam_force_sum
+    sharing = make_contact_problem_with_shared_forces(
+        whole,
+        effects,
+        still.relative_actuation_forces_of_file,
+        still.pushing_and_pushed_shoe_of_struts,
+        still.numbers_of_shoes_under_cam,
+        still.relative_sum_of_cam_forces,
     )
     # The stacked problem is split into the parts of pressures and of tractions again.
     A, q, B, C, h = sharing.problem

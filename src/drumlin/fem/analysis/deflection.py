@@ -8,14 +8,17 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
-from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
-from drumlin.fem.analysis.fields import nodal_pressures_of_shoes, recover_shoe_fields
+from drumlin.fem.analysis.fields import (
+    nodal_pressures_of_shoes,
+    stress_and_displacement_fields_of_shoe,
+)
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 
 
-def deflection_along_beam(
+def stations_and_deflections_of_beam(
     scene: PreparedModel, brake: Brake, response: Response, index: int
 ) -> tuple[Floats, Floats]:
     """The stations x (m,) [m] along a straight beam and its deflection w (m,) [m] there.
@@ -24,8 +27,8 @@ def deflection_along_beam(
     drum.
     """
     shoe = brake.shoes[index]
-    axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
-    of_shoe = recover_shoe_fields(scene, brake, response, index)
+    axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
+    of_shoe = stress_and_displacement_fields_of_shoe(scene, brake, response, index)
     from_hinge = of_shoe.points - axis.hinge
     # The nodes on the beam's axis are those whose distance from the axis is round-off.
     on = np.abs(from_hinge @ axis.towards) < 1e-9 * axis.length
@@ -34,7 +37,7 @@ def deflection_along_beam(
     return x, (of_shoe.displacement[on] @ axis.towards)[first]
 
 
-def inward_displacement_of_rim(
+def inward_displacement_of_ring_surface(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> tuple[Floats, Floats]:
     """The angles (m,) [rad] and inward displacements (m,) [m] of the drum ring's friction surface.
@@ -44,7 +47,9 @@ def inward_displacement_of_rim(
     ring = scene.ring
     if ring is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no displacement")
-    displacement = ring.displacement(nodal_pressures_of_shoes(brake, response), brake.drag)
+    displacement = ring.displacement_of_ring_nodes(
+        nodal_pressures_of_shoes(brake, response), brake.drag
+    )
     nodes = ring.basis.get_dofs(ring.mesh.boundaries["contact"]).flatten()
     x, u = ring.basis.doflocs[:, nodes], displacement[:, nodes]
     theta = np.arctan2(x[1], x[0])

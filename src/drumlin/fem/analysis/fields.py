@@ -11,20 +11,24 @@ import skfem
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
-from drumlin.base.files import replacing
+from drumlin.base.files import temporary_file_replacing_output
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import ColumnGrid
-from drumlin.fem.mesh.arc import mesh_kind_of
-from drumlin.fem.preparation.bodies import ShoeSubstructure, acting_loads
+from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_under_actuation_force
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.elasticity import (
     elastic_layers_of_ring,
     elastic_layers_of_shoe,
-    stresses_from_gradients,
+    stresses_from_displacement_gradients,
 )
-from drumlin.fem.substructure.interface import Directions, drum_directions, plane_directions
-from drumlin.response.balance import loaded
+from drumlin.fem.substructure.interface import (
+    Directions,
+    function_for_drum_normals_and_tangents,
+    plane_normals_and_tangents,
+)
+from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response, ShoeResponse
 
 
@@ -137,22 +141,28 @@ class _ElementNodes(NamedTuple):
     corners: Ints
 
 
-def recover_shoe_fields(
+def stress_and_displacement_fields_of_shoe(
     scene: PreparedModel, brake: Brake, response: Response, index: int
 ) -> Fields:
     """Displacements and stresses in shoe `index` under the pressure and the force of a response."""
-    shoe, body = loaded(brake, response).shoes[index], scene.bodies[index]
+    shoe, body = brake_with_forces_of_response(brake, response).shoes[index], scene.bodies[index]
     answer = response.shoes[index]
     p = answer.pressure[:: shoe.frame.sense]
-    u = displacements_of_shoe(body, brake, shoe, answer, p).reshape(-1, 2).T
+    u = nodal_displacements_of_shoe(body, brake, shoe, answer, p).reshape(-1, 2).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
     solved = _SolvedBody(body.mesh, body.basis, elastic_layers_of_shoe(shoe), u, pressure)
-    directions = plane_directions if shoe.flat else drum_directions(shoe.sign)
-    return _recover_fields_in_brake_frame(solved, _Placement(shoe.frame, shoe.points, directions))
+    directions = (
+        plane_normals_and_tangents
+        if shoe.flat
+        else function_for_drum_normals_and_tangents(shoe.sign)
+    )
+    return _fields_of_body_in_brake_frame(solved, _Placement(shoe.frame, shoe.points, directions))
 
 
-def recover_ring_fields(scene: PreparedModel, brake: Brake, response: Response) -> Fields:
+def stress_and_displacement_fields_of_ring(
+    scene: PreparedModel, brake: Brake, response: Response
+) -> Fields:
     """Displacements and stresses in the drum ring under the contact pressures of all shoes.
 
     Raises BadInput for a rigid drum.
@@ -160,11 +170,11 @@ def recover_ring_fields(scene: PreparedModel, brake: Brake, response: Response) 
     ring, section = scene.ring, brake.ring.section if brake.ring else None
     if ring is None or section is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
-    u = ring.displacement(nodal_pressures_of_shoes(brake, response), brake.drag)
+    u = ring.displacement_of_ring_nodes(nodal_pressures_of_shoes(brake, response), brake.drag)
     no_pressure = np.zeros(ring.basis.N)
     solved = _SolvedBody(ring.mesh, ring.basis, elastic_layers_of_ring(section), u, no_pressure)
-    return _recover_fields_in_brake_frame(
-        solved, _Placement(ShoeFrame(0.0, 1), np.asarray, drum_directions(1))
+    return _fields_of_body_in_brake_frame(
+        solved, _Placement(ShoeFrame(0.0, 1), np.asarray, function_for_drum_normals_and_tangents(1))
     )
 
 
@@ -177,15 +187,20 @@ def nodal_pressures_of_shoes(brake: Brake, response: Response) -> list[Floats]:
     return [answer.pressure[:: shoe.frame.sense] for shoe, answer in pairs]
 
 
-def recover_all_fields(scene: PreparedModel, brake: Brake, response: Response) -> list[Fields]:
+def stress_and_displacement_fields_of_bodies(
+    scene: PreparedModel, brake: Brake, response: Response
+) -> list[Fields]:
     """Displacements and stresses in each shoe, and then in the drum ring if it is elastic."""
-    every = [recover_shoe_fields(scene, brake, response, i) for i in range(len(brake.shoes))]
+    every = [
+        stress_and_displacement_fields_of_shoe(scene, brake, response, i)
+        for i in range(len(brake.shoes))
+    ]
     if scene.ring is not None:
-        every.append(recover_ring_fields(scene, brake, response))
+        every.append(stress_and_displacement_fields_of_ring(scene, brake, response))
     return every
 
 
-def displacements_of_shoe(
+def nodal_displacements_of_shoe(
     body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
 ) -> Floats:
     """The displacements (d nodes,) [m] of all nodes of a shoe in d dimensions, in its own frame.
@@ -198,19 +213,23 @@ def displacements_of_shoe(
     answer : the response of the shoe
     p : pressures (n,) [Pa] on the lining of the shoe, in the order of the shoe's own frame
     """
-    load = acting_loads(body, shoe, shoe.actuation.force)
+    load = load_factors_under_actuation_force(body, shoe, shoe.actuation.force)
     # These forces (2n,) [N] of pressure and friction act on the contact nodes.
-    nodal = brake.drag_on(shoe) * (body.coupling.T.T @ p) - body.coupling.N.T @ p
+    nodal = (
+        brake.friction_per_pressure_on_shoe(shoe) * (body.coupling.T.T @ p) - body.coupling.N.T @ p
+    )
     motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))
-    return body.condensed.displacements(nodal[:, None], motion[:, None], load[:, None])[:, 0]
+    return body.condensed.nodal_displacements_in_load_cases(
+        nodal[:, None], motion[:, None], load[:, None]
+    )[:, 0]
 
 
-def _recover_fields_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fields:
+def _fields_of_body_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fields:
     """Recover the fields of a solved body, and transform them to the frame of the brake."""
     mesh, basis = solved.mesh, solved.basis
     nodes, cells, numbers, stresses, pressures, first = [], [], [], [], [], 0
     for number, name in enumerate(mesh.subdomains):
-        part = _fields_of_subdomain(basis, solved.u, name, solved.layers[name])
+        part = _nodal_stresses_of_subdomain(basis, solved.u, name, solved.layers[name])
         nodes.append(part.nodes)
         cells.append(part.cells + first)
         numbers.append(np.full(len(part.cells), number))
@@ -222,7 +241,7 @@ def _recover_fields_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fi
         first += len(part.nodes)
     all_nodes = np.concatenate(nodes)
     xy = basis.doflocs[:, all_nodes]
-    to_brake = place.frame.to_brake
+    to_brake = place.frame.convert_to_brake_frame
     # Stresses are tensors: both of their indices turn with the frame.
     turn = to_brake(np.eye(2))
     rotated = np.einsum("ia,nij,jb->nab", turn, np.concatenate(stresses), turn)
@@ -231,7 +250,7 @@ def _recover_fields_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fi
     return Fields(
         points=place.points(xy).T,
         cells=np.concatenate(cells),
-        cell_type="quad" if isinstance(mesh, ColumnGrid) else mesh_kind_of(mesh).cell,
+        cell_type="quad" if isinstance(mesh, ColumnGrid) else element_kind_of_mesh(mesh).cell,
         part=np.concatenate(numbers),
         displacement=to_brake(solved.u[:, all_nodes].T),
         stress=np.column_stack([xx, yy, shear]),
@@ -241,7 +260,9 @@ def _recover_fields_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fi
     )
 
 
-def _fields_of_subdomain(basis: Any, u: Floats, name: str, layer: ElasticLayer) -> _SubdomainFields:
+def _nodal_stresses_of_subdomain(
+    basis: Any, u: Floats, name: str, layer: ElasticLayer
+) -> _SubdomainFields:
     """The nodes, cells and mean stresses of one subdomain of a body.
 
     Parameters
@@ -251,16 +272,18 @@ def _fields_of_subdomain(basis: Any, u: Floats, name: str, layer: ElasticLayer) 
     name, layer : the name and the material of the subdomain
     """
     mesh = basis if isinstance(basis, ColumnGrid) else basis.mesh
-    dofs, slopes, corners = _shape_functions_at_element_nodes(mesh, mesh.subdomains[name])
+    dofs, slopes, corners = _shape_gradients_at_element_nodes(mesh, mesh.subdomains[name])
     gradient = np.einsum("ian,ajnq->ijnq", u[:, dofs], slopes)
     along = layer.directions(basis.doflocs[:, dofs].transpose(0, 2, 1))
     # Each element has its own stress at a shared node. The field is the mean of these stresses.
-    means = mean_tensors_at_nodes(stresses_from_gradients(gradient, layer.elasticity, along), dofs)
+    means = nodal_means_of_element_tensors(
+        stresses_from_displacement_gradients(gradient, layer.elasticity, along), dofs
+    )
     cells = means.cells[corners].reshape(len(corners), -1).T
     return _SubdomainFields(means.nodes, cells, means.values)
 
 
-def mean_tensors_at_nodes(values: Floats, dofs: Ints) -> NodalMeans:
+def nodal_means_of_element_tensors(values: Floats, dofs: Ints) -> NodalMeans:
     """The means of tensors at the nodes of a mesh, over the elements that meet at each node.
 
     Parameters
@@ -275,12 +298,16 @@ def mean_tensors_at_nodes(values: Floats, dofs: Ints) -> NodalMeans:
     return NodalMeans(nodes, cells, total / np.bincount(cells.ravel())[:, None, None])
 
 
-def _shape_functions_at_element_nodes(mesh: Any, elements: Ints) -> _ElementNodes:
+def _shape_gradients_at_element_nodes(mesh: Any, elements: Ints) -> _ElementNodes:
     """The shape functions of chosen elements of a mesh, at the nodes of the elements."""
     if isinstance(mesh, ColumnGrid):
         dofs = mesh.element_dofs[:, elements]
-        return _ElementNodes(dofs, mesh.gradients(elements), mesh.subcells)
-    element = mesh_kind_of(mesh).element()
+        return _ElementNodes(
+            dofs,
+            mesh.shape_gradients_at_nodes_of_elements(elements),
+            mesh.quadrilaterals_between_element_nodes,
+        )
+    element = element_kind_of_mesh(mesh).scikit_fem_element_class()
     # scikit-fem evaluates shape functions at quadrature points, which are the nodes here.
     at = element.doflocs.T
     basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
@@ -299,7 +326,7 @@ FIELD_OF_VTU_NAME = {
 """
 
 
-def write_fields_as_vtu(path: Path, parts: Sequence[Any]) -> None:
+def write_fields_to_vtu_file(path: Path, parts: Sequence[Any]) -> None:
     """Write the `Fields` or `SolidFields` of all shoes as one .vtu file for ParaView."""
     cells, numbers, shoes, first = [], [], [], 0
     for i, part in enumerate(parts):
@@ -311,14 +338,14 @@ def write_fields_as_vtu(path: Path, parts: Sequence[Any]) -> None:
     nodal = {}
     for head, name in FIELD_OF_VTU_NAME.items():
         if hasattr(parts[0], name):
-            nodal[head] = _concatenated(parts, name)
+            nodal[head] = _join_attribute_of_all_bodies(parts, name)
     cell_data = {"part": numbers, "shoe": shoes}
-    mesh = meshio.Mesh(_concatenated(parts, "points"), cells, nodal, cell_data)
-    with replacing(path) as partial:
+    mesh = meshio.Mesh(_join_attribute_of_all_bodies(parts, "points"), cells, nodal, cell_data)
+    with temporary_file_replacing_output(path) as partial:
         meshio.write(partial, mesh, file_format="vtu")
 
 
-def _concatenated(parts: Sequence[Any], name: str) -> Floats:
+def _join_attribute_of_all_bodies(parts: Sequence[Any], name: str) -> Floats:
     """The values of attribute `name` of all parts in one array; vectors in the plane get z = 0."""
     values = np.concatenate([getattr(part, name) for part in parts])
     if values.shape[1:] == (2,):

@@ -30,7 +30,7 @@ from drumlin.contact.stick_slip import (
     Increment,
     SlipHistory,
 )
-from drumlin.fem.analysis.at_rest import RoughFeet, make_stick_slip_problem
+from drumlin.fem.analysis.at_rest import FeetOnRoughAbutments, make_stick_slip_problem_of_shoe_group
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_shoes_into_groups, find_pressed_shoes
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
@@ -139,13 +139,13 @@ class _LoadedGroupAtRest(NamedTuple):
     dissipated: float
 
     @property
-    def lining_nodes(self) -> int:
+    def number_of_lining_nodes(self) -> int:
         """The number of nodes on linings, which come before the nodes of feet."""
-        return self.group.node_ranges[-1].stop
+        return self.group.contact_node_slices_of_shoes[-1].stop
 
     def torque(self, at: Increment) -> float:
         """The moment [N m] that holds the drum at an increment, against the brake's rotation."""
-        return float(self.group.unit_force**2 * (self.slip_per_rotation @ at.t))
+        return float(self.group.largest_actuation_force**2 * (self.slip_per_rotation @ at.t))
 
     def turn_drum_in_increments(
         self, increment: Increment, start: float, end: float
@@ -216,7 +216,7 @@ class _FootSlide(NamedTuple):
     by_solve: str
 
 
-def hold_drum_through_rotations(
+def states_of_holding_brake_at_rotations(
     scene: PreparedModel,
     brake: Brake,
     rotations: Floats,
@@ -251,7 +251,7 @@ def hold_drum_through_rotations(
         for a brake without friction
     """
     paths = []
-    for held in _load_groups_at_rest(scene, brake, len(rotations), penalty):
+    for held in _apply_forces_to_groups_at_rest(scene, brake, len(rotations), penalty):
         say(f"holding: {held.group.shoe_names}")
         paths.append(_turn_drum_through_rotations(held, rotations))
     return [
@@ -263,13 +263,13 @@ def hold_drum_through_rotations(
 # First part of the path: the actuation force comes on while the drum rests
 
 
-def _load_groups_at_rest(
+def _apply_forces_to_groups_at_rest(
     scene: PreparedModel, brake: Brake, increments: int, penalty: float
 ) -> Iterator[_LoadedGroupAtRest]:
     """Put the actuation force on each group of shoes while the drum is at rest.
 
     Yields each loaded group. `increments` is the number of increments in which the force comes on.
-    Raises NoAnswer and BadInput as `hold_drum_through_rotations` does.
+    Raises NoAnswer and BadInput as `states_of_holding_brake_at_rotations` does.
     """
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
@@ -280,39 +280,39 @@ def _load_groups_at_rest(
                 f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it"
             )
     for group in divide_shoes_into_groups(scene, brake, list(range(len(brake.shoes))), penalty):
-        yield _load_group_at_rest(group, increments)
+        yield _apply_force_to_group_at_rest(group, increments)
 
 
-def _load_group_at_rest(group: ShoeGroup, increments: int) -> _LoadedGroupAtRest:
+def _apply_force_to_group_at_rest(group: ShoeGroup, increments: int) -> _LoadedGroupAtRest:
     """Put the actuation force on a group of shoes, in increments, while the drum is at rest.
 
-    Raises NoAnswer as `hold_drum_through_rotations` does.
+    Raises NoAnswer as `states_of_holding_brake_at_rotations` does.
     """
-    problem, lever = make_stick_slip_problem(group)
-    feet = RoughFeet.of_group(group)
+    problem, lever = make_stick_slip_problem_of_shoe_group(group)
+    feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     count = len(feet.shoe_numbers)
     # The first guess of the states: nodes that touch in the solution without friction stick, and
     # all feet stick.
     touches = (
         replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=())
-        .solve_with_known_senses()
+        .solve_contact_for_known_friction_senses()
         .active
     )
     start = np.append(np.where(touches, STICK, OPEN), np.full(count, STICK))
-    unit_gaps = np.concatenate(group.initial_gaps) / group.unit_force
-    gap = np.append(group.gap_mass_matrix @ unit_gaps, np.zeros(count))
-    friction = feet.friction_of_all_nodes()
+    unit_gaps = np.concatenate(group.gaps_of_unloaded_linings) / group.largest_actuation_force
+    gap = np.append(group.mass_matrix_of_contact_nodes @ unit_gaps, np.zeros(count))
+    friction = feet.friction_coefficients_of_all_nodes()
     try:
-        rest, spent = _increase_force_at_rest(problem, gap, friction, start, increments)
+        rest, spent = _increase_actuation_force_at_rest(problem, gap, friction, start, increments)
     except NoAnswer as error:
         # On a brake that locks itself `solve_contact` raises a NoAnswer that states the limit.
         group.solve_contact()
         raise NoAnswer(f"{group.shoe_names}: {error}, the drum at rest") from error
-    per_rotation = lever * (group.brake.spin / group.unit_force)
+    per_rotation = lever * (group.brake.sign_of_motion / group.largest_actuation_force)
     return _LoadedGroupAtRest(group, problem, per_rotation, friction, rest, spent)
 
 
-def _increase_force_at_rest(
+def _increase_actuation_force_at_rest(
     problem: FrictionalProblem, gap: Floats, friction: Floats, state: Ints, increments: int
 ) -> tuple[Increment, float]:
     """Increase the actuation force to its full value while the drum rests.
@@ -352,7 +352,7 @@ def _increase_force_at_rest(
                 raise
             continue
         energy += _energy_dissipated_by_slip(problem, increment, history)
-        history, state = increment.history, increment.state
+        history, state = increment.history_for_next_increment, increment.state
     return increment, energy
 
 
@@ -362,7 +362,7 @@ def _increase_force_at_rest(
 def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) -> _RotationPath:
     """Turn the drum under a loaded group through rotations (m,) [rad], one after the other.
 
-    Raises NoAnswer as `hold_drum_through_rotations` does.
+    Raises NoAnswer as `states_of_holding_brake_at_rotations` does.
     """
     group, brake = held.group, held.group.brake
     increment, reached = held.rest, 0.0
@@ -371,17 +371,21 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
     for rotation in rotations:
         try:
             for step in held.turn_drum_in_increments(increment, reached, float(rotation)):
-                energy += _energy_dissipated_by_slip(held.problem, step, increment.history)
+                energy += _energy_dissipated_by_slip(
+                    held.problem, step, increment.history_for_next_increment
+                )
                 increment = step
         except NoAnswer as error:
             # On a brake that locks itself `solve_contact` raises a NoAnswer with the limit.
-            turning = brake if rotation > reached else brake.reversed()
-            _group_on_other_brake(group, turning).solve_contact()
+            turning = brake if rotation > reached else brake.brake_with_reversed_motion()
+            _shoe_group_with_changed_brake(group, turning).solve_contact()
             raise NoAnswer(f"{group.shoe_names}: {error}, turned by {rotation:.3g} rad") from error
         reached = float(rotation)
         increments.append(increment)
-        spent.append(energy * group.unit_force**2)
-    return _RotationPath(held, increments, spent, cache(partial(_solve_under_sliding_drum, held)))
+        spent.append(energy * group.largest_actuation_force**2)
+    return _RotationPath(
+        held, increments, spent, cache(partial(_solve_contact_under_sliding_drum, held))
+    )
 
 
 def turn_drum_in_increments(
@@ -417,7 +421,7 @@ def turn_drum_in_increments(
         moved = problem._replace(q_s=problem.q_s + lever * step)
         try:
             increment = stick_slip.solve_load_increment(
-                moved, friction, increment.history, increment.state
+                moved, friction, increment.history_for_next_increment, increment.state
             )
         except NoAnswer:
             if pieces >= 2**MOST_HALVINGS:
@@ -430,7 +434,7 @@ def turn_drum_in_increments(
         reached, pieces = step, pieces - 1
 
 
-def _group_on_other_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
+def _shoe_group_with_changed_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
     """The group of shoes on a brake with another rotation or friction of its drum.
 
     The senses of friction at rough abutments become unknown, since feet may slide the other way.
@@ -438,7 +442,7 @@ def _group_on_other_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
     return replace(
         group,
         brake=brake,
-        friction_senses=() if group.has_rough_abutment else group.friction_senses,
+        friction_senses=() if group.has_abutment_with_friction else group.friction_senses,
     )
 
 
@@ -463,9 +467,9 @@ def _state_of_brake_at_rotation(
     notes: list[str] = []
     for path in paths:
         dissipated += path.dissipated[k]
-        notes += _notes_on_different_moment(path, k)
+        notes += _notes_if_moment_differs_from_solve(path, k)
         torque += path.held.torque(path.increments[k])
-        linings |= _node_states_of_linings(path.held.group, path.increments[k])
+        linings |= _nodal_contact_states_of_linings(path.held.group, path.increments[k])
     order = sorted(linings)
     theta, pressure, traction, state = zip(*(linings[i] for i in order), strict=True)
     arcs = list(map(stick_slip.stick_and_slip_arcs, theta, state))
@@ -484,16 +488,18 @@ def _state_of_brake_at_rotation(
     )
 
 
-def _node_states_of_linings(group: ShoeGroup, at: Increment) -> dict[int, _LiningNodeStates]:
+def _nodal_contact_states_of_linings(
+    group: ShoeGroup, at: Increment
+) -> dict[int, _LiningNodeStates]:
     """The nodes of each lining of a group at an increment, by the shoe's position in the brake."""
-    size = group.unit_force
+    size = group.largest_actuation_force
     states = {}
-    for k, part in enumerate(group.node_ranges):
+    for k, part in enumerate(group.contact_node_slices_of_shoes):
         frame = group.shoes[k].frame
         # If the shoe's frame counts angles against the brake's sense, the nodes are reversed.
         forward = slice(None, None, frame.sense)
         p, t = size * at.p[part], size * at.t[part]
-        theta = frame.theta(group.bodies[k].line.phi)
+        theta = frame.theta(group.substructures_of_shoes[k].line.phi)
         states[group.members[k]] = _LiningNodeStates(
             theta[forward], p[forward], t[forward], at.state[part][forward]
         )
@@ -503,24 +509,28 @@ def _node_states_of_linings(group: ShoeGroup, at: Increment) -> dict[int, _Linin
 # Full slip: comparison with `solve`, and the rotation that reaches full slip
 
 
-def _solve_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _SlidingDrumSolution:
+def _solve_contact_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _SlidingDrumSolution:
     """The equilibrium of a group of shoes under a drum that slides as the force comes on.
 
     `sense` +1 or -1 is the sense in which the nodes slip.
     """
     brake = held.group.brake
-    group = _group_on_other_brake(held.group, brake if sense == brake.spin else brake.reversed())
+    group = _shoe_group_with_changed_brake(
+        held.group, brake if sense == brake.sign_of_motion else brake.brake_with_reversed_motion()
+    )
     try:
         group, contact = group.solve_contact()
     except NoAnswer as error:
         return _SlidingDrumSolution(group, None, math.nan, str(error))
     torque = (
-        brake.friction * group.unit_force * float(group.torque_per_pressure.sum(axis=1) @ contact.p)
+        brake.friction
+        * group.largest_actuation_force
+        * float(group.torque_per_pressure.sum(axis=1) @ contact.p)
     )
-    return _SlidingDrumSolution(group, contact, sense * brake.spin * torque, "")
+    return _SlidingDrumSolution(group, contact, sense * brake.sign_of_motion * torque, "")
 
 
-def _notes_on_different_moment(path: _RotationPath, k: int) -> list[str]:
+def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str]:
     """A note with both moments where the moment at full slip differs from the moment of `solve`.
 
     The list is empty if the moments agree, and at partial slip. `k` is the number of the rotation
@@ -539,7 +549,7 @@ def _notes_on_different_moment(path: _RotationPath, k: int) -> list[str]:
     if sliding.contact is None:
         return [f"{text}; solve has none: {sliding.refusal}"]
     text += f", by solve {sliding.torque:.6g} {unit}"
-    feet = _feet_with_different_friction(held, at, sliding.group, sliding.contact)
+    feet = _feet_whose_friction_differs_from_solve(held, at, sliding.group, sliding.contact)
     if not feet:
         return [f"{text}: more than one answer"]
     ends, places = map(" and ".join, zip(*feet, strict=True))
@@ -555,11 +565,11 @@ def _sense_of_full_slip(held: _LoadedGroupAtRest, at: Increment) -> int:
 
     It is 0 if some touching nodes stick, or slip the other way.
     """
-    touching = set(at.state[: held.lining_nodes].tolist()) - {OPEN}
+    touching = set(at.state[: held.number_of_lining_nodes].tolist()) - {OPEN}
     return int(touching == {FORWARD}) - int(touching == {BACKWARD})
 
 
-def _feet_with_different_friction(
+def _feet_whose_friction_differs_from_solve(
     held: _LoadedGroupAtRest, at: Increment, group: ShoeGroup, contact: Contact
 ) -> list[_FootSlide]:
     """The feet whose ratio of friction to normal force differs from that under the sliding drum.
@@ -570,11 +580,11 @@ def _feet_with_different_friction(
     at : the increment at the end of its rotations
     group, contact : the equilibrium of the group under the sliding drum
     """
-    size, feet = held.group.unit_force, []
-    numbers = RoughFeet.of_group(held.group).shoe_numbers
-    for node, k in enumerate(numbers, start=held.lining_nodes):
+    size, feet = held.group.largest_actuation_force, []
+    numbers = FeetOnRoughAbutments.collect_feet_on_rough_abutments(held.group).shoe_numbers
+    for node, k in enumerate(numbers, start=held.number_of_lining_nodes):
         shoe = group.shoes[k]
-        x, y = group.force_on_foot(contact, k)
+        x, y = group.abutment_force_on_foot(contact, k)
         # The force on the foot has a component normal to the abutment and another along it.
         bearing, along = float(shoe.bearing @ (x, y)), float(shoe.bearing @ (y, -x))
         if at.p[node] > 0:
@@ -582,8 +592,8 @@ def _feet_with_different_friction(
             if difference <= LARGEST_FRICTION_RATIO_DIFFERENCE:
                 continue
         slide = (
-            float(group.generalised_coordinates(contact)[k][-1])
-            if group.known_friction_senses[k]
+            float(group.generalised_coordinates_of_shoes(contact)[k][-1])
+            if group.known_abutment_friction_senses[k]
             else 0.0
         )
         # The slip of a node counts against the slide of its foot. Subtraction from 0.0 avoids -0.
@@ -605,7 +615,8 @@ def find_full_slip_rotation(
     ----------
     scene : the prepared model
     brake : the brake
-    increments : number of increments in which the force comes on, see `hold_drum_through_rotations`
+    increments : number of increments in which the force comes on, see
+        `states_of_holding_brake_at_rotations`
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
 
     Raises
@@ -616,9 +627,9 @@ def find_full_slip_rotation(
     """
     shoes = solve_prepared_model(scene, brake, penalty=penalty).shoes
     ends = []
-    for held in _load_groups_at_rest(scene, brake, increments, penalty):
+    for held in _apply_forces_to_groups_at_rest(scene, brake, increments, penalty):
         target = sum(shoes[i].torque for i in held.group.members)
-        slipping = FORWARD if brake.spin > 0 else BACKWARD
+        slipping = FORWARD if brake.sign_of_motion > 0 else BACKWARD
         try:
             ends.append(_find_full_slip_rotation_of_group(held, target, slipping))
         except NoAnswer as error:
@@ -643,7 +654,7 @@ def _find_full_slip_rotation_of_group(
         where the moment at full slip is not the target, and where no rotation is found
     """
     increment, reached = held.rest, 0.0
-    step, n = FIRST_ROTATION, held.lining_nodes
+    step, n = FIRST_ROTATION, held.number_of_lining_nodes
     for _ in range(MOST_INCREMENTS):
         before = held.torque(increment)
         *_, increment = held.turn_drum_in_increments(increment, reached, reached + step)
@@ -672,14 +683,14 @@ def _find_full_slip_rotation_of_group(
 # Conversion of the states to plain data for JSON
 
 
-def states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
+def holding_states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
     """Convert the states of a holding brake to plain data for JSON, in rad, N m, Pa and J.
 
     The state of each node is a word: "open", "stick", "slip" or "slip back".
     """
     rows = []
     for state in states:
-        shoes = [_lining_as_dict(state, i) for i in range(len(state.names))]
+        shoes = [_lining_state_as_dict(state, i) for i in range(len(state.names))]
         row = {
             "rotation": state.rotation,
             "torque": state.torque,
@@ -691,7 +702,7 @@ def states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
     return rows
 
 
-def _lining_as_dict(state: Hold, i: int) -> dict[str, Any]:
+def _lining_state_as_dict(state: Hold, i: int) -> dict[str, Any]:
     """Convert the nodal values of lining `i` in a state of the brake to plain data for JSON."""
     names = {OPEN: "open", STICK: "stick", FORWARD: "slip", BACKWARD: "slip back"}
     return {

@@ -15,7 +15,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
-from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.fields import Point
@@ -66,12 +66,14 @@ class NodeMotion(NamedTuple):
     axis_turn: float
 
     @property
-    def contact_stays(self) -> bool:
+    def has_unmoved_contact(self) -> bool:
         """Whether all contact nodes stay in their places."""
         return float(np.abs(self.line_motion).max()) < LARGEST_UNMOVED_MOTION
 
 
-def node_motions_by_point(scene: PreparedModel, i: int, shoe: Shoe, key: str) -> list[NodeMotion]:
+def node_motions_by_moved_shoe_point(
+    scene: PreparedModel, i: int, shoe: Shoe, key: str
+) -> list[NodeMotion]:
     """The motions of the nodes of a shoe as one of its points moves along x and along y.
 
     The axes x and y are those of the brake. The list has one motion for each axis. It is empty if
@@ -89,16 +91,19 @@ def node_motions_by_point(scene: PreparedModel, i: int, shoe: Shoe, key: str) ->
     NoAnswer
         where the division into elements changes both on a step forwards and on a step backwards
     """
-    moving = _does_point_move_nodes(scene, shoe, key)
+    moving = _has_nodes_that_move_with_point(scene, shoe, key)
     turns_axis = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
     if shoe.mesh is not None and not moving and turns_axis:
-        return [_motion_of_axis_alone(scene.bodies[i], shoe, key, axis) for axis in np.eye(2)]
+        return [
+            _beam_axis_turn_without_node_motion(scene.bodies[i], shoe, key, axis)
+            for axis in np.eye(2)
+        ]
     if scene.nodes_of_changed_shoe is None or not moving:
         return []
-    return [_differentiate_node_places(scene, i, shoe, key, axis) for axis in np.eye(2)]
+    return [_node_motion_by_central_difference(scene, i, shoe, key, axis) for axis in np.eye(2)]
 
 
-def _does_point_move_nodes(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
+def _has_nodes_that_move_with_point(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
     """Whether nodes of a shoe's body move with the point of the shoe that `key` names."""
     # Without a mesh of the user the division into elements follows the points of the shoe.
     if shoe.mesh is None:
@@ -114,18 +119,20 @@ def _does_point_move_nodes(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
     return shoe.mesh_frame == "shoe" and key == holds_frame
 
 
-def _differentiate_node_places(
+def _node_motion_by_central_difference(
     scene: PreparedModel, i: int, shoe: Shoe, key: str, direction: Floats
 ) -> NodeMotion:
     """The motion of a shoe's nodes per motion of a point along `direction` (2,).
 
-    The motion is a central difference. Raises NoAnswer as `node_motions_by_point` does.
+    The motion is a central difference. Raises NoAnswer as `node_motions_by_moved_shoe_point` does.
     """
     h = NODE_STEP * scene.brake.size
-    here = _nodes_in_brake_frame(scene, i, shoe)
+    here = _shoe_nodes_in_brake_frame(scene, i, shoe)
     places, loads = [], []
     for step in (h, -h):
-        there = _nodes_in_brake_frame(scene, i, _shoe_with_moved_point(shoe, key, step * direction))
+        there = _shoe_nodes_in_brake_frame(
+            scene, i, _shoe_with_moved_point(shoe, key, step * direction)
+        )
         # A step after which the division into elements is another one does not count.
         same_division = there.xy.shape == here.xy.shape
         if same_division and np.abs(there.xy - here.xy).max() < LARGEST_NODE_MOTION * h:
@@ -136,13 +143,15 @@ def _differentiate_node_places(
             f"shoe {shoe.name!r}: no slope along its {key}, "
             "there its division into elements changes"
         )
-    nodes = shoe.frame.to_shoe(np.mean(places, axis=0).T)
-    load = shoe.frame.to_shoe(np.mean(loads, axis=0).T)
+    nodes = shoe.frame.convert_to_shoe_frame(np.mean(places, axis=0).T)
+    load = shoe.frame.convert_to_shoe_frame(np.mean(loads, axis=0).T)
     line = nodes[scene.bodies[i].line.nodes].T
-    return NodeMotion(nodes.ravel(), line, load.ravel(), _turn_of_beam_axis(shoe, key, direction))
+    return NodeMotion(
+        nodes.ravel(), line, load.ravel(), _rotation_of_beam_axis_per_motion(shoe, key, direction)
+    )
 
 
-def _motion_of_axis_alone(
+def _beam_axis_turn_without_node_motion(
     body: ShoeSubstructure, shoe: Shoe, key: str, direction: Floats
 ) -> NodeMotion:
     """The motion of a straight beam on a mesh in the brake's frame, as an end of its axis moves.
@@ -151,11 +160,14 @@ def _motion_of_axis_alone(
     """
     still = np.zeros(2 * body.basis.N)
     return NodeMotion(
-        still, np.zeros(body.line.xy.shape), still, _turn_of_beam_axis(shoe, key, direction)
+        still,
+        np.zeros(body.line.xy.shape),
+        still,
+        _rotation_of_beam_axis_per_motion(shoe, key, direction),
     )
 
 
-def _turn_of_beam_axis(shoe: Shoe, key: str, direction: Floats) -> float:
+def _rotation_of_beam_axis_per_motion(shoe: Shoe, key: str, direction: Floats) -> float:
     """The turn [rad/m] of a straight beam's axis per motion of the point `key` along a direction.
 
     The direction (2,) is a unit vector. Other bodies have the turn 0. The turn counts in the shoe's
@@ -163,17 +175,17 @@ def _turn_of_beam_axis(shoe: Shoe, key: str, direction: Floats) -> float:
     """
     if not isinstance(shoe.body, Beam):
         return 0.0
-    beam = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
+    beam = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     across = float(beam.along[0] * direction[1] - beam.along[1] * direction[0])
     sideways = shoe.frame.sense * across / beam.length
     return {"hinge": -sideways, "actuation.point": sideways}.get(key, 0.0)
 
 
-def _nodes_in_brake_frame(scene: PreparedModel, i: int, shoe: Shoe) -> BodyNodes:
+def _shoe_nodes_in_brake_frame(scene: PreparedModel, i: int, shoe: Shoe) -> BodyNodes:
     """The nodes and nodal forces of `shoe` in the frame of the brake, in the place of shoe `i`."""
     assert scene.nodes_of_changed_shoe is not None
     nodes = scene.nodes_of_changed_shoe(i, shoe)
-    return BodyNodes(shoe.points(nodes.xy), shoe.frame.to_brake(nodes.load.T).T)
+    return BodyNodes(shoe.points(nodes.xy), shoe.frame.convert_to_brake_frame(nodes.load.T).T)
 
 
 def _shoe_with_moved_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
@@ -187,7 +199,7 @@ def _shoe_with_moved_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
     return shoe.model_copy(update={part: moved})
 
 
-def contact_lines_of_moved_point(
+def contact_lines_with_moved_nodes(
     body: ShoeSubstructure, shoe: Shoe, radius: float, moves: NodeMotion
 ) -> Iterator[tuple[float, ContactLine]]:
     """Yield the moved contact line for a step forwards and a step backwards of a point.
@@ -203,4 +215,4 @@ def contact_lines_of_moved_point(
     line = body.line
     for step in (NODE_STEP * radius, -NODE_STEP * radius):
         xy = line.xy + step * moves.line_motion
-        yield step, replace(line, xy=xy, phi=shoe.phi_of(xy, radius))
+        yield step, replace(line, xy=xy, phi=shoe.phi_of_points_in_shoe_frame(xy, radius))

@@ -30,11 +30,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints
-from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.fem.hp.element import element_gauss_points, reference_element, shape_function_gradients
+from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
+from drumlin.fem.hp.element import (
+    gauss_points_of_elements,
+    reference_element_of_degree,
+    shape_function_gradients_and_gauss_areas,
+)
 from drumlin.fem.hp.grid import ColumnGrid
-from drumlin.fem.substructure.body import quadrature_points, shape_values
-from drumlin.fem.substructure.elasticity import split_elasticity
+from drumlin.fem.substructure.body import (
+    quadrature_points_of_elements,
+    shape_function_values_at_points,
+)
+from drumlin.fem.substructure.elasticity import isotropic_and_directional_constants
 
 ELEMENTS_AT_A_TIME = 500
 """Number of hp elements whose shape-function gradients are in memory at once.
@@ -62,14 +69,14 @@ class _QuadratureSample(NamedTuple):
     values: Floats
     area: Floats
 
-    def gradient_of(self, u: Floats) -> Floats:
+    def displacement_gradients_at_points(self, u: Floats) -> Floats:
         """The displacement gradients d u_c / d x_d (e, q, 2, 2) at the quadrature points.
 
         `u` (2 nodes,) are the displacements of the nodes.
         """
         return np.asarray(np.einsum("eac,edaq->eqcd", u.reshape(-1, 2)[self.dofs], self.slopes))
 
-    def displacement_of(self, u: Floats) -> Floats:
+    def displacements_at_quadrature_points(self, u: Floats) -> Floats:
         """The displacements (e, q, 2) at the quadrature points, interpolated from the nodes.
 
         `u` (2 nodes,) are the displacements of the nodes.
@@ -91,7 +98,9 @@ class _LayerDirections(NamedTuple):
     curvature: Floats
     straight: Bools
 
-    def turn_of_moved_points(self, elements: Ints, moved: Floats, axis: float) -> Floats:
+    def turn_of_directions_at_moved_points(
+        self, elements: Ints, moved: Floats, axis: float
+    ) -> Floats:
         """The turn (e, q) [rad] of the layer directions at quadrature points that move.
 
         Parameters
@@ -118,17 +127,18 @@ def mutual_work_by_part(
     u, v : displacements (2 nodes,) [m]
     """
     constants = _elastic_constants_of_elements(basis, layers)
-    directions = _find_layer_directions(basis, layers)
+    directions = _layer_directions_at_quadrature_points(basis, layers)
     work = np.zeros(len(constants))
-    for sample in _sample_elements_in_chunks(basis):
+    for sample in _shape_functions_in_element_chunks(basis):
         along = None if directions is None else directions.along[sample.elements]
         stress = _stress_of_displacement_gradients(
-            sample.gradient_of(u), constants[sample.elements], along
+            sample.displacement_gradients_at_points(u), constants[sample.elements], along
         )
-        strain = sample.gradient_of(v)
+        strain = sample.displacement_gradients_at_points(v)
         work[sample.elements] = np.einsum("eqcd,eqcd,eq->e", stress, strain, sample.area)
     return {
-        name: float(work[elements].sum()) for name, elements in _mesh_of(basis).subdomains.items()
+        name: float(work[elements].sum())
+        for name, elements in _mesh_of_basis(basis).subdomains.items()
     }
 
 
@@ -153,27 +163,34 @@ def mutual_work_change_by_node_motions(
     axes : turns (k,) [rad/m] of the axis of a straight beam per unit motion of a point of the shoe
     """
     constants = _elastic_constants_of_elements(basis, layers)
-    directions = _find_layer_directions(basis, layers)
+    directions = _layer_directions_at_quadrature_points(basis, layers)
     changes = np.zeros(len(moves))
-    for sample in _sample_elements_in_chunks(basis):
+    for sample in _shape_functions_in_element_chunks(basis):
         own = constants[sample.elements]
         along = None if directions is None else directions.along[sample.elements]
-        of_u, of_v = sample.gradient_of(u), sample.gradient_of(v)
+        of_u, of_v = (
+            sample.displacement_gradients_at_points(u),
+            sample.displacement_gradients_at_points(v),
+        )
         stress_u = _stress_of_displacement_gradients(of_u, own, along)
         stress_v = _stress_of_displacement_gradients(of_v, own, along)
-        by_turn = None if along is None else _work_change_by_turn_of_layers(of_u, of_v, own, along)
+        by_turn = (
+            None
+            if along is None
+            else _work_change_per_turn_of_layer_directions(of_u, of_v, own, along)
+        )
         # This density of work is multiplied by div V, the growth of the area.
         work = np.einsum("eqcd,eqcd->eq", stress_u, of_v)
         # The gradients of both displacements change by -H (grad V). This is the factor of grad V.
         by_gradient = np.einsum("eqcj,eqcd->eqdj", stress_u, of_v)
         by_gradient = by_gradient + np.einsum("eqcj,eqcd->eqdj", stress_v, of_u)
         for k, move in enumerate(moves):
-            V = sample.gradient_of(move)
+            V = sample.displacement_gradients_at_points(move)
             wider = work * np.trace(V, axis1=2, axis2=3)
             change = wider - np.einsum("eqdj,eqdj->eq", by_gradient, V)
             if directions is not None and by_turn is not None:
-                turn = directions.turn_of_moved_points(
-                    sample.elements, sample.displacement_of(move), axes[k]
+                turn = directions.turn_of_directions_at_moved_points(
+                    sample.elements, sample.displacements_at_quadrature_points(move), axes[k]
                 )
                 change += by_turn * turn
             changes[k] += float((change * sample.area).sum())
@@ -186,20 +203,20 @@ def _stress_of_displacement_gradients(H: Floats, constants: Floats, along: Float
     Parameters
     ----------
     H : displacement gradients (e, q, 2, 2)
-    constants : elastic constants (e, 4) [N/m] of `elasticity.split_elasticity`
+    constants : elastic constants (e, 4) [N/m] of `elasticity.isotropic_and_directional_constants`
     along : unit vectors (e, q, 2) along the layers; None if all layers are isotropic
     """
     lam, mu, a, b = constants.T[:, :, None, None, None]
     volumetric = lam * np.trace(H, axis1=2, axis2=3)[..., None, None] * np.eye(2)
     stress = volumetric + mu * (H + H.swapaxes(2, 3))
     if along is not None:
-        for stiffer, d in ((a, along), (b, _unit_vectors_through_layers(along))):
+        for stiffer, d in ((a, along), (b, _thickness_unit_vectors_of_layers(along))):
             stretch = np.einsum("eqc,eqcd,eqd->eq", d, H, d)[..., None, None]
             stress = stress + stiffer * stretch * d[..., None] * d[..., None, :]
     return np.asarray(stress)
 
 
-def _unit_vectors_through_layers(along: Floats) -> Floats:
+def _thickness_unit_vectors_of_layers(along: Floats) -> Floats:
     """The unit vectors (..., 2) in the thickness direction of layers.
 
     `along` (..., 2) are the unit vectors along the layers.
@@ -207,7 +224,7 @@ def _unit_vectors_through_layers(along: Floats) -> Floats:
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
-def _work_change_by_turn_of_layers(
+def _work_change_per_turn_of_layer_directions(
     of_u: Floats, of_v: Floats, constants: Floats, along: Floats
 ) -> Floats:
     """The change (e, q) [N/m] of the work density b sigma(u) : H_v per turn of the layers.
@@ -215,7 +232,7 @@ def _work_change_by_turn_of_layers(
     Parameters
     ----------
     of_u, of_v : displacement gradients (e, q, 2, 2)
-    constants : elastic constants (e, 4) [N/m] of `elasticity.split_elasticity`
+    constants : elastic constants (e, 4) [N/m] of `elasticity.isotropic_and_directional_constants`
     along : unit vectors (e, q, 2) along the layers
     """
     of_first = _strains_in_layer_directions(of_u, constants, along)
@@ -240,11 +257,11 @@ class _DirectionStrains(NamedTuple):
 def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) -> _DirectionStrains:
     """The shear and stretch of displacement gradients H (e, q, 2, 2) in the layers' directions.
 
-    `constants` (e, 4) [N/m] are those of `elasticity.split_elasticity`, and `along` (e, q, 2) the
-    unit vectors along the layers.
+    `constants` (e, 4) [N/m] are those of `elasticity.isotropic_and_directional_constants`, and
+    `along` (e, q, 2) the unit vectors along the layers.
     """
     a, b = constants[:, 2:3], constants[:, 3:4]
-    through = _unit_vectors_through_layers(along)
+    through = _thickness_unit_vectors_of_layers(along)
     eps_along = np.einsum("eqc,eqcd,eqd->eq", along, H, along)
     eps_through = np.einsum("eqc,eqcd,eqd->eq", through, H, through)
     shear = np.einsum("eqc,eqcd,eqd->eq", along, H + H.swapaxes(2, 3), through)
@@ -252,24 +269,29 @@ def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) ->
 
 
 def _elastic_constants_of_elements(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats:
-    """The constants lambda, mu, a, b (elements, 4) [N/m] of each element by `split_elasticity`."""
+    """The constants lambda, mu, a, b (elements, 4) [N/m] of each element.
+
+    See `isotropic_and_directional_constants`.
+    """
     constants = np.zeros((basis.element_dofs.shape[1], 4))
-    for name, elements in _mesh_of(basis).subdomains.items():
-        constants[elements] = split_elasticity(layers[name].stiffness)
+    for name, elements in _mesh_of_basis(basis).subdomains.items():
+        constants[elements] = isotropic_and_directional_constants(layers[name].stiffness)
     return constants
 
 
-def _find_layer_directions(
+def _layer_directions_at_quadrature_points(
     basis: Any, layers: Mapping[str, ElasticLayer]
 ) -> _LayerDirections | None:
     """The directions of a body's layers at its quadrature points; None if all are isotropic."""
-    subdomains = _mesh_of(basis).subdomains
-    if not any(has_directions(layers[name].elasticity) for name in subdomains):
+    subdomains = _mesh_of_basis(basis).subdomains
+    if not any(is_elasticity_matrix_orthotropic(layers[name].elasticity) for name in subdomains):
         return None
     if isinstance(basis, ColumnGrid):
-        points = np.moveaxis(element_gauss_points(basis.element_nodes, basis.degree), 1, 0)
+        points = np.moveaxis(
+            gauss_points_of_elements(basis.node_coordinates_of_each_element, basis.degree), 1, 0
+        )
     else:
-        points = quadrature_points(basis)
+        points = quadrature_points_of_elements(basis)
     along, straight = np.empty(points.shape), np.zeros(points.shape[1], dtype=bool)
     # A layer with one fixed direction is straight; all other layers run around the drum's centre.
     for name, elements in subdomains.items():
@@ -279,23 +301,27 @@ def _find_layer_directions(
     return _LayerDirections(np.moveaxis(along, 0, 2), curvature, straight)
 
 
-def _mesh_of(basis: Any) -> Any:
+def _mesh_of_basis(basis: Any) -> Any:
     """The mesh of a basis, which knows the subdomains. A grid of hp elements is its own mesh."""
     return basis if isinstance(basis, ColumnGrid) else basis.mesh
 
 
-def _sample_elements_in_chunks(basis: Any) -> Iterator[_QuadratureSample]:
+def _shape_functions_in_element_chunks(basis: Any) -> Iterator[_QuadratureSample]:
     """Yield the shape functions of all elements of a body, in chunks that fit in memory."""
     if isinstance(basis, ColumnGrid):
-        count = len(basis.ordered_dofs)
+        count = len(basis.element_nodes_boundary_nodes_first)
         for first in range(0, count, ELEMENTS_AT_A_TIME):
             own = slice(first, first + ELEMENTS_AT_A_TIME)
-            slopes, area = shape_function_gradients(basis.element_nodes[own], basis.degree)
-            elements, dofs = np.arange(count)[own], basis.ordered_dofs[own]
+            slopes, area = shape_function_gradients_and_gauss_areas(
+                basis.node_coordinates_of_each_element[own], basis.degree
+            )
+            elements, dofs = np.arange(count)[own], basis.element_nodes_boundary_nodes_first[own]
             yield _QuadratureSample(
-                elements, dofs, slopes, reference_element(basis.degree).values, area
+                elements, dofs, slopes, reference_element_of_degree(basis.degree).values, area
             )
         return
     slopes = np.array([psi[0].grad for psi in basis.basis]).transpose(2, 1, 0, 3)
     elements = np.arange(basis.mesh.nelements)
-    yield _QuadratureSample(elements, basis.element_dofs.T, slopes, shape_values(basis), basis.dx)
+    yield _QuadratureSample(
+        elements, basis.element_dofs.T, slopes, shape_function_values_at_points(basis), basis.dx
+    )

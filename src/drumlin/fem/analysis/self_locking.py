@@ -12,7 +12,7 @@ from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.preparation.scene import PreparedModel
 
 
-def friction_limits_of_groups(
+def self_locking_limits_of_shoe_groups(
     scene: PreparedModel,
     brake: Brake,
     most: float = LARGEST_SOUGHT_FRICTION,
@@ -34,15 +34,15 @@ def friction_limits_of_groups(
     Raises
     ------
     NoAnswer
-        where a group has no equilibrium, see `ShoeGroup.follow_to_friction_limit`
+        where a group has no equilibrium, see `ShoeGroup.follow_contact_to_friction_limit`
     """
     return {
-        group.members: group.follow_to_friction_limit(most).limit
+        group.members: group.follow_contact_to_friction_limit(most).limit
         for group in divide_pressed_shoes_into_groups(scene, brake, penalty)
     }
 
 
-def torques_at_frictions(
+def shoe_torques_at_friction_coefficients(
     scene: PreparedModel, brake: Brake, frictions: Sequence[float], penalty: float = math.inf
 ) -> Floats:
     """The torque (m, shoes) [N m] of each shoe at m friction coefficients in growing order.
@@ -54,9 +54,9 @@ def torques_at_frictions(
         at, active = group, None
         # The contact set of one friction is the best guess of the contact set at the next friction.
         for row, mu in zip(values, frictions, strict=True):
-            at, contact = at.with_drum_friction(mu).solve_contact(active)
+            at, contact = at.group_with_drum_friction(mu).solve_contact(active)
             active = contact.active
             row[list(group.members)] = (
-                mu * group.unit_force * (group.torque_per_pressure.T @ contact.p)
+                mu * group.largest_actuation_force * (group.torque_per_pressure.T @ contact.p)
             )
     return values

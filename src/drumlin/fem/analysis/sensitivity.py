@@ -30,31 +30,35 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.brake.orthotropic import orthotropic_parts
-from drumlin.brake.support import SupportChange, wrench
-from drumlin.fem.analysis.adjoint import GroupAdjoint, ShoeAdjoint, solve_adjoint_of_group
+from drumlin.brake.orthotropic import names_of_orthotropic_parts
+from drumlin.brake.support import SupportChange, resultant_force_and_moment
+from drumlin.fem.analysis.adjoint import (
+    GroupAdjoint,
+    ShoeAdjoint,
+    solve_adjoint_for_torque_of_shoe_group,
+)
 from drumlin.fem.analysis.moving import (
     NodeMotion,
-    contact_lines_of_moved_point,
-    node_motions_by_point,
+    contact_lines_with_moved_nodes,
+    node_motions_by_moved_shoe_point,
 )
 from drumlin.fem.analysis.mutual_work import mutual_work_by_part, mutual_work_change_by_node_motions
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
-from drumlin.fem.equilibrium.state import unloaded_gaps_at
-from drumlin.fem.model import PENALTY, check_penalty
-from drumlin.fem.preparation.bodies import ShoeSubstructure, couple_contact_line
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
+from drumlin.fem.model import PENALTY, require_positive_penalty
+from drumlin.fem.preparation.bodies import ShoeSubstructure, couple_shoe_with_drum_or_plane
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.loads import ACTUATION
-from drumlin.laws import law as rigid_law
-from drumlin.laws import sine
-from drumlin.laws.naming import name_of
-from drumlin.response.merit import sensitivity as by_differences
-from drumlin.response.resultants import cross
+from drumlin.laws import solve_brake_by_its_rigid_shoe_law as rigid_law
+from drumlin.laws import solve_brake_by_sine_law
+from drumlin.laws.naming import name_of_rigid_shoe_law
+from drumlin.response.merit import torque_sensitivity_by_differences as by_differences
+from drumlin.response.resultants import planar_cross_product
 
 PERCENT_PER_MM = 0.1
 """Factor from a relative change of the torque per motion of a point in 1/m to percent per mm."""
@@ -113,7 +117,8 @@ class Sensitivity:
     S : (mu/T) dT/dmu of the whole brake; None if T is 0
     drive : dT by the logarithm of the brake's actuation [N m]; None if each shoe has its own force
     ring : dT by the logarithm of the ring's modulus [N m]; None for a rigid drum, for a ring whose
-        bending stiffness is given, and for a ring that is not plain, see `Ring.is_plain`
+        bending stiffness is given, and for a ring that is not plain, see
+        `Ring.has_fixed_or_free_far_edge`
     ring_bending_stiffness : dT by the logarithm of the ring's bending stiffness [N m]; None if the
         brake file gives no bending stiffness, and for a ring that is not plain
     shoes : the sensitivities of each shoe
@@ -133,11 +138,11 @@ class Sensitivity:
 
     def as_dict(self) -> dict[str, Any]:
         """Convert the sensitivities of the brake to plain data for JSON, in SI units."""
-        shoes = list(map(_shoe_as_dict, self.shoes))
+        shoes = list(map(_shoe_sensitivity_as_dict, self.shoes))
         return vars(self) | {"shoes": shoes, "law": None if self.law is None else list(self.law)}
 
 
-def _shoe_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
+def _shoe_sensitivity_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
     """Convert the sensitivities of a shoe to plain data for JSON.
 
     The sensitivity by the hinge stands under "held" and under a key "hinge" of its own.
@@ -159,7 +164,7 @@ def compute_torque_sensitivity(
     Raises NoAnswer and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without
     friction, which has no torque.
     """
-    check_penalty(penalty)
+    require_positive_penalty(penalty)
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
     if scene.brake.friction == 0:
@@ -170,21 +175,23 @@ def compute_torque_sensitivity(
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
-        adjoint = solve_adjoint_of_group(group)
+        adjoint = solve_adjoint_for_torque_of_shoe_group(group)
         for k, i in enumerate(group.members):
-            pressed[i] = _TorqueSlopesOfShoe(adjoint, k).sensitivity()
+            pressed[i] = _TorqueSlopesOfShoe(adjoint, k).compute_all_torque_slopes_of_shoe()
         ring += adjoint.ring_modulus_slope
         drive += adjoint.given_forces_slope
     shoes = []
     for i, shoe in enumerate(brake.shoes):
         shoes.append(
-            pressed[i] if i in pressed else _sensitivity_of_unpressed_shoe(scene.bodies[i], shoe)
+            pressed[i]
+            if i in pressed
+            else _zero_sensitivity_of_unpressed_shoe(scene.bodies[i], shoe)
         )
     torque = math.fsum(shoe.torque for shoe in shoes)
     friction = math.fsum(shoe.friction for shoe in shoes)
     # The adjoint's slope by the ring's modulus assumes that the ring's flexibility is inversely
     # proportional to this modulus. A far edge that yields adds a flexibility of its own.
-    scaled = brake.ring is not None and brake.ring.is_plain
+    scaled = brake.ring is not None and brake.ring.has_fixed_or_free_far_edge
     # A given bending stiffness takes the place of the ring's modulus.
     given = brake.ring is not None and brake.ring.bending_stiffness is not None
     return Sensitivity(
@@ -196,7 +203,7 @@ def compute_torque_sensitivity(
         ring=ring if scaled and not given else None,
         ring_bending_stiffness=ring if scaled and given else None,
         shoes=tuple(shoes),
-        law=sensitivity_by_rigid_law(brake),
+        law=friction_sensitivity_by_rigid_shoe_law(brake),
     )
 
 
@@ -205,10 +212,10 @@ def _logarithmic_slope(x: float, slope: float, value: float) -> float | None:
     return x * slope / value if value else None
 
 
-def _sensitivity_of_unpressed_shoe(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
+def _zero_sensitivity_of_unpressed_shoe(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
     """The sensitivities, all zero, of a shoe that does not press on the drum."""
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
-    moduli = dict.fromkeys(map(_material_of_part, elastic_layers_of_shoe(shoe)), 0.0)
+    moduli = dict.fromkeys(map(_material_name_of_part, elastic_layers_of_shoe(shoe)), 0.0)
     given = shoe.body is not None and shoe.body.bending_stiffness is not None
     return ShoeSensitivity(
         name=shoe.name,
@@ -226,7 +233,7 @@ def _sensitivity_of_unpressed_shoe(body: ShoeSubstructure, shoe: Shoe) -> ShoeSe
     )
 
 
-def _material_of_part(part: str) -> str:
+def _material_name_of_part(part: str) -> str:
     """The name of the material of a part; the table of a T-section has the material "shoe"."""
     return "shoe" if part == "table" else part
 
@@ -253,10 +260,10 @@ class _TorqueSlopesOfShoe:
         self.adjoint, self.k = adjoint, k
         self.group: ShoeGroup = adjoint.group
         self.own: ShoeAdjoint = adjoint.shoes[k]
-        self.body, self.shoe = self.group.bodies[k], self.group.shoes[k]
-        self.drag = self.group.brake.drag_on(self.shoe)
+        self.body, self.shoe = self.group.substructures_of_shoes[k], self.group.shoes[k]
+        self.drag = self.group.brake.friction_per_pressure_on_shoe(self.shoe)
         # Under a cam the travel of the shoe's tip enters the equation of the shoe's force.
-        self.under_cam = k in self.group.cam_shoes
+        self.under_cam = k in self.group.numbers_of_shoes_under_cam
         self.tip_multiplier = self.own.force_multiplier if self.under_cam else 0.0
         names = np.array(self.shoe.freedoms(self.group.friction_senses[k]).names)
         # A rotation counts with another sign in the brake's frame if the shoe's frame is mirrored.
@@ -264,7 +271,7 @@ class _TorqueSlopesOfShoe:
         # The actuation does no work on the tilt of a shoe on a lever.
         self.works = np.where(names == "tilt", 0.0, 1.0)
 
-    def sensitivity(self) -> ShoeSensitivity:
+    def compute_all_torque_slopes_of_shoe(self) -> ShoeSensitivity:
         """Compute all sensitivities of the torque to data of the shoe."""
         group, k, own = self.group, self.k, self.own
         body, shoe = self.body, self.shoe
@@ -272,11 +279,15 @@ class _TorqueSlopesOfShoe:
         torque = float(self.adjoint.torques[k])
         friction = float(self.adjoint.friction_slopes[k])
         by_penalty = (
-            float(own.gap_multipliers @ (coupling.M @ own.pressures)) / group.contact_stiffnesses[k]
+            float(own.gap_multipliers @ (coupling.M @ own.pressures))
+            / group.contact_stiffness_per_area_of_shoes[k]
         )
-        moduli, bending_stiffness = self._slopes_by_moduli(by_penalty)
+        moduli, bending_stiffness = self._torque_slopes_by_moduli(by_penalty)
         # The brake file does not give the force of a shoe under a cam or behind a strut.
-        shares_force = k in [*group.cam_shoes, *(to for _, to in group.struts)]
+        shares_force = k in [
+            *group.numbers_of_shoes_under_cam,
+            *(to for _, to in group.pushing_and_pushed_shoe_of_struts),
+        ]
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
         forward = slice(None, None, shoe.frame.sense)
         return ShoeSensitivity(
@@ -288,43 +299,47 @@ class _TorqueSlopesOfShoe:
             moduli=moduli,
             bending_stiffness=bending_stiffness,
             clearance=-float(own.gap_multipliers @ coupling.M.sum(axis=1)),
-            held=self._slopes_by_supports(),
+            held=self._torque_slopes_by_supports(),
             penalty=by_penalty,
             theta=shoe.frame.theta(body.line.phi)[forward],
             density=-shoe.lining.width * own.gap_multipliers[forward],
         )
 
-    def _shoes_pushed_by_struts(self) -> list[int]:
+    def _numbers_of_shoes_pushed_by_struts(self) -> list[int]:
         """The numbers, within the group, of the shoes that struts from this shoe push."""
-        return [to for source, to in self.group.struts if source == self.k]
+        return [
+            to for source, to in self.group.pushing_and_pushed_shoe_of_struts if source == self.k
+        ]
 
     # Slopes by moduli
 
     @cached_property
-    def displacements(self) -> _LoadedDisplacements:
+    def displacements_by_loads_and_adjoint_loads(self) -> _LoadedDisplacements:
         """The displacements of the shoe under its loads, and under the adjoint loads."""
-        own, load = self.own, self.group.unit_loads[self.k].load_factors
+        own, load = self.own, self.group.actuations_by_one_newton[self.k].load_factors
         N, T = self.body.coupling.N, self.body.coupling.T
         nodal = np.column_stack(
             [self.drag * (T.T @ own.pressures) - N.T @ own.pressures, N.T @ own.gap_multipliers]
         )
         adjoint_force = -own.force_multiplier if self.under_cam else 0.0
         loads = np.column_stack([own.force * load, adjoint_force * load])
-        u, v = self.body.condensed.displacements(nodal, np.zeros((FRAME, 2)), loads).T
+        u, v = self.body.condensed.nodal_displacements_in_load_cases(
+            nodal, np.zeros((FRAME, 2)), loads
+        ).T
         return _LoadedDisplacements(u, v)
 
-    def _slopes_by_moduli(self, by_penalty: float) -> tuple[dict[str, float], float | None]:
+    def _torque_slopes_by_moduli(self, by_penalty: float) -> tuple[dict[str, float], float | None]:
         """The slopes [N m] of the torque by the moduli of each part, and by the bending stiffness.
 
         The second slope is None if the brake file gives no bending stiffness. The lining's modulus
         E also changes the contact stiffness alpha E/t. The slope `by_penalty` [N m] by the contact
         stiffness is therefore a part of the slope by the lining's modulus.
         """
-        u, v = self.displacements
+        u, v = self.displacements_by_loads_and_adjoint_loads
         effects: dict[str, float] = {}
         layers = elastic_layers_of_shoe(self.shoe)
         for part, work in mutual_work_by_part(self.body.basis, layers, u, v).items():
-            name = _material_of_part(part)
+            name = _material_name_of_part(part)
             more = by_penalty if part == "lining" else 0.0
             effects[name] = effects.get(name, 0.0) - work + more
         bar = self.shoe.body
@@ -334,7 +349,7 @@ class _TorqueSlopesOfShoe:
 
     # Slopes by supports
 
-    def _slopes_by_supports(self) -> dict[str, Floats]:
+    def _torque_slopes_by_supports(self) -> dict[str, Floats]:
         """The slopes of the brake's torque by the supports of the shoe.
 
         The keys are those of `Held.changes`, and the units those of `ShoeSensitivity.held`. A
@@ -344,15 +359,19 @@ class _TorqueSlopesOfShoe:
         group, k = self.group, self.k
         effects = {}
         for key, changes in self.shoe.changes(group.friction_senses[k]).items():
-            effects[key] = np.array(list(map(self._slope_by_change_of_modes, changes)))
-            moves = node_motions_by_point(group.scene, group.members[k], self.shoe, key)
+            effects[key] = np.array(
+                list(map(self._torque_slope_by_rigid_body_mode_change, changes))
+            )
+            moves = node_motions_by_moved_shoe_point(group.scene, group.members[k], self.shoe, key)
             if moves:
-                effects[key] = effects[key] + self._slopes_by_node_motions(moves)
-        for to in self._shoes_pushed_by_struts():
-            _add_slopes_by_strut_line(effects, _TorqueSlopesOfShoe(self.adjoint, to))
+                effects[key] = effects[key] + self._torque_slopes_by_node_motions(moves)
+        for to in self._numbers_of_shoes_pushed_by_struts():
+            _add_torque_slopes_by_strut_line_of_action(
+                effects, _TorqueSlopesOfShoe(self.adjoint, to)
+            )
         return effects
 
-    def _slope_by_change_of_modes(self, change: SupportChange) -> float:
+    def _torque_slope_by_rigid_body_mode_change(self, change: SupportChange) -> float:
         """The slope of the torque by a change of the shoe's rigid-body modes.
 
         The equations contain a rigid-body mode only in the work of forces on this mode. This work
@@ -365,23 +384,29 @@ class _TorqueSlopesOfShoe:
         by_drum = self.drag * (own.pressures @ T) - own.pressures @ N
         # The wrenches belong to the adjoint contact forces, the forces of the drum and the
         # actuation force, in this order.
-        of_gaps = wrench(shoe.frame.to_brake(on_gaps.reshape(-1, 2)), xy.T)
-        of_drum = wrench(shoe.frame.to_brake(by_drum.reshape(-1, 2)), xy.T)
+        of_gaps = resultant_force_and_moment(
+            shoe.frame.convert_to_brake_frame(on_gaps.reshape(-1, 2)), xy.T
+        )
+        of_drum = resultant_force_and_moment(
+            shoe.frame.convert_to_brake_frame(by_drum.reshape(-1, 2)), xy.T
+        )
         sign = math.copysign(1.0, shoe.actuation.force)
-        push = wrench(sign * shoe.actuation.direction_vector, shoe.actuation.point.xy)
+        push = resultant_force_and_moment(
+            sign * shoe.actuation.unit_vector_of_force, shoe.actuation.point.xy
+        )
         y, b = self.mode_signs * own.coordinates, self.mode_signs * own.equilibrium_multipliers
         by_equilibria = change.tests @ of_drum + own.force * works * (change.tests @ push)
         by_tip = self.tip_multiplier * (y * works) @ (change.motions @ push)
         return float(y @ (change.motions @ of_gaps) - b @ by_equilibria - by_tip)
 
-    def _slopes_by_node_motions(self, moves: list[NodeMotion]) -> Floats:
+    def _torque_slopes_by_node_motions(self, moves: list[NodeMotion]) -> Floats:
         """The slopes (moves,) of the torque by motions of the body's nodes.
 
         Motions of nodes change the stiffness and the nodal forces of the actuation. They also
         change the contact if contact nodes move.
         """
         own, body = self.own, self.body
-        u, v = self.displacements
+        u, v = self.displacements_by_loads_and_adjoint_loads
         nodes = np.array([move.node_motion for move in moves])
         axes = [move.axis_turn for move in moves]
         effects = -mutual_work_change_by_node_motions(
@@ -392,25 +417,25 @@ class _TorqueSlopesOfShoe:
         per_force = own.force * v - self.tip_multiplier * u
         for j, move in enumerate(moves):
             effects[j] += float(move.load_change @ per_force)
-            if not move.contact_stays:
-                effects[j] += self._slope_by_contact_node_motion(move)
+            if not move.has_unmoved_contact:
+                effects[j] += self._torque_slope_by_contact_node_motion(move)
         return effects
 
-    def _slope_by_contact_node_motion(self, move: NodeMotion) -> float:
+    def _torque_slope_by_contact_node_motion(self, move: NodeMotion) -> float:
         """The slope of the torque by a motion of contact nodes, by central differences.
 
         Only the coupling of pressures and displacements and the initial gap change. The pressures,
         displacements, rigid-body motions and their adjoints stay.
         """
         values = []
-        for step, line in contact_lines_of_moved_point(
+        for step, line in contact_lines_with_moved_nodes(
             self.body, self.shoe, self.group.brake.size, move
         ):
-            value = self._weighted_contact_equations(line, step, move)
-            values.append((value - self._weighted_gaps_by_ring(line)) / step)
+            value = self._contact_equations_times_adjoint(line, step, move)
+            values.append((value - self._gaps_by_ring_times_adjoint(line)) / step)
         return 0.5 * sum(values)
 
-    def _weighted_contact_equations(
+    def _contact_equations_times_adjoint(
         self, line: ContactLine, step: float, move: NodeMotion
     ) -> float:
         """The contact terms of the torque [N m], with contact nodes that have moved by a step.
@@ -426,29 +451,35 @@ class _TorqueSlopesOfShoe:
         """
         own, shoe, k = self.own, self.shoe, self.k
         group, brake = self.group, self.group.brake
-        modes, nodes = group.rigid_body_modes[k], self.body.line.nodes
+        modes, nodes = group.rigid_body_modes_of_shoes[k], self.body.line.nodes
         contact = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
         # The penalty lets the lining penetrate the drum by the pressure over its stiffness.
-        squeezed = own.pressures / group.contact_stiffnesses[k]
+        squeezed = own.pressures / group.contact_stiffness_per_area_of_shoes[k]
         turns = modes.pin_motion[2]
-        u = self.displacements.u[contact] + modes.contact_modes @ own.coordinates
-        v = self.displacements.v[contact] - modes.test_modes @ own.equilibrium_multipliers
-        coupling = couple_contact_line(line, shoe)
+        u = (
+            self.displacements_by_loads_and_adjoint_loads.u[contact]
+            + modes.contact_modes @ own.coordinates
+        )
+        v = (
+            self.displacements_by_loads_and_adjoint_loads.v[contact]
+            - modes.test_modes @ own.equilibrium_multipliers
+        )
+        coupling = couple_shoe_with_drum_or_plane(line, shoe)
         nodal = self.drag * (coupling.T.T @ own.pressures) - coupling.N.T @ own.pressures
         # A rotation of the shoe moves a displaced node along the rotated step too.
         aside = step * np.array([-move.line_motion[1], move.line_motion[0]]).T.ravel()
-        gap = unloaded_gaps_at(line.xy, line.phi, brake, shoe)
+        gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe)
         value = brake.friction * float(coupling.lever @ own.pressures)
         closing = coupling.N @ (u + aside * (turns @ own.coordinates))
         value += float(own.gap_multipliers @ (closing - coupling.M @ (gap + squeezed)))
         value += float(nodal @ (v - aside * (turns @ own.equilibrium_multipliers)))
         # A strut pushes the next shoe with the part of these nodal forces that the foot bears.
-        whole = shoe.frame.to_brake(nodal.reshape(-1, 2).sum(axis=0))
-        for to in self._shoes_pushed_by_struts():
+        whole = shoe.frame.convert_to_brake_frame(nodal.reshape(-1, 2).sum(axis=0))
+        for to in self._numbers_of_shoes_pushed_by_struts():
             value -= self.adjoint.shoes[to].force_multiplier * float(whole @ shoe.bearing)
         return value
 
-    def _weighted_gaps_by_ring(self, line: ContactLine) -> float:
+    def _gaps_by_ring_times_adjoint(self, line: ContactLine) -> float:
         """The ring's part of the weighted gaps, times their adjoint, on a moved contact line.
 
         The value [N m] is 0 for a rigid drum.
@@ -467,7 +498,9 @@ class _TorqueSlopesOfShoe:
 
     # Slopes by the line of action of a strut's force
 
-    def slope_by_force_line(self, force: Floats, moment: float, *, carried: bool = False) -> float:
+    def torque_slope_by_line_of_action(
+        self, force: Floats, moment: float, *, carried: bool = False
+    ) -> float:
         """The slope of the torque by a change of the shoe's line of action of its actuation force.
 
         Parameters
@@ -480,9 +513,13 @@ class _TorqueSlopesOfShoe:
         own, shoe, body = self.own, self.shoe, self.body
         centre = shoe.points(body.load_centre[:, None])[:, 0]
         free = shoe.freedoms(self.group.friction_senses[self.k])
-        couple = 0.0 if carried else shoe.frame.sense * (moment - float(cross(centre, force)))
-        pushing = np.array([*shoe.frame.to_shoe(force), couple])
-        load = body.columns.factors({ACTUATION: pushing})
+        couple = (
+            0.0
+            if carried
+            else shoe.frame.sense * (moment - float(planar_cross_product(centre, force)))
+        )
+        pushing = np.array([*shoe.frame.convert_to_shoe_frame(force), couple])
+        load = body.load_columns.factors_of_all_load_columns({ACTUATION: pushing})
         work = free.tests @ np.array([*force, moment])
         tested = self.mode_signs * self.works * work
         return own.force * float(
@@ -490,29 +527,35 @@ class _TorqueSlopesOfShoe:
             - own.equilibrium_multipliers @ tested
         )
 
-    def slopes_by_force_point(self) -> list[Floats]:
+    def torque_slopes_by_strut_force_point(self) -> list[Floats]:
         """The slopes (2,) [N] of the torque by the point at which a strut pushes the shoe.
 
         The list has one or two parts, whose sum is the slope: first the part by the moment of the
         force, and then the part by motions of the body's nodes if nodes move with the point.
         """
-        key, direction = "actuation.point", self.shoe.actuation.direction_vector
-        moves = node_motions_by_point(self.group.scene, self.group.members[self.k], self.shoe, key)
+        key, direction = "actuation.point", self.shoe.actuation.unit_vector_of_force
+        moves = node_motions_by_moved_shoe_point(
+            self.group.scene, self.group.members[self.k], self.shoe, key
+        )
         effects = []
         for step in np.eye(2):
-            moment = float(cross(step, direction))
-            effects.append(self.slope_by_force_line(np.zeros(2), moment, carried=bool(moves)))
+            moment = float(planar_cross_product(step, direction))
+            effects.append(
+                self.torque_slope_by_line_of_action(np.zeros(2), moment, carried=bool(moves))
+            )
         by_moment = np.array(effects)
-        return [by_moment, self._slopes_by_node_motions(moves)] if moves else [by_moment]
+        return [by_moment, self._torque_slopes_by_node_motions(moves)] if moves else [by_moment]
 
-    def slope_by_force_direction(self) -> float:
+    def torque_slope_by_strut_force_direction(self) -> float:
         """The slope [N m] of the torque by the direction in which a strut pushes the shoe."""
         shoe = self.shoe
-        direction, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
+        direction, point = shoe.actuation.unit_vector_of_force, shoe.actuation.point.xy
         turned = np.array([-direction[1], direction[0]])
-        slope = self.slope_by_force_line(turned, float(cross(point, turned)))
+        slope = self.torque_slope_by_line_of_action(
+            turned, float(planar_cross_product(point, turned))
+        )
         # If the foot of this shoe stands on a further strut, this strut pushes the next shoe.
-        for to in self._shoes_pushed_by_struts():
+        for to in self._numbers_of_shoes_pushed_by_struts():
             slope -= (
                 self.adjoint.shoes[to].force_multiplier
                 * self.own.force
@@ -521,7 +564,9 @@ class _TorqueSlopesOfShoe:
         return slope
 
 
-def _add_slopes_by_strut_line(effects: dict[str, Floats], pushed: _TorqueSlopesOfShoe) -> None:
+def _add_torque_slopes_by_strut_line_of_action(
+    effects: dict[str, Floats], pushed: _TorqueSlopesOfShoe
+) -> None:
     """Add the slopes by a strut's line of action to the slopes by the abutment on the strut.
 
     The strut pushes another shoe along a line that moves and turns with the abutment. The size of
@@ -534,9 +579,9 @@ def _add_slopes_by_strut_line(effects: dict[str, Floats], pushed: _TorqueSlopesO
         place
     pushed : slopes of the shoe that the strut pushes
     """
-    for part in pushed.slopes_by_force_point():
+    for part in pushed.torque_slopes_by_strut_force_point():
         effects["abutment.point"] = effects["abutment.point"] + part
-    by_direction = pushed.slope_by_force_direction()
+    by_direction = pushed.torque_slope_by_strut_force_direction()
     effects["abutment.direction"] = effects["abutment.direction"] + by_direction
 
 
@@ -552,11 +597,12 @@ def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
     surface = brake.surface
     symbol, effect, unit = surface.symbol, surface.effect, surface.effect_unit
     law = found.law or (None,) * (len(found.shoes) + 1)
-    of_law = f"{name_of(brake)} law"
+    of_law = f"{name_of_rigid_shoe_law(brake)} law"
     T, elasticity = found.torque or math.inf, f"d ln {symbol}/d ln"
     lines = [
         f"{effect} {found.torque:.6g} {unit}, d{symbol}/dmu {found.friction:.6g} {unit}, "
-        f"S = (mu/{symbol}) d{symbol}/dmu = {_format_S(found.S)} ({of_law}: {_format_S(law[-1])})"
+        f"S = (mu/{symbol}) d{symbol}/dmu = {_friction_sensitivity_as_text(found.S)} "
+        f"({of_law}: {_friction_sensitivity_as_text(law[-1])})"
     ]
     of_brake = {
         "actuation": found.drive,
@@ -567,14 +613,16 @@ def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
         if slope is not None:
             lines.append(f"  {elasticity} {what} {slope / T:+.4g}")
     for k, own in enumerate(found.shoes):
-        by_law = "" if law[k] is None else f" ({of_law}: {_format_S(law[k])})"
+        by_law = "" if law[k] is None else f" ({of_law}: {_friction_sensitivity_as_text(law[k])})"
         lines.append(
             f"  shoe {own.name!r}: {effect} {own.torque:.6g} {unit}, "
             f"d{symbol}/dmu {own.friction:.6g} {unit}, "
-            f"S {_format_S(own.S)}{by_law}; of the whole {effect}:"
+            f"S {_friction_sensitivity_as_text(own.S)}{by_law}; of the whole {effect}:"
         )
-        lines += _slope_lines_of_shoe(own, brake.shoes[k].actuation.force, T, elasticity)
-    parts = ", ".join(orthotropic_parts(brake))
+        lines += _text_lines_on_torque_slopes_of_shoe(
+            own, brake.shoes[k].actuation.force, T, elasticity
+        )
+    parts = ", ".join(names_of_orthotropic_parts(brake))
     if parts:
         lines.append(
             f"  {elasticity} E of {parts}: by one factor on all moduli; not given by each of them"
@@ -582,12 +630,12 @@ def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
     return lines
 
 
-def _format_S(S: float | None) -> str:
+def _friction_sensitivity_as_text(S: float | None) -> str:
     """The sensitivity S as text, "none" if S is None."""
     return "none" if S is None else f"{S:.5g}"
 
 
-def _slope_lines_of_shoe(
+def _text_lines_on_torque_slopes_of_shoe(
     own: ShoeSensitivity, force: float, T: float, elasticity: str
 ) -> list[str]:
     """Lines of text on the relative slopes of the whole torque by data of one shoe.
@@ -604,7 +652,9 @@ def _slope_lines_of_shoe(
     bent = ""
     if own.bending_stiffness is not None:
         bent = f"; {elasticity} bending_stiffness: shoe {own.bending_stiffness / T:+.4g}"
-    held = "; ".join(_slope_text_of_support(key, value / T) for key, value in own.held.items())
+    held = "; ".join(
+        _text_on_torque_slopes_by_support(key, value / T) for key, value in own.held.items()
+    )
     # Adding 0.0 turns -0.0 into 0.0, which prints without a sign of minus.
     per_micrometre = own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0
     return [
@@ -614,7 +664,7 @@ def _slope_lines_of_shoe(
     ]
 
 
-def _slope_text_of_support(key: str, value: Floats) -> str:
+def _text_on_torque_slopes_by_support(key: str, value: Floats) -> str:
     """The text on the relative slopes of the torque by one support.
 
     `key` is a key of `ShoeSensitivity.held`, and `value` (1,) or (2,) its slopes over the torque.
@@ -630,7 +680,7 @@ def _slope_text_of_support(key: str, value: Floats) -> str:
 # Sensitivities by rigid-shoe laws and by differences of solves, for comparison
 
 
-def sensitivity_by_rigid_law(brake: Brake) -> tuple[float | None, ...] | None:
+def friction_sensitivity_by_rigid_shoe_law(brake: Brake) -> tuple[float | None, ...] | None:
     """The sensitivity S by the rigid-shoe law, of each shoe and then of the whole brake.
 
     S = (mu/T) dT/dmu is the relative change of the torque T per relative change of friction. By the
@@ -638,12 +688,12 @@ def sensitivity_by_rigid_law(brake: Brake) -> tuple[float | None, ...] | None:
     laws S is None for each shoe, and S of the whole brake comes from differences of the closed
     form. The result is None if no law has an answer, as for an orthotropic brake.
     """
-    if any(orthotropic_parts(brake)):
+    if any(names_of_orthotropic_parts(brake)):
         return None
     try:
-        if name_of(brake) != "sine":
+        if name_of_rigid_shoe_law(brake) != "sine":
             return (*[None] * len(brake.shoes), by_differences(brake, rigid_law))
-        response = sine(brake)
+        response = solve_brake_by_sine_law(brake)
     except (BadInput, NoAnswer):
         return None
     each = [merit.sensitivity_at_fixed_shape for merit in response.merits]
@@ -675,7 +725,7 @@ class _ProbedSlope(NamedTuple):
     per_force: float = 1.0
 
 
-def compare_with_differences_of_solves(
+def compare_slopes_with_differences_of_solves(
     brake: Brake, index: int, *, elements: int, penalty: float = PENALTY
 ) -> tuple[Sensitivity, list[dict[str, Any]]]:
     """Compare exact slopes of the whole torque with central differences of complete solves.
@@ -695,9 +745,11 @@ def compare_with_differences_of_solves(
     the sensitivities, and a row for each slope with the keys `what`, `unit`, `exact`, `near` (the
     difference of solves) and `difference` (relative)
     """
-    slopes = compute_torque_sensitivity(prepare(brake, elements=elements), brake, penalty=penalty)
+    slopes = compute_torque_sensitivity(
+        make_prepared_model(brake, elements=elements), brake, penalty=penalty
+    )
     rows = []
-    for probe in _slopes_to_compare(brake, index, slopes):
+    for probe in _torque_slopes_to_compare(brake, index, slopes):
         torques = []
         for step in (probe.step, -probe.step):
             changed = vary(brake, dict(probe.changes(step)))
@@ -709,7 +761,7 @@ def compare_with_differences_of_solves(
     return slopes, rows
 
 
-def _slopes_to_compare(brake: Brake, index: int, slopes: Sensitivity) -> list[_ProbedSlope]:
+def _torque_slopes_to_compare(brake: Brake, index: int, slopes: Sensitivity) -> list[_ProbedSlope]:
     """The slopes that are compared with differences: by friction, and by data of shoe `index`.
 
     The data are the actuation force, the moduli of lining and body, the clearance and the hinge.
@@ -721,34 +773,36 @@ def _slopes_to_compare(brake: Brake, index: int, slopes: Sensitivity) -> list[_P
     force, x, y = shoe.actuation.force, shoe.pin.x, shoe.pin.y
     by_x, by_y = own.held["hinge"].tolist()
 
-    def scaled(part: str, values: Mapping[str, float], step: float) -> dict[str, Any]:
+    def keys_with_scaled_moduli(
+        part: str, values: Mapping[str, float], step: float
+    ) -> dict[str, Any]:
         """The keys of all moduli of a part, with values that are larger by a relative step."""
         return {f"{key}{part}.material.{name}": E * (1 + step) for name, E in values.items()}
 
-    def friction(step: float) -> dict[str, Any]:
+    def keys_with_increased_friction(step: float) -> dict[str, Any]:
         """The key of the friction coefficient, with its value increased by a step."""
         return {"friction": brake.friction + step}
 
-    def actuation_force(step: float) -> dict[str, Any]:
+    def keys_with_increased_force(step: float) -> dict[str, Any]:
         """The key of the actuation force, with its value increased by a relative step."""
         return {key + "actuation.force": force * (1 + step)}
 
-    def clearance(step: float) -> dict[str, Any]:
+    def keys_with_increased_clearance(step: float) -> dict[str, Any]:
         """The key of the clearance, with its value increased by a step [m]."""
         return {key + "lining.clearance": gap + step}
 
-    def hinge(along_x: float, along_y: float, step: float) -> dict[str, Any]:
+    def keys_with_moved_hinge(along_x: float, along_y: float, step: float) -> dict[str, Any]:
         """The key of the hinge, with its place moved by a step [m] along a unit vector."""
         return {key + "hinge": {"x": x + along_x * step, "y": y + along_y * step}}
 
-    lining_moduli = partial(scaled, "lining", linings)
-    body_moduli = partial(scaled, "body", bodies)
+    lining_moduli = partial(keys_with_scaled_moduli, "lining", linings)
+    body_moduli = partial(keys_with_scaled_moduli, "body", bodies)
     return [
-        _ProbedSlope("dT/dμ", "N m", slopes.friction, friction, 1e-5),
-        _ProbedSlope("dT/dF", "m", own.force or 0.0, actuation_force, 1e-4, force),
+        _ProbedSlope("dT/dμ", "N m", slopes.friction, keys_with_increased_friction, 1e-5),
+        _ProbedSlope("dT/dF", "m", own.force or 0.0, keys_with_increased_force, 1e-4, force),
         _ProbedSlope("dT/d ln E, lining", "N m", own.moduli["lining"], lining_moduli, 1e-4),
         _ProbedSlope("dT/d ln E, shoe", "N m", own.moduli["shoe"], body_moduli, 1e-4),
-        _ProbedSlope("dT/d clearance", "N", own.clearance, clearance, 1e-9),
-        _ProbedSlope("dT/dx, hinge", "N", by_x, partial(hinge, 1.0, 0.0), 1e-6),
-        _ProbedSlope("dT/dy, hinge", "N", by_y, partial(hinge, 0.0, 1.0), 1e-6),
+        _ProbedSlope("dT/d clearance", "N", own.clearance, keys_with_increased_clearance, 1e-9),
+        _ProbedSlope("dT/dx, hinge", "N", by_x, partial(keys_with_moved_hinge, 1.0, 0.0), 1e-6),
+        _ProbedSlope("dT/dy, hinge", "N", by_y, partial(keys_with_moved_hinge, 0.0, 1.0), 1e-6),
     ]

@@ -20,7 +20,7 @@ from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
 from drumlin.fem.equilibrium.problems import GroupProblems
 from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
-from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation_load_factors
+from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
 
@@ -77,7 +77,7 @@ class SolvedGroup(NamedTuple):
 class ShoeGroup(GroupProblems):
     """A group of shoes with its state, its contact problems and their solutions."""
 
-    def with_drum_friction(self, friction: float) -> "ShoeGroup":
+    def group_with_drum_friction(self, friction: float) -> "ShoeGroup":
         """A copy of the group with another friction coefficient of the drum.
 
         The senses of friction at the abutments stay.
@@ -86,25 +86,30 @@ class ShoeGroup(GroupProblems):
 
     # These methods solve the contact under given senses of friction at the abutments.
 
-    def solve_with_known_senses(self, first_contact_set: Bools | None = None) -> active_set.Contact:
+    def solve_contact_for_known_friction_senses(
+        self, first_contact_set: Bools | None = None
+    ) -> active_set.Contact:
         """Solve the contact under the present senses of friction at the abutments.
 
-        Returns pressures and motions per newton of `unit_force`. `first_contact_set` (n,) is a
-        contact set to start from. Raises NoAnswer if the brake locks itself, has no equilibrium or
-        does not converge, and if a shoe turns too far for small displacements.
+        Returns pressures and motions per newton of `largest_actuation_force`. `first_contact_set`
+        (n,) is a contact set to start from. Raises NoAnswer if the brake locks itself, has no
+        equilibrium or does not converge, and if a shoe turns too far for small displacements.
         """
         for k, shoe in enumerate(self.shoes):
-            xy = self.bodies[k].line.xy
-            reach.check_turn_of_hinged_shoe(
-                shoe, xy, self.initial_gaps[k], self.unit_loads[k].moment_about_pin
+            xy = self.substructures_of_shoes[k].line.xy
+            reach.require_small_turn_of_hinged_shoe(
+                shoe,
+                xy,
+                self.gaps_of_unloaded_linings[k],
+                self.actuations_by_one_newton[k].moment_about_pin,
             )
-        law = min(map(self.rigid_law_locking_friction, self.members))
+        law = min(map(self.locking_friction_of_rigid_shoe, self.members))
         try:
-            contact = self_locking.solve_on_path_from_zero_friction(
-                self.problem_at_friction,
+            contact = self_locking.solve_contact_reached_from_zero_friction(
+                self.contact_problem_of_group_at_friction,
                 self.brake.friction,
                 first_contact_set,
-                self.node_areas,
+                self.contact_node_areas,
                 rigid_law_limit=law,
                 brake_words=ELASTIC_BRAKE_WORDS,
             )
@@ -112,44 +117,49 @@ class ShoeGroup(GroupProblems):
             # If the solution ends where a shared force falls to zero, the brake does not lock: a
             # shoe leaves the drum.
             if isinstance(error, self_locking.FrictionBeyondLimit) and (
-                refusal := self._pull_refusal_at_limit(error.limit)
+                refusal := self._error_text_if_force_pulls_at_limit(error.limit)
             ):
                 raise SharedForceWouldPull(refusal) from error
             raise NoAnswer(f"{self.shoe_names}: {error}") from error
-        for k, coordinates in enumerate(self.generalised_coordinates(contact)):
-            turns = self.unit_force * coordinates
-            reach.check_turns_in_answer(
-                self.shoes[k], self.known_friction_senses[k], self.initial_gaps[k], turns
+        for k, coordinates in enumerate(self.generalised_coordinates_of_shoes(contact)):
+            turns = self.largest_actuation_force * coordinates
+            reach.require_small_turns_in_solution(
+                self.shoes[k],
+                self.known_abutment_friction_senses[k],
+                self.gaps_of_unloaded_linings[k],
+                turns,
             )
         return contact
 
-    def rigid_law_locking_friction(self, i: int) -> float:
+    def locking_friction_of_rigid_shoe(self, i: int) -> float:
         """The friction coefficient at which shoe `i` of the brake locks by the rigid-shoe law.
 
         If the shoe is hinged and the drum drags it the same way as in the prepared model, the value
         is taken from the model.
         """
         shoe, known = self.brake.shoes[i], self.scene.brake.shoes[i]
-        hinged = shoe.held_by == known.held_by == "hinge"
-        drag = self.brake.spin * shoe.frame.sense
-        if hinged and drag == self.scene.brake.spin * known.frame.sense:
-            return self.scene.laws[i]
-        return rigid.locking_friction(self.brake, shoe)
+        hinged = shoe.kind_of_support == known.kind_of_support == "hinge"
+        drag = self.brake.sign_of_motion * shoe.frame.sense
+        if hinged and drag == self.scene.brake.sign_of_motion * known.frame.sense:
+            return self.scene.locking_frictions_of_rigid_shoes[i]
+        return rigid.self_locking_friction_of_rigid_shoe(self.brake, shoe)
 
-    def _pull_refusal_at_limit(self, limit: self_locking.FrictionLimit) -> str:
+    def _error_text_if_force_pulls_at_limit(self, limit: self_locking.FrictionLimit) -> str:
         """The error text if a shared force falls to zero at a limit of friction; otherwise empty.
 
         A shared force is that of a cam or a strut. At the limit the solution ends as the friction
         of the drum grows.
         """
-        sharing = self._force_sharing_at(limit.last_friction)
+        sharing = self._force_sharing_at_friction(limit.last_friction)
         return (
             ""
             if sharing is None
-            else self._pull_refusal(sharing.actuation_forces(limit.last_contact.p))
+            else self._error_text_if_actuation_force_pulls(
+                sharing.actuation_forces(limit.last_contact.p)
+            )
         )
 
-    def _pull_refusal(self, forces: Floats) -> str:
+    def _error_text_if_actuation_force_pulls(self, forces: Floats) -> str:
         """The error text if one of the actuation forces (shoes,) does not push; otherwise empty."""
         i = int(forces.argmin())
         if forces[i] <= LARGEST_FORCE_THAT_DOES_NOT_PUSH * forces.max():
@@ -166,41 +176,43 @@ class ShoeGroup(GroupProblems):
         slide from the place without force; or friction holds the foot there. The senses of the
         rigid shoe are tried first. The order of trials does not matter: no brake is known in which
         two choices of senses agree with their solutions. `first_contact_set` (n,) is a contact set
-        to start from. Raises NoAnswer as `solve_with_known_senses` does, and if a foot would leave
-        its abutment.
+        to start from. Raises NoAnswer as `solve_contact_for_known_friction_senses` does, and if a
+        foot would leave its abutment.
         """
         try:
-            return self._solve_with_consistent_senses(first_contact_set)
+            return self._solve_with_consistent_friction_senses(first_contact_set)
         except NoAnswer as error:
-            refusal = self._refusal_of_rough_feet()
+            refusal = self._error_text_if_shoe_on_abutment_locks()
             if not refusal:
                 raise
             raise NoAnswer(refusal) from error
 
-    def _solve_with_consistent_senses(self, first_contact_set: Bools | None = None) -> SolvedGroup:
+    def _solve_with_consistent_friction_senses(
+        self, first_contact_set: Bools | None = None
+    ) -> SolvedGroup:
         """Find senses of friction at the abutments that agree with the solution they lead to.
 
         If no choice of senses agrees, the error of the first trial is raised.
         """
         failure = NoAnswer(f"{self.shoe_names}: {FOOT_LEAVES_TEXT}")
-        for number, group in enumerate(self.groups_with_each_choice_of_senses()):
+        for number, group in enumerate(self.groups_with_each_choice_of_friction_senses()):
             try:
-                contact = group.solve_with_known_senses(first_contact_set)
+                contact = group.solve_contact_for_known_friction_senses(first_contact_set)
             except NoAnswer as error:
                 if number == 0:
                     failure = error
                 continue
-            if all(group.is_foot_as_assumed(contact, k) for k in range(len(self.members))):
+            if all(group.is_foot_friction_as_assumed(contact, k) for k in range(len(self.members))):
                 return SolvedGroup(group, contact)
         raise failure
 
-    def groups_with_each_choice_of_senses(self) -> Iterator["ShoeGroup"]:
+    def groups_with_each_choice_of_friction_senses(self) -> Iterator["ShoeGroup"]:
         """Yield the group with each possible choice of senses of friction at its abutments.
 
         The present senses come first, or the senses of the rigid shoes if the senses are unknown.
         """
         begin = self.friction_senses or tuple(
-            _friction_sense_of_rigid_shoe(self.brake, shoe) for shoe in self.shoes
+            _abutment_friction_sense_of_rigid_shoe(self.brake, shoe) for shoe in self.shoes
         )
         choices = []
         for own, shoe in zip(begin, self.shoes, strict=True):
@@ -209,7 +221,7 @@ class ShoeGroup(GroupProblems):
         for senses in product(*choices):
             yield self if senses == self.friction_senses else replace(self, friction_senses=senses)
 
-    def is_foot_as_assumed(self, contact: active_set.Contact, k: int) -> bool:
+    def is_foot_friction_as_assumed(self, contact: active_set.Contact, k: int) -> bool:
         """Whether the foot of shoe `k` stands or slides as its sense of friction assumes.
 
         The sense was chosen before the contact was solved. See `Held.stands`.
@@ -217,43 +229,51 @@ class ShoeGroup(GroupProblems):
         shoe = self.shoes[k]
         if shoe.abutment is None:
             return True
-        slide = float(self.generalised_coordinates(contact)[k][-1])
-        return shoe.stands(self.force_on_foot(contact, k), self.known_friction_senses[k], slide)
+        slide = float(self.generalised_coordinates_of_shoes(contact)[k][-1])
+        return shoe.stands(
+            self.abutment_force_on_foot(contact, k), self.known_abutment_friction_senses[k], slide
+        )
 
-    def force_on_foot(self, contact: active_set.Contact, k: int) -> Floats:
-        """The force (2,) of the abutment on the foot of shoe `k`, per newton of `unit_force`."""
-        shoe, body = self.shoes[k], self.bodies[k]
-        drag, p = self.brake.drag_on(shoe), contact.p[self.node_ranges[k]]
+    def abutment_force_on_foot(self, contact: active_set.Contact, k: int) -> Floats:
+        """The force (2,) of the abutment on the foot of shoe `k`.
+
+        The force is relative to `largest_actuation_force`.
+        """
+        shoe, body = self.shoes[k], self.substructures_of_shoes[k]
+        drag, p = (
+            self.brake.friction_per_pressure_on_shoe(shoe),
+            contact.p[self.contact_node_slices_of_shoes[k]],
+        )
         # The reaction balances the contact and the actuation.
-        normal, dragged = body.forces @ p
-        push = self.actuation_forces(contact.p)[k] * shoe.actuation.direction_vector
-        return np.asarray(-shoe.frame.to_brake((drag * dragged - normal)[:2]) - push)
+        normal, dragged = body.resultants_of_contact_node_forces @ p
+        push = self.actuation_forces(contact.p)[k] * shoe.actuation.unit_vector_of_force
+        return np.asarray(-shoe.frame.convert_to_brake_frame((drag * dragged - normal)[:2]) - push)
 
-    def _refusal_of_rough_feet(self) -> str:
+    def _error_text_if_shoe_on_abutment_locks(self) -> str:
         """The error text if a group with friction at abutments locks below the drum's friction.
 
         The text is empty without friction at an abutment, and if the group does not lock below this
         friction. It names a cam, strut or foot that would have to pull, or the limit of
         self-locking.
         """
-        if not self.has_rough_abutment:
+        if not self.has_abutment_with_friction:
             return ""
         friction = self.brake.friction
         try:
-            end = self.follow_to_friction_limit(friction)
+            end = self.follow_contact_to_friction_limit(friction)
         except NoAnswer:
             return ""
         if not end.limit.friction < friction:
             return ""
-        law = min(map(self.rigid_law_locking_friction, self.members))
-        locked = self_locking.self_locking_refusal(
+        law = min(map(self.locking_friction_of_rigid_shoe, self.members))
+        locked = self_locking.self_locking_error_text(
             friction, end.limit.friction, rigid_law_limit=law, brake_words=ELASTIC_BRAKE_WORDS
         )
         return end.pulling_part or f"{self.shoe_names}: {locked}"
 
     # These methods follow the solution as the friction coefficient of the drum grows.
 
-    def follow_to_friction_limit(self, largest_friction: float) -> FollowedFrictionLimit:
+    def follow_contact_to_friction_limit(self, largest_friction: float) -> FollowedFrictionLimit:
         """Find the friction coefficient of the drum up to which the group has an equilibrium.
 
         The friction grows in steps from the least one that has a solution, until the solution ends
@@ -263,34 +283,42 @@ class ShoeGroup(GroupProblems):
         """
         # Without struts, cam and abutments there is nothing to check on the way.
         if (
-            not self.struts
-            and not self.cam_shoes
+            not self.pushing_and_pushed_shoe_of_struts
+            and not self.numbers_of_shoes_under_cam
             and all(shoe.abutment is None for shoe in self.shoes)
         ):
-            limit = self_locking.find_friction_limit(
-                self.friction_dependent_problem, largest_friction, areas=self.node_areas
+            limit = self_locking.find_friction_limit_of_contact(
+                self.contact_problem_as_function_of_friction,
+                largest_friction,
+                areas=self.contact_node_areas,
             )
             return FollowedFrictionLimit(limit, pulling_part="")
-        low, (at, contact) = self._find_least_friction_with_answer(largest_friction)
-        end = self_locking.find_friction_limit(
-            at.friction_dependent_problem, largest_friction, (low, contact), self.node_areas
+        low, (at, contact) = self._find_least_friction_with_equilibrium(largest_friction)
+        end = self_locking.find_friction_limit_of_contact(
+            at.contact_problem_as_function_of_friction,
+            largest_friction,
+            (low, contact),
+            self.contact_node_areas,
         )
         while low < (last := min(end.friction * (1 - CHECK_DISTANCE_FROM_POLE), largest_friction)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
-            after = at._solve_with_all_forces_pushing(high)
+            after = at._solve_if_all_shared_forces_push(high)
             # Under more friction the group may have a solution again, but the followed one ends
             # between `low` and `high`.
             if after is None:
-                return at._bisect_friction_limit(end, low, high)
+                return at._find_friction_limit_by_bisection(end, low, high)
             low = high
             if after.group.friction_senses != at.friction_senses:
                 at, contact = after
-                end = self_locking.find_friction_limit(
-                    at.friction_dependent_problem, largest_friction, (low, contact), self.node_areas
+                end = self_locking.find_friction_limit_of_contact(
+                    at.contact_problem_as_function_of_friction,
+                    largest_friction,
+                    (low, contact),
+                    self.contact_node_areas,
                 )
-        return FollowedFrictionLimit(end, pulling_part=at._pull_refusal_at_limit(end))
+        return FollowedFrictionLimit(end, pulling_part=at._error_text_if_force_pulls_at_limit(end))
 
-    def _find_least_friction_with_answer(
+    def _find_least_friction_with_equilibrium(
         self, largest_friction: float
     ) -> tuple[float, SolvedGroup]:
         """Find the least friction coefficient of the drum that has a solution, and the solution.
@@ -300,26 +328,28 @@ class ShoeGroup(GroupProblems):
         """
         friction = 0.0
         while friction < largest_friction:
-            found = self._solve_with_all_forces_pushing(friction)
+            found = self._solve_if_all_shared_forces_push(friction)
             if found is not None:
                 return friction, found
             friction += FRICTION_STEP * max(1.0, friction)
         # No friction has a solution. The next line raises an error with the reason at friction 0.
-        return 0.0, self.with_drum_friction(0.0)._solve_with_consistent_senses()
+        return 0.0, self.group_with_drum_friction(0.0)._solve_with_consistent_friction_senses()
 
-    def _solve_with_all_forces_pushing(self, friction: float) -> SolvedGroup | None:
+    def _solve_if_all_shared_forces_push(self, friction: float) -> SolvedGroup | None:
         """Solve the group at a friction coefficient of the drum.
 
         Returns None if there is no solution, or if a cam or a strut would have to pull.
         """
         try:
-            found = self.with_drum_friction(friction)._solve_with_consistent_senses()
+            found = self.group_with_drum_friction(friction)._solve_with_consistent_friction_senses()
         except NoAnswer:
             return None
-        pulls = found.group._pull_refusal(found.group.actuation_forces(found.contact.p))
+        pulls = found.group._error_text_if_actuation_force_pulls(
+            found.group.actuation_forces(found.contact.p)
+        )
         return None if pulls else found
 
-    def _bisect_friction_limit(
+    def _find_friction_limit_by_bisection(
         self, limit_before: self_locking.FrictionLimit, low: float, high: float
     ) -> FollowedFrictionLimit:
         """Find by bisection the friction coefficient of the drum at which the solution ends.
@@ -333,30 +363,35 @@ class ShoeGroup(GroupProblems):
         at = self
         while high - low > self_locking.POLE_DISTANCE * high:
             middle = 0.5 * (low + high)
-            after = at._solve_with_all_forces_pushing(middle)
+            after = at._solve_if_all_shared_forces_push(middle)
             if after is None:
                 high = middle
             else:
                 low, at = middle, after.group
         limit = limit_before._replace(friction=low, pressure_stays_finite=True, last_friction=low)
-        return FollowedFrictionLimit(limit, at.with_drum_friction(high)._name_pulling_part())
+        return FollowedFrictionLimit(
+            limit, at.group_with_drum_friction(high)._error_text_on_part_that_would_pull()
+        )
 
-    def _name_pulling_part(self) -> str:
+    def _error_text_on_part_that_would_pull(self) -> str:
         """The error text that names a cam, strut or foot that would have to pull.
 
         The text is empty if all of them push, or if the contact has no solution for another reason.
         """
         try:
-            contact = self.solve_with_known_senses()
+            contact = self.solve_contact_for_known_friction_senses()
         except SharedForceWouldPull as error:
             return str(error)
         except NoAnswer:
             return ""
-        pull = self._pull_refusal(self.actuation_forces(contact.p))
+        pull = self._error_text_if_actuation_force_pulls(self.actuation_forces(contact.p))
         if pull:
             return pull
         for k, shoe in enumerate(self.shoes):
-            if shoe.abutment is not None and not self.force_on_foot(contact, k) @ shoe.bearing > 0:
+            if (
+                shoe.abutment is not None
+                and not self.abutment_force_on_foot(contact, k) @ shoe.bearing > 0
+            ):
                 return f"{self.shoe_names}: {FOOT_LEAVES_TEXT}"
         return ""
 
@@ -379,7 +414,9 @@ def divide_pressed_shoes_into_groups(
 def find_pressed_shoes(scene: PreparedModel, brake: Brake) -> list[int]:
     """The positions in the brake of the shoes that a force or a strut presses on the drum."""
     touching = {
-        i for i, shoe in enumerate(brake.shoes) if is_pressed_on_drum(scene.bodies[i], brake, shoe)
+        i
+        for i, shoe in enumerate(brake.shoes)
+        if is_shoe_pressed_on_drum(scene.bodies[i], brake, shoe)
     }
     names = [shoe.name for shoe in brake.shoes]
     # A strut presses the next shoe. The struts of a chain are listed in order from the actuation.
@@ -400,7 +437,7 @@ def divide_shoes_into_groups(
     ----------
     scene : the prepared model
     brake : the brake
-    pressed_shoes : positions of the shoes that are pressed on the drum
+    numbers_of_pressed_shoes : positions of the shoes that are pressed on the drum
     penalty : factor alpha of the contact stiffness alpha E/t
     """
     alone = (scene.ring is None or scene.apart) and brake.shares is None
@@ -410,13 +447,13 @@ def divide_shoes_into_groups(
     for each in filter(None, members):
         group = ShoeGroup(scene, brake, each, penalty)
         # Without friction at abutments the senses of this friction need not be found.
-        if not group.has_rough_abutment:
-            group = replace(group, friction_senses=group.known_friction_senses)
+        if not group.has_abutment_with_friction:
+            group = replace(group, friction_senses=group.known_abutment_friction_senses)
         groups.append(group)
     return groups
 
 
-def _friction_sense_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
+def _abutment_friction_sense_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
     """The sense of friction at the abutment of a shoe by the law of the rigid shoe.
 
     The sense is +1, -1, or 0 for a foot that stands; it is +1 if the law has no solution.
@@ -424,20 +461,20 @@ def _friction_sense_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
     if len(shoe.senses) == 1:
         return 1
     try:
-        footing = rigid.press(brake, shoe)
+        footing = rigid.find_contact_of_rigid_shoe(brake, shoe)
     except NoAnswer:
         return 1
     return 1 if footing is None else footing.sense
 
 
-def is_pressed_on_drum(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> bool:
+def is_shoe_pressed_on_drum(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> bool:
     """Whether the actuation force presses at least one point of the shoe's lining on the drum."""
     if shoe.actuation.force == 0:
         return False
-    if shoe.held_by != "hinge":
-        return rigid.bears(brake, shoe) >= 0
-    _, moment = actuation_load_factors(body, shoe)
-    approach, _ = body.gap_closure_by_rotation
+    if shoe.kind_of_support != "hinge":
+        return rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
+    _, moment = load_factors_and_pin_moment_per_newton(body, shoe)
+    approach, _ = body.gap_closure_and_slip_by_turn_about_pin
     # The moment per newton is a lever arm. Below 1e-14 of the lining's distance from the drum's
     # centre it is round-off.
     turns = abs(moment) > 1e-14 * np.abs(body.line.xy).max()

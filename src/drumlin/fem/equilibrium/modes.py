@@ -7,7 +7,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
-from drumlin.brake.support import moved
+from drumlin.brake.support import displacements_in_rigid_body_motions
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 
 
@@ -34,14 +34,14 @@ class RigidBodyModes(NamedTuple):
     pin_motion: Floats
 
 
-def motions_at_pin(shoe: Shoe, motions: Floats) -> Floats:
+def pin_motions_by_rigid_body_motions(shoe: Shoe, motions: Floats) -> Floats:
     """Convert k rigid-body motions (k, 3) in the brake's frame to motions (3, k) of a shoe's pin.
 
     The rows of the result are the displacements x and y of the pin in the shoe's frame, and the
     turn of the shoe in the sense of that frame.
     """
-    at_point = moved(motions, shoe.pin.xy[:, None])
-    in_shoe = shoe.frame.to_shoe(np.moveaxis(at_point, 0, -1))
+    at_point = displacements_in_rigid_body_motions(motions, shoe.pin.xy[:, None])
+    in_shoe = shoe.frame.convert_to_shoe_frame(np.moveaxis(at_point, 0, -1))
     u = in_shoe[0]  # (k, 2)
     return np.vstack([u.T, shoe.frame.sense * motions[:, 2]])
 
@@ -58,28 +58,30 @@ def make_rigid_body_modes(
     moment : moment of the actuation about the pin [m], per newton of its force
     sense : sense of the friction at an abutment, +1, -1 or 0, see `Held.freedoms`
     """
-    if shoe.held_by == "hinge":
-        return _mode_of_turn_about_pin(body, moment)
+    if shoe.kind_of_support == "hinge":
+        return _rigid_body_mode_of_turn_about_pin(body, moment)
     # A shoe that gets its force from a strut has the modes of a shoe under a unit force.
     loaded = shoe if shoe.actuation.force else shoe.under(1.0)
     free = loaded.freedoms(sense)
     size = abs(shoe.actuation.force) or 1.0
     modes = RigidBodyModes(
-        contact_modes=_contact_displacements_by_motions(body, shoe, free.motions),
-        test_modes=_contact_displacements_by_motions(body, shoe, free.tests),
+        contact_modes=_contact_node_displacements_by_motions(body, shoe, free.motions),
+        test_modes=_contact_node_displacements_by_motions(body, shoe, free.tests),
         actuation_work=free.work / size,
         tip_travel=free.tip * math.copysign(1.0, shoe.actuation.force),
-        pin_motion=motions_at_pin(shoe, free.motions),
+        pin_motion=pin_motions_by_rigid_body_motions(shoe, free.motions),
     )
     if free.names[0] == "turn":
         # The first mode is a turn about the pin. It is overwritten by the same turn without the
         # round-off of a turn about the drum's centre.
-        for whole, exact in zip(modes, _mode_of_turn_about_pin(body, moment), strict=True):
+        for whole, exact in zip(
+            modes, _rigid_body_mode_of_turn_about_pin(body, moment), strict=True
+        ):
             whole[..., :1] = exact
     return modes
 
 
-def _contact_displacements_by_motions(
+def _contact_node_displacements_by_motions(
     body: ShoeSubstructure, shoe: Shoe, motions: Floats
 ) -> Floats:
     """The displacements (2n, k) of a shoe's n contact nodes in its own frame.
@@ -87,11 +89,13 @@ def _contact_displacements_by_motions(
     They are due to k rigid-body motions (k, 3) in the brake's frame.
     """
     xy = shoe.points(body.line.xy)
-    u = shoe.frame.to_shoe(np.moveaxis(moved(motions, xy), 0, -1))  # (n, k, 2)
+    u = shoe.frame.convert_to_shoe_frame(
+        np.moveaxis(displacements_in_rigid_body_motions(motions, xy), 0, -1)
+    )  # (n, k, 2)
     return np.asarray(u.transpose(0, 2, 1).reshape(-1, len(motions)))
 
 
-def _mode_of_turn_about_pin(body: ShoeSubstructure, moment: float) -> RigidBodyModes:
+def _rigid_body_mode_of_turn_about_pin(body: ShoeSubstructure, moment: float) -> RigidBodyModes:
     """The turn of a shoe about its pin as a single rigid-body mode.
 
     `moment` [m] is the moment of the actuation about the pin, per newton of its force.

@@ -13,7 +13,7 @@ from drumlin.contact.self_locking import FrictionDependentProblem
 from drumlin.fem.equilibrium.sharing import (
     ForceEffects,
     ForceSharing,
-    make_problem_with_shared_forces,
+    make_contact_problem_with_shared_forces,
 )
 from drumlin.fem.equilibrium.state import GroupState
 from drumlin.fem.preparation.bodies import ShoeSubstructure
@@ -38,99 +38,125 @@ class GroupProblems(GroupState):
     """
 
     @cached_property
-    def problem(self) -> ContactProblem:
+    def contact_problem_of_group(self) -> ContactProblem:
         """The contact problem at the friction coefficient of the brake."""
-        return self.problem_at_friction(self.brake.friction)
+        return self.contact_problem_of_group_at_friction(self.brake.friction)
 
     @property
-    def friction_dependent_problem(self) -> FrictionDependentProblem:
+    def contact_problem_as_function_of_friction(self) -> FrictionDependentProblem:
         """The contact problem as a linear function of the friction coefficient.
 
         The prepared model must include friction.
         """
-        return FrictionDependentProblem.from_two_problems(
-            self.problem_at_friction(0.0), self.problem_at_friction(1.0)
+        return FrictionDependentProblem.from_problems_at_two_frictions(
+            self.contact_problem_of_group_at_friction(0.0),
+            self.contact_problem_of_group_at_friction(1.0),
         )
 
-    def problem_at_friction(self, friction: float) -> ContactProblem:
+    def contact_problem_of_group_at_friction(self, friction: float) -> ContactProblem:
         """The contact problem of the group at a friction coefficient.
 
         Its matrices are linear functions of the friction coefficient.
         """
-        sharing = self._force_sharing_at(friction)
-        return self.problem_with_own_forces(friction) if sharing is None else sharing.problem
+        sharing = self._force_sharing_at_friction(friction)
+        return (
+            self.contact_problem_without_shared_forces(friction)
+            if sharing is None
+            else sharing.problem
+        )
 
-    def problem_with_own_forces(self, friction: float) -> ContactProblem:
+    def contact_problem_without_shared_forces(self, friction: float) -> ContactProblem:
         """The contact problem of the group at a friction coefficient, without struts and cam.
 
         Each shoe has its own actuation force. The matrices of single shoes are the blocks of the
         group's matrices, and the flexibility of the ring is added.
         """
-        parts = [self._problem_of_single_shoe(k, friction) for k in range(len(self.members))]
-        if self.ring_flexibility_roots is None and len(parts) == 1:
+        parts = [
+            self._contact_problem_of_single_shoe(k, friction) for k in range(len(self.members))
+        ]
+        if self.factors_of_ring_flexibility is None and len(parts) == 1:
             return parts[0]
         A, q, B, C, h = zip(*parts, strict=True)
         compliance = block_diag(*A)
-        if self.ring_flexibility_roots is not None:
-            pressed, dragged = self.ring_flexibility_roots
-            compliance += pressed.T @ (pressed + friction * self.brake.spin * dragged)
+        if self.factors_of_ring_flexibility is not None:
+            pressed, dragged = self.factors_of_ring_flexibility
+            compliance += pressed.T @ (pressed + friction * self.brake.sign_of_motion * dragged)
         return ContactProblem(
             compliance, np.concatenate(q), block_diag(*B), block_diag(*C), np.concatenate(h)
         )
 
-    def _problem_of_single_shoe(self, k: int, friction: float) -> ContactProblem:
+    def _contact_problem_of_single_shoe(self, k: int, friction: float) -> ContactProblem:
         """The contact problem of shoe `k` alone on a rigid drum, at a friction coefficient."""
-        drag = self._signed_friction_on(self.shoes[k], friction)
-        terms, closures = self.frictionless_terms[k], self.gap_closures_of_test_modes[k]
-        A = _compliance_with_penalty(self.bodies[k], drag, self.contact_stiffnesses[k])
+        drag = self._friction_with_sign_of_drag_on_shoe(self.shoes[k], friction)
+        terms, closures = self.terms_independent_of_friction[k], self.gap_closures_of_test_modes[k]
+        A = _shoe_compliance_with_penalty(
+            self.substructures_of_shoes[k], drag, self.contact_stiffness_per_area_of_shoes[k]
+        )
         C = (drag * closures.tangential - closures.normal).T
         return ContactProblem(A, terms.q, terms.B, C, terms.h)
 
-    def _signed_friction_on(self, shoe: Shoe, friction: float) -> float:
+    def _friction_with_sign_of_drag_on_shoe(self, shoe: Shoe, friction: float) -> float:
         """The friction coefficient, positive or negative by the sense of drag in a shoe's frame."""
-        return friction * self.brake.spin * shoe.frame.sense
+        return friction * self.brake.sign_of_motion * shoe.frame.sense
 
     # The following methods treat forces that the shoes share.
 
     @cached_property
-    def force_sharing(self) -> ForceSharing | None:
+    def force_sharing_by_struts_and_cam(self) -> ForceSharing | None:
         """How the shoes share forces by struts and a cam; None if each shoe has its own force."""
-        return self._force_sharing_at(self.brake.friction)
+        return self._force_sharing_at_friction(self.brake.friction)
 
-    def _force_sharing_at(self, friction: float) -> ForceSharing | None:
+    def _force_sharing_at_friction(self, friction: float) -> ForceSharing | None:
         """How the shoes share forces by struts and a cam at a friction coefficient, or None."""
-        if not self.struts and not self.cam_shoes:
+        if not self.pushing_and_pushed_shoe_of_struts and not self.numbers_of_shoes_under_cam:
             return None
-        blocks, effects = self.problem_with_own_forces(friction), self.effects_of_forces(friction)
-        return make_problem_with_shared_forces(
-            blocks, effects, self.own_forces, self.struts, self.cam_shoes, self.cam_force_sum
+        blocks, effects = (
+            self.contact_problem_without_shared_forces(friction),
+            self.effects_of_actuation_forces(friction),
+        )
+        return make_contact_problem_with_shared_forces(
+            blocks,
+            effects,
+            self.relative_actuation_forces_of_file,
+            self.pushing_and_pushed_shoe_of_struts,
+            self.numbers_of_shoes_under_cam,
+            self.relative_sum_of_cam_forces,
         )
 
-    def effects_of_forces(self, friction: float) -> list[ForceEffects]:
+    def effects_of_actuation_forces(self, friction: float) -> list[ForceEffects]:
         """The effects of each shoe's actuation force on gaps, equilibria, tip and foot.
 
         The effects are linear in the friction coefficient.
         """
-        return [self._effects_of_force_on(k, friction) for k in range(len(self.shoes))]
+        return [
+            self._effects_of_actuation_force_on_shoe(k, friction) for k in range(len(self.shoes))
+        ]
 
-    def _effects_of_force_on(self, k: int, friction: float) -> ForceEffects:
+    def _effects_of_actuation_force_on_shoe(self, k: int, friction: float) -> ForceEffects:
         """The effects of the actuation force of shoe `k` at a friction coefficient."""
-        body, shoe, modes = self.bodies[k], self.shoes[k], self.rigid_body_modes[k]
-        load = self.unit_loads[k].load_factors
-        drag = self._signed_friction_on(shoe, friction)
+        body, shoe, modes = (
+            self.substructures_of_shoes[k],
+            self.shoes[k],
+            self.rigid_body_modes_of_shoes[k],
+        )
+        load = self.actuations_by_one_newton[k].load_factors
+        drag = self._friction_with_sign_of_drag_on_shoe(shoe, friction)
         tip = -(load @ body.closure_by_load.T)
         # A model that is prepared without friction does not know how friction moves the tip.
         if body.load_motion_by_friction is not None:
             tip = tip + drag * (load @ body.load_motion_by_friction)
         # This is the force on the lining along x and y, per pressure of each node.
-        contact = (drag * body.forces[1] - body.forces[0])[:2].T  # (n, 2)
+        contact = (
+            drag * body.resultants_of_contact_node_forces[1]
+            - body.resultants_of_contact_node_forces[0]
+        )[:2].T  # (n, 2)
         bearing, direct = np.zeros(len(tip)), 0.0
         if shoe.abutment is not None:
-            bearing = -shoe.frame.to_brake(contact) @ shoe.bearing
-            direct = -float(shoe.bearing @ shoe.actuation.direction_vector)
+            bearing = -shoe.frame.convert_to_brake_frame(contact) @ shoe.bearing
+            direct = -float(shoe.bearing @ shoe.actuation.unit_vector_of_force)
         return ForceEffects(
-            nodes=self.node_ranges[k],
-            modes=self.mode_ranges[k],
+            nodes=self.contact_node_slices_of_shoes[k],
+            modes=self.rigid_body_mode_slices_of_shoes[k],
             gap_by_force=-(body.closure_by_load @ load),
             tip_travel_by_pressure=tip,
             tip_travel_by_force=float(load @ body.load_motion_by_load @ load),
@@ -143,26 +169,28 @@ class GroupProblems(GroupState):
     def actuation_forces(self, p: Floats) -> Floats:
         """The actuation force (shoes,) of each shoe under pressures p (n,).
 
-        Forces and pressures are per newton of `unit_force`.
+        Forces and pressures are per newton of `largest_actuation_force`.
         """
         return (
-            self.own_forces
-            if self.force_sharing is None
-            else self.force_sharing.actuation_forces(p)
+            self.relative_actuation_forces_of_file
+            if self.force_sharing_by_struts_and_cam is None
+            else self.force_sharing_by_struts_and_cam.actuation_forces(p)
         )
 
-    def generalised_coordinates(self, contact: Contact) -> list[Floats]:
+    def generalised_coordinates_of_shoes(self, contact: Contact) -> list[Floats]:
         """The coordinates (k_i,) of each shoe's rigid-body modes in a solution.
 
-        They are per newton of `unit_force`.
+        They are per newton of `largest_actuation_force`.
         """
         y = contact.y
-        if self.force_sharing is not None:
-            y = self.force_sharing.generalised_coordinates(contact.p, contact.y)
-        return [y[part] for part in self.mode_ranges]
+        if self.force_sharing_by_struts_and_cam is not None:
+            y = self.force_sharing_by_struts_and_cam.generalised_coordinates_from_solution(
+                contact.p, contact.y
+            )
+        return [y[part] for part in self.rigid_body_mode_slices_of_shoes]
 
 
-def _compliance_with_penalty(body: ShoeSubstructure, drag: float, stiffness: float) -> Floats:
+def _shoe_compliance_with_penalty(body: ShoeSubstructure, drag: float, stiffness: float) -> Floats:
     """The compliance matrix (n, n) of a shoe: weighted gaps per nodal pressure.
 
     It includes the compliance of the contact by the penalty.

@@ -16,7 +16,7 @@ that has to turn further is refused. The value is a judgement, which the refusal
 """
 
 
-def check_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
+def require_small_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
     """Raise NoAnswer if a hinged shoe has to turn too far to touch the drum, or never touches it.
 
     A lining point at the distance d from the pin and at the angle psi reaches the radius r after a
@@ -30,7 +30,7 @@ def check_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, moment: float
     gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
     moment : moment of the actuation about the pin, whose sign is the sense of the turn
     """
-    if shoe.held_by != "hinge" or shoe.flat or (gap <= 0).any():
+    if shoe.kind_of_support != "hinge" or shoe.flat or (gap <= 0).any():
         return
     a, r = shoe.pin.radius, np.hypot(*xy)
     # The contact nodes lie on the drum's radius. The unloaded lining stands back from them by its
@@ -51,15 +51,17 @@ def check_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, moment: float
     angle = np.arccos(cosine[meets])
     both = np.concatenate([angle, -angle])
     turns = math.copysign(1.0, moment) * (both - np.tile(psi[meets], 2)) % (2 * math.pi)
-    _refuse_large_turn(shoe, float(turns.min()))
+    _require_small_turn_of_shoe(shoe, float(turns.min()))
 
 
-def check_turns_in_answer(shoe: Shoe, sense: int, gap: Floats, coordinates: Floats) -> None:
+def require_small_turns_in_solution(
+    shoe: Shoe, sense: int, gap: Floats, coordinates: Floats
+) -> None:
     """Raise NoAnswer if a shoe turns too far in the solution of its contact.
 
     Only a shoe whose whole lining has a gap while it is unloaded is checked. A hinged shoe in a
-    drum passes, because `check_turn_of_hinged_shoe` judges it by its geometry. A guided shoe in a
-    drum passes too.
+    drum passes, because `require_small_turn_of_hinged_shoe` judges it by its geometry. A guided
+    shoe in a drum passes too.
 
     Parameters
     ----------
@@ -68,15 +70,15 @@ def check_turns_in_answer(shoe: Shoe, sense: int, gap: Floats, coordinates: Floa
     gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
     coordinates : generalised coordinates (k,) [rad, m] of the shoe in the solution
     """
-    if (shoe.held_by in {"hinge", "guide"} and not shoe.flat) or (gap <= 0).any():
+    if (shoe.kind_of_support in {"hinge", "guide"} and not shoe.flat) or (gap <= 0).any():
         return
     turns = coordinates[np.isin(shoe.freedoms(sense).names, ["turn", "tilt"])]
     # A shoe on a pivot turns with its lever and tilts on the lever. Each of the two turns counts,
     # and so does their sum.
-    _refuse_large_turn(shoe, max(map(abs, (*turns, sum(turns)))))
+    _require_small_turn_of_shoe(shoe, max(map(abs, (*turns, sum(turns)))))
 
 
-def _refuse_large_turn(shoe: Shoe, turn: float) -> None:
+def _require_small_turn_of_shoe(shoe: Shoe, turn: float) -> None:
     """Raise NoAnswer for a turn [rad] beyond LARGEST_TURN_TO_TOUCH."""
     if turn > LARGEST_TURN_TO_TOUCH:
         raise NoAnswer(

@@ -86,7 +86,7 @@ class ForceSharing:
         """The actuation forces (m,) under the pressures p (n,)."""
         return self.forces_without_pressure + self.forces_by_pressure @ p
 
-    def generalised_coordinates(self, p: Floats, y: Floats) -> Floats:
+    def generalised_coordinates_from_solution(self, p: Floats, y: Floats) -> Floats:
         """The generalised coordinates (k,) of all shoes, from pressures p (n,) and motions y (k',).
 
         y are the motions of the contact problem with shared forces.
@@ -105,7 +105,7 @@ class _LinearForces(NamedTuple):
     by_pressure: Floats
 
 
-def make_problem_with_shared_forces(
+def make_contact_problem_with_shared_forces(
     problem: ContactProblem,
     effects: list[ForceEffects],
     own_forces: Floats,
@@ -121,22 +121,22 @@ def make_problem_with_shared_forces(
     ----------
     problem : the problem of the group if no shoe shares its force
     effects : the effects of the m actuation forces
-    own_forces : the actuation forces (m,) in `problem`
+    relative_actuation_forces_of_file : the actuation forces (m,) in `problem`
     struts : numbers of the shoes from which and to which each strut pushes
-    cam_shoes : numbers of the two shoes under a cam; empty without a cam
-    cam_force_sum : sum of the cam's forces
+    numbers_of_shoes_under_cam : numbers of the two shoes under a cam; empty without a cam
+    relative_sum_of_cam_forces : sum of the cam's forces
     """
-    forces = _forces_of_cam_and_struts(problem, effects, own_forces, struts, cam_shoes)
-    with_forces = _replace_own_by_shared_forces(problem, effects, own_forces, forces)
+    forces = _linear_forces_of_cam_and_struts(problem, effects, own_forces, struts, cam_shoes)
+    with_forces = _contact_problem_with_forces_replaced(problem, effects, own_forces, forces)
     n, k = problem.B.shape
     if not cam_shoes:
         return ForceSharing(with_forces, *forces, np.eye(k), np.zeros((k, n)))
-    return _replace_main_modes_by_cam_travel(
+    return _contact_problem_with_cam_travel_as_unknown(
         problem, with_forces, effects, forces, cam_shoes, cam_force_sum
     )
 
 
-def _forces_of_cam_and_struts(
+def _linear_forces_of_cam_and_struts(
     problem: ContactProblem,
     effects: list[ForceEffects],
     own_forces: Floats,
@@ -152,7 +152,7 @@ def _forces_of_cam_and_struts(
     # The force of the cam follows from the equilibrium in the main mode of each shoe.
     for i in cam_shoes:
         shoe = effects[i]
-        main = _number_of_main_mode(problem, shoe)
+        main = _index_of_main_rigid_body_mode(problem, shoe)
         by_pressure[i] = -problem.C[shoe.modes][main] / shoe.work[main]
         fixed[i] = 0.0
     # A strut passes on the force that the foot of the pushing shoe bears.
@@ -164,7 +164,7 @@ def _forces_of_cam_and_struts(
     return _LinearForces(fixed, by_pressure)
 
 
-def _replace_own_by_shared_forces(
+def _contact_problem_with_forces_replaced(
     problem: ContactProblem, effects: list[ForceEffects], own_forces: Floats, forces: _LinearForces
 ) -> ContactProblem:
     """Return a contact problem with shared forces in place of the shoes' own forces (m,).
@@ -182,7 +182,7 @@ def _replace_own_by_shared_forces(
     return ContactProblem(A, q, B, C, h)
 
 
-def _replace_main_modes_by_cam_travel(
+def _contact_problem_with_cam_travel_as_unknown(
     blocks: ContactProblem,
     with_forces: ContactProblem,
     effects: list[ForceEffects],
@@ -198,11 +198,11 @@ def _replace_main_modes_by_cam_travel(
     Parameters
     ----------
     blocks : the problem of the group if no shoe shares its force
-    with_forces : the problem with the shared forces
+    body_system_with_further_loads : the problem with the shared forces
     effects : the effects of the actuation forces
     forces : the shared forces
-    cam_shoes : numbers of the two shoes under the cam
-    cam_force_sum : sum of the cam's forces
+    numbers_of_shoes_under_cam : numbers of the two shoes under the cam
+    relative_sum_of_cam_forces : sum of the cam's forces
     """
     A, q, B, C, h = with_forces
     n, k = B.shape
@@ -213,7 +213,7 @@ def _replace_main_modes_by_cam_travel(
     mains = []
     for i in cam_shoes:
         shoe = effects[i]
-        mode = _number_of_main_mode(blocks, shoe)
+        mode = _index_of_main_rigid_body_mode(blocks, shoe)
         main = shoe.modes.start + mode
         mains.append(main)
         size = shoe.tip_travel_by_modes[mode]
@@ -239,7 +239,7 @@ def _replace_main_modes_by_cam_travel(
     return ForceSharing(problem, *forces, of_coordinates, by_pressure)
 
 
-def matrix_with_force_unknowns(
+def contact_matrix_with_forces_as_unknowns(
     problem: ContactProblem,
     effects: list[ForceEffects],
     struts: list[tuple[int, int]],
@@ -258,7 +258,7 @@ def matrix_with_force_unknowns(
     problem : the problem of the group if no shoe shares its force
     effects : the effects of the m actuation forces
     struts : numbers of the shoes from which and to which each strut pushes
-    cam_shoes : numbers of the two shoes under a cam; empty without a cam
+    numbers_of_shoes_under_cam : numbers of the two shoes under a cam; empty without a cam
     """
     n, k = problem.B.shape
     count = len(effects)
@@ -288,7 +288,7 @@ def matrix_with_force_unknowns(
     return matrix
 
 
-def _number_of_main_mode(blocks: ContactProblem, shoe: ForceEffects) -> int:
+def _index_of_main_rigid_body_mode(blocks: ContactProblem, shoe: ForceEffects) -> int:
     """The number, within a shoe, of the rigid-body mode that gives way to the travel of a cam.
 
     On this main mode the force does most work, and the mode moves the tip. The choice is the same

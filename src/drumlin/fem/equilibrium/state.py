@@ -11,16 +11,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, in_turn
+from drumlin.base.arrays import Floats, slices_of_consecutive_parts
 from drumlin.base.lapack import block_diag
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.modes import RigidBodyModes, make_rigid_body_modes
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    acting_loads,
-    actuation_load_factors,
-    contact_stiffness,
+    contact_stiffness_by_penalty,
+    load_factors_and_pin_moment_per_newton,
+    load_factors_under_actuation_force,
 )
 from drumlin.fem.preparation.scene import PreparedModel
 
@@ -74,8 +74,8 @@ class RingFlexibilityRoots(NamedTuple):
 class GroupState:
     """Shoes of a brake that are solved together, on a prepared model.
 
-    All contact problems of the group are stated per newton of `unit_force`. If a single force acts,
-    its size then occurs in the gaps alone.
+    All contact problems of the group are stated per newton of `largest_actuation_force`. If a
+    single force acts, its size then occurs in the gaps alone.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class GroupState:
         return tuple(self.brake.shoes[i] for i in self.members)
 
     @cached_property
-    def bodies(self) -> tuple[ShoeSubstructure, ...]:
+    def substructures_of_shoes(self) -> tuple[ShoeSubstructure, ...]:
         """The substructures of the shoes."""
         return tuple(self.scene.bodies[i] for i in self.members)
 
@@ -112,17 +112,17 @@ class GroupState:
         return self.brake.names(self.members)
 
     @property
-    def has_rough_abutment(self) -> bool:
+    def has_abutment_with_friction(self) -> bool:
         """Whether friction acts at an abutment of the group."""
         return any(len(shoe.senses) > 1 for shoe in self.shoes)
 
     @property
-    def known_friction_senses(self) -> tuple[int, ...]:
+    def known_abutment_friction_senses(self) -> tuple[int, ...]:
         """The sense of each shoe's friction at its abutment, +1 for a smooth or missing abutment.
 
         Raises RuntimeError if an abutment is rough and its sense is not known yet.
         """
-        if not self.friction_senses and self.has_rough_abutment:
+        if not self.friction_senses and self.has_abutment_with_friction:
             raise RuntimeError(
                 f"{self.shoe_names}: friction at the abutment has no sense yet, ask for `settled`"
             )
@@ -131,63 +131,78 @@ class GroupState:
     # These properties tell where the unknowns of each shoe stand among those of the group.
 
     @cached_property
-    def node_ranges(self) -> tuple[slice, ...]:
+    def contact_node_slices_of_shoes(self) -> tuple[slice, ...]:
         """The slice of each shoe's contact nodes among the nodes of the group."""
-        return in_turn(len(body.line.nodes) for body in self.bodies)
+        return slices_of_consecutive_parts(
+            len(body.line.nodes) for body in self.substructures_of_shoes
+        )
 
     @cached_property
-    def mode_ranges(self) -> tuple[slice, ...]:
+    def rigid_body_mode_slices_of_shoes(self) -> tuple[slice, ...]:
         """The slice of each shoe's rigid-body modes among the modes of the group."""
-        return in_turn(modes.actuation_work.size for modes in self.rigid_body_modes)
+        return slices_of_consecutive_parts(
+            modes.actuation_work.size for modes in self.rigid_body_modes_of_shoes
+        )
 
     # These properties give the loads and the rigid-body modes of each shoe.
 
     @cached_property
-    def unit_force(self) -> float:
+    def largest_actuation_force(self) -> float:
         """The largest actuation force [N], to which the group's contact problems are scaled."""
         return max(abs(shoe.actuation.force) for shoe in self.shoes)
 
     @cached_property
-    def own_forces(self) -> Floats:
-        """The actuation forces (shoes,) that the brake file gives, per newton of `unit_force`."""
-        return np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
-
-    @cached_property
-    def unit_loads(self) -> tuple[UnitLoad, ...]:
-        """The actuation of each shoe by a force of one newton."""
-        return tuple(
-            UnitLoad(*each) for each in map(actuation_load_factors, self.bodies, self.shoes)
+    def relative_actuation_forces_of_file(self) -> Floats:
+        """The actuation forces (shoes,) of the brake file, over `largest_actuation_force`."""
+        return (
+            np.array([shoe.actuation.force for shoe in self.shoes]) / self.largest_actuation_force
         )
 
     @cached_property
-    def rigid_body_modes(self) -> tuple[RigidBodyModes, ...]:
+    def actuations_by_one_newton(self) -> tuple[UnitLoad, ...]:
+        """The actuation of each shoe by a force of one newton."""
+        return tuple(
+            UnitLoad(*each)
+            for each in map(
+                load_factors_and_pin_moment_per_newton, self.substructures_of_shoes, self.shoes
+            )
+        )
+
+    @cached_property
+    def rigid_body_modes_of_shoes(self) -> tuple[RigidBodyModes, ...]:
         """The rigid-body modes of each shoe."""
         found = []
-        for k, sense in enumerate(self.known_friction_senses):
-            moment = self.unit_loads[k].moment_about_pin
-            found.append(make_rigid_body_modes(self.bodies[k], self.shoes[k], moment, sense))
+        for k, sense in enumerate(self.known_abutment_friction_senses):
+            moment = self.actuations_by_one_newton[k].moment_about_pin
+            found.append(
+                make_rigid_body_modes(self.substructures_of_shoes[k], self.shoes[k], moment, sense)
+            )
         return tuple(found)
 
     @cached_property
-    def initial_gaps(self) -> tuple[Floats, ...]:
+    def gaps_of_unloaded_linings(self) -> tuple[Floats, ...]:
         """The gaps (n_i,) [m] of each unloaded lining at its contact nodes."""
         gaps = []
-        for body, shoe in zip(self.bodies, self.shoes, strict=True):
-            gaps.append(unloaded_gaps_at(body.line.xy, body.line.phi, self.brake, shoe))
+        for body, shoe in zip(self.substructures_of_shoes, self.shoes, strict=True):
+            gaps.append(
+                unloaded_lining_gaps_at_points(body.line.xy, body.line.phi, self.brake, shoe)
+            )
         return tuple(gaps)
 
     @cached_property
-    def contact_stiffnesses(self) -> tuple[float, ...]:
+    def contact_stiffness_per_area_of_shoes(self) -> tuple[float, ...]:
         """The contact stiffness of each shoe per area [Pa/m]."""
-        return tuple(contact_stiffness(shoe, self.penalty) for shoe in self.shoes)
+        return tuple(contact_stiffness_by_penalty(shoe, self.penalty) for shoe in self.shoes)
 
     @cached_property
     def gap_closures_of_test_modes(self) -> tuple[ModeClosures, ...]:
         """The gap closures and slips of the test modes of each shoe."""
         closures = []
-        for body, shoe, modes in zip(self.bodies, self.shoes, self.rigid_body_modes, strict=True):
-            if shoe.held_by == "hinge":
-                found = ModeClosures(*body.gap_closure_by_rotation)
+        for body, shoe, modes in zip(
+            self.substructures_of_shoes, self.shoes, self.rigid_body_modes_of_shoes, strict=True
+        ):
+            if shoe.kind_of_support == "hinge":
+                found = ModeClosures(*body.gap_closure_and_slip_by_turn_about_pin)
             else:
                 coupling, u = body.coupling, modes.test_modes
                 found = ModeClosures(coupling.N @ u, coupling.T @ u)
@@ -195,17 +210,20 @@ class GroupState:
         return tuple(closures)
 
     @cached_property
-    def frictionless_terms(self) -> tuple[FrictionlessTerms, ...]:
+    def terms_independent_of_friction(self) -> tuple[FrictionlessTerms, ...]:
         """The parts of each shoe's contact problem that friction does not change."""
-        return tuple(map(self._frictionless_terms_of, range(len(self.members))))
+        return tuple(map(self._terms_of_shoe_independent_of_friction, range(len(self.members))))
 
-    def _frictionless_terms_of(self, k: int) -> FrictionlessTerms:
+    def _terms_of_shoe_independent_of_friction(self, k: int) -> FrictionlessTerms:
         """The parts of the contact problem of shoe `k` that friction does not change."""
-        body, modes = self.bodies[k], self.rigid_body_modes[k]
+        body, modes = self.substructures_of_shoes[k], self.rigid_body_modes_of_shoes[k]
         own_force = self.shoes[k].actuation.force
-        force = abs(own_force) / self.unit_force
-        gap = body.coupling.M @ (self.initial_gaps[k] / self.unit_force)
-        acting = acting_loads(body, self.shoes[k], own_force) / self.unit_force
+        force = abs(own_force) / self.largest_actuation_force
+        gap = body.coupling.M @ (self.gaps_of_unloaded_linings[k] / self.largest_actuation_force)
+        acting = (
+            load_factors_under_actuation_force(body, self.shoes[k], own_force)
+            / self.largest_actuation_force
+        )
         q = gap - body.closure_by_load @ acting
         # Without friction at an abutment the contact modes are the test modes.
         if modes.contact_modes is modes.test_modes:
@@ -219,22 +237,26 @@ class GroupState:
     @cached_property
     def torque_per_pressure(self) -> Floats:
         """The torque (n, shoes) [m^3] of each shoe per nodal pressure, at a friction of 1."""
-        return np.asarray(block_diag(*map(attrgetter("coupling.lever"), self.bodies)).T)
+        return np.asarray(
+            block_diag(*map(attrgetter("coupling.lever"), self.substructures_of_shoes)).T
+        )
 
     @cached_property
-    def node_areas(self) -> Floats:
+    def contact_node_areas(self) -> Floats:
         """The area (n,) [m^2] of each contact node, which turns its pressure into a force."""
-        return np.concatenate(list(map(attrgetter("coupling.area"), self.bodies)))
+        return np.concatenate(
+            list(map(attrgetter("coupling.areas_of_contact_nodes"), self.substructures_of_shoes))
+        )
 
     @cached_property
-    def gap_mass_matrix(self) -> Floats:
+    def mass_matrix_of_contact_nodes(self) -> Floats:
         """The mass matrix (n, n) [m^2] of the contact nodes: weighted gaps per nodal gap."""
-        return np.asarray(block_diag(*map(attrgetter("coupling.M"), self.bodies)))
+        return np.asarray(block_diag(*map(attrgetter("coupling.M"), self.substructures_of_shoes)))
 
     # These properties describe the ring, the struts and the cam.
 
     @cached_property
-    def ring_flexibility_roots(self) -> RingFlexibilityRoots | None:
+    def factors_of_ring_flexibility(self) -> RingFlexibilityRoots | None:
         """The factors of the ring's flexibility under the group's linings; None without a ring."""
         ring = self.scene.ring
         if ring is None:
@@ -245,7 +267,7 @@ class GroupState:
         )
 
     @cached_property
-    def struts(self) -> list[tuple[int, int]]:
+    def pushing_and_pushed_shoe_of_struts(self) -> list[tuple[int, int]]:
         """For each strut of the group, the number of the pushing shoe and that of the pushed shoe.
 
         The numbers are positions in the group.
@@ -258,7 +280,7 @@ class GroupState:
         return links
 
     @cached_property
-    def cam_shoes(self) -> list[int]:
+    def numbers_of_shoes_under_cam(self) -> list[int]:
         """The numbers, in the group, of the shoes that a cam pushes; empty without a cam.
 
         The cam moves the tips of these shoes by the same travel.
@@ -266,18 +288,18 @@ class GroupState:
         drive = self.brake.actuation
         if not drive or not drive.is_cam:
             return []
-        pushed_by_struts = {to for _, to in self.struts}
+        pushed_by_struts = {to for _, to in self.pushing_and_pushed_shoe_of_struts}
         return sorted(set(range(len(self.shoes))) - pushed_by_struts)
 
     @cached_property
-    def cam_force_sum(self) -> float:
-        """The sum of the cam's forces, per newton of `unit_force`; 0 without a cam."""
-        if not self.brake.actuation or not self.cam_shoes:
+    def relative_sum_of_cam_forces(self) -> float:
+        """The sum of the cam's forces, per newton of `largest_actuation_force`; 0 without a cam."""
+        if not self.brake.actuation or not self.numbers_of_shoes_under_cam:
             return 0.0
-        return self.brake.actuation.total / self.unit_force
+        return self.brake.actuation.total / self.largest_actuation_force
 
 
-def unloaded_gaps_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
+def unloaded_lining_gaps_at_points(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
     """The gaps (...) [m] of an unloaded lining at points of its friction surface.
 
     A gap is the distance off the drum's radius, the clearance and the misfit together.
@@ -293,4 +315,4 @@ def unloaded_gaps_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Float
     off = shoe.off(xy, radius)
     # Round-off moves nodes off the drum's radius. This must not count as a gap or an overlap.
     off = np.where(np.abs(off) < 1e-12 * radius, 0.0, off)
-    return off + clearance.gap(brake, shoe, theta)
+    return off + clearance.unloaded_gap_of_shoe(brake, shoe, theta)

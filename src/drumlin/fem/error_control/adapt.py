@@ -14,20 +14,27 @@ import numpy as np
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.error_control.estimate import SOFTER, Errors, estimate
-from drumlin.fem.error_control.levels import ResponseFunction, SolvedLevel, solved_levels
-from drumlin.fem.error_control.singular_points import contact_arcs_without_narrow_gaps
+from drumlin.fem.error_control.estimate import SOFTER, Errors, estimate_errors_from_two_levels
+from drumlin.fem.error_control.levels import (
+    ResponseFunction,
+    SolvedLevel,
+    solve_on_finer_and_finer_levels,
+)
+from drumlin.fem.error_control.singular_points import contact_arcs_merged_over_narrow_gaps
 from drumlin.fem.hp.corner import (
     TIP_TOLERANCE,
-    pressure_error_at_corners,
-    pressure_error_under_tips,
-    response_with_power_laws,
+    pressure_error_left_at_gap_tips,
+    pressure_error_left_at_lining_corners,
+    response_with_power_laws_at_corners,
 )
 from drumlin.fem.hp.division import SMALLEST_COLUMN
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.response.response import Response, ShoeResponse, edge_zone
-from drumlin.response.resultants import edge_left_out, largest
+from drumlin.response.response import Response, ShoeResponse, length_of_edge_zone_without_peak
+from drumlin.response.resultants import (
+    edge_zone_that_does_not_count,
+    largest_value_of_piecewise_polynomial,
+)
 
 SHORTEST_KNOWN_CONTACT = 1000 * SMALLEST_COLUMN
 """Length of a contact, relative to the lining's thickness, below which its pressure is unknown.
@@ -81,7 +88,7 @@ class _Progress(NamedTuple):
     missed: str
 
 
-def solve_to_tolerance(
+def solve_brake_to_tolerance(
     brake: Brake,
     tolerance: Tolerance,
     respond: ResponseFunction,
@@ -112,22 +119,22 @@ def solve_to_tolerance(
     BadInput
         for a brake with a mesh file
     """
-    levels = levels or solved_levels(brake, respond, cache)
-    progress = _solve_until_tolerance(brake, tolerance, levels)
+    levels = levels or solve_on_finer_and_finer_levels(brake, respond, cache)
+    progress = _solve_levels_until_tolerance(brake, tolerance, levels)
     if not progress.missed:
-        return SolvedLevel(progress.scene, _response_with_errors(progress))
-    why = _unbounded_text(brake, progress.responses[-1])
+        return SolvedLevel(progress.scene, _response_with_estimated_errors(progress))
+    why = _text_on_shoes_with_unbounded_pressure(brake, progress.responses[-1])
     if must:
-        reached = _reached_text(progress, tolerance)
+        reached = _text_on_reached_errors(progress, tolerance)
         raise NoAnswer(
             f"{progress.missed} on {len(progress.responses)} meshes of up to {progress.unknowns} "
             f"unknowns a shoe: {reached}{why}"
         )
     progress = progress._replace(missed=progress.missed + why)
-    return SolvedLevel(progress.scene, _response_with_errors(progress))
+    return SolvedLevel(progress.scene, _response_with_estimated_errors(progress))
 
 
-def _solve_until_tolerance(
+def _solve_levels_until_tolerance(
     brake: Brake, tolerance: Tolerance, levels: Iterable[SolvedLevel]
 ) -> _Progress:
     """Solve a brake up to the first level that meets the tolerance, or to the last level.
@@ -141,15 +148,15 @@ def _solve_until_tolerance(
     missed = f"tolerance {tolerance.pressure:g} not reached"
     try:
         for scene, response in levels:
-            responses.append(response_with_power_laws(brake, response))
+            responses.append(response_with_power_laws_at_corners(brake, response))
             unknowns = max(body.unknowns for body in scene.bodies)
             # The errors follow from the difference of two levels. The first level has none.
             if len(responses) == 1:
                 continue
             before, last = responses[-2:]
-            of_levels = estimate(brake, before, last)
-            error, unknown = errors_with_singularities(of_levels, brake, last)
-            if _meets_tolerance(error, tolerance):
+            of_levels = estimate_errors_from_two_levels(brake, before, last)
+            error, unknown = errors_with_singular_points_included(of_levels, brake, last)
+            if _is_tolerance_met(error, tolerance):
                 return _Progress(scene, responses, error, unknowns, missed="")
             if unknown:
                 missed += f": {unknown}"
@@ -163,27 +170,27 @@ def _solve_until_tolerance(
     return _Progress(scene, responses, error, unknowns, missed)
 
 
-def _meets_tolerance(error: Errors, tolerance: Tolerance) -> bool:
+def _is_tolerance_met(error: Errors, tolerance: Tolerance) -> bool:
     """Whether the estimated errors of a brake meet a tolerance."""
     pressure, torque = error.brake["pressure"], error.brake["torque"]
     return pressure <= tolerance.pressure and torque <= tolerance.torque
 
 
-def _unbounded_text(brake: Brake, response: Response) -> str:
+def _text_on_shoes_with_unbounded_pressure(brake: Brake, response: Response) -> str:
     """The text that names the shoes whose pressure grows without bound at a point of the lining.
 
     The text is empty if there is no such shoe.
     """
     unbounded = []
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
-        if _missing_part_of_peak(shoe, brake.scale_factor, answer) == 1.0:
+        if _missing_fraction_of_peak_pressure(shoe, brake.scale_factor, answer) == 1.0:
             unbounded.append(repr(shoe.name))
     if not unbounded:
         return ""
     return f"; p is unbounded at an end of the lining or a tip of the gap of {', '.join(unbounded)}"
 
 
-def _reached_text(progress: _Progress, tolerance: Tolerance) -> str:
+def _text_on_reached_errors(progress: _Progress, tolerance: Tolerance) -> str:
     """The text that states the errors which were reached.
 
     If the penalty causes more than half of the allowed error of p, the text says so.
@@ -197,7 +204,7 @@ def _reached_text(progress: _Progress, tolerance: Tolerance) -> str:
     return text
 
 
-def _response_with_errors(progress: _Progress) -> Response:
+def _response_with_estimated_errors(progress: _Progress) -> Response:
     """The response of the last level with its errors, the time of all levels, and a note on them.
 
     The number of iterations is the largest of any level. If the errors miss the tolerance, the
@@ -229,7 +236,7 @@ def _response_with_errors(progress: _Progress) -> Response:
 # singular pressures, and those of contacts that are too short for any division.
 
 
-def errors_with_singularities(
+def errors_with_singular_points_included(
     error: Errors, brake: Brake, response: Response
 ) -> tuple[Errors, str]:
     """The estimated errors with the errors at singular points added, and a text on short contacts.
@@ -247,72 +254,74 @@ def errors_with_singularities(
     """
     shoes, text = [], ""
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        missing_peak = _missing_part_of_peak(shoe, brake.scale_factor, answer)
-        at_corners = pressure_error_at_corners(brake, i, answer)
-        under_tips = pressure_error_under_tips(shoe, brake.scale_factor, answer)
+        missing_peak = _missing_fraction_of_peak_pressure(shoe, brake.scale_factor, answer)
+        at_corners = pressure_error_left_at_lining_corners(brake, i, answer)
+        under_tips = pressure_error_left_at_gap_tips(shoe, brake.scale_factor, answer)
         at_singular_points = at_corners + under_tips
         errors = {
             **error.shoes[i],
             "pressure": error.shoes[i]["pressure"] + at_singular_points,
             "peak": 1.0 if missing_peak == 1.0 else error.shoes[i]["peak"] + missing_peak,
         }
-        length = _shortest_contact_length(brake, shoe, answer)
+        length = _length_of_shortest_contact(brake, shoe, answer)
         if length < SHORTEST_KNOWN_CONTACT * shoe.lining.thickness:
             text = (
                 f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know "
                 "its pressure; torque and forces do not need it"
             )
-            errors = _errors_with_unknown_pressure(errors)
+            errors = _errors_of_shoe_with_unknown_pressure(errors)
         shoes.append(errors)
-    return Errors.worst(error.brake["torque"], shoes), text
+    return Errors.from_torque_and_shoes(error.brake["torque"], shoes), text
 
 
-def _shortest_contact_length(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> float:
+def _length_of_shortest_contact(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> float:
     """The length [m] of the shortest contact of a shoe; inf for a shoe that does not touch."""
-    arcs = contact_arcs_without_narrow_gaps(shoe, answer)
+    arcs = contact_arcs_merged_over_narrow_gaps(shoe, answer)
     return min((end - start for start, end in arcs), default=math.inf) * brake.size
 
 
-def _errors_with_unknown_pressure(errors: Mapping[str, float]) -> dict[str, float]:
+def _errors_of_shoe_with_unknown_pressure(errors: Mapping[str, float]) -> dict[str, float]:
     """The errors of a shoe, with 1 (unknown) as the error of its pressure and of its peak."""
     unknown = {"pressure", "peak"}
     return {name: max(error, float(name in unknown)) for name, error in errors.items()}
 
 
-def _missing_part_of_peak(shoe: Shoe, scale_factor: float, answer: ShoeResponse) -> float:
+def _missing_fraction_of_peak_pressure(
+    shoe: Shoe, scale_factor: float, answer: ShoeResponse
+) -> float:
     """The fraction by which the computed peak pressure of a shoe may be too small.
 
     The peak is too small if it lies where the pressure p is singular. The fraction is 1, for
     unknown, where the peak is at or near a pressure that grows without bound: at a lining's end, or
     under a tip of its gap. `scale_factor` is the length [m] of the surface's coordinate 1.
     """
-    zone = edge_zone(shoe, scale_factor)
-    if _is_peak_at_lining_end(answer, zone):
+    zone = length_of_edge_zone_without_peak(shoe, scale_factor)
+    if _is_peak_pressure_at_lining_end(answer, zone):
         return 1.0
-    return _missing_part_of_peak_under_tips(shoe, scale_factor, answer, zone)
+    return _missing_fraction_of_peak_under_gap_tips(shoe, scale_factor, answer, zone)
 
 
-def _is_peak_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
+def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
     """Whether the pressure p peaks in the hp element at an end of the lining, where p is unbounded.
 
-    `zone` is the length of the zone at the lining's ends, see `edge_zone`. Usually the peak is not
-    looked for in this zone. If it is, a pressure of PEAK_NEAR_END of the peak in the element
-    suffices, because on a finer level it would be the peak.
+    `zone` is the length of the zone at the lining's ends, see `length_of_edge_zone_without_peak`.
+    Usually the peak is not looked for in this zone. If it is, a pressure of PEAK_NEAR_END of the
+    peak in the element suffices, because on a finer level it would be the peak.
     """
     theta, p, order = answer.theta, answer.pressure, answer.order
     # The heights are the largest pressures in the elements at pressed ends, relative to the peak.
     heights = []
     for end, element in ((0, slice(order + 1)), (-1, slice(-order - 1, None))):
         if p[end] > 0:
-            height = largest(theta[element], p[element], order)
+            height = largest_value_of_piecewise_polynomial(theta[element], p[element], order)
             heights.append(height / answer.peak_pressure)
     if any(math.isclose(height, 1.0) for height in heights):
         return True
     is_high = max(heights, default=0.0) > PEAK_NEAR_END
-    return is_high and edge_left_out(theta, p, order, zone) == 0
+    return is_high and edge_zone_that_does_not_count(theta, p, order, zone) == 0
 
 
-def _missing_part_of_peak_under_tips(
+def _missing_fraction_of_peak_under_gap_tips(
     shoe: Shoe, scale_factor: float, answer: ShoeResponse, zone: float
 ) -> float:
     """The fraction by which the computed peak may be too small because of the tips of the gap.
@@ -322,23 +331,23 @@ def _missing_part_of_peak_under_tips(
     modulus E (Johnson, Contact Mechanics, ch. 5). As the elements beside a tip become smaller, down
     to SMALLEST_COLUMN, p at the tip grows by this law. The growth matters if p at the tip would
     then exceed the peak. If hp elements end at the tip, the peak is unknown, and the fraction is 1.
-    At a tip that hardly changes p no elements end, see `singular_points_of`. The peak then lacks at
-    most the part by which p at the tip could exceed it. Tips in the zone at the lining's ends are
-    left to `_is_peak_at_lining_end`.
+    At a tip that hardly changes p no elements end, see `singular_points_of_all_linings`. The peak
+    then lacks at most the part by which p at the tip could exceed it. Tips in the zone at the
+    lining's ends are left to `_is_peak_pressure_at_lining_end`.
 
     Parameters
     ----------
     shoe, answer : the shoe and its response
     scale_factor : length [m] of the surface's coordinate 1
-    zone : length of the zone at the lining's ends, see `edge_zone`
+    zone : length of the zone at the lining's ends, see `length_of_edge_zone_without_peak`
     """
     start, end, order = shoe.lining.start, shoe.lining.end, answer.order
     theta, p = answer.theta, answer.pressure
-    zone = edge_left_out(theta, p, order, zone)
+    zone = edge_zone_that_does_not_count(theta, p, order, zone)
     modulus = shoe.lining.material.E_half_plane
     missing = 0.0
     # Each tip outside the zones at the ends may show a peak higher than the computed one.
-    for tip, slope in clearance.tips(shoe.lining):
+    for tip, slope in clearance.gap_kinks_that_point_to_drum(shoe.lining):
         if not start + zone < tip < end - zone:
             continue
         # `around` are the nodes of the two elements that meet nearest to the tip.
@@ -347,7 +356,9 @@ def _missing_part_of_peak_under_tips(
         width = scale_factor * float(theta[around][-1] - theta[around][0])
         size_ratio = max(width / (SMALLEST_COLUMN * shoe.lining.thickness), 1.0)
         growth = modulus * slope / scale_factor * math.log(size_ratio) / (2 * math.pi)
-        possible_peak = largest(theta[around], p[around], order) + growth
+        possible_peak = (
+            largest_value_of_piecewise_polynomial(theta[around], p[around], order) + growth
+        )
         elements_end_at_tip = abs(theta[nearest] - tip) < TIP_TOLERANCE * shoe.frame.unit
         if possible_peak > answer.peak_pressure:
             excess = possible_peak / answer.peak_pressure - 1.0
@@ -355,7 +366,7 @@ def _missing_part_of_peak_under_tips(
     return min(missing, 1.0)
 
 
-def check_tolerance(brake: Brake, tolerance: float) -> None:
+def require_tolerance_applies_to_brake(brake: Brake, tolerance: float) -> None:
     """Raise BadInput for a tolerance that is not between 0 and 1, or for a brake with a mesh file.
 
     A tolerance needs finer and finer elements, and those of a mesh file are not refined.

@@ -32,15 +32,15 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
-from drumlin.response.norms import Difference
+from drumlin.response.norms import PressureDifference
 from drumlin.response.response import (
     Response,
     ShoeResponse,
-    edge_zone,
-    reaction_size,
-    singular_zone,
+    length_of_edge_zone_without_peak,
+    length_of_uncompared_edge_zone,
+    reference_force_of_reaction_errors,
 )
-from drumlin.response.resultants import edge_left_out
+from drumlin.response.resultants import edge_zone_that_does_not_count
 
 QUANTITIES = ("pressure", "torque", "peak", "reaction")
 """Names of the quantities of a shoe that have a stated error.
@@ -67,19 +67,19 @@ class Factors(NamedTuple):
     cancelled: float
     peak: float
 
-    def of_distances(self, shoes: int) -> Floats:
-        """The factor (1 + 4 shoes,) of each distance of two levels, in the order of `Distances`."""
+    def factors_of_level_differences(self, shoes: int) -> Floats:
+        """The factor (1 + 4 shoes,) of each distance, ordered as `LevelDifferences`."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 
 
-def read_factors(path: Path) -> Factors:
+def read_error_estimate_factors(path: Path) -> Factors:
     """Read the factors of the error estimate from a file that `make calibrate` has written."""
     data = json.loads(path.read_text(encoding="utf-8"))
     return Factors(**{name: data[name]["value"] for name in Factors._fields})
 
 
-FACTORS = read_factors(Path(__file__).with_name("factors.json"))
+FACTORS = read_error_estimate_factors(Path(__file__).with_name("factors.json"))
 """The factors of the error estimate, which `make calibrate` fits.
 
 The file factors.json says on which brakes they are fitted, and what each factor does.
@@ -104,7 +104,7 @@ class Errors(NamedTuple):
     shoes: tuple[Mapping[str, float], ...]
 
     @classmethod
-    def worst(cls, torque: float, shoes: Sequence[Mapping[str, float]]) -> "Errors":
+    def from_torque_and_shoes(cls, torque: float, shoes: Sequence[Mapping[str, float]]) -> "Errors":
         """Make the errors of a brake from the error of its torque and the errors of its shoes.
 
         For each other quantity the brake has the largest error of a shoe.
@@ -113,7 +113,7 @@ class Errors(NamedTuple):
         return cls(most | {"torque": torque}, tuple(shoes))
 
 
-class Distances(NamedTuple):
+class LevelDifferences(NamedTuple):
     """Relative differences of the responses on two levels.
 
     Both arrays (1 + 4 shoes,) begin with the torque of the brake, in which the differences of the
@@ -130,32 +130,39 @@ class Distances(NamedTuple):
     chance: Floats
 
 
-def estimate(brake: Brake, before: Response, last: Response, factors: Factors = FACTORS) -> Errors:
+def estimate_errors_from_two_levels(
+    brake: Brake, before: Response, last: Response, factors: Factors = FACTORS
+) -> Errors:
     """Estimate the relative errors of the response of a level, `last`.
 
     The errors follow from the difference to the response of the level before. They are meant as
     upper bounds.
     """
-    moved = distances(brake, before, last)
-    found = factors.of_distances(len(last.shoes)) * moved.steps + factors.cancelled * moved.chance
+    moved = relative_differences_of_two_levels(brake, before, last)
+    found = (
+        factors.factors_of_level_differences(len(last.shoes)) * moved.steps
+        + factors.cancelled * moved.chance
+    )
     # Quantities that are exactly equal on both levels, such as those of a shoe without contact,
     # keep the error 0.
-    found = np.where(found > 0, found + beside(last.shoes), found)
+    found = np.where(found > 0, found + sum_of_penalty_and_round_off_errors(last.shoes), found)
     rows = np.reshape(found[1:], (-1, len(QUANTITIES))).tolist()
     errors_of_shoes = [dict(zip(QUANTITIES, row, strict=True)) for row in rows]
-    return Errors.worst(float(found[0]), errors_of_shoes)
+    return Errors.from_torque_and_shoes(float(found[0]), errors_of_shoes)
 
 
-def beside(shoes: Sequence[ShoeResponse]) -> Floats:
+def sum_of_penalty_and_round_off_errors(shoes: Sequence[ShoeResponse]) -> Floats:
     """The relative errors (1 + 4 shoes,) by the penalty and by round-off, added up.
 
-    They stand in the order of `Distances`.
+    They stand in the order of `LevelDifferences`.
     """
-    return SOFTER * _of_quantities(shoes, "softness") + _of_quantities(shoes, "lost")
+    return SOFTER * _relative_changes_of_shoes_by_cause(
+        shoes, "softness"
+    ) + _relative_changes_of_shoes_by_cause(shoes, "lost")
 
 
-def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:
-    """The relative changes (1 + 4 shoes,) of all shoes by one cause, in the order of `Distances`.
+def _relative_changes_of_shoes_by_cause(shoes: Sequence[ShoeResponse], name: str) -> Floats:
+    """The relative changes (1 + 4 shoes,) by one cause, in the order of `LevelDifferences`.
 
     `name` is the attribute of `ShoeResponse` that holds the changes by this cause, "softness" for
     the penalty or "lost" for round-off.
@@ -169,7 +176,7 @@ def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:
     return np.array([torque_of_brake, *chain(*rows)])
 
 
-def distances(brake: Brake, a: Response, b: Response) -> Distances:
+def relative_differences_of_two_levels(brake: Brake, a: Response, b: Response) -> LevelDifferences:
     """The relative differences of two responses of one brake, `a` on a level and `b` on the next.
 
     The result also holds the changes that forces would have if the columns of hp elements
@@ -178,8 +185,8 @@ def distances(brake: Brake, a: Response, b: Response) -> Distances:
     pairs = list(zip(a.shoes, b.shoes, strict=True))
     rows = []
     for shoe, (of_a, of_b) in zip(brake.shoes, pairs, strict=True):
-        zone = edge_zone(shoe, brake.scale_factor)
-        rows.append(_of(zone, brake.unit, of_a, of_b))
+        zone = length_of_edge_zone_without_peak(shoe, brake.scale_factor)
+        rows.append(_relative_differences_of_shoe_on_two_levels(zone, brake.unit, of_a, of_b))
     of_shoes = np.array(rows)  # (shoes, 2, 4)
     # The torque of the brake differs by the sum over its shoes, each with its share of the torque.
     total = b.torque or a.torque or 1.0
@@ -189,10 +196,10 @@ def distances(brake: Brake, a: Response, b: Response) -> Distances:
         torque_of_brake = float(values[:, 1] @ shares)
         both.append(np.array([torque_of_brake, *values.ravel()]))
     steps, chance = both
-    return Distances(steps, chance)
+    return LevelDifferences(steps, chance)
 
 
-def _of(
+def _relative_differences_of_shoe_on_two_levels(
     zone: float, unit: float, a: ShoeResponse, b: ShoeResponse
 ) -> tuple[tuple[float, ...], ...]:
     """The relative differences of two responses of a shoe, and the changes by random signs.
@@ -206,23 +213,23 @@ def _of(
     unit : change of the coordinate theta per radian of the shoe's angle phi, see `Frame`
     a, b : responses of the shoe on a level and on the next
     """
-    held = reaction_size(b.hinge_reaction, b.normal_force)
+    held = reference_force_of_reaction_errors(b.hinge_reaction, b.normal_force)
     torque = abs(a.torque - b.torque) / (b.torque or a.torque or 1.0)
     peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or a.peak_pressure or 1.0)
     reaction = math.dist(a.hinge_reaction, b.hinge_reaction) / held
     if not b.pressure.any():
         pressure = float(a.pressure.any())
         return (pressure, torque, peak, reaction), (0.0,) * len(QUANTITIES)
-    singular = singular_zone(float(b.theta[-1] - b.theta[0]), unit)
-    edge = edge_left_out(b.theta, b.pressure, b.order, singular)
-    peak_zone = edge_left_out(b.theta, b.pressure, b.order, zone)
-    step = Difference.of(a, b, edge, peak_zone)
-    pressure = step.distance(edge)
-    peak = max(peak, math.sqrt(pressure * step.at_peak(peak_zone)))
+    singular = length_of_uncompared_edge_zone(float(b.theta[-1] - b.theta[0]), unit)
+    edge = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, singular)
+    peak_zone = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, zone)
+    step = PressureDifference.between_responses(a, b, edge, peak_zone)
+    pressure = step.relative_norm_outside_end_zones(edge)
+    peak = max(peak, math.sqrt(pressure * step.relative_difference_near_peak(peak_zone)))
     # The pressures on both levels balance the same actuation. A change of p within a short contact
     # therefore changes the forces at most by a fraction of about the angle of the contact.
     reach = (b.contact_arcs[-1][1] - b.contact_arcs[0][0]) / unit
-    chance = min(step.by_chance(), reach)
+    chance = min(step.relative_force_with_random_signs(), reach)
     torque_by_chance = chance if b.torque else 0.0
     reaction_by_chance = chance * b.normal_force / held
     by_chance = (0.0, torque_by_chance, 0.0, reaction_by_chance)

@@ -10,13 +10,13 @@ from typing import NamedTuple, Protocol
 
 from drumlin.base.errors import LostDigits, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Level, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
 from drumlin.fem.preparation.columns import PointsByShape
 from drumlin.fem.preparation.meshes import ELEMENTS
-from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 
@@ -71,7 +71,7 @@ class LevelRule(NamedTuple):
     corner: float
     largest: float
 
-    def level(self, k: int) -> Level:
+    def level_with_number(self, k: int) -> Level:
         """The degree and grading of the level with the number k, counted from 1."""
         p = self.first_degree + k - 1
         e = self.first_error / self.fall ** (k - 1)
@@ -81,16 +81,16 @@ class LevelRule(NamedTuple):
             zone=corner,
             edge=corner,
             end=self.end * e**self.sizes,
-            ratio=_size_ratio_for_error(e, p),
-            opening=_size_ratio_for_error(e**self.sizes, p),
+            ratio=_element_size_ratio_for_error(e, p),
+            opening=_element_size_ratio_for_error(e**self.sizes, p),
             largest=self.largest,
             back=corner,
             hinge=corner,
-            through=_size_ratio_for_error(e**self.layers, p),
+            through=_element_size_ratio_for_error(e**self.layers, p),
         )
 
 
-def _size_ratio_for_error(error: float, p: int) -> float:
+def _element_size_ratio_for_error(error: float, p: int) -> float:
     """The ratio q of the sizes of neighbouring elements, smaller to larger.
 
     Elements of degree p that grow by 1/q from a singular point leave this relative error. The
@@ -131,7 +131,7 @@ of forces is the one for torques and reactions; a larger factor makes stated err
   unknowns, and stated errors are no nearer to the true ones.
 - largest: with 60 deg the torque was three times as far off on the first level.
 """
-LEVELS = tuple(LEVEL_RULE.level(k) for k in range(1, 7))
+LEVELS = tuple(LEVEL_RULE.level_with_number(k) for k in range(1, 7))
 """The six levels of a solve, from coarse to fine: degree and grading of their hp elements."""
 MOST_PASSES = 8
 """Largest number of divisions, or passes, on one level of a solve.
@@ -160,7 +160,7 @@ class SolvedLevel(NamedTuple):
     response: Response
 
 
-def solved_levels(
+def solve_on_finer_and_finer_levels(
     brake: Brake,
     respond: ResponseFunction,
     cache: Cache | None = None,
@@ -179,7 +179,7 @@ def solved_levels(
     ----------
     brake : the brake
     respond : function that computes the response on a prepared model
-    cache : keeps condensed bodies, see `prepare`
+    cache : keeps condensed bodies, see `make_prepared_model`
     levels : the levels; LEVELS if it is empty
 
     Raises
@@ -193,12 +193,14 @@ def solved_levels(
     shortest_arc = min(end - start for start, end in (shoe.arc for shoe in brake.shoes))
     for level in levels or LEVELS:
         solved: SolvedLevel | None = None
-        points = singular_points_of(brake, last, alike, level.error)
+        points = singular_points_of_all_linings(
+            brake, last, alike, level.pressure_error_by_column_ratio
+        )
         points_of_passes: list[PointsByShape] = []
         for _ in range(MOST_PASSES):
             # The level is divided and solved, with the singular points of the earlier pass.
             limited = replace(level, largest=min(level.largest, column_limit))
-            model = prepare(brake, limited, points, alike=alike, cache=cache)
+            model = make_prepared_model(brake, limited, points, alike=alike, cache=cache)
             try:
                 response = respond(model, brake, start=last)
             except NoAnswer as refusal:
@@ -212,16 +214,23 @@ def solved_levels(
                 break
             solved = SolvedLevel(model, response)
             points_of_passes.append(points)
-            last, points = response, singular_points_of(brake, response, alike, level.error)
+            last, points = (
+                response,
+                singular_points_of_all_linings(
+                    brake, response, alike, level.pressure_error_by_column_ratio
+                ),
+            )
             # The passes end when the new points are those of any earlier pass. Ends of the contact
             # that return to an earlier position would otherwise alternate for ever.
-            if any(not _has_new_points(brake, earlier, points) for earlier in points_of_passes):
+            if any(
+                not _has_new_singular_points(brake, earlier, points) for earlier in points_of_passes
+            ):
                 break
         if solved is not None:
             yield solved
 
 
-def _has_new_points(brake: Brake, before: PointsByShape, now: PointsByShape) -> bool:
+def _has_new_singular_points(brake: Brake, before: PointsByShape, now: PointsByShape) -> bool:
     """Whether a solution has singular points of its pressure for which its division was not made.
 
     A new point is an end of the contact that moved by more than UNRESOLVED_LENGTH, or a kink of the
@@ -234,12 +243,12 @@ def _has_new_points(brake: Brake, before: PointsByShape, now: PointsByShape) -> 
     now : singular points of the response on this division
     """
     return any(
-        _has_new_points_on_lining(brake.shoes[i].arc, before[i], points)
+        _has_new_singular_points_on_lining(brake.shoes[i].arc, before[i], points)
         for i, points in now.items()
     )
 
 
-def _has_new_points_on_lining(
+def _has_new_singular_points_on_lining(
     arc: tuple[float, float], before: Sequence[SingularPoint], now: Sequence[SingularPoint]
 ) -> bool:
     """Whether one of the singular points `now` of a lining lies away from all points `before`.

@@ -36,9 +36,9 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.contact.active_set import SET_ROUND_OFF
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.preparation.bodies import acting_loads
+from drumlin.fem.preparation.bodies import load_factors_under_actuation_force
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.substructure.body import FRAME, stiffness
+from drumlin.fem.substructure.body import FRAME, sparse_stiffness_of_body
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.ring import ring_stiffness
 
@@ -109,7 +109,7 @@ class FullSystem:
     coordinates : slice of each shoe's generalised coordinates among the unknowns
     lever : (unknowns,) torque per unknown, so that torque = lever . x
     scale : (unknowns,) factors that give rows and columns similar sizes, see
-        `_equilibrating_factors`
+        `_scale_factors_of_full_system`
     """
 
     matrix: Any
@@ -120,7 +120,7 @@ class FullSystem:
     scale: Floats
 
     @property
-    def first_pressure(self) -> int:
+    def index_of_first_pressure(self) -> int:
         """Number of the first pressure among the unknowns."""
         return self.pressures[0].start
 
@@ -184,7 +184,9 @@ class _Layout:
     pressure_starts: Any
 
 
-def full_system(group: ShoeGroup, *, relative_to_rigid_motion: bool = True) -> FullSystem:
+def assemble_full_system_of_group(
+    group: ShoeGroup, *, relative_to_rigid_motion: bool = True
+) -> FullSystem:
     """Assemble the full system of a group of shoes, with all of its nodes in contact.
 
     Parameters
@@ -195,31 +197,37 @@ def full_system(group: ShoeGroup, *, relative_to_rigid_motion: bool = True) -> F
         digits if the drum holds the lining and a soft shoe turns behind it.
     """
     members = range(len(group.members))
-    shoe_blocks = [_shoe_block(group, k, relative_to_rigid_motion) for k in members]
-    ring = _ring_block(group.scene, group.brake) if group.scene.ring is not None else None
+    shoe_blocks = [
+        _part_of_shoe_in_full_system(group, k, relative_to_rigid_motion) for k in members
+    ]
+    ring = (
+        _part_of_ring_in_full_system(group.scene, group.brake)
+        if group.scene.ring is not None
+        else None
+    )
     stiffnesses = [block.K for block in shoe_blocks] + ([ring.K] if ring else [])
     # The sizes and counts of unknowns give the order of all unknowns.
     sizes = [int(block.shape[0]) for block in stiffnesses]
-    counts = [len(gap) for gap in group.initial_gaps]
+    counts = [len(gap) for gap in group.gaps_of_unloaded_linings]
     starts = np.cumsum([0, *sizes])
     layout = _Layout(starts, np.cumsum([starts[-1], *counts]))
-    blocks = _matrix_blocks(group, shoe_blocks, ring, stiffnesses)
-    matrix = _assemble_blocks(blocks, [*sizes, *counts])
+    blocks = _blocks_of_full_matrix(group, shoe_blocks, ring, stiffnesses)
+    matrix = _sparse_matrix_from_blocks(blocks, [*sizes, *counts])
     ends = layout.block_starts[1 : len(members) + 1]
     return FullSystem(
         matrix=matrix,
-        right=_right_side(group, shoe_blocks, layout),
+        right=_right_side_of_full_system(group, shoe_blocks, layout),
         pressures=tuple(slice(int(a), int(b)) for a, b in pairwise(layout.pressure_starts)),
         coordinates=tuple(
             slice(int(end) - modes.actuation_work.size, int(end))
-            for end, modes in zip(ends, group.rigid_body_modes, strict=True)
+            for end, modes in zip(ends, group.rigid_body_modes_of_shoes, strict=True)
         ),
-        lever=_torque_lever(group, layout),
-        scale=_equilibrating_factors(matrix, int(layout.pressure_starts[0])),
+        lever=_torque_per_unknown(group, layout),
+        scale=_scale_factors_of_full_system(matrix, int(layout.pressure_starts[0])),
     )
 
 
-def _matrix_blocks(
+def _blocks_of_full_matrix(
     group: ShoeGroup,
     shoe_blocks: list[_ShoeBlock],
     ring: _RingBlock | None,
@@ -243,17 +251,21 @@ def _matrix_blocks(
     ring_row = len(stiffnesses) - 1
     drag = group.brake.drag
     for k, shoe_block in enumerate(shoe_blocks):
-        M = group.bodies[k].coupling.M
+        M = group.substructures_of_shoes[k].coupling.M
         at = len(stiffnesses) + k
         blocks[k][at], blocks[at][k] = shoe_block.pressure_forces, -shoe_block.gap_closures
-        blocks[at][at] = sp.csr_matrix((M / group.contact_stiffnesses[k]).astype(LONG_DOUBLE))
+        blocks[at][at] = sp.csr_matrix(
+            (M / group.contact_stiffness_per_area_of_shoes[k]).astype(LONG_DOUBLE)
+        )
         if ring is not None:
             N, T = ring.couplings[group.members[k]]
             blocks[ring_row][at], blocks[at][ring_row] = -(N - drag * T).T, N
     return blocks
 
 
-def _right_side(group: ShoeGroup, shoe_blocks: list[_ShoeBlock], layout: _Layout) -> Any:
+def _right_side_of_full_system(
+    group: ShoeGroup, shoe_blocks: list[_ShoeBlock], layout: _Layout
+) -> Any:
     """The right side (unknowns,) of the full system.
 
     It holds the actuations of the shoes and the negative weighted gaps of the unloaded linings.
@@ -261,41 +273,51 @@ def _right_side(group: ShoeGroup, shoe_blocks: list[_ShoeBlock], layout: _Layout
     right = np.zeros(int(layout.pressure_starts[-1]), dtype=LONG_DOUBLE)
     for k, shoe_block in enumerate(shoe_blocks):
         right[layout.block_starts[k] : layout.block_starts[k + 1]] = shoe_block.load
-        M = group.bodies[k].coupling.M.astype(LONG_DOUBLE)
-        gap = group.initial_gaps[k].astype(LONG_DOUBLE) / group.unit_force
+        M = group.substructures_of_shoes[k].coupling.M.astype(LONG_DOUBLE)
+        gap = group.gaps_of_unloaded_linings[k].astype(LONG_DOUBLE) / group.largest_actuation_force
         right[layout.pressure_starts[k] : layout.pressure_starts[k + 1]] = -(M @ gap)
     return right
 
 
-def _torque_lever(group: ShoeGroup, layout: _Layout) -> Floats:
+def _torque_per_unknown(group: ShoeGroup, layout: _Layout) -> Floats:
     """The torque of the group per unknown (unknowns,) of the full system; 0 except for pressures.
 
     The torque [m^3] is per pressure and contains the friction coefficient.
     """
     lever = np.zeros(int(layout.pressure_starts[-1]))
-    for k, body in enumerate(group.bodies):
+    for k, body in enumerate(group.substructures_of_shoes):
         at = slice(layout.pressure_starts[k], layout.pressure_starts[k + 1])
         lever[at] = group.brake.friction * body.coupling.lever
     return lever
 
 
-def _shoe_block(group: ShoeGroup, k: int, relative_to_rigid_motion: bool) -> _ShoeBlock:
+def _part_of_shoe_in_full_system(
+    group: ShoeGroup, k: int, relative_to_rigid_motion: bool
+) -> _ShoeBlock:
     """The part of shoe `k` of a group in the full system, in long double.
 
-    For `relative_to_rigid_motion` see `full_system`.
+    For `relative_to_rigid_motion` see `assemble_full_system_of_group`.
     """
-    body, shoe, modes = group.bodies[k], group.shoes[k], group.rigid_body_modes[k]
-    constraints = body.condensed.constraints.matrix.astype(LONG_DOUBLE)
+    body, shoe, modes = (
+        group.substructures_of_shoes[k],
+        group.shoes[k],
+        group.rigid_body_modes_of_shoes[k],
+    )
+    constraints = body.condensed.multi_point_constraints.matrix.astype(LONG_DOUBLE)
     # The stiffness is assembled again in long double; the condensed body has it in double only.
-    K = stiffness(body.basis, elastic_layers_of_shoe(shoe), precise=True)
+    K = sparse_stiffness_of_body(body.basis, elastic_layers_of_shoe(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
     inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
     # The actuation works on the nodes it acts on, and on the rigid-body modes.
-    share = LONG_DOUBLE(abs(shoe.actuation.force)) / group.unit_force
-    acting = acting_loads(body, shoe, shoe.actuation.force).astype(LONG_DOUBLE)
-    load = body.condensed.loads.astype(LONG_DOUBLE) @ (acting / group.unit_force)
+    share = LONG_DOUBLE(abs(shoe.actuation.force)) / group.largest_actuation_force
+    acting = load_factors_under_actuation_force(body, shoe, shoe.actuation.force).astype(
+        LONG_DOUBLE
+    )
+    load = body.condensed.unit_loads_on_reduced_unknowns.astype(LONG_DOUBLE) @ (
+        acting / group.largest_actuation_force
+    )
     N, T = body.coupling.N.astype(LONG_DOUBLE), body.coupling.T.astype(LONG_DOUBLE)
-    drag = LONG_DOUBLE(group.brake.drag_on(shoe))
+    drag = LONG_DOUBLE(group.brake.friction_per_pressure_on_shoe(shoe))
     pushing = (N - drag * T).T
     contact_modes = modes.contact_modes.astype(LONG_DOUBLE)
     test_modes = modes.test_modes.astype(LONG_DOUBLE)
@@ -303,25 +325,27 @@ def _shoe_block(group: ShoeGroup, k: int, relative_to_rigid_motion: bool) -> _Sh
     count = contact_modes.shape[1]
     # The contact nodes have the last displacements, two for each node.
     first, shape = inside - 2 * n, (inside + count, n)
-    closures = _sparse_from_row(N.T, shape, row=first)
+    closures = _sparse_matrix_with_rows_from_place(N.T, shape, row=first)
     modes_to_nodes = None
     if relative_to_rigid_motion:
-        closures = closures + _sparse_from_row((N @ contact_modes).T, shape, row=inside)
+        closures = closures + _sparse_matrix_with_rows_from_place(
+            (N @ contact_modes).T, shape, row=inside
+        )
     else:
         # The generalised coordinates move the frame, and the frame strains the body.
         modes_to_nodes = (constrained[:inside, inside:] @ sp.csr_matrix(pin_motion)).tocsr()
-    on_nodes = _sparse_from_row(pushing, shape, row=first)
-    on_modes = _sparse_from_row(test_modes.T @ pushing, shape, row=inside)
+    on_nodes = _sparse_matrix_with_rows_from_place(pushing, shape, row=first)
+    on_modes = _sparse_matrix_with_rows_from_place(test_modes.T @ pushing, shape, row=inside)
     stiffness_blocks = [[constrained[:inside, :inside], modes_to_nodes], [None, None]]
     return _ShoeBlock(
-        K=_assemble_blocks(stiffness_blocks, [inside, count]),
+        K=_sparse_matrix_from_blocks(stiffness_blocks, [inside, count]),
         pressure_forces=on_nodes + on_modes,
         gap_closures=closures.T.tocsr(),
         load=np.append(load[:inside], share * modes.actuation_work.astype(LONG_DOUBLE)),
     )
 
 
-def _ring_block(scene: PreparedModel, brake: Brake) -> _RingBlock:
+def _part_of_ring_in_full_system(scene: PreparedModel, brake: Brake) -> _RingBlock:
     """The part of the drum's elastic ring in the full system, in long double."""
     ring, part = scene.ring, brake.ring
     # A model without a ring, or with a ring that has no section, never comes here.
@@ -335,32 +359,35 @@ def _ring_block(scene: PreparedModel, brake: Brake) -> _RingBlock:
     if ring.rim_balance is not None:
         forces = ring.rim_balance.forces.transpose(1, 0, 2).reshape(-1, FRAME)
         rim = sp.csr_matrix(forces.astype(LONG_DOUBLE))
-        K = _assemble_blocks([[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, FRAME])
+        K = _sparse_matrix_from_blocks([[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, FRAME])
     # `place` gives the number of a displacement among those that are kept.
     place = np.cumsum(keep) - 1
     nodes = ring.line.nodes
     dofs = place[np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()]
     couplings = []
     for normal, tangential in ring.coupling_matrices:
-        N, T = (_sparse_in_columns(part, dofs, K.shape[0]) for part in (normal, tangential))
+        N, T = (
+            _sparse_matrix_with_columns_at_places(part, dofs, K.shape[0])
+            for part in (normal, tangential)
+        )
         couplings.append(_RingCoupling(N, T))
     return _RingBlock(K, couplings)
 
 
-def _sparse_in_columns(values: Floats, dofs: Any, count: int) -> Any:
+def _sparse_matrix_with_columns_at_places(values: Floats, dofs: Any, count: int) -> Any:
     """A sparse matrix with `count` columns in which column j of `values` is column dofs[j]."""
     entries = sp.coo_matrix(values.astype(LONG_DOUBLE))
     places = (entries.row, dofs[entries.col])
     return sp.csr_matrix((entries.data, places), shape=(entries.shape[0], count))
 
 
-def _sparse_from_row(values: Any, size: tuple[int, int], row: int) -> Any:
+def _sparse_matrix_with_rows_from_place(values: Any, size: tuple[int, int], row: int) -> Any:
     """A sparse matrix of a given size, with the dense `values` in the rows from `row` on."""
     i, j = np.nonzero(values)
     return sp.csr_matrix((values[i, j], (i + row, j)), shape=size)
 
 
-def _assemble_blocks(blocks: list[list[Any]], sizes: list[int]) -> Any:
+def _sparse_matrix_from_blocks(blocks: list[list[Any]], sizes: list[int]) -> Any:
     """The sparse matrix in long double that consists of the given blocks; None is a zero block.
 
     `sizes` are the numbers of rows of the block rows, and of columns of the block columns.
@@ -380,7 +407,7 @@ def _assemble_blocks(blocks: list[list[Any]], sizes: list[int]) -> Any:
     return sp.csr_matrix((values, places), shape=(starts[-1], starts[-1]))
 
 
-def _equilibrating_factors(matrix: Any, first: int) -> Floats:
+def _scale_factors_of_full_system(matrix: Any, first: int) -> Floats:
     """Scale factors (unknowns,) that give the rows and columns of the full system similar sizes.
 
     Unknowns with stiffness get a unit diagonal. Unknowns without stiffness get rows of length one:
@@ -403,7 +430,9 @@ def _equilibrating_factors(matrix: Any, first: int) -> Floats:
 # The following functions solve the full system.
 
 
-def refined_solution(system: FullSystem, active: Bools, order: str = "COLAMD") -> RefinedSolution:
+def solve_full_system_by_refinement(
+    system: FullSystem, active: Bools, order: str = "COLAMD"
+) -> RefinedSolution:
     """Solve a full system by iterative refinement, and find its contact set.
 
     A contact set to start from is given. It is corrected until no node pulls or penetrates.
@@ -421,12 +450,12 @@ def refined_solution(system: FullSystem, active: Bools, order: str = "COLAMD") -
         refinement that does not converge raises nothing; the `correction` of the result tells how
         far it has converged.
     """
-    first = system.first_pressure
+    first = system.index_of_first_pressure
     active = active.copy()
     rows, right = system.matrix[first:], system.right[first:]
     for contact_sets in range(1, MOST_REFINED_SETS + 1):
         on = np.concatenate([np.ones(first, dtype=bool), active])
-        solution = _solution_on_contact_set(system, on, order)
+        solution = _refined_solution_on_contact_set(system, on, order)
         x = solution.x
         p = x[first:]
         w = (rows @ x - right).astype(float)
@@ -437,7 +466,7 @@ def refined_solution(system: FullSystem, active: Bools, order: str = "COLAMD") -
         change = np.where(active, tension, penetrates)
         if not change.any():
             gap = w / (bound.max(initial=0.0) or 1.0)
-            return _refined_solution_by_shoes(system, on, solution, gap, contact_sets)
+            return _divide_refined_solution_into_shoes(system, on, solution, gap, contact_sets)
         active ^= change
     raise NoAnswer(
         f"not converged: the contact set still changes after {MOST_REFINED_SETS} refined solutions"
@@ -463,7 +492,7 @@ class _Solution(NamedTuple):
     factors: Any
 
 
-def _refined_solution_by_shoes(
+def _divide_refined_solution_into_shoes(
     system: FullSystem, on: Bools, solution: _Solution, gap: Floats, contact_sets: int
 ) -> RefinedSolution:
     """The refined solution of a group on its final contact set, divided into shoes.
@@ -489,11 +518,11 @@ def _refined_solution_by_shoes(
         correction=solution.correction,
         corrections=solution.corrections,
         contact_sets=contact_sets,
-        condition=_torque_condition(system, on, solution, torque),
+        condition=_condition_number_of_torque(system, on, solution, torque),
     )
 
 
-def _solution_on_contact_set(system: FullSystem, on: Bools, order: str) -> _Solution:
+def _refined_solution_on_contact_set(system: FullSystem, on: Bools, order: str) -> _Solution:
     """The refined solution of a full system on one contact set.
 
     `on` (unknowns,) marks the unknowns that are solved for. The other unknowns, the pressures of
@@ -508,7 +537,7 @@ def _solution_on_contact_set(system: FullSystem, on: Bools, order: str) -> _Solu
     except RuntimeError as error:
         raise NoAnswer("no equilibrium: the whole system is singular") from error
     x = np.zeros(len(at), dtype=LONG_DOUBLE)
-    first = np.count_nonzero(on[: system.first_pressure])
+    first = np.count_nonzero(on[: system.index_of_first_pressure])
     residual, previous = b, math.inf
     for corrections in range(1, MOST_CORRECTIONS + 1):
         # A residual is scaled to unit size, so that it keeps its digits in double precision.
@@ -528,7 +557,9 @@ def _solution_on_contact_set(system: FullSystem, on: Bools, order: str) -> _Solu
     return _Solution(solution, last_correction, correction, corrections, factors)
 
 
-def _torque_condition(system: FullSystem, on: Bools, solution: _Solution, torque: float) -> float:
+def _condition_number_of_torque(
+    system: FullSystem, on: Bools, solution: _Solution, torque: float
+) -> float:
     """The condition number of the torque for relative changes of each entry of the full system.
 
     The number says by what multiple of a relative change of the entries the torque may change. It

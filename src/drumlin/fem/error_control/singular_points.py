@@ -21,11 +21,11 @@ from drumlin.base.arrays import Floats
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
-from drumlin.fem.hp.corner import logarithmic_pressures_at_tips
+from drumlin.fem.hp.corner import logarithmic_pressures_at_gap_tips
 from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.response.resultants import gauss_points
+from drumlin.response.resultants import polynomial_values_at_gauss_points
 
 NEGLIGIBLE_KINKS = 0.1
 """Error of the pressure that all neglected kinks of a gap together may cause.
@@ -60,7 +60,7 @@ class _Opening(NamedTuple):
     width: float
 
 
-def singular_points_of(
+def singular_points_of_all_linings(
     brake: Brake, response: Response | None, alike: Sequence[int] = (), error: float = 0.0
 ) -> dict[int, list[SingularPoint]]:
     """The singular points of the pressure on all linings, for each shape of shoe.
@@ -100,27 +100,27 @@ def _singular_points_of_lining(
     scale_factor : length [m] of the surface's coordinate 1, see `Brake.scale_factor`
     level_error : error of p that the next level leaves
     """
-    arcs = [] if answer is None else contact_arcs_without_narrow_gaps(shoe, answer)
-    points = _points_at_steps(shoe, answer, arcs)
+    arcs = [] if answer is None else contact_arcs_merged_over_narrow_gaps(shoe, answer)
+    points = _singular_points_at_steps_of_lining(shoe, answer, arcs)
     if answer is None:
         return points
-    points += _points_at_kinks(shoe, answer, arcs, scale_factor, level_error)
+    points += _singular_points_at_kinks_of_gap(shoe, answer, arcs, scale_factor, level_error)
     # The ends of each contact are singular points. Their positions are rounded, and stay within the
     # lining.
     start, end = shoe.arc
     for arc_start, arc_end in arcs:
         length = arc_end - arc_start
-        first = min(max(_round_contact_end(arc_start, length), start), end)
-        last = min(max(_round_contact_end(arc_end, length), start), end)
+        first = min(max(_rounded_angle_of_contact_end(arc_start, length), start), end)
+        last = min(max(_rounded_angle_of_contact_end(arc_end, length), start), end)
         points.append(SingularPoint(first, last - first, Singularity.END))
         points.append(SingularPoint(last, last - first, Singularity.END))
     for opening in _openings_within_contacts(shoe, answer, arcs):
-        at = _round_contact_end(opening.at, opening.width)
+        at = _rounded_angle_of_contact_end(opening.at, opening.width)
         points.append(SingularPoint(at, opening.width, Singularity.END))
     return points
 
 
-def _is_near_contact(phi: float, arcs: list[list[float]]) -> bool:
+def _is_angle_near_contact(phi: float, arcs: list[list[float]]) -> bool:
     """Whether the angle phi [rad] lies in a contact, or beside it by less than its length.
 
     `arcs` are the start and the end [rad] of each contact.
@@ -128,7 +128,7 @@ def _is_near_contact(phi: float, arcs: list[list[float]]) -> bool:
     return any(2 * start - end < phi < 2 * end - start for start, end in arcs)
 
 
-def _points_at_steps(
+def _singular_points_at_steps_of_lining(
     shoe: Shoe, answer: ShoeResponse | None, arcs: list[list[float]]
 ) -> list[SingularPoint]:
     """The singular points at the ends of the steps between the blocks of a lining.
@@ -140,15 +140,17 @@ def _points_at_steps(
     start, end = shoe.arc
     length = shoe.lining.step / shoe.frame.unit
     points: list[SingularPoint] = []
-    for phi in shoe.frame.phis(clearance.step_kinks(shoe.lining)):
+    for phi in shoe.frame.phi_coordinates_as_list(
+        clearance.coordinates_of_block_step_ends(shoe.lining)
+    ):
         if start < phi < end:
-            presses = answer is None or _is_near_contact(phi, arcs)
+            presses = answer is None or _is_angle_near_contact(phi, arcs)
             kind = Singularity.STEP if presses else Singularity.OPEN_STEP
             points.append(SingularPoint(phi, length, kind))
     return points
 
 
-def _points_at_kinks(
+def _singular_points_at_kinks_of_gap(
     shoe: Shoe,
     answer: ShoeResponse,
     arcs: list[list[float]],
@@ -167,20 +169,26 @@ def _points_at_kinks(
     arcs : contacts of the lining [rad]
     """
     (start, end), frame = shoe.arc, shoe.frame
-    angle = np.array(clearance.table_kinks(shoe.lining))
-    change = pressure_changes_by_kinks(shoe.lining, scale_factor)
-    near = [start < phi < end and _is_near_contact(phi, arcs) for phi in frame.phis(angle)]
+    angle = np.array(clearance.coordinates_of_clearance_rows(shoe.lining))
+    change = pressure_changes_by_kinks_of_gap(shoe.lining, scale_factor)
+    near = [
+        start < phi < end and _is_angle_near_contact(phi, arcs)
+        for phi in frame.phi_coordinates_as_list(angle)
+    ]
     inside = np.array(near, dtype=bool)
-    _, p, weight = gauss_points(answer.theta, answer.pressure, answer.order)
+    _, p, weight = polynomial_values_at_gauss_points(answer.theta, answer.pressure, answer.order)
     # The neglected kinks together may change p by this norm.
     norm = math.sqrt(float(np.sum(weight * p**2)))
     negligible = NEGLIGIBLE_KINKS * level_error * norm
-    kinks = _kinks_that_matter(angle[inside], change[inside], negligible)
-    points = [SingularPoint(phi, end - start, Singularity.KINK) for phi in frame.phis(kinks)]
-    return points + _points_at_tips(shoe, scale_factor, norm, kinks)
+    kinks = _angles_of_strongest_kinks(angle[inside], change[inside], negligible)
+    points = [
+        SingularPoint(phi, end - start, Singularity.KINK)
+        for phi in frame.phi_coordinates_as_list(kinks)
+    ]
+    return points + _singular_points_at_tips_of_gap(shoe, scale_factor, norm, kinks)
 
 
-def _points_at_tips(
+def _singular_points_at_tips_of_gap(
     shoe: Shoe, scale_factor: float, norm: float, kinks: Floats
 ) -> list[SingularPoint]:
     """The singular points at the tips of a lining's gap: the kinks that point to the drum.
@@ -193,15 +201,15 @@ def _points_at_tips(
     kinks : (k,) angles theta [rad] of the kinks that are singular points
     """
     points: list[SingularPoint] = []
-    for tip in logarithmic_pressures_at_tips(shoe, scale_factor):
+    for tip in logarithmic_pressures_at_gap_tips(shoe, scale_factor):
         if tip.theta in kinks:
-            (phi,) = shoe.frame.phis([tip.theta])
+            (phi,) = shoe.frame.phi_coordinates_as_list([tip.theta])
             length = (norm / tip.factor) ** 2 / shoe.frame.unit
             points.append(SingularPoint(phi, length, Singularity.TIP))
     return points
 
 
-def pressure_changes_by_kinks(lining: Lining, scale_factor: float) -> Floats:
+def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Floats:
     """The change of p in L2 (k,) [Pa rad^0.5] by the kink at each row of a table of clearances.
 
     The change is measured against a smooth curve in place of the straight chords between the rows.
@@ -212,13 +220,13 @@ def pressure_changes_by_kinks(lining: Lining, scale_factor: float) -> Floats:
     mean square of the change of p is thus E s/sqrt(48) on a half-plane, and E s h/(sqrt(720) t) on
     a layer. A layer on its support is at most as stiff as both together.
     """
-    angle = np.array(clearance.table_kinks(lining))
+    angle = np.array(clearance.coordinates_of_clearance_rows(lining))
     if len(angle) == 0:
         return angle
     middles = 0.5 * (angle[1:] + angle[:-1])
     ends = np.concatenate([[lining.start], middles, [lining.end]])
     spacing = np.maximum(np.diff(ends), 0.0)
-    slope = np.abs(clearance.slope_changes(lining)) / scale_factor
+    slope = np.abs(clearance.clearance_slope_changes(lining)) / scale_factor
     material = lining.material
     half_plane = material.E_half_plane / material.E_through / math.sqrt(48)
     layer = scale_factor * spacing / (math.sqrt(720) * lining.thickness)
@@ -226,7 +234,7 @@ def pressure_changes_by_kinks(lining: Lining, scale_factor: float) -> Floats:
     return np.asarray(material.E_through * slope * stiffness * np.sqrt(spacing))
 
 
-def _kinks_that_matter(angle: Floats, change: Floats, negligible: float) -> Floats:
+def _angles_of_strongest_kinks(angle: Floats, change: Floats, negligible: float) -> Floats:
     """The sorted angles (m,) [rad] of the kinks of a gap, without the weakest ones.
 
     Parameters
@@ -241,14 +249,16 @@ def _kinks_that_matter(angle: Floats, change: Floats, negligible: float) -> Floa
     return np.sort(angle[order[~neglected]])
 
 
-def contact_arcs_without_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
+def contact_arcs_merged_over_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
     """The contacts of a lining in the order of their angle, each as its start and end phi [rad].
 
     Two contacts count as one if the gap between them is far shorter than both contacts together,
     see `division.UNRESOLVED_LENGTH`.
     """
     arcs: list[list[float]] = []
-    for start, end in sorted(sorted(shoe.frame.phis(arc)) for arc in response.contact_arcs):
+    for start, end in sorted(
+        sorted(shoe.frame.phi_coordinates_as_list(arc)) for arc in response.contact_arcs
+    ):
         if arcs and start - arcs[-1][1] < UNRESOLVED_LENGTH * (end - arcs[-1][0]):
             arcs[-1][1] = end
         else:
@@ -271,10 +281,10 @@ def _openings_within_contacts(
         return []
     phi = shoe.frame.phi(answer.theta)
     candidates = [_Opening(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1]))) for i in open_nodes]
-    return [opening for opening in candidates if _is_inside_contact(opening, arcs)]
+    return [opening for opening in candidates if _is_opening_inside_contact(opening, arcs)]
 
 
-def _is_inside_contact(opening: _Opening, arcs: list[list[float]]) -> bool:
+def _is_opening_inside_contact(opening: _Opening, arcs: list[list[float]]) -> bool:
     """Whether an opening lies inside a contact, away from its ends, and is not too short to count.
 
     `arcs` are the start and the end phi [rad] of each contact. The shortest opening that counts is
@@ -287,7 +297,7 @@ def _is_inside_contact(opening: _Opening, arcs: list[list[float]]) -> bool:
     return False
 
 
-def _round_contact_end(phi: float, length: float) -> float:
+def _rounded_angle_of_contact_end(phi: float, length: float) -> float:
     """The angle phi [rad] of an end of a contact, rounded to a millionth of the contact's length.
 
     Two computations that differ by round-off, for example with different numbers of threads, then

@@ -27,14 +27,17 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.fem.hp.columns import column_stiffness, order_of_column_unknowns
-from drumlin.fem.hp.element import (
-    schur_complements,
-    shape_functions,
-    square_grid_points,
-    unit_gauss_rule,
+from drumlin.fem.hp.columns import (
+    condensed_element_column_stiffness,
+    order_of_element_column_unknowns,
 )
-from drumlin.fem.substructure.elasticity import split_elasticity
+from drumlin.fem.hp.element import (
+    gauss_points_and_weights_on_0_to_1,
+    points_of_square_grid,
+    replace_each_by_schur_complement,
+    shape_function_values_and_slopes,
+)
+from drumlin.fem.substructure.elasticity import isotropic_and_directional_constants
 
 
 class NodalFunctions(NamedTuple):
@@ -72,15 +75,15 @@ class NodalFunctions(NamedTuple):
 
 
 @cache
-def nodal_functions(p: int) -> NodalFunctions:
+def nodal_functions_along_element_column(p: int) -> NodalFunctions:
     """The nodal functions of degree p along an element column, with its symmetric unknowns.
 
     They are made from the shape functions of scikit-fem's quadrilateral: the sum of these functions
     over the nodes in one direction is the nodal function in the other direction.
     """
     n = p + 1
-    x, weights = unit_gauss_rule(p)
-    value, slope = shape_functions(p, square_grid_points(x))
+    x, weights = gauss_points_and_weights_on_0_to_1(p)
+    value, slope = shape_function_values_and_slopes(p, points_of_square_grid(x))
     # The sum of an element's shape functions over the nodes across the column is the nodal function
     # along the column. It is the same at all Gauss points across, so that the first one is taken.
     values = value.reshape(n, n, n, n).sum(axis=0)[:, 0]
@@ -108,7 +111,7 @@ def nodal_functions(p: int) -> NodalFunctions:
     outer = outer_along, outer_across
     inner = np.tile(further, p - 1), np.repeat(np.arange(1, p), p - 1)
 
-    def positions(rows: tuple[Ints, Ints], columns: tuple[Ints, Ints]) -> Ints:
+    def positions_of_stiffness_block(rows: tuple[Ints, Ints], columns: tuple[Ints, Ints]) -> Ints:
         """Positions (rows, columns) of a block of the stiffness in the stiffness before ordering.
 
         Rows and columns are unknowns, given by their numbers along and across the column.
@@ -116,21 +119,27 @@ def nodal_functions(p: int) -> NodalFunctions:
         along, across = rows[0][:, None], rows[1][:, None]
         return np.asarray(((along * n + columns[0]) * n + across) * n + columns[1])
 
-    blocks = positions(outer, outer), positions(inner, outer), positions(inner, inner)
+    blocks = (
+        positions_of_stiffness_block(outer, outer),
+        positions_of_stiffness_block(inner, outer),
+        positions_of_stiffness_block(inner, inner),
+    )
     return NodalFunctions(x, weights, values, slopes, sign.reshape(2, -1), place, fold, *blocks)
 
 
-def _forces_by_symmetry(V: Floats, p: int) -> Floats:
+def _symmetric_and_antisymmetric_forces(V: Floats, p: int) -> Floats:
     """The forces (2, ..., p + 1, m) on the symmetric and the antisymmetric unknowns of a column.
 
     The column of elements is symmetric about its middle. V (..., 2 (p + 1), m) are the forces on
     its nodes, with x and y of a node next to each other, and p is the degree of the elements.
     """
-    fold = nodal_functions(p).fold
+    fold = nodal_functions_along_element_column(p).fold
     return np.asarray(fold.reshape(2, *(1,) * (V.ndim - 2), *fold.shape[1:]) @ V)
 
 
-def circle_at_gauss_points(angles: Floats, p: int, *, flat: bool) -> tuple[Floats, Floats]:
+def circle_points_and_slopes_at_gauss_points(
+    angles: Floats, p: int, *, flat: bool
+) -> tuple[Floats, Floats]:
     """The points of the unit circle at the Gauss points of c element columns, and their slopes.
 
     Both are polynomials through the nodes of the columns. On a plane the line x = 1 takes the place
@@ -146,7 +155,7 @@ def circle_at_gauss_points(angles: Floats, p: int, *, flat: bool) -> tuple[Float
     -------
     the points (2, c, q), and their derivatives (2, c, q) by the coordinate xi along the column
     """
-    functions = nodal_functions(p)
+    functions = nodal_functions_along_element_column(p)
     if flat:
         slope = angles @ functions.slopes
         one, zero = np.ones_like(slope), np.zeros_like(slope)
@@ -155,7 +164,7 @@ def circle_at_gauss_points(angles: Floats, p: int, *, flat: bool) -> tuple[Float
     return circle @ functions.values, circle @ functions.slopes
 
 
-def angular_integrals(
+def angular_factors_of_column_stiffness(
     angles: Floats, p: int, *, flat: bool = False, directed: bool = False
 ) -> Floats:
     """The integrals along element columns, which are the angular factors of their stiffness.
@@ -172,8 +181,8 @@ def angular_integrals(
         result then is (2, c, (p + 1)^2, 16)
     """
     count, n = angles.shape
-    at, by = circle_at_gauss_points(angles, p, flat=flat)
-    strain = _weighted_strains(angles, at, by, p, flat=flat)  # (2 c, k a, 3, q)
+    at, by = circle_points_and_slopes_at_gauss_points(angles, p, flat=flat)
+    strain = _strains_times_root_of_gauss_weights(angles, at, by, p, flat=flat)  # (2 c, k a, 3, q)
     trace = strain[:, :, 0] + strain[:, :, 1]
     whole = np.sqrt(2) * strain.reshape(2 * count, 2 * n, -1)
     parts = [trace, whole]
@@ -191,7 +200,9 @@ def angular_integrals(
     return factors.reshape(2, count, n * n, 4 * len(parts))
 
 
-def _weighted_strains(angles: Floats, at: Floats, by: Floats, p: int, *, flat: bool) -> Floats:
+def _strains_times_root_of_gauss_weights(
+    angles: Floats, at: Floats, by: Floats, p: int, *, flat: bool
+) -> Floats:
     """The strains xx, yy and sqrt(2) xy due to unit displacements of element columns.
 
     The result is (2 c, 2 (p + 1), 3, q). The first axis counts the symmetric unknowns of all c
@@ -206,7 +217,7 @@ def _weighted_strains(angles: Floats, at: Floats, by: Floats, p: int, *, flat: b
     p : degree of the elements
     flat : whether the columns are on a plane
     """
-    functions, (count, n) = nodal_functions(p), angles.shape
+    functions, (count, n) = nodal_functions_along_element_column(p), angles.shape
     root = np.sqrt(functions.weights / (at[0] * by[1] - at[1] * by[0]))
     tangent, normal = np.array([-at[1], at[0]]) * root, np.array([by[1], -by[0]]) * root
     gradient = np.empty((2, count, 2, n, len(functions.x)))
@@ -226,11 +237,13 @@ def _weighted_strains(angles: Floats, at: Floats, by: Floats, p: int, *, flat: b
     strain[..., 0, 1, :], strain[..., 1, 1, :] = sy, cy
     strain[..., 0, 2, :] = np.sqrt(0.5) * (cy + sx)
     strain[..., 1, 2, :] = np.sqrt(0.5) * (cx - sy)
-    by_symmetry = _forces_by_symmetry(strain.reshape(count, 2, 2 * n, -1), p)
+    by_symmetry = _symmetric_and_antisymmetric_forces(strain.reshape(count, 2, 2 * n, -1), p)
     return by_symmetry.reshape(2 * count, 2 * n, 3, -1)
 
 
-def _radial_integrals(radii: Floats, constants: Floats, p: int, plane: float | None) -> Floats:
+def _radial_factors_of_layer_stiffness(
+    radii: Floats, constants: Floats, p: int, plane: float | None
+) -> Floats:
     """The integrals through l layers, times m elastic constants: the radial factors of stiffness.
 
     They are the factors B_kl of the module's formula, (l, 4 m, (p + 1)^2).
@@ -243,7 +256,7 @@ def _radial_integrals(radii: Floats, constants: Floats, p: int, plane: float | N
     plane : on a plane, the radius [m] that lengths are divided by to make them angles; None on a
         drum
     """
-    functions = nodal_functions(p)
+    functions = nodal_functions_along_element_column(p)
     weights, values, slopes = functions.weights, functions.values, functions.slopes
     step = (radii[1:] - radii[:-1])[:, None, None]
     r = radii[:-1, None, None] + step * functions.x if plane is None else plane
@@ -268,28 +281,29 @@ def condensed_arc_element_stiffness(
     Parameters
     ----------
     radii : (l + 1,) radii of the faces of the layers [m]
-    A : the `angular_integrals` of the columns, directed where a layer is orthotropic
+    A : the `angular_factors_of_column_stiffness` of the columns, directed where a layer is
+        orthotropic
     elasticity : (l, 3, 3) elasticity matrices times the width [N/m]
     p : degree of the elements
     plane : on a plane, the radius [m] that lengths are divided by to make them angles; None on a
         drum
     """
-    functions = nodal_functions(p)
+    functions = nodal_functions_along_element_column(p)
     A = A.reshape(-1, *A.shape[2:])
-    constants = split_elasticity(elasticity)[:, : A.shape[-1] // 4]
+    constants = isotropic_and_directional_constants(elasticity)[:, : A.shape[-1] // 4]
     condensed = np.empty((len(constants), len(A), 4 * p, 4 * p))
-    for layer, B in enumerate(_radial_integrals(radii, constants, p, plane)):
+    for layer, B in enumerate(_radial_factors_of_layer_stiffness(radii, constants, p, plane)):
         K = (A @ B).reshape(len(A), -1)
         outer, mixed, inner = (
             K.take(functions.outer, 1),
             K.take(functions.mixed, 1),
             K.take(functions.inner, 1),
         )
-        condensed[layer] = schur_complements(outer, mixed, inner)
+        condensed[layer] = replace_each_by_schur_complement(outer, mixed, inner)
     return condensed.reshape(len(constants), 2, -1, 4 * p, 4 * p)
 
 
-def arc_column_stiffness(
+def condensed_arc_column_stiffness(
     parts: Floats, p: int, *, contact: bool, held: bool, loads: Floats | None = None
 ) -> Floats:
     """The stiffness (c, n, n) of element columns on an arc or a pad, condensed to side and contact.
@@ -307,12 +321,14 @@ def arc_column_stiffness(
     loads : (c, 2 (p + 1), m) unit loads on the edge farthest from the contact; the factors of the
         m loads become extra unknowns
     """
-    half = order_of_column_unknowns(p, len(parts), contact=contact, held=held, sides=1)
+    half = order_of_element_column_unknowns(p, len(parts), contact=contact, held=held, sides=1)
     n = 2 * (p + 1) * contact
     folded = None
     if loads is not None:
-        folded = _forces_by_symmetry(loads, p).reshape(-1, p + 1, loads.shape[-1])
-    K = column_stiffness(parts.reshape(len(parts), -1, 4 * p, 4 * p), half, folded)
+        folded = _symmetric_and_antisymmetric_forces(loads, p).reshape(-1, p + 1, loads.shape[-1])
+    K = condensed_element_column_stiffness(
+        parts.reshape(len(parts), -1, 4 * p, 4 * p), half, folded
+    )
     S, A = K.reshape(2, -1, *K.shape[1:])
 
     # The unknowns of a column are [loads | left side | contact | right side]. The symmetric
@@ -338,7 +354,7 @@ def arc_column_stiffness(
     right_right *= mirror[:, None]
     # The stiffness of the contact nodes, and its coupling with the nodes on both sides.
     if contact:
-        functions = nodal_functions(p)
+        functions = nodal_functions_along_element_column(p)
         (even, odd), place = functions.sign, own + functions.place
         S, A = S[:, place] * even[:, None], A[:, place] * odd[:, None]
         whole[:, middle, left] = S[:, :, left] + A[:, :, left]

@@ -10,7 +10,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
-from drumlin.base.lapack import dpotrf, dtrtrs, solve_lower
+from drumlin.base.lapack import dpotrf, dtrtrs, solve_lower_triangular_system
 from drumlin.brake.brake import Shoe
 from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
@@ -18,24 +18,24 @@ from drumlin.fem.hp.shoe import (
     CondensedShoe,
     EndLoads,
     LoadedEnd,
-    node_positions_of_row,
-    point_map,
-    unit_actuation_loads,
+    function_from_depth_and_angle_to_point,
+    node_positions_of_element_row,
+    unit_actuation_loads_on_end_face,
 )
 from drumlin.fem.substructure.body import (
     FRAME,
     CondensedBody,
     InnerSystem,
     InnerUnknowns,
-    body_constraints,
+    multi_point_constraints_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
-from drumlin.response.response import own_edge_zone
+from drumlin.response.response import edge_zone_angle_in_shoe_frame
 
 
-def shoe_grid(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
+def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
     """The grid of all nodes and hp elements of a shoe.
 
     Its node set "hinge" is the face that the hinge holds. An elastic shoe also has the node set
@@ -49,28 +49,33 @@ def shoe_grid(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
     div : division of the shoe into columns and layers of elements
     """
     # The nodes under the lining are numbered first, row by row from the contact inwards.
-    p, first = div.degree, div.first_body_layer
-    depth, along = node_positions_of_row(div.depths, p), node_positions_of_row(div.angles, p)
+    p, first = div.degree, div.index_of_first_body_layer
+    depth, along = (
+        node_positions_of_element_row(div.depths, p),
+        node_positions_of_element_row(div.angles, p),
+    )
     rows, n = len(depth), len(along)
     under = np.arange(rows * n).reshape(rows, n)
     blocks, count = [ElementBlock(under, depth, along, div.part)], rows * n
     # The body continues beyond the lining at these two columns of nodes, under the lining's ends.
     faces = [under[first * p :, 0], under[first * p :, -1]]
     for k, ends in enumerate((div.before, div.after)):
-        if first == div.layers or len(ends) == 1:
+        if first == div.number_of_element_layers or len(ends) == 1:
             continue
         # A block beyond the lining shares its first column of nodes with the lining's block.
-        places = node_positions_of_row(ends, p)
+        places = node_positions_of_element_row(ends, p)
         inner = count + np.arange(len(faces[k]) * (len(places) - 1)).reshape(len(faces[k]), -1)
         count += inner.size
         nodes = np.concatenate([faces[k][:, None], inner], axis=1)
         blocks.append(ElementBlock(nodes, depth[first * p :], places, div.part[first:]))
         faces[k] = inner[:, -1]
-    sets = _held_and_loaded_nodes(shoe, radius, div, along, under[-1], faces)
-    return ColumnGrid(p, tuple(blocks), point_map(shoe, radius), sets, count)
+    sets = _node_sets_of_hinge_and_actuation(shoe, radius, div, along, under[-1], faces)
+    return ColumnGrid(
+        p, tuple(blocks), function_from_depth_and_angle_to_point(shoe, radius), sets, count
+    )
 
 
-def _held_and_loaded_nodes(
+def _node_sets_of_hinge_and_actuation(
     shoe: Shoe,
     radius: float,
     div: ShoeDivision,
@@ -84,12 +89,12 @@ def _held_and_loaded_nodes(
 
     Parameters
     ----------
-    shoe, radius, div : as in `shoe_grid`
+    shoe, radius, div : as in `grid_of_all_nodes_of_shoe`
     along : (n,) positions along the lining of the nodes on the shoe's back
     back : (n,) nodes on the shoe's back under the lining
     faces : nodes of the body's two end faces, at the hinge and at the actuation
     """
-    if div.first_body_layer == div.layers:
+    if div.index_of_first_body_layer == div.number_of_element_layers:
         return {"hinge": back}
     grip = shoe.grip(radius)
     if grip is None:
@@ -102,7 +107,7 @@ def condensed_shoe_body(
     div: ShoeDivision,
     found: CondensedShoe,
     grid: ColumnGrid,
-    end_loads: EndLoads = unit_actuation_loads,
+    end_loads: EndLoads = unit_actuation_loads_on_end_face,
 ) -> CondensedBody:
     """The condensed body of a shoe, with the Cholesky factor of its contact stiffness.
 
@@ -120,11 +125,15 @@ def condensed_shoe_body(
     NoAnswer
         for a singular stiffness
     """
-    system = partial(_uncondensed_shoe_system, shoe, div, grid, end_loads)
-    return factorised_shoe(found, GridUnknowns.of(grid, elastic_layers_of_shoe(shoe), system))
+    system = partial(_equations_of_shoe_before_condensation, shoe, div, grid, end_loads)
+    return condensed_body_with_cholesky_factor(
+        found, GridUnknowns.without_further_unit_loads(grid, elastic_layers_of_shoe(shoe), system)
+    )
 
 
-def factorised_shoe(found: CondensedShoe, inner: InnerUnknowns) -> CondensedBody:
+def condensed_body_with_cholesky_factor(
+    found: CondensedShoe, inner: InnerUnknowns
+) -> CondensedBody:
     """The condensed body of a shoe, with the Cholesky factor of its contact stiffness.
 
     Parameters
@@ -143,10 +152,10 @@ def factorised_shoe(found: CondensedShoe, inner: InnerUnknowns) -> CondensedBody
         raise NoAnswer(SINGULAR_BODY)
     # Round-off leaves small forces on the rigid-body modes. The displacements of the contact nodes
     # by these forces are an estimate of the round-off error.
-    half_error = solve_lower(L, found.rigid_mode_forces)
+    half_error = solve_lower_triangular_system(L, found.rigid_mode_forces)
     return CondensedBody(
         L,
-        L_fc=solve_lower(L, S[FRAME:, :FRAME]).T,
+        L_fc=solve_lower_triangular_system(L, S[FRAME:, :FRAME]).T,
         load_on_contact=loads[FRAME:],
         load_on_frame=loads[:FRAME],
         load_work=found.work,
@@ -157,7 +166,7 @@ def factorised_shoe(found: CondensedShoe, inner: InnerUnknowns) -> CondensedBody
     )
 
 
-def _uncondensed_shoe_system(
+def _equations_of_shoe_before_condensation(
     shoe: Shoe,
     div: ShoeDivision,
     grid: ColumnGrid,
@@ -172,31 +181,37 @@ def _uncondensed_shoe_system(
     basis : the nodes that the system has: all nodes of the grid, or those of its skeleton alone,
         which lie on the sides of elements
     """
-    contact = basis.numbers_of(np.arange(div.contact_nodes))
-    constraints = body_constraints(
-        basis, contact, basis.numbers_of(grid.sets["hinge"]), shoe.own_pin
+    contact = basis.convert_grid_node_numbers(np.arange(div.contact_nodes))
+    constraints = multi_point_constraints_of_body(
+        basis, contact, basis.convert_grid_node_numbers(grid.sets["hinge"]), shoe.pin_in_shoe_frame
     )
     if "actuation" in grid.sets:
-        forces = _end_forces_on_grid(grid, _unit_loads_on_end(div, grid, end_loads).forces)
+        forces = _spread_end_face_forces_to_all_nodes(
+            grid, _unit_loads_on_loaded_end_face(div, grid, end_loads).forces
+        )
         loads = constraints.matrix.T @ forces[basis.dofs]
     else:
         # The back of the shoe is held. Unit force x, unit force y and unit couple act on the frame.
         loads = np.zeros((constraints.matrix.shape[1], FRAME))
         loads[-FRAME:] = np.eye(FRAME)
-    return InnerSystem.of(basis.stiffness(elastic_layers_of_shoe(shoe)), constraints, loads)
+    return InnerSystem.system_from_whole_stiffness(
+        basis.stiffness(elastic_layers_of_shoe(shoe)), constraints, loads
+    )
 
 
-def unit_actuation_forces(div: ShoeDivision, grid: ColumnGrid) -> tuple[Floats, Floats]:
+def nodal_forces_of_unit_actuations(div: ShoeDivision, grid: ColumnGrid) -> tuple[Floats, Floats]:
     """The nodal forces of the unit actuations on a shoe's loaded end face, and its centre.
 
     The nodal forces (2 N, 3), on all N nodes, are those of unit force x, unit force y and unit
     couple. The centre of the end face is (2,) [m].
     """
-    end = _unit_loads_on_end(div, grid, unit_actuation_loads)
-    return _end_forces_on_grid(grid, end.forces), end.centre
+    end = _unit_loads_on_loaded_end_face(div, grid, unit_actuation_loads_on_end_face)
+    return _spread_end_face_forces_to_all_nodes(grid, end.forces), end.centre
 
 
-def _unit_loads_on_end(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> LoadedEnd:
+def _unit_loads_on_loaded_end_face(
+    div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads
+) -> LoadedEnd:
     """The unit loads on the end face of a shoe that the actuation force acts on.
 
     Parameters
@@ -204,11 +219,11 @@ def _unit_loads_on_end(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads)
     div, grid : the division and the grid of the shoe
     end_loads : function that makes the unit loads from the nodes of the end face
     """
-    depths = node_positions_of_row(div.depths[div.first_body_layer :], div.degree)
+    depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
     return end_loads(grid.doflocs[:, grid.sets["actuation"]], depths, div.degree)
 
 
-def _end_forces_on_grid(grid: ColumnGrid, forces: Floats) -> Floats:
+def _spread_end_face_forces_to_all_nodes(grid: ColumnGrid, forces: Floats) -> Floats:
     """The nodal forces (2 N, l) on all N nodes, from the forces (2n, l) on the loaded end face.
 
     The forces are zero on all other nodes.
@@ -219,7 +234,7 @@ def _end_forces_on_grid(grid: ColumnGrid, forces: Floats) -> Floats:
     return full.reshape(-1, count)
 
 
-def shoe_contact_line(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLine:
+def contact_line_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLine:
     """The contact line of a shoe: the nodes on the lining's face, which come first in the grid.
 
     Parameters
@@ -229,8 +244,8 @@ def shoe_contact_line(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLi
     div : division of the shoe into columns and layers of elements
     """
     p = div.degree
-    phi = node_positions_of_row(div.angles, p)
+    phi = node_positions_of_element_row(div.angles, p)
     pieces = np.arange(len(div.angles) - 1) * p + np.arange(p + 1)[:, None]
     xy = shoe.at(np.zeros(1), phi, radius)
-    edge = own_edge_zone(shoe, radius)
+    edge = edge_zone_angle_in_shoe_frame(shoe, radius)
     return ContactLine(np.arange(len(phi)), xy, phi, pieces, edge=edge)

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.fem.hp.element import schur_complement, schur_complements
+from drumlin.fem.hp.element import replace_by_schur_complement, replace_each_by_schur_complement
 
 UnknownsAt = tuple[slice, slice]
 """Two slices for the same unknowns: in the stiffness of an element, and in that of its column."""
@@ -51,7 +51,7 @@ class ColumnUnknowns(NamedTuple):
 
 
 @cache
-def order_of_column_unknowns(
+def order_of_element_column_unknowns(
     p: int, layers: int, *, contact: bool, held: bool, sides: int = 2
 ) -> ColumnUnknowns:
     """The order of the unknowns of an element column: where those of each element stand in it.
@@ -108,7 +108,7 @@ def order_of_column_unknowns(
     )
 
 
-def column_stiffness(
+def condensed_element_column_stiffness(
     elements: Floats, unknowns: ColumnUnknowns, loads: Floats | None = None
 ) -> Floats:
     """The condensed stiffness (c, n, n) of c element columns with the same layers.
@@ -131,9 +131,9 @@ def column_stiffness(
     inner = np.zeros((count, unknowns.rest, unknowns.rest))
     sides, coupling = K[:, extra:, extra:], C[:, :, extra:]
     for part, kept, inside in zip(elements, unknowns.kept, unknowns.inside, strict=True):
-        _add_element_blocks(part, kept, kept, sides)
-        _add_element_blocks(part, (inside,), kept, coupling)
-        _add_element_blocks(part, (inside,), (inside,), inner)
+        _add_element_stiffness_to_columns(part, kept, kept, sides)
+        _add_element_stiffness_to_columns(part, (inside,), kept, coupling)
+        _add_element_stiffness_to_columns(part, (inside,), (inside,), inner)
     if loads is not None:
         # The loads act on the edge farthest from the contact. The first node of this edge ends the
         # side line of the column; the unknowns of the other nodes are eliminated.
@@ -141,10 +141,10 @@ def column_stiffness(
         K[:, at, :extra] = -loads[:, :2]
         K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)
         C[:, unknowns.rest - loads.shape[1] + 2 :, :extra] = -loads[:, 2:]
-    return schur_complements(K, C, inner)
+    return replace_each_by_schur_complement(K, C, inner)
 
 
-def _add_element_blocks(
+def _add_element_stiffness_to_columns(
     part: Floats, rows: Sequence[UnknownsAt], columns: Sequence[UnknownsAt], target: Floats
 ) -> None:
     """Add blocks of element stiffness to the stiffness of their element columns, in place.
@@ -175,7 +175,7 @@ class ColumnSubstructure(NamedTuple):
     right: int
 
 
-def assemble_column_pair(
+def assemble_two_element_columns(
     A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
 ) -> ColumnSubstructure:
     """Two neighbouring substructures of element columns as one substructure.
@@ -206,15 +206,15 @@ def assemble_column_pair(
         K[rest, :extra] += B.K[beyond:, :extra]
         C[:, :extra] += B.K[extra:beyond, :extra]
     inner = A.K[before:, before:] + B.K[extra:beyond, extra:beyond]
-    return ColumnSubstructure(schur_complement(K, C, inner), A.left, B.right)
+    return ColumnSubstructure(replace_by_schur_complement(K, C, inner), A.left, B.right)
 
 
-def assemble_column_row(
+def assemble_row_of_element_columns(
     pieces: Sequence[ColumnSubstructure], shared: int, extra: int = 0
 ) -> ColumnSubstructure:
     """A row of element columns as one substructure, condensed to its two ends and its contact.
 
-    `shared` and `extra` are numbers of unknowns, as in `assemble_column_pair`. The pair of
+    `shared` and `extra` are numbers of unknowns, as in `assemble_two_element_columns`. The pair of
     neighbours that makes the smallest substructure is assembled first. The number of
     multiplications is then within a few percent of the smallest one. A pair of the same two objects
     that occurs again is not assembled again.
@@ -224,27 +224,27 @@ def assemble_column_row(
     row = [first.setdefault(id(piece), k) for k, piece in enumerate(pieces)]
     made_of: dict[tuple[int, int], int] = {}
 
-    def sizes_of(row: list[int]) -> list[int]:
+    def number_of_unknowns_of_each_pair(row: list[int]) -> list[int]:
         """The number of unknowns that each pair of neighbours in the row would have, assembled."""
         return [len(made[i].K) + len(made[j].K) - 2 * made[i].right for i, j in pairwise(row)]
 
     # The list `row` has the numbers of the substructures that are still separate. In each step two
     # neighbours are replaced by one.
-    sizes = sizes_of(row)
+    sizes = number_of_unknowns_of_each_pair(row)
     while sizes:
         k = sizes.index(min(sizes))
         pair = row[k], row[k + 1]
         if pair not in made_of:
             made_of[pair] = len(made)
-            made.append(assemble_column_pair(made[pair[0]], made[pair[1]], shared, extra))
+            made.append(assemble_two_element_columns(made[pair[0]], made[pair[1]], shared, extra))
         row[k : k + 2] = [made_of[pair]]
         # The numbers of unknowns change only for the pairs with the new substructure.
         near = max(k - 1, 0)
-        sizes[near : k + 2] = sizes_of(row[near : k + 2])
+        sizes[near : k + 2] = number_of_unknowns_of_each_pair(row[near : k + 2])
     return made[row[0]]
 
 
-def eliminate_side_line(
+def eliminate_nodes_on_column_side(
     piece: ColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
 ) -> ColumnSubstructure:
     """The substructure without the unknowns on its left or right line, which are eliminated.
@@ -278,19 +278,19 @@ def eliminate_side_line(
         K[added, added] += end[ends, ends]
         C[line - part :, added] += end[on, ends]
         inner[line - part :, line - part :] += end[on, on]
-    schur_complement(K, C, inner)
+    replace_by_schur_complement(K, C, inner)
     return ColumnSubstructure(K, piece.left, 0) if right else ColumnSubstructure(K, 0, piece.right)
 
 
-def rotate_matrix_components(K: Floats, angle: Floats) -> Floats:
+def rotate_node_axes_of_matrix(K: Floats, angle: Floats) -> Floats:
     """The matrix K (n, n) with the x and y of each node measured in turned axes.
 
     `angle` (n/2,) [rad] are the angles that the axes of each node are turned by.
     """
-    return rotate_vector_components(rotate_vector_components(K, angle).T, angle)
+    return rotate_node_axes_of_vectors(rotate_node_axes_of_vectors(K, angle).T, angle)
 
 
-def rotate_vector_components(V: Floats, angle: Floats) -> Floats:
+def rotate_node_axes_of_vectors(V: Floats, angle: Floats) -> Floats:
     """The vectors V (..., m, n) with the x and y of each node measured in turned axes.
 
     Each row of V is a vector, with x and y of a node next to each other. `angle` (..., n/2) [rad]

@@ -19,10 +19,17 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.elasticity import elasticity_matrix, has_directions
+from drumlin.brake.elasticity import (
+    is_elasticity_matrix_orthotropic,
+    plane_stress_elasticity_matrix,
+)
 from drumlin.brake.fields import AnyMaterial
-from drumlin.response.response import Response, ShoeResponse, singular_zone
-from drumlin.response.resultants import edge_left_out, gauss_points, lobatto
+from drumlin.response.response import Response, ShoeResponse, length_of_uncompared_edge_zone
+from drumlin.response.resultants import (
+    edge_zone_that_does_not_count,
+    gauss_lobatto_points,
+    polynomial_values_at_gauss_points,
+)
 
 SMALLEST_ROOT = 1e-3
 """Lower end of the interval in which the root l = a + 1 is searched, with a the exponent of p.
@@ -76,7 +83,7 @@ A tip is a kink of the gap that points to the drum. Such a small distance is rou
 
 
 @cache
-def corner_exponent(
+def pressure_exponent_at_lining_corner(
     inward_friction: float, nu: float, stiffness_ratio: float = 0.0, nu_drum: float = 0.0
 ) -> float:
     """The exponent a of the pressure p ~ x^a at a pressed corner of an isotropic lining.
@@ -110,7 +117,7 @@ def corner_exponent(
     if inward_friction < 0 and stiffness_ratio == 0:
         return 0.0
 
-    def residual(root: float) -> float:
+    def residual_of_exponent_equation(root: float) -> float:
         """Left minus right side of the equation for the root l = a + 1, at l = `root`."""
         s2 = math.sin(0.5 * math.pi * root) ** 2
         difference = root**2 - s2
@@ -121,18 +128,18 @@ def corner_exponent(
 
     # If no exponent in the interval fulfils the equation, the nearer end of the interval is
     # returned.
-    if residual(SMALLEST_ROOT) <= 0:
+    if residual_of_exponent_equation(SMALLEST_ROOT) <= 0:
         return SMALLEST_ROOT - 1
-    if residual(1 - BOUNDED_EXPONENT) >= 0:
+    if residual_of_exponent_equation(1 - BOUNDED_EXPONENT) >= 0:
         return 0.0
     # scipy.optimize is loaded here, since only few brakes press with a corner.
     from scipy.optimize import brentq  # noqa: PLC0415
 
-    return float(brentq(residual, SMALLEST_ROOT, 1 - BOUNDED_EXPONENT)) - 1
+    return float(brentq(residual_of_exponent_equation, SMALLEST_ROOT, 1 - BOUNDED_EXPONENT)) - 1
 
 
 @cache
-def orthotropic_corner_exponent(
+def pressure_exponent_at_orthotropic_corner(
     inward_friction: float,
     material: AnyMaterial,
     drum: AnyMaterial | None = None,
@@ -140,17 +147,17 @@ def orthotropic_corner_exponent(
 ) -> float:
     """The exponent a of the pressure p ~ x^a at a pressed corner, for orthotropic materials.
 
-    The distance from the corner is x; for isotropic materials see `corner_exponent`. The axes of
-    the materials lie along the drum and square to it. Stresses are
-    2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with z_k = x + mu_k y and the roots mu_k of
-    Lekhnitskii's equation (Anisotropic Plates, section 19). Two conditions on the free face, the
-    friction, and the equal slopes of both surfaces are four real equations for c_1 and c_2. The
-    pressure goes as the smallest power l - 1 at which their determinant vanishes.
+    The distance from the corner is x; for isotropic materials see
+    `pressure_exponent_at_lining_corner`. The axes of the materials lie along the drum and square to
+    it. Stresses are 2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with z_k = x + mu_k y and the
+    roots mu_k of Lekhnitskii's equation (Anisotropic Plates, section 19). Two conditions on the
+    free face, the friction, and the equal slopes of both surfaces are four real equations for c_1
+    and c_2. The pressure goes as the smallest power l - 1 at which their determinant vanishes.
 
     Parameters
     ----------
     inward_friction : float
-        Friction coefficient [1], with its sign as in `corner_exponent`.
+        Friction coefficient [1], with its sign as in `pressure_exponent_at_lining_corner`.
     material : AnyMaterial
         Material of the lining.
     drum : AnyMaterial | None
@@ -168,7 +175,7 @@ def orthotropic_corner_exponent(
     slopes = compliances.mixed * mu + compliances.through / mu
     of_drum = None if drum is None else _plane_stress_compliances(drum)
 
-    def determinant(root: float, friction: float) -> float:
+    def determinant_of_corner_equations(root: float, friction: float) -> float:
         """The determinant of the four equations for c_1 and c_2, at l = `root`."""
         rotated = mu ** (root - 1)
         slope = slopes
@@ -182,18 +189,28 @@ def orthotropic_corner_exponent(
     # The determinant is evaluated at many exponents. Its smallest zero lies at its first change of
     # sign.
     roots = np.linspace(SMALLEST_ROOT, 1 - BOUNDED_EXPONENT, ROOTS_TRIED)
-    values = [determinant(root, inward_friction) for root in roots.tolist()]
+    values = [determinant_of_corner_equations(root, inward_friction) for root in roots.tolist()]
     signs = np.sign(values)
     changes = np.flatnonzero(signs[1:] != signs[:-1])
     if not len(changes):
         # Without a zero, either p is bounded, or the zero lies below the smallest root tried.
-        below_smallest = signs[0] != np.sign(determinant(SMALLEST_ROOT, 0.0))
+        below_smallest = signs[0] != np.sign(determinant_of_corner_equations(SMALLEST_ROOT, 0.0))
         return SMALLEST_ROOT - 1 if below_smallest else 0.0
     first = int(changes[0])
     # scipy.optimize is loaded here, since only few brakes press with a corner.
     from scipy.optimize import brentq  # noqa: PLC0415
 
-    return float(brentq(determinant, roots[first], roots[first + 1], args=(inward_friction,))) - 1
+    return (
+        float(
+            brentq(
+                determinant_of_corner_equations,
+                roots[first],
+                roots[first + 1],
+                args=(inward_friction,),
+            )
+        )
+        - 1
+    )
 
 
 class _PlaneStressCompliances(NamedTuple):
@@ -223,24 +240,27 @@ def _plane_stress_compliances(material: AnyMaterial) -> _PlaneStressCompliances:
     )
 
 
-def corner_exponents_of(brake: Brake, index: int) -> tuple[float, float]:
+def pressure_exponents_at_both_lining_corners(brake: Brake, index: int) -> tuple[float, float]:
     """The exponents a of the pressure p ~ x^a at both corners of the lining of shoe `index`.
 
-    The distance from the corner is x, see `corner_exponent`. The first exponent is that of the
-    lining's start: the corner with the smaller angle phi in the shoe's own frame. The second
-    exponent is that of the lining's end.
+    The distance from the corner is x, see `pressure_exponent_at_lining_corner`. The first exponent
+    is that of the lining's start: the corner with the smaller angle phi in the shoe's own frame.
+    The second exponent is that of the lining's end.
     """
     shoe, ring = brake.shoes[index], brake.ring
-    lining, inward_friction = shoe.lining, brake.drag_on(shoe)
+    lining, inward_friction = shoe.lining, brake.friction_per_pressure_on_shoe(shoe)
     drum = None if ring is None else ring.section
     materials = [lining.material] if drum is None else [lining.material, drum.material]
-    if any(has_directions(elasticity_matrix(material)) for material in materials):
+    if any(
+        is_elasticity_matrix_orthotropic(plane_stress_elasticity_matrix(material))
+        for material in materials
+    ):
         width_ratio = 1.0 if drum is None else lining.width / drum.width
         drum_material = None if drum is None else drum.material
-        at_start = orthotropic_corner_exponent(
+        at_start = pressure_exponent_at_orthotropic_corner(
             inward_friction, lining.material, drum_material, width_ratio
         )
-        at_end = orthotropic_corner_exponent(
+        at_end = pressure_exponent_at_orthotropic_corner(
             -inward_friction, lining.material, drum_material, width_ratio
         )
         return at_start, at_end
@@ -251,12 +271,12 @@ def corner_exponents_of(brake: Brake, index: int) -> tuple[float, float]:
         stiffness_ratio = lining_stiffness / (drum.material.E_along * drum.width)
         nu_drum = drum.material.nu_along_through
     nu = lining.material.nu_along_through
-    at_start = corner_exponent(inward_friction, nu, stiffness_ratio, nu_drum)
-    at_end = corner_exponent(-inward_friction, nu, stiffness_ratio, nu_drum)
+    at_start = pressure_exponent_at_lining_corner(inward_friction, nu, stiffness_ratio, nu_drum)
+    at_end = pressure_exponent_at_lining_corner(-inward_friction, nu, stiffness_ratio, nu_drum)
     return at_start, at_end
 
 
-def polynomial_error_of_power(exponent: float, degree: int) -> float:
+def polynomial_error_of_power_function(exponent: float, degree: int) -> float:
     """The relative error in L2 of the best polynomial of a degree for x^exponent on [0, 1].
 
     The error is relative to the norm of the power function. The exponent must be above -1/2. The
@@ -266,7 +286,7 @@ def polynomial_error_of_power(exponent: float, degree: int) -> float:
     return math.prod(abs(exponent - k) / (exponent + k + 1) for k in range(degree + 1))
 
 
-def column_size_at_tip(length: float, degree: int, error: float) -> float:
+def element_column_size_for_gap_tip_error(length: float, degree: int, error: float) -> float:
     """The size [rad] of the element columns beside a tip of the gap, for a given error of p.
 
     A tip is a kink of the gap that points to the drum. The pressure p goes there as c ln(1/x). A
@@ -282,28 +302,29 @@ def column_size_at_tip(length: float, degree: int, error: float) -> float:
     return 0.5 * length * (error * (degree + 1)) ** 2
 
 
-def response_with_power_laws(brake: Brake, response: Response) -> Response:
+def response_with_power_laws_at_corners(brake: Brake, response: Response) -> Response:
     """The response with a power law in place of p near the corners where p is unbounded.
 
     The pressure p goes as x^a at the distance x from a pressed corner of a lining. A polynomial in
     the element column at the corner leaves an error that goes as the column's size to the power
     a + 1/2, which falls slowly. The power function that has the force and the moment of a few
     columns is far more exact there. The response of longer contacts is not changed: its stated
-    error leaves out p in the zone at the lining's ends, see `edge_left_out`.
+    error leaves out p in the zone at the lining's ends, see `edge_zone_that_does_not_count`.
     """
     shoes = tuple(
-        _shoe_response_with_power_laws(brake, i, shoe) for i, shoe in enumerate(response.shoes)
+        _shoe_response_with_corner_power_laws(brake, i, shoe)
+        for i, shoe in enumerate(response.shoes)
     )
     unchanged = all(new is old for new, old in zip(shoes, response.shoes, strict=True))
     return response if unchanged else replace(response, shoes=shoes)
 
 
-def _shoe_response_with_power_laws(
+def _shoe_response_with_corner_power_laws(
     brake: Brake, index: int, response: ShoeResponse
 ) -> ShoeResponse:
     """The response of shoe `index` with a power law in place of p at each unbounded corner."""
-    for corner in unbounded_corners(brake, index, response):
-        response = _shoe_response_with_power_law(response, corner, brake.unit)
+    for corner in corners_with_unbounded_pressure(brake, index, response):
+        response = _shoe_response_with_one_corner_power_law(response, corner, brake.unit)
     return response
 
 
@@ -329,28 +350,32 @@ class UnboundedCorner(NamedTuple):
     Attributes
     ----------
     at_start : whether the corner is the lining's end with the smaller angle theta
-    exponent : the exponent a, which is negative; see `corner_exponent`
+    exponent : the exponent a, which is negative; see `pressure_exponent_at_lining_corner`
     """
 
     at_start: bool
     exponent: float
 
 
-def unbounded_corners(brake: Brake, index: int, response: NodalPressure) -> list[UnboundedCorner]:
+def corners_with_unbounded_pressure(
+    brake: Brake, index: int, response: NodalPressure
+) -> list[UnboundedCorner]:
     """The pressed corners of the lining of shoe `index` at which its pressure p is unbounded.
 
     The list is empty for a long contact. The stated error of its pressure leaves out the zone at
-    the lining's ends, see `edge_left_out`, so that the corners do not count.
+    the lining's ends, see `edge_zone_that_does_not_count`, so that the corners do not count.
     """
     theta, p = response.theta, response.pressure
     if max(p[0], p[-1]) <= 0:
         return []
     # The corners do not count if the stated error of the pressure leaves out the lining's ends.
-    zone = singular_zone(float(theta[-1] - theta[0]), brake.unit)
-    if edge_left_out(theta, p, response.order, zone) > 0:
+    zone = length_of_uncompared_edge_zone(float(theta[-1] - theta[0]), brake.unit)
+    if edge_zone_that_does_not_count(theta, p, response.order, zone) > 0:
         return []
     # The exponents are in the order of the shoe's own angle phi, which may be opposite to theta.
-    exponents = corner_exponents_of(brake, index)[:: brake.shoes[index].frame.sense]
+    exponents = pressure_exponents_at_both_lining_corners(brake, index)[
+        :: brake.shoes[index].frame.sense
+    ]
     corners = []
     for at_start, value, exponent in ((True, p[0], exponents[0]), (False, p[-1], exponents[1])):
         if value > 0 and exponent < 0:
@@ -358,17 +383,17 @@ def unbounded_corners(brake: Brake, index: int, response: NodalPressure) -> list
     return corners
 
 
-def _shoe_response_with_power_law(
+def _shoe_response_with_one_corner_power_law(
     response: ShoeResponse, corner: UnboundedCorner, unit: float
 ) -> ShoeResponse:
     """The response of a shoe with a power law in place of p near one corner of its lining.
 
-    `unit` is the surface's coordinate per unit of phi, as in `pressure_with_power_law`.
+    `unit` is the surface's coordinate per unit of phi, as in `pressure_with_power_law_at_corner`.
     """
     at_corner = float(response.theta[0 if corner.at_start else -1])
     arcs = response.contact_arcs
     contact_length = next((end - start for start, end in arcs if at_corner in {start, end}), 0.0)
-    theta, pressure = pressure_with_power_law(
+    theta, pressure = pressure_with_power_law_at_corner(
         response.theta,
         response.pressure,
         response.order,
@@ -379,7 +404,7 @@ def _shoe_response_with_power_law(
     return replace(response, theta=theta, pressure=pressure)
 
 
-def pressure_with_power_law(
+def pressure_with_power_law_at_corner(
     theta: Floats,
     pressure: Floats,
     order: int,
@@ -415,16 +440,18 @@ def pressure_with_power_law(
     last = order * (int(np.searchsorted(x[::order], reach, side="right")) - 1)
     if last <= 0 or x[last] <= unit * SMALLEST_PIECE:
         return theta, pressure
-    distances = _nodes_of_shrinking_pieces(float(x[last]), order, unit * SMALLEST_PIECE)
+    distances = _pressure_nodes_closer_towards_corner(float(x[last]), order, unit * SMALLEST_PIECE)
     angles = at_corner + sign * distances
     nodes = np.abs(angles - at_corner)
     nodes[-1] = x[last]
 
     # The coefficients c, d and e of the three functions follow from force, moment and continuity.
-    power = _power_function_at_nodes(nodes, corner.exponent, order)
+    power = _power_function_values_at_nodes(nodes, corner.exponent, order)
     functions = np.array([power, np.ones_like(nodes), nodes / x[last]])
-    columns = [[*_force_and_moment(nodes, values, order), values[-1]] for values in functions]
-    conditions = [*_force_and_moment(x[: last + 1], p[: last + 1], order), p[last]]
+    columns = [
+        [*_force_and_moment_of_pressure(nodes, values, order), values[-1]] for values in functions
+    ]
+    conditions = [*_force_and_moment_of_pressure(x[: last + 1], p[: last + 1], order), p[last]]
     fitted = np.linalg.solve(np.array(columns).T, conditions) @ functions
     return (
         np.concatenate([angles[:-1], theta[::sign][last:]])[::sign],
@@ -432,7 +459,7 @@ def pressure_with_power_law(
     )
 
 
-def _nodes_of_shrinking_pieces(length: float, order: int, smallest: float) -> Floats:
+def _pressure_nodes_closer_towards_corner(length: float, order: int, smallest: float) -> Floats:
     """The nodes (n,) [rad] of polynomial pieces from 0 to `length`, the shortest at 0.
 
     Parameters
@@ -443,11 +470,11 @@ def _nodes_of_shrinking_pieces(length: float, order: int, smallest: float) -> Fl
     """
     count = math.ceil(math.log(smallest / length) / math.log(PIECE_RATIO))
     ends = np.append(0.0, length * PIECE_RATIO ** np.arange(count, -1, -1))
-    inner = ends[:-1, None] + np.diff(ends)[:, None] * 0.5 * (1 + lobatto(order)[:-1])
+    inner = ends[:-1, None] + np.diff(ends)[:, None] * 0.5 * (1 + gauss_lobatto_points(order)[:-1])
     return np.append(inner.ravel(), length)
 
 
-def _power_function_at_nodes(x: Floats, exponent: float, order: int) -> Floats:
+def _power_function_values_at_nodes(x: Floats, exponent: float, order: int) -> Floats:
     """The values (n,) of the power function (x/x[-1])^exponent at the nodes x (n,).
 
     The power function is unbounded at x = 0. In the piece at 0 the values are therefore those of
@@ -466,32 +493,38 @@ def _power_function_at_nodes(x: Floats, exponent: float, order: int) -> Floats:
     return values
 
 
-def _force_and_moment(x: Floats, p: Floats, order: int) -> tuple[float, float]:
+def _force_and_moment_of_pressure(x: Floats, p: Floats, order: int) -> tuple[float, float]:
     """The force Int p dx, and the moment Int p x dx divided by the last x, of a pressure p.
 
     The pressure has the values `p` at the nodes `x` and is a polynomial of degree `order` on each
     piece.
     """
-    points, values, weights = gauss_points(x, p, order)
+    points, values, weights = polynomial_values_at_gauss_points(x, p, order)
     force = float(np.sum(values * weights))
     moment = float(np.sum(values * weights * points))
     return force, moment / float(x[-1])
 
 
-def pressure_error_at_corners(brake: Brake, index: int, response: NodalPressure) -> float:
+def pressure_error_left_at_lining_corners(
+    brake: Brake, index: int, response: NodalPressure
+) -> float:
     """The relative error in L2 of the pressure p of shoe `index`, left by its unbounded corners.
 
     It is the error of the polynomial pieces next to the corners, which are as short as the
     round-off of angles allows. The error is 1 where p is not square-integrable.
     """
     error = 0.0
-    _, p, weight = gauss_points(response.theta, response.pressure, response.order)
+    _, p, weight = polynomial_values_at_gauss_points(
+        response.theta, response.pressure, response.order
+    )
     squares = np.sum(weight * p**2, axis=1)
-    for corner in unbounded_corners(brake, index, response):
+    for corner in corners_with_unbounded_pressure(brake, index, response):
         if corner.exponent <= -0.5:
             return 1.0
         part = float(squares[0 if corner.at_start else -1] / squares.sum())
-        error += polynomial_error_of_power(corner.exponent, response.order) * math.sqrt(part)
+        error += polynomial_error_of_power_function(corner.exponent, response.order) * math.sqrt(
+            part
+        )
     return error
 
 
@@ -510,7 +543,7 @@ class LogarithmicPressure(NamedTuple):
     factor: float
 
 
-def logarithmic_pressures_at_tips(shoe: Shoe, scale_factor: float) -> list[LogarithmicPressure]:
+def logarithmic_pressures_at_gap_tips(shoe: Shoe, scale_factor: float) -> list[LogarithmicPressure]:
     """The logarithmic pressure c ln(1/x) under each tip of a lining's gap.
 
     A tip is a kink of the gap that points to the drum. For a half-plane of modulus E and a change
@@ -519,21 +552,23 @@ def logarithmic_pressures_at_tips(shoe: Shoe, scale_factor: float) -> list[Logar
     """
     # The factor c of a tip whose slope changes by 1 per unit of the surface's coordinate.
     half_plane = shoe.lining.material.E_half_plane / (2 * math.pi * scale_factor)
-    tips = clearance.tips(shoe.lining)
+    tips = clearance.gap_kinks_that_point_to_drum(shoe.lining)
     return [LogarithmicPressure(theta, half_plane * slope) for theta, slope in tips]
 
 
-def pressure_error_under_tips(shoe: Shoe, scale_factor: float, response: ShoeResponse) -> float:
+def pressure_error_left_at_gap_tips(
+    shoe: Shoe, scale_factor: float, response: ShoeResponse
+) -> float:
     """The relative error in L2 of a shoe's pressure p, left by the pressed tips of its gap.
 
     A tip is a kink of the gap that points to the drum, where p goes as ln(1/x). The error arises in
-    the element columns on both sides of each tip, as in `column_size_at_tip`. `scale_factor` is the
-    length [m] of one unit of the surface's coordinate.
+    the element columns on both sides of each tip, as in `element_column_size_for_gap_tip_error`.
+    `scale_factor` is the length [m] of one unit of the surface's coordinate.
     """
     theta, p, order = response.theta, response.pressure, response.order
     column_ends, pressed = theta[::order], p[::order] > 0
     squared_error = 0.0
-    for tip in logarithmic_pressures_at_tips(shoe, scale_factor):
+    for tip in logarithmic_pressures_at_gap_tips(shoe, scale_factor):
         # The tip counts if it is pressed, and if two element columns meet there.
         k = int(np.abs(column_ends - tip.theta).argmin())
         has_two_columns = 0 < k < len(column_ends) - 1
@@ -541,6 +576,6 @@ def pressure_error_under_tips(shoe: Shoe, scale_factor: float, response: ShoeRes
         if has_two_columns and at_tip and pressed[k]:
             both_columns = float(column_ends[k + 1] - column_ends[k - 1])
             squared_error += tip.factor**2 * both_columns / (order + 1) ** 2
-    _, values, weights = gauss_points(theta, p, order)
+    _, values, weights = polynomial_values_at_gauss_points(theta, p, order)
     squared_norm = float(np.sum(weights * values**2))
     return math.sqrt(squared_error / squared_norm) if squared_norm else 0.0

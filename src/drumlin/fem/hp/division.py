@@ -17,10 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.fem.hp.corner import column_size_at_tip
+from drumlin.fem.hp.corner import element_column_size_for_gap_tip_error
 from drumlin.response.response import EDGE_ZONE
 
 SMALLEST_COLUMN = 1e-7
@@ -43,10 +43,10 @@ CORNER_COLUMN = 1e-4
 """Size of element columns and layers at a corner of the lining with unbounded pressure.
 
 The size is relative to the length of the contact. Nearer to the corner the pressure p is given by
-its power law, see `corner.response_with_power_laws`. With 1e-3 the error of p on the second level
-of two brakes was 2.5 times as large. With 1e-5 the error was the same, with a sixth more unknowns.
-In columns of 0.03 of the contact or more, p depends on the rest of the contact too, and not on the
-power law alone.
+its power law, see `corner.response_with_power_laws_at_corners`. With 1e-3 the error of p on the
+second level of two brakes was 2.5 times as large. With 1e-5 the error was the same, with a sixth
+more unknowns. In columns of 0.03 of the contact or more, p depends on the rest of the contact too,
+and not on the power law alone.
 """
 HALF_FORCE_PART = 0.1632
 """Part of a contact, from a corner of the lining on, that bears half of the contact's force.
@@ -91,7 +91,8 @@ class SingularPoint(NamedTuple):
     at : position phi of the point [rad]
     length : length over which the pressure changes at the point [rad]. At an end of the contact it
         is the length of the contact or of the opening, at a kink that of the lining, at a step that
-        of the step, and at a tip the length that `corner.column_size_at_tip` takes.
+        of the step, and at a tip the length that `corner.element_column_size_for_gap_tip_error`
+        takes.
     kind : which function is not smooth
     """
 
@@ -158,7 +159,7 @@ class Level:
     through: float
 
     @property
-    def error(self) -> float:
+    def pressure_error_by_column_ratio(self) -> float:
         """The relative error in L2 of the pressure due to the ratio of neighbouring column sizes.
 
         For the formula see `levels.LevelRule`.
@@ -201,7 +202,7 @@ class ShoeDivision:
     singular_layer_size: float = math.inf
 
     @property
-    def key(self) -> tuple[int, bytes, bytes, bytes, bytes]:
+    def dictionary_key_of_division(self) -> tuple[int, bytes, bytes, bytes, bytes]:
         """A dictionary key of the division, which is equal for equal divisions of a shoe."""
         return (
             self.degree,
@@ -212,12 +213,12 @@ class ShoeDivision:
         )
 
     @property
-    def layers(self) -> int:
+    def number_of_element_layers(self) -> int:
         """Number of layers of elements under the lining, those of the lining included."""
         return len(self.part)
 
     @property
-    def first_body_layer(self) -> int:
+    def index_of_first_body_layer(self) -> int:
         """The index of the first layer of elements that belongs to the body of the shoe.
 
         Layers are counted from 0 at the contact. Only the body continues beyond the lining's ends.
@@ -234,15 +235,15 @@ class ShoeDivision:
         return (len(self.angles) - 1) * self.degree + 1
 
     @property
-    def unknowns(self) -> int:
+    def number_of_degrees_of_freedom(self) -> int:
         """Number of degrees of freedom of the whole shoe, two at each node."""
-        p, beyond = self.degree, self.layers - self.first_body_layer
-        under = (self.layers * p + 1) * self.contact_nodes
+        p, beyond = self.degree, self.number_of_element_layers - self.index_of_first_body_layer
+        under = (self.number_of_element_layers * p + 1) * self.contact_nodes
         over = (beyond * p + 1) * p * (len(self.before) + len(self.after) - 2) if beyond else 0
         return 2 * (under + over)
 
 
-def graded_sizes(
+def piece_sizes_small_at_both_ends(
     length: float,
     left: float,
     right: float,
@@ -281,7 +282,9 @@ def graded_sizes(
     return [*first, *[rest / count] * count, *last[::-1]]
 
 
-def size_far_from_contact(size: float, distance: float, *, coarsens: bool) -> float:
+def relative_element_size_far_from_contact(
+    size: float, distance: float, *, coarsens: bool
+) -> float:
     """The size of elements at a corner of a layer far from the contact, relative to the thickness.
 
     Beyond a short contact stresses fall at least as the inverse distance. The size may therefore
@@ -299,12 +302,12 @@ def size_far_from_contact(size: float, distance: float, *, coarsens: bool) -> fl
     return max(size, min(1.0, size * 2.0 ** math.floor(math.log2(max(distance, 1.0)))))
 
 
-def piece_ends(sizes: Sequence[float], start: float, end: float) -> Floats:
+def piece_ends_from_piece_sizes(sizes: Sequence[float], start: float, end: float) -> Floats:
     """The ends (m + 1,) of m pieces in a row, from their sizes (m,), between `start` and `end`."""
     return np.append(start + np.concatenate([[0.0], np.cumsum(sizes[:-1])]), end)
 
 
-def shoe_layers(shoe: Shoe, radius: float) -> list[ShoeLayer]:
+def thickness_of_each_shoe_layer(shoe: Shoe, radius: float) -> list[ShoeLayer]:
     """The layers of a shoe with their thickness, from the lining's face inwards.
 
     The block between the lining and a straight beam is a layer with its smallest thickness.
@@ -315,7 +318,7 @@ def shoe_layers(shoe: Shoe, radius: float) -> list[ShoeLayer]:
         # `scene.why_not` refuses beams without section or block, so that the assertion holds.
         assert shoe.body.section is not None and shoe.backing is not None
         beam_thickness = shoe.body.section.thickness
-        axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
+        axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
         ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
         nearest = 1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max())
         back = radius + shoe.lining.thickness
@@ -328,7 +331,7 @@ def shoe_layers(shoe: Shoe, radius: float) -> list[ShoeLayer]:
     return layers
 
 
-def divide_shoe(
+def divide_shoe_into_hp_elements(
     shoe: Shoe,
     radius: float,
     level: Level,
@@ -341,7 +344,7 @@ def divide_shoe(
 
     If the contact does not reach an end of the lining, the elements at this end are as small as
     those at the ends of other layers. Far from a short contact elements at all these corners are
-    larger, see `size_far_from_contact`.
+    larger, see `relative_element_size_far_from_contact`.
 
     Parameters
     ----------
@@ -352,20 +355,22 @@ def divide_shoe(
     grades_loaded_end : whether columns shrink towards the end of the body that the actuation force
         acts on. They do if the position of this end matters; the contact depends on the force only.
     exponents : exponents of the pressure at the lining's start and end if these are pressed, see
-        `corner.corner_exponents_of`
+        `corner.pressure_exponents_at_both_lining_corners`
     """
-    layers = shoe_layers(shoe, radius)
-    contact = _contact_extent(shoe, radius, level, layers, points)
-    corner_sizes = _column_sizes_at_corners(contact, exponents)
-    end_sizes = _column_sizes_at_lining_ends(shoe, level, contact, corner_sizes)
+    layers = thickness_of_each_shoe_layer(shoe, radius)
+    contact = _extent_of_lining_contacts(shoe, radius, level, layers, points)
+    corner_sizes = _element_column_sizes_at_corners(contact, exponents)
+    end_sizes = _element_column_sizes_at_lining_ends(shoe, level, contact, corner_sizes)
 
     # The columns under the lining, from one grading point to the next.
-    grading_points = _grading_points(shoe, radius, level, points, contact, end_sizes)
+    grading_points = _grading_points_along_lining(shoe, radius, level, points, contact, end_sizes)
     angles = []
     for a, b in pairwise(grading_points):
-        sizes = graded_sizes(b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio)
-        angles.append(piece_ends(sizes, a.at, b.at)[:-1])
-    before, after = _column_ends_beyond_lining(
+        sizes = piece_sizes_small_at_both_ends(
+            b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio
+        )
+        angles.append(piece_ends_from_piece_sizes(sizes, a.at, b.at)[:-1])
+    before, after = _element_column_ends_beyond_lining(
         shoe, radius, level, layers, end_sizes, grades_loaded_end=grades_loaded_end
     )
 
@@ -382,9 +387,9 @@ def divide_shoe(
     # Under an unbounded pressure the layer of elements at the lining's face is as thick as the
     # columns at this point are wide.
     tips = [point for point in points if point.kind == Singularity.TIP]
-    tip_sizes = [_column_size_at_tip(level, t, tip.length) for tip in tips]
+    tip_sizes = [_element_column_size_at_gap_tip(level, t, tip.length) for tip in tips]
     singular_size = min(*tip_sizes, *corner_sizes)
-    depths, part = _layer_depths(
+    depths, part = _depths_and_parts_of_element_layers(
         layers,
         level,
         radius * min(face_size, singular_size),
@@ -431,7 +436,7 @@ class _ContactExtent(NamedTuple):
     coarsens: bool
 
 
-def _contact_extent(
+def _extent_of_lining_contacts(
     shoe: Shoe,
     radius: float,
     level: Level,
@@ -444,7 +449,7 @@ def _contact_extent(
 
     Parameters
     ----------
-    shoe, radius, level, points : as in `divide_shoe`
+    shoe, radius, level, points : as in `divide_shoe_into_hp_elements`
     layers : layers of the shoe
     """
     start, end = shoe.arc
@@ -466,12 +471,12 @@ def _contact_extent(
         lengths=lengths,
         longest=longest,
         open_lengths=(positions[0] - start, end - positions[-1]),
-        reaching_lengths=_lengths_of_reaching_contacts(shoe, t, level, contact_ends),
+        reaching_lengths=_lengths_of_contacts_at_lining_ends(shoe, t, level, contact_ends),
         coarsens=not deep and (shoe.body is None or one_short),
     )
 
 
-def _column_sizes_at_corners(
+def _element_column_sizes_at_corners(
     contact: _ContactExtent, exponents: tuple[float, float]
 ) -> tuple[float, float]:
     """The sizes of the element columns [rad] that unbounded pressures at the lining's corners need.
@@ -488,7 +493,7 @@ def _column_sizes_at_corners(
     return sizes[0], sizes[1]
 
 
-def _column_sizes_at_lining_ends(
+def _element_column_sizes_at_lining_ends(
     shoe: Shoe, level: Level, contact: _ContactExtent, corner_sizes: tuple[float, float]
 ) -> tuple[float, float]:
     """The sizes of the element columns at the lining's start and end [rad].
@@ -508,7 +513,7 @@ def _column_sizes_at_lining_ends(
         # An open gap between the lining's end and the contact holds two columns at least.
         is_open = open_length > 0 and math.isinf(reaching_length)
         gap_size = max(0.5 * open_length, smallest) if is_open else math.inf
-        size_without_force = size_far_from_contact(
+        size_without_force = relative_element_size_far_from_contact(
             level.back, open_length / contact.longest, coarsens=contact.coarsens
         ) * min(t, open_length)
         without_contact = max(min(pressed_size, gap_size), size_without_force)
@@ -517,7 +522,7 @@ def _column_sizes_at_lining_ends(
     return sizes[0], sizes[1]
 
 
-def _grading_points(
+def _grading_points_along_lining(
     shoe: Shoe,
     radius: float,
     level: Level,
@@ -532,7 +537,7 @@ def _grading_points(
 
     Parameters
     ----------
-    shoe, radius, level, points : as in `divide_shoe`
+    shoe, radius, level, points : as in `divide_shoe_into_hp_elements`
     contact : extent of the contact
     end_sizes : sizes of the columns at the lining's start and end [rad]
     """
@@ -542,13 +547,13 @@ def _grading_points(
     inner = []
     for point in points:
         distance = min(point.at - start, end - point.at)
-        inner.append(_grading_point_of(point, level, contact.thickness, distance))
-    grading_points = _without_crowded_points(first, last, inner)
+        inner.append(_grading_point_at_singular_point(point, level, contact.thickness, distance))
+    grading_points = _grading_points_without_close_ones(first, last, inner)
     grip = shoe.grip(radius)
     if grip is None:
         return grading_points
     # The ends of the grip are grading points, and replace others that are too near to them.
-    grip_size = level.hinge * shoe_layers(shoe, radius)[-1].thickness / radius
+    grip_size = level.hinge * thickness_of_each_shoe_layer(shoe, radius)[-1].thickness / radius
     kept = []
     for candidate in grading_points[1:-1]:
         distance = min(abs(candidate.at - end_of_grip) for end_of_grip in grip)
@@ -558,7 +563,7 @@ def _grading_points(
     return [grading_points[0], *sorted([*kept, *grip_ends]), grading_points[-1]]
 
 
-def _column_ends_beyond_lining(
+def _element_column_ends_beyond_lining(
     shoe: Shoe,
     radius: float,
     level: Level,
@@ -574,12 +579,12 @@ def _column_ends_beyond_lining(
 
     Parameters
     ----------
-    shoe, radius, level, grades_loaded_end : as in `divide_shoe`
+    shoe, radius, level, grades_loaded_end : as in `divide_shoe_into_hp_elements`
     layers : layers of the shoe
     end_sizes : sizes of the columns at the lining's start and end [rad]
     """
     start, end = shoe.arc
-    near, far = _body_ends(shoe, radius)
+    near, far = _positions_of_shoe_body_ends(shoe, radius)
     before, after = np.array([start]), np.array([end])
     if layers[-1].part != "shoe":
         return before, after
@@ -589,16 +594,18 @@ def _column_ends_beyond_lining(
     largest = max(body, level.largest)
     # A body that ends with the lining, up to round-off, has no columns beyond it.
     if start - near > 1e-9:
-        sizes = graded_sizes(start - near, left, size_at_hinge, level.ratio, largest)
-        before = start - piece_ends(sizes, 0.0, start - near)
+        sizes = piece_sizes_small_at_both_ends(
+            start - near, left, size_at_hinge, level.ratio, largest
+        )
+        before = start - piece_ends_from_piece_sizes(sizes, 0.0, start - near)
     if far - end > 1e-9:
         size_at_load = min(size_at_hinge, far - end) if grades_loaded_end else far - end
-        sizes = graded_sizes(far - end, right, size_at_load, level.ratio, largest)
-        after = end + piece_ends(sizes, 0.0, far - end)
+        sizes = piece_sizes_small_at_both_ends(far - end, right, size_at_load, level.ratio, largest)
+        after = end + piece_ends_from_piece_sizes(sizes, 0.0, far - end)
     return before, after
 
 
-def _grading_point_of(
+def _grading_point_at_singular_point(
     point: SingularPoint, level: Level, thickness: float, distance: float
 ) -> GradingPoint:
     """The grading point at a singular point: its position, and the size of the columns beside it.
@@ -626,10 +633,10 @@ def _grading_point_of(
     if point.kind == Singularity.STEP:
         return GradingPoint(point.at, point.length * math.sqrt(level.end), level.ratio)
     if point.kind == Singularity.TIP:
-        size = _column_size_at_tip(level, thickness, point.length)
+        size = _element_column_size_at_gap_tip(level, thickness, point.length)
         return GradingPoint(point.at, size, level.ratio)
     # The size at an end of the contact or a kink is a power of two, so that meshes can be equal.
-    size = _column_size_at_contact_end(level, thickness, point.length)
+    size = _element_column_size_at_contact_end(level, thickness, point.length)
     if distance > size:
         size = min(size, 0.5 * distance)
     size = 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
@@ -639,7 +646,7 @@ def _grading_point_of(
     return GradingPoint(round(2 * point.at / size) * size / 2, size, ratio)
 
 
-def _column_size_at_contact_end(level: Level, thickness: float, length: float) -> float:
+def _element_column_size_at_contact_end(level: Level, thickness: float, length: float) -> float:
     """The size of the element columns at an end of a contact [rad].
 
     An open gap beside the contact that is shorter than this size is not resolved by the mesh.
@@ -648,7 +655,7 @@ def _column_size_at_contact_end(level: Level, thickness: float, length: float) -
     return level.end * min(length, math.sqrt(thickness * length))
 
 
-def _column_size_at_tip(level: Level, thickness: float, length: float) -> float:
+def _element_column_size_at_gap_tip(level: Level, thickness: float, length: float) -> float:
     """The size of element columns and layers at a tip of the gap [rad], a power of two.
 
     A tip is a kink of the gap that points to the drum, where the pressure is unbounded.
@@ -657,13 +664,13 @@ def _column_size_at_tip(level: Level, thickness: float, length: float) -> float:
     ----------
     level : degree of the elements, and sizes of columns and layers
     thickness : thickness of the lining [rad]
-    length : the length that `corner.column_size_at_tip` takes [rad]
+    length : the length that `corner.element_column_size_for_gap_tip_error` takes [rad]
     """
-    size = column_size_at_tip(length, level.degree, level.end)
+    size = element_column_size_for_gap_tip_error(length, level.degree, level.end)
     return 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
 
 
-def _lengths_of_reaching_contacts(
+def _lengths_of_contacts_at_lining_ends(
     shoe: Shoe, thickness: float, level: Level, contact_ends: Sequence[SingularPoint]
 ) -> tuple[float, float]:
     """The lengths of the shortest contacts that reach the lining's start and end [rad].
@@ -680,7 +687,7 @@ def _lengths_of_reaching_contacts(
     start, end = shoe.arc
     at_start, at_end = [], []
     for point in contact_ends:
-        column = _column_size_at_contact_end(level, thickness, point.length)
+        column = _element_column_size_at_contact_end(level, thickness, point.length)
         if point.at - start < column:
             at_start.append(point.length)
         if end - point.at < column:
@@ -688,7 +695,7 @@ def _lengths_of_reaching_contacts(
     return min(at_start, default=math.inf), min(at_end, default=math.inf)
 
 
-def _without_crowded_points(
+def _grading_points_without_close_ones(
     start: GradingPoint, end: GradingPoint, inner: Sequence[GradingPoint]
 ) -> list[GradingPoint]:
     """The grading points from `start` to `end` without points that are too near to another point.
@@ -712,7 +719,7 @@ def _without_crowded_points(
     return [*kept, end]
 
 
-def _body_ends(shoe: Shoe, radius: float) -> tuple[float, float]:
+def _positions_of_shoe_body_ends(shoe: Shoe, radius: float) -> tuple[float, float]:
     """The positions phi at which the body of a shoe begins and ends [rad], the hinge's end first.
 
     For a straight beam they count, beyond the lining, the distance along the beam divided by the
@@ -720,17 +727,22 @@ def _body_ends(shoe: Shoe, radius: float) -> tuple[float, float]:
     """
     start, end = shoe.arc
     if isinstance(shoe.body, Beam):
-        axis, back = axis_of(shoe.pin.xy, shoe.actuation.point.xy), radius + shoe.lining.thickness
+        axis, back = (
+            make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy),
+            radius + shoe.lining.thickness,
+        )
         angles = np.sort(axis.angle(shoe.frame.theta(np.array([start, end]))))
         foot = axis.foot + back * np.sin(angles)
         return start - float(foot[0]) / back, end + (axis.length - float(foot[1])) / back
     if shoe.body is None:
         return start, end
-    near, far = sorted(shoe.frame.phis((shoe.body.start, shoe.body.end)), key=abs)
+    near, far = sorted(
+        shoe.frame.phi_coordinates_as_list((shoe.body.start, shoe.body.end)), key=abs
+    )
     return near, far
 
 
-def _layer_depths(
+def _depths_and_parts_of_element_layers(
     layers: list[ShoeLayer],
     level: Level,
     face_size: float,
@@ -749,7 +761,8 @@ def _layer_depths(
     level : degree of the elements, and sizes of columns and layers
     face_size : size of the layer of elements at the contact [m]
     contact_length : length of the contact [m]
-    coarsens : whether elements far from the contact are larger, as in `size_far_from_contact`
+    coarsens : whether elements far from the contact are larger, as in
+        `relative_element_size_far_from_contact`
     straight : whether the depth grows by 1 through each layer of the shoe, as for a straight beam;
         otherwise depths are in m
     """
@@ -761,15 +774,20 @@ def _layer_depths(
         outer = face_size
         if k > 0:
             thinner = min(t, layers[k - 1].thickness)
-            size = size_far_from_contact(level.back, distances[k - 1], coarsens=coarsens)
+            size = relative_element_size_far_from_contact(
+                level.back, distances[k - 1], coarsens=coarsens
+            )
             outer = size * thinner
         thinner = min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
-        inner = size_far_from_contact(level.back, distances[k], coarsens=coarsens) * thinner
+        inner = (
+            relative_element_size_far_from_contact(level.back, distances[k], coarsens=coarsens)
+            * thinner
+        )
         # The hinge holds this layer, and the stress is singular at the corners of the held face.
         if layer.part == "shoe":
             inner = level.hinge * t
-        sizes = graded_sizes(t, outer, inner, level.through, t)
-        ends = piece_ends(sizes, 0.0, t)[1:]
+        sizes = piece_sizes_small_at_both_ends(t, outer, inner, level.through, t)
+        ends = piece_ends_from_piece_sizes(sizes, 0.0, t)[1:]
         depths.append(at + (ends / t if straight else ends))
         part += [layer.part] * len(sizes)
         at = float(depths[-1][-1])

@@ -16,8 +16,11 @@ from numpy.polynomial.legendre import leggauss
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dgemm, dpotrf, dtrsm
-from drumlin.fem.substructure.elasticity import directions_through_layers, split_elasticity
-from drumlin.response.resultants import lobatto
+from drumlin.fem.substructure.elasticity import (
+    isotropic_and_directional_constants,
+    thickness_directions_of_layers,
+)
+from drumlin.response.resultants import gauss_lobatto_points
 
 SLOPES_PER_BATCH = 32_000
 """Number of shape function slopes in a batch of elements whose stiffness is computed together.
@@ -53,15 +56,17 @@ class ReferenceElement(NamedTuple):
 
 
 @cache
-def reference_element(p: int, *, precise: bool = False) -> ReferenceElement:
+def reference_element_of_degree(p: int, *, precise: bool = False) -> ReferenceElement:
     """The reference element of degree p >= 2; with `precise` its slopes are in long double."""
     # The nodes on the left and the right side come first, then the rest of the first and last edge.
-    x, w = unit_gauss_rule(p)
+    x, w = gauss_points_and_weights_on_0_to_1(p)
     number = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
     edges = number[:, 0], number[:, -1], number[0, 1:-1], number[-1, 1:-1]
     order = np.concatenate([*edges, number[1:-1, 1:-1].ravel()])
     functions = (
-        _long_double_shape_functions(p, x) if precise else shape_functions(p, square_grid_points(x))
+        _long_double_shape_functions(p, x)
+        if precise
+        else shape_function_values_and_slopes(p, points_of_square_grid(x))
     )
     values, slopes = functions
     return ReferenceElement(
@@ -73,18 +78,18 @@ def reference_element(p: int, *, precise: bool = False) -> ReferenceElement:
     )
 
 
-def unit_gauss_rule(p: int) -> tuple[Floats, Floats]:
+def gauss_points_and_weights_on_0_to_1(p: int) -> tuple[Floats, Floats]:
     """The p + 1 Gauss points (p + 1,) of the interval [0, 1], and their weights (p + 1,)."""
     x, w = leggauss(p + 1)
     return 0.5 * (x + 1), 0.5 * w
 
 
-def unit_edge_nodes(p: int) -> Floats:
+def node_positions_on_edge_from_0_to_1(p: int) -> Floats:
     """The positions (p + 1,) in [0, 1] of the nodes on an element's edge: Gauss-Lobatto points."""
-    return 0.5 * (lobatto(p) + 1)
+    return 0.5 * (gauss_lobatto_points(p) + 1)
 
 
-def square_grid_points(x: Floats) -> Floats:
+def points_of_square_grid(x: Floats) -> Floats:
     """The points (2, n n) of the square grid with the coordinates x (n,) in both directions.
 
     The second coordinate changes from point to point, the first one from row to row.
@@ -92,7 +97,7 @@ def square_grid_points(x: Floats) -> Floats:
     return np.array([np.repeat(x, len(x)), np.tile(x, len(x))])
 
 
-def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
+def shape_function_values_and_slopes(p: int, x: Floats) -> tuple[Floats, Floats]:
     """The values (a, q) and slopes (a, 2, q) of an element's a shape functions at points x (2, q).
 
     The element of degree p is the unit square [0, 1]^2. Each shape function is 1 at its node and 0
@@ -104,7 +109,8 @@ def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
     hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
     count = (p + 1) ** 2
     at_nodes = [
-        hierarchical.lbasis(square_grid_points(unit_edge_nodes(p)), i)[0] for i in range(count)
+        hierarchical.lbasis(points_of_square_grid(node_positions_on_edge_from_0_to_1(p)), i)[0]
+        for i in range(count)
     ]
     at_points = [hierarchical.lbasis(x, i) for i in range(count)]
     values = np.array([value for value, _ in at_points])
@@ -119,43 +125,45 @@ def _long_double_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
     """The values (a, q) and slopes (a, 2, q) of an element's shape functions, in long double.
 
     They are computed at the points of the square grid with the coordinates x, as products of
-    Lagrange's polynomials. The element is that of `shape_functions`.
+    Lagrange's polynomials. The element is that of `shape_function_values_and_slopes`.
     """
     # The 1 on the diagonal stands for the distance of a node from itself, which is never used.
-    nodes = unit_edge_nodes(p).astype(np.longdouble)
+    nodes = node_positions_on_edge_from_0_to_1(p).astype(np.longdouble)
     x = x.astype(np.longdouble)
     apart = nodes[:, None] - nodes + np.eye(p + 1)
 
-    def product(i: int, *others: int) -> Any:
+    def lagrange_polynomial_without_factors(i: int, *others: int) -> Any:
         """Lagrange's polynomial i without the factors of the nodes `others`, at all x."""
         kept = [j for j in range(p + 1) if j != i and j not in others]
         return np.prod([(x - nodes[j]) / apart[i, j] for j in kept], axis=0)
 
-    def derivative(i: int) -> Any:
+    def derivative_of_lagrange_polynomial(i: int) -> Any:
         """The derivative of Lagrange's polynomial i at all x, by the product rule."""
-        return sum(product(i, k) / apart[i, k] for k in range(p + 1) if k != i)
+        return sum(
+            lagrange_polynomial_without_factors(i, k) / apart[i, k] for k in range(p + 1) if k != i
+        )
 
-    value = np.array([product(i) for i in range(p + 1)])
-    slope = np.array([derivative(i) for i in range(p + 1)])
+    value = np.array([lagrange_polynomial_without_factors(i) for i in range(p + 1)])
+    slope = np.array([derivative_of_lagrange_polynomial(i) for i in range(p + 1)])
     both = [np.einsum("ik,jl->ijkl", slope, value), np.einsum("ik,jl->ijkl", value, slope)]
     slopes = np.stack([each.reshape((p + 1) ** 2, -1) for each in both], axis=1)
     return np.einsum("ik,jl->ijkl", value, value).reshape((p + 1) ** 2, -1), slopes
 
 
-def element_gauss_points(xy: Any, p: int) -> Any:
+def gauss_points_of_elements(xy: Any, p: int) -> Any:
     """The Gauss points (e, 2, q) [m] of e elements with the nodes xy (e, 2, a) [m].
 
     They are in long double if `xy` is.
     """
-    return xy @ reference_element(p, precise=xy.dtype == np.longdouble).values
+    return xy @ reference_element_of_degree(p, precise=xy.dtype == np.longdouble).values
 
 
-def element_stiffness(xy: Any, elasticity: Any, p: int, along: Any = None) -> Any:
+def plane_stress_stiffness_of_elements(xy: Any, elasticity: Any, p: int, along: Any = None) -> Any:
     """The plane-stress stiffness (e, a, 2, a, 2) [N/m] of e elements, in the precision of xy.
 
     The nodes are in the order of `ReferenceElement`. The elastic constants lambda, mu, a and b are
-    those of `elasticity.split_elasticity`. The unit vectors d are t along the layers and n through
-    them. The stiffness is
+    those of `elasticity.isotropic_and_directional_constants`. The unit vectors d are t along the
+    layers and n through them. The stiffness is
 
         K_ai,bj = Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k
                       + sum_d s_d d_i (d . grad psi_a) d_j (d . grad psi_b) dA,   s_t = a,  s_n = b.
@@ -165,10 +173,12 @@ def element_stiffness(xy: Any, elasticity: Any, p: int, along: Any = None) -> An
     xy : (e, 2, a) nodes [m]
     elasticity : (e, 3, 3) elasticity matrices times the width [N/m]
     p : degree
-    along : (e, 2, q) unit vectors along the layers at the `element_gauss_points`; None where all
-        layers are isotropic
+    along : (e, 2, q) unit vectors along the layers at the `gauss_points_of_elements`; None where
+        all layers are isotropic
     """
-    return _element_integrals(xy, elasticity, p, along).stiffness(slice(None), slice(None))
+    return _integrals_for_element_stiffness(xy, elasticity, p, along).stiffness(
+        slice(None), slice(None)
+    )
 
 
 class _ElementIntegrals(NamedTuple):
@@ -178,7 +188,7 @@ class _ElementIntegrals(NamedTuple):
     ----------
     products : (e, 2, a, 2, a) integrals Int psi_a,i psi_b,j dA of products of the gradients of two
         shape functions; the axes after the first are i, a, j, b
-    constants : (e, 4) lambda, mu, a, b of `elasticity.split_elasticity`
+    constants : (e, 4) lambda, mu, a, b of `elasticity.isotropic_and_directional_constants`
     directed : (m,) numbers of the elements of orthotropic material
     strains : (2, m, a, 2, q) strains along and through the layers due to unit displacements, of the
         orthotropic elements at their Gauss points, times the root of dA
@@ -204,16 +214,16 @@ class _ElementIntegrals(NamedTuple):
         np.add(lam * xy, mu * yx, out=K[:, :, 0, :, 1])
         np.add(lam * yx, mu * xy, out=K[:, :, 1, :, 0])
         if len(self.directed):
-            K[self.directed] += self._directional_stiffness(rows, columns)
+            K[self.directed] += self._part_of_stiffness_by_orthotropy(rows, columns)
         return K
 
-    def _directional_stiffness(self, rows: slice, columns: slice) -> Any:
+    def _part_of_stiffness_by_orthotropy(self, rows: slice, columns: slice) -> Any:
         """The part of the stiffness (m, rows, 2, columns, 2) that orthotropy adds.
 
         It is that of the m orthotropic elements, and has the rows and columns of `stiffness`.
         """
 
-        def work(strain: Any) -> Any:
+        def integrals_of_strain_products(strain: Any) -> Any:
             """The integrals of products of two strains: of a node in `rows`, one in `columns`."""
             left, right = strain[:, rows], strain[:, columns]
             count, points = len(strain), strain.shape[-1]
@@ -223,15 +233,20 @@ class _ElementIntegrals(NamedTuple):
 
         a, b = self.constants[self.directed, 2:].T[:, :, None, None, None, None]
         along, through = self.strains
-        return a * work(along) + b * work(through)
+        return a * integrals_of_strain_products(along) + b * integrals_of_strain_products(through)
 
 
-def _element_integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _ElementIntegrals:
+def _integrals_for_element_stiffness(
+    xy: Any, elasticity: Any, p: int, along: Any
+) -> _ElementIntegrals:
     """The integrals that the stiffness of elements is made of.
 
-    The parameters are those of `element_stiffness`.
+    The parameters are those of `plane_stress_stiffness_of_elements`.
     """
-    slopes, constants = _weighted_gradients(xy, p), split_elasticity(elasticity)
+    slopes, constants = (
+        _gradients_times_root_of_gauss_areas(xy, p),
+        isotropic_and_directional_constants(elasticity),
+    )
     e, _, a, q = slopes.shape
     flat = slopes.reshape(e, 2 * a, q)
     products = (flat @ flat.transpose(0, 2, 1)).reshape(e, 2, a, 2, a)
@@ -242,13 +257,13 @@ def _element_integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _Element
         t = np.moveaxis(along[directed], 1, 0)  # (2, m, q)
         own = slopes[directed]
         strains = (
-            _strains_in_direction(own, t),
-            _strains_in_direction(own, directions_through_layers(t)),
+            _strains_in_direction_by_unit_motions(own, t),
+            _strains_in_direction_by_unit_motions(own, thickness_directions_of_layers(t)),
         )
     return _ElementIntegrals(products, constants, directed, strains)
 
 
-def _strains_in_direction(slopes: Any, direction: Any) -> Any:
+def _strains_in_direction_by_unit_motions(slopes: Any, direction: Any) -> Any:
     """The strains (m, a, 2, q) in a direction due to unit displacements of m elements.
 
     `slopes` (m, 2, a, q) are the gradients of the shape functions at the Gauss points, and
@@ -258,14 +273,14 @@ def _strains_in_direction(slopes: Any, direction: Any) -> Any:
     return np.stack([direction[0][:, None] * grown, direction[1][:, None] * grown], axis=2)
 
 
-def _weighted_gradients(xy: Any, p: int) -> Any:
+def _gradients_times_root_of_gauss_areas(xy: Any, p: int) -> Any:
     """The gradients (e, 2, a, q) of shape functions, times the root of the Gauss points' areas.
 
     The sum over the Gauss points of the product of two such gradients is an integral over the
     element. `xy` (e, 2, a) are the nodes of the elements. In an element with a negative Jacobian
     determinant all gradients have the opposite sign, which does not change the products.
     """
-    reference = reference_element(p, precise=xy.dtype == np.longdouble)
+    reference = reference_element_of_degree(p, precise=xy.dtype == np.longdouble)
     e, _, a = xy.shape
     q = len(reference.weights)
     J = (xy.reshape(2 * e, a) @ reference.slopes).reshape(e, 2, 2, q)  # d x_c / d xi_d
@@ -280,7 +295,7 @@ def _weighted_gradients(xy: Any, p: int) -> Any:
     return G
 
 
-def schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
+def replace_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
     """The Schur complement K - C^T inner^-1 C (k, k) of a stiffness, written into K.
 
     It is the stiffness on the k kept unknowns after the elimination of m other unknowns. The
@@ -302,14 +317,15 @@ def schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
     return K
 
 
-def schur_complements(K: Floats, C: Floats, inner: Floats) -> Floats:
+def replace_each_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
     """The Schur complements K - C^T inner^-1 C of b matrices, written into K (b, k, k).
 
-    The coupling C is (b, m, k), and `inner` is (b, m, m), as in `schur_complement`. The matrices
-    are treated one by one, since numpy's functions for many matrices would make more copies.
+    The coupling C is (b, m, k), and `inner` is (b, m, m), as in `replace_by_schur_complement`. The
+    matrices are treated one by one, since numpy's functions for many matrices would make more
+    copies.
     """
     for own in zip(K, C, inner, strict=True):
-        schur_complement(*own)
+        replace_by_schur_complement(*own)
     return K
 
 
@@ -332,14 +348,15 @@ class _StiffnessBlocks(NamedTuple):
     inner: Floats
 
 
-def _stiffness_blocks_in_batches(
+def _stiffness_blocks_of_element_batches(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None
 ) -> Iterator[_StiffnessBlocks]:
     """Yield the stiffness of elements in three blocks, one batch of elements after the other.
 
-    A batch fits into the processor's cache. The parameters are those of `element_stiffness`.
+    A batch fits into the processor's cache. The parameters are those of
+    `plane_stress_stiffness_of_elements`.
     """
-    reference = reference_element(p)
+    reference = reference_element_of_degree(p)
     on, inside = slice(reference.outer), slice(reference.outer, None)
     outer_count = 2 * reference.outer
     inner_count = 2 * len(reference.order) - outer_count
@@ -347,7 +364,7 @@ def _stiffness_blocks_in_batches(
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
         directions = None if along is None else along[part]
-        integrals = _element_integrals(xy[part], elasticity[part], p, directions)
+        integrals = _integrals_for_element_stiffness(xy[part], elasticity[part], p, directions)
         yield _StiffnessBlocks(
             part,
             integrals.stiffness(on, on).reshape(-1, outer_count, outer_count),
@@ -369,8 +386,8 @@ def condensed_element_stiffness(
     xy : (l, c, 2, a) nodes of c elements in each of l layers [m]
     elasticity : (l, 3, 3) elasticity matrix times the width of each layer [N/m]
     p : degree
-    along : (l, c, 2, q) unit vectors along the layers at the `element_gauss_points`; None where all
-        layers are isotropic
+    along : (l, c, 2, q) unit vectors along the layers at the `gauss_points_of_elements`; None where
+        all layers are isotropic
     """
     # The elements of all layers are treated as one list, in batches.
     shape = xy.shape[:2]
@@ -378,36 +395,38 @@ def condensed_element_stiffness(
     elasticity = np.repeat(elasticity, shape[1], axis=0)
     along = None if along is None else along.reshape(len(xy), 2, -1)
     condensed = np.empty((len(xy), 8 * p, 8 * p))
-    for part, outer, coupling, inner in _stiffness_blocks_in_batches(xy, elasticity, p, along):
-        condensed[part] = schur_complements(outer, coupling, inner)
+    for part, outer, coupling, inner in _stiffness_blocks_of_element_batches(
+        xy, elasticity, p, along
+    ):
+        condensed[part] = replace_each_by_schur_complement(outer, coupling, inner)
     return condensed.reshape(*shape, 8 * p, 8 * p)
 
 
 class CondensedForces(NamedTuple):
     """Forces on the inner nodes of e elements of degree p, condensed to their boundary nodes.
 
-    `forces` (e, 8 p, k) are the equivalent forces on the boundary nodes for k load cases. `work`
-    (k, k) is the work of the inner forces on the displacements due to them, while the boundary
-    nodes are held.
+    `forces` (e, 8 p, k) are the equivalent forces on the boundary nodes for k load cases.
+    `integrals_of_strain_products` (k, k) is the work of the inner forces on the displacements due
+    to them, while the boundary nodes are held.
     """
 
     forces: Floats
     work: Floats
 
 
-def condense_inner_forces(
+def condense_inner_forces_to_element_boundary(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None, inner_forces: Floats
 ) -> CondensedForces:
     """The forces on the boundary nodes of elements that are equivalent to forces on inner nodes.
 
     Parameters
     ----------
-    xy, elasticity, p, along : as in `element_stiffness`
+    xy, elasticity, p, along : as in `plane_stress_stiffness_of_elements`
     inner_forces : (e, 2 i, k) forces on the i inner nodes of each element, for k load cases
     """
     count = inner_forces.shape[2]
     forces, work = np.empty((len(xy), 8 * p, count)), np.zeros((count, count))
-    for part, _, coupling, inner in _stiffness_blocks_in_batches(xy, elasticity, p, along):
+    for part, _, coupling, inner in _stiffness_blocks_of_element_batches(xy, elasticity, p, along):
         # The displacements of the inner nodes while the boundary is held give its reactions.
         own = inner_forces[part]
         displacements = np.linalg.solve(inner, own)
@@ -416,7 +435,7 @@ def condense_inner_forces(
     return CondensedForces(forces, work)
 
 
-def stress_forces(xy: Floats, stresses: Floats, p: int) -> Floats:
+def nodal_forces_of_element_stresses(xy: Floats, stresses: Floats, p: int) -> Floats:
     """The nodal forces (e, a, 2) [N] in equilibrium with the stresses inside e elements.
 
     They are the integrals of sigma_ij psi_a,j over each element, with psi_a the shape functions.
@@ -424,19 +443,19 @@ def stress_forces(xy: Floats, stresses: Floats, p: int) -> Floats:
     Parameters
     ----------
     xy : (e, 2, a) nodes of the elements [m]
-    stresses : (e, 2, 2, q) stresses times the width [N/m] at the `element_gauss_points`
+    stresses : (e, 2, 2, q) stresses times the width [N/m] at the `gauss_points_of_elements`
     p : degree
     """
     forces = np.empty((len(xy), xy.shape[2], 2))
-    step = max(1, SLOPES_PER_BATCH // reference_element(p).slopes.size)
+    step = max(1, SLOPES_PER_BATCH // reference_element_of_degree(p).slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
-        G, area = shape_function_gradients(xy[part], p)
+        G, area = shape_function_gradients_and_gauss_areas(xy[part], p)
         forces[part] = np.einsum("eijq,ejaq,eq->eai", stresses[part], G, area, optimize=True)
     return forces
 
 
-def inner_node_displacements(
+def displacements_of_inner_element_nodes(
     xy: Floats,
     elasticity: Floats,
     p: int,
@@ -448,13 +467,13 @@ def inner_node_displacements(
 
     Parameters
     ----------
-    xy, elasticity, p, along : as in `element_stiffness`
+    xy, elasticity, p, along : as in `plane_stress_stiffness_of_elements`
     u : (e, 8 p, m) displacements of the boundary nodes [m]
     inner_forces : (e, 2 i, m) forces on the inner nodes [N]; None if no force acts on them
     """
     inner_count = 2 * xy.shape[2] - 8 * p
     found = np.empty((len(xy), inner_count, u.shape[2]))
-    for part, _, coupling, inner in _stiffness_blocks_in_batches(xy, elasticity, p, along):
+    for part, _, coupling, inner in _stiffness_blocks_of_element_batches(xy, elasticity, p, along):
         # The inner nodes are in equilibrium: inner stiffness times displacements = -right side.
         right = coupling @ u[part]
         if inner_forces is not None:
@@ -463,13 +482,13 @@ def inner_node_displacements(
     return found
 
 
-def shape_function_gradients(xy: Floats, p: int) -> tuple[Floats, Floats]:
+def shape_function_gradients_and_gauss_areas(xy: Floats, p: int) -> tuple[Floats, Floats]:
     """The gradients (e, 2, a, q) [1/m] of shape functions at the Gauss points of e elements.
 
     The areas (e, q) [m^2] that the Gauss points stand for are returned too. `xy` (e, 2, a) are the
     nodes of the elements [m], and p is their degree.
     """
-    reference = reference_element(p)
+    reference = reference_element_of_degree(p)
     q = len(reference.weights)
     J = (xy @ reference.slopes).reshape(*xy.shape[:2], 2, q)  # d x_c / d xi_d
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]

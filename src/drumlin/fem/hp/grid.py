@@ -14,22 +14,22 @@ from typing import Any
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.brake.elasticity import ElasticLayer, has_directions
+from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
 from drumlin.fem.hp.element import (
-    condense_inner_forces,
+    condense_inner_forces_to_element_boundary,
     condensed_element_stiffness,
-    element_gauss_points,
-    element_stiffness,
-    inner_node_displacements,
-    reference_element,
-    shape_functions,
-    square_grid_points,
-    stress_forces,
-    unit_edge_nodes,
+    displacements_of_inner_element_nodes,
+    gauss_points_of_elements,
+    nodal_forces_of_element_stresses,
+    node_positions_on_edge_from_0_to_1,
+    plane_stress_stiffness_of_elements,
+    points_of_square_grid,
+    reference_element_of_degree,
+    shape_function_values_and_slopes,
 )
-from drumlin.fem.substructure.body import InnerSystem, sparse_stiffness
+from drumlin.fem.substructure.body import InnerSystem, assemble_sparse_stiffness
 from drumlin.fem.substructure.elimination import CondensedSystem
-from drumlin.fem.substructure.expansion import Strains, held_stress
+from drumlin.fem.substructure.expansion import Strains, stress_belonging_to_free_strain
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class ColumnGrid:
         """The numbers (2 N,) of all displacements; x and y of a node are next to each other."""
         return np.arange(2 * self.N)
 
-    def numbers_of(self, nodes: Ints) -> Ints:
+    def convert_grid_node_numbers(self, nodes: Ints) -> Ints:
         """The given numbers of nodes, unchanged; a `Skeleton` returns its own numbers of them."""
         return nodes
 
@@ -110,67 +110,75 @@ class ColumnGrid:
         return {name: np.flatnonzero(np.array(names) == name) for name in dict.fromkeys(names)}
 
     @property
-    def _local_numbers(self) -> Ints:
+    def _node_numbers_within_element(self) -> Ints:
         """The numbers (p + 1, p + 1) of nodes within an element, row by row from 0 on."""
         return np.arange((self.degree + 1) ** 2).reshape(self.degree + 1, -1)
 
     @cached_property
-    def subcells(self) -> Ints:
+    def quadrilaterals_between_element_nodes(self) -> Ints:
         """The quadrilaterals (4, p p) between neighbouring nodes of an element, for pictures.
 
         They are given by their four corners, numbered within the element.
         """
-        at = self._local_numbers
+        at = self._node_numbers_within_element
         return np.array([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]]).reshape(4, -1)
 
     @cached_property
-    def outline(self) -> Ints:
+    def boundary_nodes_around_each_element(self) -> Ints:
         """The nodes on the boundary of each element (4 p, elements), once around the element."""
         # The nodes along the first edge, the right side, the last edge and the left side.
-        at = self._local_numbers
+        at = self._node_numbers_within_element
         around = np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])
         return self.element_dofs[around]
 
-    def gradients(self, elements: Ints) -> Floats:
+    def shape_gradients_at_nodes_of_elements(self, elements: Ints) -> Floats:
         """The gradients (a, 2, elements, a) [1/m] of shape functions at the nodes of elements.
 
         The first axis counts shape functions, the second x and y, the last nodes. `elements` are
         the numbers of the elements.
         """
         # The derivatives on the unit square are multiplied with the inverse of the element's map.
-        _, slopes = shape_functions(self.degree, square_grid_points(unit_edge_nodes(self.degree)))
+        _, slopes = shape_function_values_and_slopes(
+            self.degree, points_of_square_grid(node_positions_on_edge_from_0_to_1(self.degree))
+        )
         J = np.einsum("can,adq->nqcd", self.doflocs[:, self.element_dofs[:, elements]], slopes)
         return np.asarray(np.einsum("adq,nqdc->acnq", slopes, np.linalg.inv(J)))
 
     @cached_property
-    def ordered_dofs(self) -> Ints:
+    def element_nodes_boundary_nodes_first(self) -> Ints:
         """The numbers of the nodes of each element (elements, a), boundary nodes first.
 
         The order is that of `element.ReferenceElement`.
         """
-        return np.ascontiguousarray(self.element_dofs[reference_element(self.degree).order].T)
+        return np.ascontiguousarray(
+            self.element_dofs[reference_element_of_degree(self.degree).order].T
+        )
 
     @cached_property
-    def element_nodes(self) -> Floats:
+    def node_coordinates_of_each_element(self) -> Floats:
         """The coordinates (elements, 2, a) [m] of each element's nodes, boundary nodes first."""
-        return np.ascontiguousarray(self.doflocs[:, self.ordered_dofs].transpose(1, 0, 2))
+        return np.ascontiguousarray(
+            self.doflocs[:, self.element_nodes_boundary_nodes_first].transpose(1, 0, 2)
+        )
 
-    def elasticity(self, layers: Mapping[str, ElasticLayer]) -> Floats:
+    def elasticity_matrix_of_each_element(self, layers: Mapping[str, ElasticLayer]) -> Floats:
         """The elasticity matrix times the width, for each element (elements, 3, 3) [N/m]."""
         matrices = np.zeros((self.element_dofs.shape[1], 3, 3))
         for name, elements in self.subdomains.items():
             matrices[elements] = layers[name].stiffness
         return matrices
 
-    def layer_directions(self, layers: Mapping[str, ElasticLayer], xy: Any) -> Any:
+    def layer_directions_at_gauss_points(self, layers: Mapping[str, ElasticLayer], xy: Any) -> Any:
         """The unit vectors (elements, 2, q) along the layers at the Gauss points of all elements.
 
         `xy` (elements, 2, a) are the nodes of the elements. None is returned if all layers are
         isotropic.
         """
-        if not any(has_directions(layers[name].elasticity) for name in self.subdomains):
+        if not any(
+            is_elasticity_matrix_orthotropic(layers[name].elasticity) for name in self.subdomains
+        ):
             return None
-        points = element_gauss_points(xy, self.degree)
+        points = gauss_points_of_elements(xy, self.degree)
         directions = np.empty_like(points)
         for name, elements in self.subdomains.items():
             of_layer = layers[name].directions(np.moveaxis(points[elements], 1, 0))
@@ -183,10 +191,12 @@ class ColumnGrid:
         The unknown 2 i + c is the displacement of node i in direction c: 0 for x, 1 for y.
         """
         kind = np.longdouble if precise else float
-        xy = self.element_nodes.astype(kind)
-        along = self.layer_directions(layers, xy)
-        K = element_stiffness(xy, self.elasticity(layers).astype(kind), self.degree, along)
-        return sparse_stiffness(K, self.ordered_dofs, self.N)
+        xy = self.node_coordinates_of_each_element.astype(kind)
+        along = self.layer_directions_at_gauss_points(layers, xy)
+        K = plane_stress_stiffness_of_elements(
+            xy, self.elasticity_matrix_of_each_element(layers).astype(kind), self.degree, along
+        )
+        return assemble_sparse_stiffness(K, self.element_nodes_boundary_nodes_first, self.N)
 
     def expansion_forces(self, layers: Mapping[str, ElasticLayer], strains: Strains) -> Floats:
         """The nodal forces (2 N,) [N] by which free strains of the layers load the body.
@@ -194,21 +204,23 @@ class ColumnGrid:
         Free strains, such as thermal expansion, cause no stress in a layer that is not bonded to
         others. See `expansion.expansion_forces`.
         """
-        xy = self.element_nodes
-        points = element_gauss_points(xy, self.degree)
+        xy = self.node_coordinates_of_each_element
+        points = gauss_points_of_elements(xy, self.degree)
         forces = np.zeros((self.N, 2))
         for name, strain in strains.items():
             elements = self.subdomains[name]
             at = np.moveaxis(points[elements], 1, 0)
-            held = np.moveaxis(held_stress(layers[name], strain, at), 2, 0)
-            own = stress_forces(xy[elements], held, self.degree)
-            np.add.at(forces, self.ordered_dofs[elements], own)
+            held = np.moveaxis(stress_belonging_to_free_strain(layers[name], strain, at), 2, 0)
+            own = nodal_forces_of_element_stresses(xy[elements], held, self.degree)
+            np.add.at(forces, self.element_nodes_boundary_nodes_first[elements], own)
         return forces.ravel()
 
     @cached_property
-    def skeleton(self) -> "Skeleton":
+    def skeleton_without_inner_element_nodes(self) -> "Skeleton":
         """The skeleton of the grid: the nodes on the boundaries of its elements."""
-        dofs = self.ordered_dofs[:, : reference_element(self.degree).outer]
+        dofs = self.element_nodes_boundary_nodes_first[
+            :, : reference_element_of_degree(self.degree).outer
+        ]
         nodes = np.unique(dofs)
         number = np.full(self.N, -1)
         number[nodes] = np.arange(len(nodes))
@@ -255,18 +267,23 @@ class Skeleton:
         """
         return np.asarray((2 * self.nodes[:, None] + np.arange(2)).ravel())
 
-    def numbers_of(self, nodes: Ints) -> Ints:
+    def convert_grid_node_numbers(self, nodes: Ints) -> Ints:
         """The numbers in the skeleton of nodes that are given by their numbers in the grid."""
         return self.number[nodes]
 
     def stiffness(self, layers: Mapping[str, ElasticLayer]) -> Any:
         """The stiffness (2 N, 2 N) [N/m] on the skeleton, without inner nodes of elements."""
         grid = self.grid
-        xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
-        K = condensed_element_stiffness(xy[:, None], grid.elasticity(layers), grid.degree, along)
-        return sparse_stiffness(K, self.element_dofs.T, self.N)
+        xy, along = (
+            grid.node_coordinates_of_each_element,
+            grid.layer_directions_at_gauss_points(layers, grid.node_coordinates_of_each_element),
+        )
+        K = condensed_element_stiffness(
+            xy[:, None], grid.elasticity_matrix_of_each_element(layers), grid.degree, along
+        )
+        return assemble_sparse_stiffness(K, self.element_dofs.T, self.N)
 
-    def condense_forces(
+    def condense_forces_to_element_boundaries(
         self, layers: Mapping[str, ElasticLayer], forces: Floats
     ) -> tuple[Floats, Floats]:
         """The equivalent forces on the skeleton for forces on all nodes of the grid.
@@ -282,25 +299,30 @@ class Skeleton:
         inside elements while the nodes of the skeleton are held
         """
         grid, count = self.grid, forces.shape[1]
-        xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
+        xy, along = (
+            grid.node_coordinates_of_each_element,
+            grid.layer_directions_at_gauss_points(layers, grid.node_coordinates_of_each_element),
+        )
         # The forces inside elements become forces on their boundaries, and are added to the others.
-        inner = self._inner_forces(forces)
-        condensed = condense_inner_forces(xy, grid.elasticity(layers), grid.degree, along, inner)
+        inner = self._forces_on_inner_element_nodes(forces)
+        condensed = condense_inner_forces_to_element_boundary(
+            xy, grid.elasticity_matrix_of_each_element(layers), grid.degree, along, inner
+        )
         on_sides = forces.reshape(grid.N, 2, count)[self.nodes]
         by_node = condensed.forces.reshape(len(inner), -1, 2, count)
         np.add.at(on_sides, self.element_dofs.T, by_node)
         return on_sides.reshape(2 * self.N, count), condensed.work
 
-    def _inner_forces(self, forces: Floats) -> Floats:
+    def _forces_on_inner_element_nodes(self, forces: Floats) -> Floats:
         """The forces on the i inner nodes of each element, from the forces on all nodes.
 
         The given forces are (2 grid nodes, k), the returned ones (elements, 2 i, k).
         """
-        inside = self.grid.ordered_dofs[:, len(self.element_dofs) :]
+        inside = self.grid.element_nodes_boundary_nodes_first[:, len(self.element_dofs) :]
         by_node = forces.reshape(self.grid.N, 2, -1)
         return by_node[inside].reshape(len(inside), -1, forces.shape[1])
 
-    def displacements_of_all_nodes(
+    def displacements_of_all_grid_nodes(
         self, layers: Mapping[str, ElasticLayer], u: Floats, forces: Floats | None = None
     ) -> Floats:
         """The displacements (2 grid nodes, m) [m] of all nodes of the grid.
@@ -317,13 +339,18 @@ class Skeleton:
         on_sides = u.reshape(self.N, 2, -1)
         everywhere[self.nodes] = on_sides
         # The inner nodes of each element follow from its boundary nodes.
-        outer = on_sides[self.element_dofs.T].reshape(len(grid.ordered_dofs), -1, u.shape[1])
-        xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
-        own = None if forces is None else self._inner_forces(forces)
-        inner = inner_node_displacements(
-            xy, grid.elasticity(layers), grid.degree, along, outer, own
+        outer = on_sides[self.element_dofs.T].reshape(
+            len(grid.element_nodes_boundary_nodes_first), -1, u.shape[1]
         )
-        inside = grid.ordered_dofs[:, len(self.element_dofs) :]
+        xy, along = (
+            grid.node_coordinates_of_each_element,
+            grid.layer_directions_at_gauss_points(layers, grid.node_coordinates_of_each_element),
+        )
+        own = None if forces is None else self._forces_on_inner_element_nodes(forces)
+        inner = displacements_of_inner_element_nodes(
+            xy, grid.elasticity_matrix_of_each_element(layers), grid.degree, along, outer, own
+        )
+        inside = grid.element_nodes_boundary_nodes_first[:, len(self.element_dofs) :]
         everywhere[inside] = inner.reshape(*inside.shape, 2, -1)
         return everywhere.reshape(2 * grid.N, -1)
 
@@ -359,7 +386,7 @@ class GridUnknowns:
     further: Floats
 
     @classmethod
-    def of(
+    def without_further_unit_loads(
         cls,
         grid: ColumnGrid,
         layers: Mapping[str, ElasticLayer],
@@ -368,46 +395,50 @@ class GridUnknowns:
         """The eliminated displacements of a body without further unit loads."""
         return cls(grid, layers, whole_system, np.zeros((2 * grid.N, 0)))
 
-    def system(self) -> InnerSystem:
+    def equations_of_whole_body(self) -> InnerSystem:
         """The body's system of equations before condensation, on all nodes of its grid."""
-        return self._add_further(self.whole_system(self.grid), self.further)
+        return self._system_with_further_unit_loads(self.whole_system(self.grid), self.further)
 
-    def with_forces(self, forces: Floats) -> "GridUnknowns":
+    def body_system_with_further_loads(self, forces: Floats) -> "GridUnknowns":
         """A copy with k further unit loads, given as nodal forces (2 grid nodes, k)."""
         return replace(self, further=np.hstack([self.further, forces]))
 
-    def eliminate_loads(self) -> CondensedSystem:
+    def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The unit loads and the stiffness, condensed to the contact nodes and the hinge's frame.
 
         The inner nodes of elements are eliminated first, and then the rest of the skeleton.
         """
-        sides = self.grid.skeleton
-        on_sides, inner_work = sides.condense_forces(self.layers, self.further)
-        system = self._add_further(self.whole_system(sides), on_sides)
+        sides = self.grid.skeleton_without_inner_element_nodes
+        on_sides, inner_work = sides.condense_forces_to_element_boundaries(
+            self.layers, self.further
+        )
+        system = self._system_with_further_unit_loads(self.whole_system(sides), on_sides)
         # The work of the loads on the skeleton lacks the work of the forces inside elements.
-        S, loads, work = system.eliminate_loads()
+        S, loads, work = system.condense_loads_and_stiffness()
         first = len(work) - len(inner_work)
         work[first:, first:] += inner_work
         return CondensedSystem(S, loads, work)
 
-    def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+    def nodal_displacements_in_load_cases(
+        self, nodal: Floats, frame: Floats, loads: Floats
+    ) -> Floats:
         """The displacements (2 grid nodes, m) [m] of all nodes; see `CondensedBody.displacements`.
 
         `nodal` and `frame` are the displacements of the contact nodes and of the hinge's frame, and
         `loads` the factors of the unit loads, in m load cases.
         """
-        sides, count = self.grid.skeleton, self.further.shape[1]
+        sides, count = self.grid.skeleton_without_inner_element_nodes, self.further.shape[1]
         system = self.whole_system(sides)
         # Without further loads no force acts inside elements.
         if not count:
-            on_sides = system.displacements(nodal, frame, loads)
-            return sides.displacements_of_all_nodes(self.layers, on_sides)
-        forces_on_sides, _ = sides.condense_forces(self.layers, self.further)
-        system = self._add_further(system, forces_on_sides)
-        on_sides = system.displacements(nodal, frame, loads)
+            on_sides = system.nodal_displacements_in_load_cases(nodal, frame, loads)
+            return sides.displacements_of_all_grid_nodes(self.layers, on_sides)
+        forces_on_sides, _ = sides.condense_forces_to_element_boundaries(self.layers, self.further)
+        system = self._system_with_further_unit_loads(system, forces_on_sides)
+        on_sides = system.nodal_displacements_in_load_cases(nodal, frame, loads)
         forces = self.further @ loads[len(loads) - count :]
-        return sides.displacements_of_all_nodes(self.layers, on_sides, forces)
+        return sides.displacements_of_all_grid_nodes(self.layers, on_sides, forces)
 
-    def _add_further(self, system: InnerSystem, forces: Floats) -> InnerSystem:
+    def _system_with_further_unit_loads(self, system: InnerSystem, forces: Floats) -> InnerSystem:
         """The system of equations with the further unit loads added as nodal forces (2 N, k)."""
-        return system.with_forces(forces) if forces.shape[1] else system
+        return system.body_system_with_further_loads(forces) if forces.shape[1] else system

@@ -16,30 +16,42 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Ring, Section
-from drumlin.brake.elasticity import has_directions
+from drumlin.brake.elasticity import is_elasticity_matrix_orthotropic
 from drumlin.fem.hp.arc import (
-    angular_integrals,
-    arc_column_stiffness,
+    angular_factors_of_column_stiffness,
+    condensed_arc_column_stiffness,
     condensed_arc_element_stiffness,
 )
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_column_row,
-    eliminate_side_line,
-    order_of_column_unknowns,
-    rotate_matrix_components,
-    rotate_vector_components,
+    assemble_row_of_element_columns,
+    eliminate_nodes_on_column_side,
+    order_of_element_column_unknowns,
+    rotate_node_axes_of_matrix,
+    rotate_node_axes_of_vectors,
 )
-from drumlin.fem.hp.division import Level, graded_sizes, piece_ends
+from drumlin.fem.hp.division import (
+    Level,
+    piece_ends_from_piece_sizes,
+    piece_sizes_small_at_both_ends,
+)
 from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
 from drumlin.fem.hp.shoe import (
-    axis_angles_of_contact_nodes,
-    distinct_sizes,
+    axis_angles_at_contact_nodes,
+    distinct_sizes_up_to_round_off,
+    node_positions_of_element_row,
     node_positions_of_elements,
-    node_positions_of_row,
 )
-from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, body_constraints
-from drumlin.fem.substructure.elasticity import elastic_layers_of_ring, elasticity_of_layers
+from drumlin.fem.substructure.body import (
+    FRAME,
+    CondensedBody,
+    InnerSystem,
+    multi_point_constraints_of_body,
+)
+from drumlin.fem.substructure.elasticity import (
+    elastic_layers_of_ring,
+    elasticity_times_width_of_layers,
+)
 from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.loads import LoadColumns
@@ -48,11 +60,15 @@ from drumlin.fem.substructure.ring import (
     RimBalance,
     RingSubstructure,
     couple_ring_with_linings,
-    nodes_held,
+    fixed_nodes_of_ring,
     ring_stiffness,
-    statically_determinate_unknowns,
+    unknowns_of_statically_determinate_support,
 )
-from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
+from drumlin.response.resultants import (
+    WEIGHTS,
+    gauss_lobatto_points,
+    shape_functions_at_gauss_points,
+)
 
 FULL_TURN = 2 * math.pi
 """The angle of a whole turn [rad]."""
@@ -81,7 +97,7 @@ class RingDivision(NamedTuple):
     depths: Floats
 
     @property
-    def contact_edges(self) -> Ints:
+    def contact_nodes_of_each_column(self) -> Ints:
         """The nodes (p + 1, c) on the friction surface of each of the c columns under linings.
 
         The nodes are numbered around the drum from the first angle on. Node 0 follows the last one.
@@ -96,10 +112,10 @@ class RingDivision(NamedTuple):
 
         The nodes are numbered around the drum from the first angle on.
         """
-        return np.unique(self.contact_edges)
+        return np.unique(self.contact_nodes_of_each_column)
 
     @property
-    def first_columns_of_runs(self) -> Ints:
+    def first_columns_of_contacts_and_gaps(self) -> Ints:
         """The number of the first column of each run.
 
         A run is all columns under one lining, or all columns between two linings.
@@ -109,7 +125,7 @@ class RingDivision(NamedTuple):
         return runs if len(runs) > 1 else np.array([0, 1])
 
 
-def divide_ring(
+def divide_ring_into_hp_elements(
     section: Section,
     radius: float,
     linings: list[Floats],
@@ -142,22 +158,28 @@ def divide_ring(
     sizes = np.diff(places)
     for k, (a, b) in enumerate(pairwise(places)):
         middle = 0.5 * (float(a) + float(b))
-        covered = any(_lies_under_lining(middle, part) for part in parts)
+        covered = any(_is_angle_under_lining(middle, part) for part in parts)
         pieces = [b - a]
         if not covered:
             before, after = sizes[k - 1], sizes[(k + 1) % len(sizes)]
-            pieces = graded_sizes(b - a, before, after, level.ratio, level.largest)
-        angles.append(piece_ends(pieces, a, b)[1:])
+            pieces = piece_sizes_small_at_both_ends(
+                b - a, before, after, level.ratio, level.largest
+            )
+        angles.append(piece_ends_from_piece_sizes(pieces, a, b)[1:])
         contact += [covered] * len(pieces)
 
     # The layers grow from the friction surface through the thickness.
     t = section.thickness
-    layers = graded_sizes(t, min(level.back * t, singular_layer_size), t, level.through, t)
+    layers = piece_sizes_small_at_both_ends(
+        t, min(level.back * t, singular_layer_size), t, level.through, t
+    )
     ends = origin + np.concatenate(angles)
-    return RingDivision(level.degree, ends, np.array(contact), piece_ends(layers, 0.0, t))
+    return RingDivision(
+        level.degree, ends, np.array(contact), piece_ends_from_piece_sizes(layers, 0.0, t)
+    )
 
 
-def _lies_under_lining(angle: float, ends: Floats) -> bool:
+def _is_angle_under_lining(angle: float, ends: Floats) -> bool:
     """Whether an `angle` [rad] or the same angle a whole turn later lies between a lining's ends.
 
     The first and the last of `ends` [rad] are the ends of the lining.
@@ -165,7 +187,7 @@ def _lies_under_lining(angle: float, ends: Floats) -> bool:
     return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, FULL_TURN))
 
 
-def condensed_hp_ring(
+def condensed_ring_in_hp_elements(
     brake: Brake,
     level: Level,
     linings: tuple[ContactLine, ...],
@@ -187,32 +209,34 @@ def condensed_hp_ring(
     assert ring is not None and ring.section is not None
     ends = []
     for shoe, line in zip(brake.shoes, linings, strict=True):
-        ends.append(np.sort(shoe.frame.theta(line.phi[:: line.order])))
-    div = divide_ring(ring.section, radius, ends, level, singular_layer_size)
+        ends.append(np.sort(shoe.frame.theta(line.phi[:: line.interpolation_degree])))
+    div = divide_ring_into_hp_elements(ring.section, radius, ends, level, singular_layer_size)
     # A free ring is held by nothing: unit loads on its rim balance the forces of the linings.
     free = ring.support == "free"
-    grid = ring_grid(radius, sign, div)
+    grid = grid_of_all_nodes_of_ring(radius, sign, div)
     rim = np.zeros((2 * grid.N, 0))
     if free:
-        rim = rim_forces_on_grid(radius + sign * ring.section.thickness, div, grid)
+        rim = nodal_forces_of_unit_rim_loads(radius + sign * ring.section.thickness, div, grid)
 
-    contact = _ring_contact_line(div, grid)
-    condensed = _condense_ring(ring, radius, sign, div, grid, rim)
-    balance = RimBalance.of(grid, rim, condensed, contact) if free else None
-    held = nodes_held(ring, grid.sets["support"])
+    contact = _contact_line_of_ring(div, grid)
+    condensed = _condense_ring_to_contact_nodes(ring, radius, sign, div, grid, rim)
+    balance = RimBalance.force_balance_of_free_ring(grid, rim, condensed, contact) if free else None
+    held = fixed_nodes_of_ring(ring, grid.sets["support"])
     return couple_ring_with_linings(brake, linings, grid, grid, contact, condensed, held, balance)
 
 
-def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
+def _contact_line_of_ring(div: RingDivision, grid: ColumnGrid) -> ContactLine:
     """The contact line of the drum's ring: its nodes on the friction surface under all linings."""
     nodes, touching = grid.sets["contact"], div.contact_nodes
     place = np.full(len(div.contact) * div.degree, -1)
     place[touching] = np.arange(len(touching))
-    angles = node_positions_of_row(div.angles, div.degree)[touching]
-    return ContactLine(nodes, grid.doflocs[:, nodes], angles, place[div.contact_edges])
+    angles = node_positions_of_element_row(div.angles, div.degree)[touching]
+    return ContactLine(
+        nodes, grid.doflocs[:, nodes], angles, place[div.contact_nodes_of_each_column]
+    )
 
 
-def _condense_ring(
+def _condense_ring_to_contact_nodes(
     ring: Ring, radius: float, sign: int, div: RingDivision, grid: ColumnGrid, rim: Floats
 ) -> CondensedBody:
     """The drum's ring, condensed to its contact nodes, with the unit loads on its rim.
@@ -222,7 +246,7 @@ def _condense_ring(
     Parameters
     ----------
     ring : the ring, which has a section
-    radius, sign, div : as in `_stiffness_of_runs`
+    radius, sign, div : as in `_stiffness_of_ring_contacts_and_gaps`
     grid : all nodes and elements of the ring
     rim : (2 N, l) unit loads on the rim, as nodal forces; l is 0 if the rim is fixed
     """
@@ -231,34 +255,39 @@ def _condense_ring(
     extra = rim.shape[1]
     free = extra > 0
     layers = len(div.depths) - 1
-    line = order_of_column_unknowns(div.degree, layers, contact=True, held=not free).line
+    line = order_of_element_column_unknowns(div.degree, layers, contact=True, held=not free).line
     n = 2 * len(div.contact_nodes)
-    A = _closed_ring_stiffness(
-        _stiffness_of_runs(section, radius, sign, div, free=free), div, line, extra
+    A = _assemble_stiffness_of_closed_ring(
+        _stiffness_of_ring_contacts_and_gaps(section, radius, sign, div, free=free),
+        div,
+        line,
+        extra,
     )
     # A free ring is supported at three unknowns of its rim, which is statically determinate.
     if free:
-        A = _hold_against_rigid_motion(A, extra, n, line, div)
+        A = _ring_stiffness_without_rigid_motion(A, extra, n, line, div)
     # The lines between the runs are eliminated. The contact's displacements, which are measured
     # along the radius and around the drum, are turned to x and y.
-    A = eliminate_side_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
-    back = -axis_angles_of_contact_nodes(div.angles, div.degree)[div.contact_nodes]
-    L, info = dpotrf(rotate_matrix_components(A[extra:, extra:], back), lower=1)
+    A = eliminate_nodes_on_column_side(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
+    back = -axis_angles_at_contact_nodes(div.angles, div.degree)[div.contact_nodes]
+    L, info = dpotrf(rotate_node_axes_of_matrix(A[extra:, extra:], back), lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
-    system = partial(_uncondensed_ring_system, ring, grid, rim)
+    system = partial(_equations_of_ring_before_condensation, ring, grid, rim)
     return CondensedBody(
         L,
         L_fc=np.zeros((FRAME, n)),
-        load_on_contact=-rotate_vector_components(A[:extra, extra:], back).T,
+        load_on_contact=-rotate_node_axes_of_vectors(A[:extra, extra:], back).T,
         load_on_frame=np.zeros((FRAME, extra)),
         load_work=-A[:extra, :extra],
-        inner=GridUnknowns.of(grid, elastic_layers_of_ring(section), system),
+        inner=GridUnknowns.without_further_unit_loads(
+            grid, elastic_layers_of_ring(section), system
+        ),
         columns=LoadColumns(((RIM, extra),)),
     )
 
 
-def _stiffness_of_runs(
+def _stiffness_of_ring_contacts_and_gaps(
     section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
 ) -> list[Floats]:
     """The condensed stiffness (n, n) of each run of element columns of the drum's ring.
@@ -277,37 +306,48 @@ def _stiffness_of_runs(
     """
     # The elements of columns of equal size have the same stiffness, which is computed once.
     p, layers = div.degree, len(div.depths) - 1
-    sizes, which = distinct_sizes(np.diff(div.angles))
-    along = 0.5 * sizes[:, None] * lobatto(p)
-    elasticity = elasticity_of_layers(elastic_layers_of_ring(section), ("drum",) * layers)
-    A = angular_integrals(along, p, directed=bool(has_directions(elasticity).any()))
+    sizes, which = distinct_sizes_up_to_round_off(np.diff(div.angles))
+    along = 0.5 * sizes[:, None] * gauss_lobatto_points(p)
+    elasticity = elasticity_times_width_of_layers(
+        elastic_layers_of_ring(section), ("drum",) * layers
+    )
+    A = angular_factors_of_column_stiffness(
+        along, p, directed=bool(is_elasticity_matrix_orthotropic(elasticity).any())
+    )
     K = condensed_arc_element_stiffness(radius + sign * div.depths, A, elasticity, p)
-    loads = _rim_loads_in_side_axes(radius + sign * section.thickness, along, p) if free else None
+    loads = (
+        _unit_rim_loads_in_column_side_axes(radius + sign * section.thickness, along, p)
+        if free
+        else None
+    )
     # Each run is assembled from its columns.
     middle = 0.5 * (div.angles[1:] + div.angles[:-1])
     runs = []
-    for first, last in pairwise([*div.first_columns_of_runs, len(which)]):
+    for first, last in pairwise([*div.first_columns_of_contacts_and_gaps, len(which)]):
         contact = bool(div.contact[first])
         kinds, kind_of = np.unique(which[first:last], return_inverse=True)
-        line = order_of_column_unknowns(p, layers, contact=contact, held=not free).line
+        line = order_of_element_column_unknowns(p, layers, contact=contact, held=not free).line
         own = None if loads is None else loads[kinds]
-        made = arc_column_stiffness(K[:, :, kinds], p, contact=contact, held=not free, loads=own)
+        made = condensed_arc_column_stiffness(
+            K[:, :, kinds], p, contact=contact, held=not free, loads=own
+        )
         if free:
             # The unit loads on the rim have another direction in each column's own frame, so that
             # no two columns are equal.
-            made = _rotate_loads_to_brake_frame(made[kind_of], middle[first:last])
+            made = _rotate_unit_loads_to_brake_frame(made[kind_of], middle[first:last])
             kind_of = np.arange(last - first)
         kinds_made = [ColumnSubstructure(each, line, line) for each in made]
         row = [kinds_made[k] for k in kind_of]
-        runs.append(assemble_column_row(row, 2 * contact, FRAME * free).K)
+        runs.append(assemble_row_of_element_columns(row, 2 * contact, FRAME * free).K)
     return runs
 
 
-def _rim_loads_in_side_axes(radius: float, along: Floats, p: int) -> Floats:
+def _unit_rim_loads_in_column_side_axes(radius: float, along: Floats, p: int) -> Floats:
     """The unit loads (c, 2 (p + 1), 3) on the rim of c columns of the drum's ring.
 
-    They are the forces of `_column_rim_loads`. Those on the first and the last node of each column
-    are measured along the radius at this side of the column and around the drum.
+    They are the forces of `_unit_rim_loads_on_element_columns`. Those on the first and the last
+    node of each column are measured along the radius at this side of the column and around the
+    drum.
 
     Parameters
     ----------
@@ -315,15 +355,15 @@ def _rim_loads_in_side_axes(radius: float, along: Floats, p: int) -> Floats:
     along : (c, p + 1) angles of the nodes from the middle of their column [rad]
     p : degree of the elements
     """
-    loads = _column_rim_loads(radius, along, p)
+    loads = _unit_rim_loads_on_element_columns(radius, along, p)
     for at, k in ((slice(2), 0), (slice(-2, None), -1)):
         nodal = loads[:, at].transpose(0, 2, 1)
-        rotated = rotate_vector_components(nodal, along[:, k, None])
+        rotated = rotate_node_axes_of_vectors(nodal, along[:, k, None])
         loads[:, at] = rotated.transpose(0, 2, 1)
     return loads
 
 
-def _column_rim_loads(radius: float, along: Floats, p: int) -> Floats:
+def _unit_rim_loads_on_element_columns(radius: float, along: Floats, p: int) -> Floats:
     """The nodal forces (c, 2 (p + 1), 3) on the rim of c columns of the drum's ring.
 
     They are the parts of three unit loads on the whole rim, which are spread over the rim like the
@@ -332,7 +372,7 @@ def _column_rim_loads(radius: float, along: Floats, p: int) -> Floats:
     the nodes from the middle [rad], `radius` is that of the rim [m], and p the degree.
     """
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
-    psi, slope = at_gauss(p)
+    psi, slope = shape_functions_at_gauss_points(p)
     x = xy @ psi
     ds = np.hypot(*(xy @ slope)) * WEIGHTS / (FULL_TURN * radius)
     one, zero = np.ones_like(ds), np.zeros_like(ds)
@@ -341,7 +381,7 @@ def _column_rim_loads(radius: float, along: Floats, p: int) -> Floats:
     return found.reshape(len(along), -1, FRAME)
 
 
-def _rotate_loads_to_brake_frame(K: Floats, angle: Floats) -> Floats:
+def _rotate_unit_loads_to_brake_frame(K: Floats, angle: Floats) -> Floats:
     """The stiffness (c, n, n) of element columns, with unit loads rotated to the brake's frame.
 
     The first three unknowns of each column are the factors of the unit loads on the rim. They are
@@ -356,7 +396,9 @@ def _rotate_loads_to_brake_frame(K: Floats, angle: Floats) -> Floats:
     return K
 
 
-def _closed_ring_stiffness(runs: list[Floats], div: RingDivision, line: int, extra: int) -> Floats:
+def _assemble_stiffness_of_closed_ring(
+    runs: list[Floats], div: RingDivision, line: int, extra: int
+) -> Floats:
     """The stiffness of the drum's closed ring, assembled from the stiffness of its runs.
 
     A run is all element columns under one lining, or all columns between two linings. The unknowns
@@ -371,7 +413,7 @@ def _closed_ring_stiffness(runs: list[Floats], div: RingDivision, line: int, ext
     line : number of unknowns of a line without its first node
     extra : number of extra unknowns, the factors of unit loads
     """
-    starts, count = div.first_columns_of_runs, len(runs)
+    starts, count = div.first_columns_of_contacts_and_gaps, len(runs)
     # The number `own` of contact unknowns of each run does not count its last node. A run between
     # two linings has only its first node in contact.
     p = div.degree
@@ -396,7 +438,7 @@ def _closed_ring_stiffness(runs: list[Floats], div: RingDivision, line: int, ext
     return A
 
 
-def _hold_against_rigid_motion(
+def _ring_stiffness_without_rigid_motion(
     A: Floats, extra: int, contact: int, line: int, div: RingDivision
 ) -> Floats:
     """The stiffness of the drum's free ring with three displacements of its rim fixed to zero.
@@ -413,7 +455,7 @@ def _hold_against_rigid_motion(
     div : division of the ring
     """
     # The other node is the one whose distance from the first node is the largest.
-    angles = div.angles[div.first_columns_of_runs]
+    angles = div.angles[div.first_columns_of_contacts_and_gaps]
     away = 0.5 * (angles - angles[0])
     k = int(np.abs(np.sin(away)).argmax())
     # A rotation about the first node moves the other node around the drum or along the radius. The
@@ -425,7 +467,7 @@ def _hold_against_rigid_motion(
     return A[keep[:, None], keep]
 
 
-def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
+def grid_of_all_nodes_of_ring(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
     """The grid of all nodes and hp elements of the drum's ring.
 
     The node set "surface" is the friction surface, "contact" its part under the linings, and
@@ -433,16 +475,19 @@ def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
 
     Parameters
     ----------
-    radius, sign, div : as in `_stiffness_of_runs`
+    radius, sign, div : as in `_stiffness_of_ring_contacts_and_gaps`
     """
     p = div.degree
-    depth, along = node_positions_of_row(div.depths, p), node_positions_of_row(div.angles, p)
+    depth, along = (
+        node_positions_of_element_row(div.depths, p),
+        node_positions_of_element_row(div.angles, p),
+    )
     rows, n = len(depth), len(along) - 1
     nodes = np.arange(rows * n).reshape(rows, n)
     # The ring closes: the last column of nodes is the first column again.
     closed = np.column_stack([nodes, nodes[:, 0]])
 
-    def point_at(depth: Floats, phi: Floats) -> Floats:
+    def ring_point_at_depth_and_angle(depth: Floats, phi: Floats) -> Floats:
         """The points (2, ...) [m] of the ring at depths [m] and angles phi [rad]."""
         r = radius + sign * depth
         return np.stack([r * np.cos(phi), r * np.sin(phi)])
@@ -450,10 +495,10 @@ def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
     contact = nodes[0, div.contact_nodes]
     sets = {"contact": contact, "surface": nodes[0], "support": nodes[-1]}
     block = ElementBlock(closed, depth, along, ("drum",) * (len(div.depths) - 1))
-    return ColumnGrid(p, (block,), point_at, sets, rows * n)
+    return ColumnGrid(p, (block,), ring_point_at_depth_and_angle, sets, rows * n)
 
 
-def rim_forces_on_grid(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
+def nodal_forces_of_unit_rim_loads(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
     """The nodal forces (2 N, 3) of three unit loads that are spread over the rim of the ring.
 
     The loads are spread like the rigid-body modes of the ring: translation in x and y, and
@@ -467,13 +512,15 @@ def rim_forces_on_grid(radius: float, div: RingDivision, grid: ColumnGrid) -> Fl
     """
     p, count = div.degree, len(div.contact)
     forces = np.zeros((grid.N, 2, FRAME))
-    pieces = _column_rim_loads(radius, node_positions_of_elements(div.angles, p), p)
+    pieces = _unit_rim_loads_on_element_columns(
+        radius, node_positions_of_elements(div.angles, p), p
+    )
     edges = (np.arange(count)[:, None] * p + np.arange(p + 1)) % (count * p)
     np.add.at(forces, grid.sets["support"][edges], pieces.reshape(count, p + 1, 2, FRAME))
     return forces.reshape(-1, FRAME)
 
 
-def _uncondensed_ring_system(
+def _equations_of_ring_before_condensation(
     ring: Ring, grid: ColumnGrid, rim: Floats, basis: ColumnGrid | Skeleton
 ) -> InnerSystem:
     """The stiffness, constraints and loads of the drum's ring before condensation.
@@ -486,10 +533,12 @@ def _uncondensed_ring_system(
     basis : the nodes that the system has: all nodes of the grid, or those of its skeleton alone,
         which lie on the boundaries of elements
     """
-    contact = basis.numbers_of(grid.sets["contact"])
-    far_edge = basis.numbers_of(grid.sets["support"])
+    contact = basis.convert_grid_node_numbers(grid.sets["contact"])
+    far_edge = basis.convert_grid_node_numbers(grid.sets["support"])
     # A free ring has loads on its rim, and three displacements of the rim are fixed to zero.
-    alone = statically_determinate_unknowns(basis, far_edge) if rim.shape[1] else None
-    constraints = body_constraints(basis, contact, nodes_held(ring, far_edge), np.zeros(2), alone)
+    alone = unknowns_of_statically_determinate_support(basis, far_edge) if rim.shape[1] else None
+    constraints = multi_point_constraints_of_body(
+        basis, contact, fixed_nodes_of_ring(ring, far_edge), np.zeros(2), alone
+    )
     loads = constraints.matrix.T @ rim[basis.dofs]
-    return InnerSystem.of(ring_stiffness(basis, ring), constraints, loads)
+    return InnerSystem.system_from_whole_stiffness(ring_stiffness(basis, ring), constraints, loads)

@@ -12,34 +12,39 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.brake.elasticity import ElasticLayer, has_directions
+from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
 from drumlin.fem.hp.arc import (
-    angular_integrals,
-    arc_column_stiffness,
+    angular_factors_of_column_stiffness,
+    condensed_arc_column_stiffness,
     condensed_arc_element_stiffness,
 )
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_column_row,
-    column_stiffness,
-    eliminate_side_line,
-    order_of_column_unknowns,
-    rotate_matrix_components,
-    rotate_vector_components,
+    assemble_row_of_element_columns,
+    condensed_element_column_stiffness,
+    eliminate_nodes_on_column_side,
+    order_of_element_column_unknowns,
+    rotate_node_axes_of_matrix,
+    rotate_node_axes_of_vectors,
 )
 from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.element import (
     condensed_element_stiffness,
-    element_gauss_points,
-    reference_element,
+    gauss_points_of_elements,
+    reference_element_of_degree,
 )
-from drumlin.fem.substructure.body import FRAME, rigid_body_modes
-from drumlin.fem.substructure.elasticity import elasticity_of_layers
+from drumlin.fem.substructure.body import FRAME, rigid_body_displacements_of_nodes
+from drumlin.fem.substructure.elasticity import elasticity_times_width_of_layers
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
-from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
+from drumlin.response.resultants import (
+    GAUSS,
+    WEIGHTS,
+    gauss_lobatto_points,
+    shape_functions_at_gauss_points,
+)
 
 PointMap = Callable[[Floats, Floats], Floats]
 """A function from depths and positions along the lining to points (2, ...) of a shoe [m]."""
@@ -61,7 +66,7 @@ class LoadedEnd(NamedTuple):
     centre: Floats
     moments: Floats
 
-    def resultants(self, pin: Floats) -> Floats:
+    def force_and_moment_about_pin(self, pin: Floats) -> Floats:
         """The force x, force y and moment about the `pin` (2,) [m] of each unit load (3, l)."""
         arm = self.centre - pin
         resultants = self.moments.copy()
@@ -73,11 +78,11 @@ EndLoads = Callable[[Floats, Floats, int], LoadedEnd]
 """A function that returns the unit loads on a shoe's loaded end face.
 
 Its arguments are the nodes of the end face, their depths and the degree of the elements, as those
-of `unit_actuation_loads`.
+of `unit_actuation_loads_on_end_face`.
 """
 
 
-def unit_actuation_loads(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
+def unit_actuation_loads_on_end_face(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
     """The unit actuations on the straight end face of a shoe: force x, force y and couple.
 
     The forces are spread evenly over the end face. The couple is a traction that grows linearly
@@ -92,7 +97,7 @@ def unit_actuation_loads(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
     # The ends of the elements along the end face, as positions from -1/2 to 1/2.
     ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5
     at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)
-    psi, _ = at_gauss(p)
+    psi, _ = shape_functions_at_gauss_points(p)
     half = 0.5 * (ends[1:] - ends[:-1])[:, None]
     where = ends[:-1, None] + half * (1 + GAUSS)
     even = np.bincount(at.ravel(), ((half * WEIGHTS) @ psi.T).ravel())
@@ -134,19 +139,19 @@ class CondensedShoe(NamedTuple):
     columns: LoadColumns
 
 
-def point_map(shoe: Shoe, radius: float) -> PointMap:
+def function_from_depth_and_angle_to_point(shoe: Shoe, radius: float) -> PointMap:
     """The function from depths and positions along the lining to points in the shoe's frame [m].
 
     `radius` is that of the drum [m].
     """
     return (
-        _beam_point_map(shoe, radius)
+        _point_function_of_straight_beam_shoe(shoe, radius)
         if isinstance(shoe.body, Beam)
         else partial(shoe.at, size=radius)
     )
 
 
-def _beam_point_map(shoe: Shoe, radius: float) -> PointMap:
+def _point_function_of_straight_beam_shoe(shoe: Shoe, radius: float) -> PointMap:
     """The function from depths and positions to points [m] of a shoe with a straight beam.
 
     Depths from 0 to 1 are in the lining, from 1 to 2 in the block between lining and beam, and from
@@ -154,14 +159,14 @@ def _beam_point_map(shoe: Shoe, radius: float) -> PointMap:
     """
     # `scene.why_not` refuses shoes without a section before, so that the assertion holds.
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None
-    axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
+    axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     thickness = shoe.lining.thickness
     back, beam = radius + thickness, shoe.body.section.thickness
     s, e = shoe.arc
     ends = axis.angle(shoe.frame.theta(np.array([s, e])))
     start = float(np.min(ends))
 
-    def point_at(depth: Floats, phi: Floats) -> Floats:
+    def beam_shoe_point_at_depth_and_angle(depth: Floats, phi: Floats) -> Floats:
         """The points (2, ...) [m] of a straight-beam shoe at depths and positions phi [rad]."""
         depth, phi = np.broadcast_arrays(depth, phi)
         # In the axes of the beam, x runs along the beam. Under the lining the angle `a` is counted
@@ -175,9 +180,11 @@ def _beam_point_map(shoe: Shoe, radius: float) -> PointMap:
         y = np.where(depth > 1, in_block, y)
         in_beam = beam / 2 - (depth - 2) * beam
         y = np.where(depth > 2, in_beam, y)
-        return np.moveaxis(shoe.frame.to_shoe(axis.to_brake(x, y)), -1, 0)
+        return np.moveaxis(
+            shoe.frame.convert_to_shoe_frame(axis.convert_to_brake_frame(x, y)), -1, 0
+        )
 
-    return point_at
+    return beam_shoe_point_at_depth_and_angle
 
 
 def node_positions_of_elements(ends: Floats, p: int) -> Floats:
@@ -186,10 +193,10 @@ def node_positions_of_elements(ends: Floats, p: int) -> Floats:
     `ends` (m + 1,) are the positions of the ends of the elements.
     """
     first, last = ends[:-1, None], ends[1:, None]
-    return np.asarray(0.5 * (last + first) + 0.5 * (last - first) * lobatto(p))
+    return np.asarray(0.5 * (last + first) + 0.5 * (last - first) * gauss_lobatto_points(p))
 
 
-def node_positions_of_row(ends: Floats, p: int) -> Floats:
+def node_positions_of_element_row(ends: Floats, p: int) -> Floats:
     """The positions (m p + 1,) of the nodes of m elements of degree p in a row, each node once.
 
     `ends` (m + 1,) are the positions of the ends of the elements.
@@ -197,7 +204,9 @@ def node_positions_of_row(ends: Floats, p: int) -> Floats:
     return np.append(node_positions_of_elements(ends, p)[:, :-1].ravel(), ends[-1])
 
 
-def element_nodes(place: PointMap, depths: Floats, along: Floats, p: int) -> Floats:
+def node_coordinates_of_layers_and_columns(
+    place: PointMap, depths: Floats, along: Floats, p: int
+) -> Floats:
     """The coordinates (l, c, 2, a) [m] of the a nodes of each element in l layers and c columns.
 
     The nodes of an element are in the order of `ReferenceElement`.
@@ -212,10 +221,10 @@ def element_nodes(place: PointMap, depths: Floats, along: Floats, p: int) -> Flo
     # The array xy (2, layers, columns, p + 1, p + 1) has the points of the nodes of all elements.
     xy = place(node_positions_of_elements(depths, p)[:, None, :, None], along[:, None, :])
     xy = xy.reshape(*xy.shape[:3], -1).transpose(1, 2, 0, 3)
-    return np.ascontiguousarray(xy[..., reference_element(p).order])
+    return np.ascontiguousarray(xy[..., reference_element_of_degree(p).order])
 
 
-def distinct_sizes(sizes: Floats) -> tuple[Floats, Ints]:
+def distinct_sizes_up_to_round_off(sizes: Floats) -> tuple[Floats, Ints]:
     """The k different values (k,) among `sizes` (m,), and which of them each size has (m,).
 
     Sizes that agree in twelve digits count as equal.
@@ -228,7 +237,7 @@ def distinct_sizes(sizes: Floats) -> tuple[Floats, Ints]:
     return np.array(list(numbers)), np.array(which)
 
 
-def _layer_directions(
+def _unit_vectors_along_shoe_layers(
     layers: dict[str, ElasticLayer], part: tuple[str, ...], xy: Floats, p: int
 ) -> Floats:
     """The unit vectors (l, c, 2, q) along the layers of a shoe at the Gauss points of elements.
@@ -236,7 +245,7 @@ def _layer_directions(
     There are l rows of c elements with the nodes xy (l, c, 2, a) [m]. `part` (l,) is the name of
     the layer of the shoe that each row belongs to.
     """
-    points = np.moveaxis(element_gauss_points(xy, p), 2, 1)  # (l, 2, c, q)
+    points = np.moveaxis(gauss_points_of_elements(xy, p), 2, 1)  # (l, 2, c, q)
     vectors = [layers[name].directions(own) for name, own in zip(part, points, strict=True)]
     return np.moveaxis(np.array(vectors), 1, 2)
 
@@ -267,7 +276,7 @@ class _ColumnKinds(NamedTuple):
     ----------
     along : (kinds, p + 1) positions of the nodes of each kind along the lining
     angular : integrals along the columns of each kind on an arc or a plane, see
-        `angular_integrals`; None for a straight beam
+        `angular_factors_of_column_stiffness`; None for a straight beam
     which : (columns,) kind of each column: those under the lining, then those before it, then those
         behind it
     """
@@ -277,7 +286,9 @@ class _ColumnKinds(NamedTuple):
     which: Ints
 
 
-def column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKinds:
+def kinds_of_equal_element_columns(
+    shoe: Shoe, div: ShoeDivision, *, directed: bool
+) -> _ColumnKinds:
     """The kinds of element columns of a shoe, so that the stiffness of each kind is computed once.
 
     On an arc or a plane, columns of equal width are of one kind. In a straight beam each column is
@@ -290,31 +301,35 @@ def column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKin
     """
     p = div.degree
     rows = [div.angles]
-    if div.first_body_layer < div.layers:
+    if div.index_of_first_body_layer < div.number_of_element_layers:
         rows += [div.before[::-1], div.after]
     if isinstance(shoe.body, Beam):
         along = np.concatenate([node_positions_of_elements(ends, p) for ends in rows])
         return _ColumnKinds(along, None, np.arange(len(along)))
-    sizes, which = distinct_sizes(np.concatenate([ends[1:] - ends[:-1] for ends in rows]))
-    along = 0.5 * sizes[:, None] * lobatto(p)
-    A = angular_integrals(along, p, flat=shoe.flat, directed=directed)
+    sizes, which = distinct_sizes_up_to_round_off(
+        np.concatenate([ends[1:] - ends[:-1] for ends in rows])
+    )
+    along = 0.5 * sizes[:, None] * gauss_lobatto_points(p)
+    A = angular_factors_of_column_stiffness(along, p, flat=shoe.flat, directed=directed)
     return _ColumnKinds(along, A, which)
 
 
-def _condensed_columns(
+def _condensed_hp_columns_of_shoe(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: dict[str, ElasticLayer]
 ) -> _ShoeColumns:
     """The element columns of a shoe, each condensed to its two sides and its contact nodes.
 
-    The parameters are those of `condense_shoe`.
+    The parameters are those of `condense_shoe_to_contact_nodes`.
     """
     p = div.degree
-    elasticity = elasticity_of_layers(layers, div.part)
-    directed = bool(has_directions(elasticity).any())
-    kinds_of_columns = column_kinds(shoe, div, directed=directed)
+    elasticity = elasticity_times_width_of_layers(layers, div.part)
+    directed = bool(is_elasticity_matrix_orthotropic(elasticity).any())
+    kinds_of_columns = kinds_of_equal_element_columns(shoe, div, directed=directed)
     plane = radius if shoe.flat else None
 
-    def columns_of(row: Ints, layer: int, *, contact: bool, held: bool) -> list[ColumnSubstructure]:
+    def condensed_hp_columns_of_row(
+        row: Ints, layer: int, *, contact: bool, held: bool
+    ) -> list[ColumnSubstructure]:
         """The condensed element columns of a row, which begin with the layer number `layer`.
 
         Parameters
@@ -329,15 +344,28 @@ def _condensed_columns(
         # numpy.unique would load numpy's masked arrays, which bincount does not.
         kinds = np.flatnonzero(np.bincount(row))
         depths, own = div.depths[layer:], elasticity[layer:]
-        unknowns = order_of_column_unknowns(p, div.layers - layer, contact=contact, held=held)
+        unknowns = order_of_element_column_unknowns(
+            p, div.number_of_element_layers - layer, contact=contact, held=held
+        )
         if kinds_of_columns.angular is None:
-            xy = element_nodes(point_map(shoe, radius), depths, kinds_of_columns.along[kinds], p)
-            along = _layer_directions(layers, div.part[layer:], xy, p) if directed else None
-            stiffness = column_stiffness(condensed_element_stiffness(xy, own, p, along), unknowns)
+            xy = node_coordinates_of_layers_and_columns(
+                function_from_depth_and_angle_to_point(shoe, radius),
+                depths,
+                kinds_of_columns.along[kinds],
+                p,
+            )
+            along = (
+                _unit_vectors_along_shoe_layers(layers, div.part[layer:], xy, p)
+                if directed
+                else None
+            )
+            stiffness = condensed_element_column_stiffness(
+                condensed_element_stiffness(xy, own, p, along), unknowns
+            )
         else:
             A = kinds_of_columns.angular[:, kinds]
             parts = condensed_arc_element_stiffness(radius - shoe.sign * depths, A, own, p, plane)
-            stiffness = arc_column_stiffness(parts, p, contact=contact, held=held)
+            stiffness = condensed_arc_column_stiffness(parts, p, contact=contact, held=held)
         made = {}
         for kind, K in zip(kinds.tolist(), stiffness, strict=True):
             made[kind] = ColumnSubstructure(K, unknowns.line, unknowns.line)
@@ -350,13 +378,20 @@ def _condensed_columns(
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     outside_grip = np.concatenate([which[:a], which[b:under]])
-    free = columns_of(outside_grip, 0, contact=True, held=div.first_body_layer == div.layers)
-    gripped = columns_of(which[a:b], 0, contact=True, held=True)
-    rest = columns_of(which[under:], div.first_body_layer, contact=False, held=False)
+    free = condensed_hp_columns_of_row(
+        outside_grip,
+        0,
+        contact=True,
+        held=div.index_of_first_body_layer == div.number_of_element_layers,
+    )
+    gripped = condensed_hp_columns_of_row(which[a:b], 0, contact=True, held=True)
+    rest = condensed_hp_columns_of_row(
+        which[under:], div.index_of_first_body_layer, contact=False, held=False
+    )
     return _ShoeColumns([*free[:a], *gripped, *free[a:]], rest[:before], rest[before:], (a, b))
 
 
-def axis_angles_of_contact_nodes(ends: Floats, p: int) -> Floats:
+def axis_angles_at_contact_nodes(ends: Floats, p: int) -> Floats:
     """The angles (m p + 1,) of the axes that displacements of contact nodes are measured in.
 
     A node at an end of an element column has the angle of this end. A node inside a column has the
@@ -368,7 +403,7 @@ def axis_angles_of_contact_nodes(ends: Floats, p: int) -> Floats:
     return angles
 
 
-def measuring_axis_angles(shoe: Shoe, phi: Floats) -> Floats:
+def angles_of_displacement_axes(shoe: Shoe, phi: Floats) -> Floats:
     """The angles [rad] of the axes that a shoe's displacements at positions phi are measured in.
 
     The first axis is the radius on an arc and the plane's normal on a pad. For a straight beam both
@@ -379,20 +414,20 @@ def measuring_axis_angles(shoe: Shoe, phi: Floats) -> Floats:
     return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
 
 
-def rotations_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
+def rotation_angles_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
     """The angles (n,) [rad] that rotate the contact nodes' displacements to the shoe's frame.
 
     In the element columns they are measured along the radius and around the drum.
     """
-    return -measuring_axis_angles(shoe, axis_angles_of_contact_nodes(div.angles, div.degree))
+    return -angles_of_displacement_axes(shoe, axis_angles_at_contact_nodes(div.angles, div.degree))
 
 
-def condense_shoe(
+def condense_shoe_to_contact_nodes(
     shoe: Shoe,
     radius: float,
     div: ShoeDivision,
     layers: dict[str, ElasticLayer],
-    end_loads: EndLoads = unit_actuation_loads,
+    end_loads: EndLoads = unit_actuation_loads_on_end_face,
 ) -> CondensedShoe:
     """The shoe condensed to its hinge's frame and its contact nodes, in the order of their angle.
 
@@ -410,18 +445,25 @@ def condense_shoe(
     NoAnswer
         for a singular stiffness
     """
-    phi = node_positions_of_row(div.angles, div.degree)
-    R = rigid_body_modes(point_map(shoe, radius)(np.zeros(1), phi), shoe.own_pin)
-    row = _condensed_columns(shoe, radius, div, layers)
-    if div.first_body_layer < div.layers and not any(row.grip):
-        return _condense_hinged_shoe(shoe, radius, div, row, end_loads, R)
-    S = _gripped_stiffness(row) if any(row.grip) else _lining_stiffness(row.under)
-    return condense_back_held_shoe(
-        shoe, rotate_matrix_components(S, rotations_to_shoe_frame(shoe, div)), R
+    phi = node_positions_of_element_row(div.angles, div.degree)
+    R = rigid_body_displacements_of_nodes(
+        function_from_depth_and_angle_to_point(shoe, radius)(np.zeros(1), phi),
+        shoe.pin_in_shoe_frame,
+    )
+    row = _condensed_hp_columns_of_shoe(shoe, radius, div, layers)
+    if div.index_of_first_body_layer < div.number_of_element_layers and not any(row.grip):
+        return _condense_shoe_that_hinge_holds(shoe, radius, div, row, end_loads, R)
+    S = (
+        _contact_stiffness_of_gripped_shoe(row)
+        if any(row.grip)
+        else _contact_stiffness_of_held_lining(row.under)
+    )
+    return condensed_shoe_with_held_back(
+        shoe, rotate_node_axes_of_matrix(S, rotation_angles_to_shoe_frame(shoe, div)), R
     )
 
 
-def condense_back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
+def condensed_shoe_with_held_back(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     """The condensed shoe whose back is held by a grip, or is bonded to a rigid body.
 
     The actuation force then acts on the frame: the rigid grip or body. `S` (2n, 2n) is the
@@ -429,17 +471,17 @@ def condense_back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     """
     zeros = np.zeros((len(R), FRAME))
     return CondensedShoe(
-        S=stiffness_with_frame(S, R),
+        S=stiffness_of_frame_and_contact_nodes(S, R),
         loads=np.vstack([np.eye(FRAME), zeros]),
         work=np.zeros((FRAME, FRAME)),
-        centre=shoe.own_pin,
+        centre=shoe.pin_in_shoe_frame,
         rigid_mode_forces=zeros,
         force_imbalance=0.0,
         columns=LoadColumns(((ACTUATION, FRAME),)),
     )
 
 
-def _condense_hinged_shoe(
+def _condense_shoe_that_hinge_holds(
     shoe: Shoe,
     radius: float,
     div: ShoeDivision,
@@ -451,40 +493,50 @@ def _condense_hinged_shoe(
 
     Parameters
     ----------
-    shoe, radius, div, end_loads : as in `condense_shoe`
+    shoe, radius, div, end_loads : as in `condense_shoe_to_contact_nodes`
     row : element columns of the shoe
     R : (2n, 3) rigid-body modes of the contact nodes
     """
     # The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face, are
     # measured in the axes of the element columns.
-    p, place, pin = div.degree, point_map(shoe, radius), shoe.own_pin
-    back = rotations_to_shoe_frame(shoe, div)
-    depths = node_positions_of_row(div.depths[div.first_body_layer :], p)
+    p, place, pin = (
+        div.degree,
+        function_from_depth_and_angle_to_point(shoe, radius),
+        shoe.pin_in_shoe_frame,
+    )
+    back = rotation_angles_to_shoe_frame(shoe, div)
+    depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], p)
     near, far = div.before[-1], div.after[-1]
-    hinge_modes = rigid_body_modes(place(depths, near), pin)
-    hinge_modes = rotate_all_nodes(hinge_modes, measuring_axis_angles(shoe, near))
+    hinge_modes = rigid_body_displacements_of_nodes(place(depths, near), pin)
+    hinge_modes = rotate_axes_of_all_nodes_by_one_angle(
+        hinge_modes, angles_of_displacement_axes(shoe, near)
+    )
     end = end_loads(place(depths, far), depths, p)
-    end_forces = rotate_all_nodes(end.forces, measuring_axis_angles(shoe, far))
+    end_forces = rotate_axes_of_all_nodes_by_one_angle(
+        end.forces, angles_of_displacement_axes(shoe, far)
+    )
     # The bodies before and behind the lining are attached to the first and the last column under
     # the lining. The assembled row has the unknowns [frame | contact nodes | unit loads].
     columns = row.under.copy()
-    columns[0] = _join_first_column_with_hinged_body(columns[0], row.before, hinge_modes)
-    loaded = loaded_body_stiffness(row.after, end_forces)
-    columns[-1] = eliminate_side_line(columns[-1], loaded, len(end_forces), right=True)
-    A = assemble_column_row(columns, 2).K
+    columns[0] = _join_first_column_to_body_at_hinge(columns[0], row.before, hinge_modes)
+    loaded = condensed_stiffness_of_loaded_body_part(row.after, end_forces)
+    columns[-1] = eliminate_nodes_on_column_side(columns[-1], loaded, len(end_forces), right=True)
+    A = assemble_row_of_element_columns(columns, 2).K
 
-    def forces_in_frame(V: Floats) -> Floats:
+    def contact_forces_in_shoe_frame(V: Floats) -> Floats:
         """The forces (m, 2n) on the contact nodes, with their components in the shoe's frame."""
-        return rotate_vector_components(V, back)
+        return rotate_node_axes_of_vectors(V, back)
 
-    def stiffness_in_frame(S: Floats) -> Floats:
+    def contact_stiffness_in_shoe_frame(S: Floats) -> Floats:
         """The stiffness (2n, 2n) of the contact nodes, with components in the shoe's frame."""
-        return rotate_matrix_components(S, back)
+        return rotate_node_axes_of_matrix(S, back)
 
-    return condensed_shoe_in_balance(A, end, R, pin, forces_in_frame, stiffness_in_frame)
+    return condensed_shoe_with_balanced_loads(
+        A, end, R, pin, contact_forces_in_shoe_frame, contact_stiffness_in_shoe_frame
+    )
 
 
-def condensed_shoe_in_balance(
+def condensed_shoe_with_balanced_loads(
     A: Floats,
     end: LoadedEnd,
     R: Floats,
@@ -503,23 +555,23 @@ def condensed_shoe_in_balance(
     end : the unit loads on the loaded end face
     R : (2n, 3) rigid-body modes of the contact nodes
     pin : (2,) point that the frame turns about [m]
-    forces_in_frame : function from forces (m, .) on the contact's unknowns in `A` to forces (m, 2n)
-        on the contact nodes in the shoe's frame
-    stiffness_in_frame : function that does the same for the stiffness of the contact
+    contact_forces_in_shoe_frame : function from forces (m, .) on the contact's unknowns in `A` to
+        forces (m, 2n) on the contact nodes in the shoe's frame
+    contact_stiffness_in_shoe_frame : function that does the same for the stiffness of the contact
     """
-    extra = end.columns.count
+    extra = end.columns.number_of_load_columns
     frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
     S = stiffness_in_frame(A[contact, contact])
     load = -forces_in_frame(A[loads, contact]).T
     on_frame = -A[frame, loads]
 
     # The forces that put the condensed loads in balance are added to the contact nodes.
-    imbalance = end.resultants(pin) - on_frame - R.T @ load
+    imbalance = end.force_and_moment_about_pin(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
-    corrected = correct_rigid_modes(S, R, forces_in_frame(A[frame, contact]).T)
-    actuation = end.columns.slices[ACTUATION]
+    corrected = correct_stiffness_for_rigid_body_modes(S, R, forces_in_frame(A[frame, contact]).T)
+    actuation = end.columns.column_slice_of_each_load[ACTUATION]
     return CondensedShoe(
-        S=stiffness_with_frame(corrected.S, R),
+        S=stiffness_of_frame_and_contact_nodes(corrected.S, R),
         loads=np.concatenate([on_frame, load]),
         work=-A[loads, loads],
         centre=end.centre,
@@ -529,7 +581,7 @@ def condensed_shoe_in_balance(
     )
 
 
-def _lining_stiffness(
+def _contact_stiffness_of_held_lining(
     row: list[ColumnSubstructure], left: Floats | None = None, right: Floats | None = None
 ) -> Floats:
     """The stiffness of the contact nodes of a lining whose back is held.
@@ -541,12 +593,14 @@ def _lining_stiffness(
         None if the body ends there
     """
     row = row.copy()
-    row[0] = eliminate_side_line(row[0], left, 0 if left is None else len(left))
-    row[-1] = eliminate_side_line(row[-1], right, 0 if right is None else len(right), right=True)
-    return assemble_column_row(row, 2).K
+    row[0] = eliminate_nodes_on_column_side(row[0], left, 0 if left is None else len(left))
+    row[-1] = eliminate_nodes_on_column_side(
+        row[-1], right, 0 if right is None else len(right), right=True
+    )
+    return assemble_row_of_element_columns(row, 2).K
 
 
-def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
+def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns) -> Floats:
     """The stiffness of the contact nodes of a shoe whose body is held by a grip on its back.
 
     The parts of the body beyond the lining are free.
@@ -564,12 +618,20 @@ def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
         row[last] = ColumnSubstructure(K[free[:, None], free], line, right)
     # The parts of the body beyond the lining are condensed to their side at the lining.
     before, after = columns.before, columns.after
-    body_before = eliminate_side_line(assemble_column_row(before, 0)).K if before else None
-    body_after = eliminate_side_line(assemble_column_row(after, 0), right=True).K if after else None
-    return _lining_stiffness(row, body_before, body_after)
+    body_before = (
+        eliminate_nodes_on_column_side(assemble_row_of_element_columns(before, 0)).K
+        if before
+        else None
+    )
+    body_after = (
+        eliminate_nodes_on_column_side(assemble_row_of_element_columns(after, 0), right=True).K
+        if after
+        else None
+    )
+    return _contact_stiffness_of_held_lining(row, body_before, body_after)
 
 
-def _join_first_column_with_hinged_body(
+def _join_first_column_to_body_at_hinge(
     first: ColumnSubstructure, before: list[ColumnSubstructure], held: Floats
 ) -> ColumnSubstructure:
     """The first element column under the lining, with the body before it condensed to the hinge.
@@ -584,12 +646,16 @@ def _join_first_column_with_hinged_body(
     held : (n, 3) rigid-body modes of the nodes on the face that the hinge holds
     """
     if not before:
-        return eliminate_side_line(_constrain_to_frame(first, held))
-    body = assemble_column_row([_constrain_to_frame(before[0], held), *before[1:]], 0)
-    return eliminate_side_line(first, body.K, len(held))
+        return eliminate_nodes_on_column_side(_constrain_column_side_to_hinge_frame(first, held))
+    body = assemble_row_of_element_columns(
+        [_constrain_column_side_to_hinge_frame(before[0], held), *before[1:]], 0
+    )
+    return eliminate_nodes_on_column_side(first, body.K, len(held))
 
 
-def loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Floats:
+def condensed_stiffness_of_loaded_body_part(
+    after: list[ColumnSubstructure], load: Floats
+) -> Floats:
     """The condensed stiffness of the part of a shoe's body behind the lining, with its unit loads.
 
     Its unknowns are those of the nodes at the lining's end and the factors of the unit loads.
@@ -601,11 +667,13 @@ def loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Floa
     end[:part, part:], end[part:, :part] = -load, -load.T
     if not after:
         return end
-    last = eliminate_side_line(after[-1], end, part, right=True)
-    return assemble_column_row([*after[:-1], last], 0).K
+    last = eliminate_nodes_on_column_side(after[-1], end, part, right=True)
+    return assemble_row_of_element_columns([*after[:-1], last], 0).K
 
 
-def _constrain_to_frame(piece: ColumnSubstructure, held: Floats) -> ColumnSubstructure:
+def _constrain_column_side_to_hinge_frame(
+    piece: ColumnSubstructure, held: Floats
+) -> ColumnSubstructure:
     """The element column at the hinge, with the held nodes of its left side moved by the frame.
 
     The frame is the rigid face that the hinge holds. The last unknowns on the left side, those of
@@ -637,7 +705,9 @@ class _CorrectedStiffness(NamedTuple):
     round_off_forces: Floats
 
 
-def correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffness:
+def correct_stiffness_for_rigid_body_modes(
+    S: Floats, R: Floats, held: Floats
+) -> _CorrectedStiffness:
     """The stiffness of the contact nodes, corrected so that rigid-body modes cause no strain.
 
     If the contact nodes move with the frame by the modes R, the forces on them vanish: S R = -held.
@@ -667,7 +737,7 @@ def correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffne
     return _CorrectedStiffness(corrected, before)
 
 
-def stiffness_with_frame(S: Floats, R: Floats) -> Floats:
+def stiffness_of_frame_and_contact_nodes(S: Floats, R: Floats) -> Floats:
     """The stiffness on the frame and the contact nodes, from that of the contact nodes alone.
 
     It follows from S (2n, 2n), since rigid-body modes R (2n, 3) of frame and contact nodes together
@@ -682,6 +752,6 @@ def stiffness_with_frame(S: Floats, R: Floats) -> Floats:
     return whole
 
 
-def rotate_all_nodes(V: Floats, angle: Floats) -> Floats:
+def rotate_axes_of_all_nodes_by_one_angle(V: Floats, angle: Floats) -> Floats:
     """The vectors V (2n, m) with the x and y of all nodes in axes turned by `angle` [rad]."""
-    return rotate_vector_components(V.T, np.reshape(angle, 1)).T
+    return rotate_node_axes_of_vectors(V.T, np.reshape(angle, 1)).T

@@ -44,7 +44,7 @@ The file format allows up to 16.
 """
 
 
-def write_inp(
+def write_mesh_as_inp_file(
     path: Path,
     points: Any,
     cell: str,

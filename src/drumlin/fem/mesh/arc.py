@@ -13,14 +13,14 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Bar, Beam
-from drumlin.fem.mesh.beam import beam_mesh
+from drumlin.fem.mesh.beam import mesh_of_straight_beam_shoe
 from drumlin.fem.mesh.grading import (
     MOST_LINEAR_LAYERS,
     MOST_QUADRATIC_LAYERS,
     LiningDivision,
-    divide_lining,
+    divide_lining_into_elements,
     element_ends_beyond_lining,
-    layer_ends_behind_lining,
+    relative_layer_depths_behind_lining,
 )
 
 
@@ -41,15 +41,15 @@ class MeshKind(NamedTuple):
     @property
     def mesh(self) -> Any:
         """scikit-fem's class of meshes of this kind."""
-        return _skfem_class(self.mesh_name)
+        return _scikit_fem_class_of_name(self.mesh_name)
 
     @property
-    def element(self) -> Any:
+    def scikit_fem_element_class(self) -> Any:
         """scikit-fem's class of elements of this kind."""
-        return _skfem_class(self.element_name)
+        return _scikit_fem_class_of_name(self.element_name)
 
 
-def _skfem_class(name: str) -> Any:
+def _scikit_fem_class_of_name(name: str) -> Any:
     """scikit-fem's class of the given name."""
     # scikit-fem takes long to load, and only meshes need it.
     import skfem  # noqa: PLC0415
@@ -68,12 +68,12 @@ DEFAULT_KIND = "quad2"
 """The kind of mesh that is made if the user names none: quadratic quadrilaterals."""
 
 
-def mesh_kind_of(mesh: Any) -> MeshKind:
+def element_kind_of_mesh(mesh: Any) -> MeshKind:
     """The kind of a scikit-fem mesh: quadrilaterals or triangles, of degree 1 or 2."""
     return next(kind for kind in MESH_KINDS.values() if kind.mesh is type(mesh))
 
 
-def _move_inner_angles_to(angles: Floats, places: tuple[float, ...]) -> Floats:
+def _move_nearest_angles_to_places(angles: Floats, places: tuple[float, ...]) -> Floats:
     """The angles [rad] of element ends, changed so that each of the `places` is one of them.
 
     The inner angle nearest to a place is moved to this place. The place is added as a new angle if
@@ -115,12 +115,12 @@ class _ArcLayout(NamedTuple):
     body: tuple[float, float]
 
     @property
-    def lining_depth(self) -> float:
+    def thickness_of_lining_and_backing(self) -> float:
         """Thickness of the lining and its backing together [m]."""
         return sum(thickness for name, thickness in self.layers if name in {"lining", "backing"})
 
 
-def shoe_mesh(
+def parametric_mesh_of_shoe(
     shoe: Shoe, radius: float, elements: int | LiningDivision, kind: str = DEFAULT_KIND
 ) -> Any:
     """The mesh of a shoe in its own frame; nodes and the edges of quadratic elements lie on arcs.
@@ -144,17 +144,19 @@ def shoe_mesh(
     if kind not in MESH_KINDS:
         raise BadInput(f"--kind = {kind!r}: unknown kind of mesh; allowed: {', '.join(MESH_KINDS)}")
     division = (
-        elements if isinstance(elements, LiningDivision) else divide_lining(shoe, radius, elements)
+        elements
+        if isinstance(elements, LiningDivision)
+        else divide_lining_into_elements(shoe, radius, elements)
     )
     if isinstance(shoe.body, Beam):
-        return beam_mesh(shoe, radius, division, MESH_KINDS[kind].mesh)
+        return mesh_of_straight_beam_shoe(shoe, radius, division, MESH_KINDS[kind].mesh)
     # Each element belongs to the layer that its centre lies in.
-    layout = _layout_of_arc(shoe, radius, division, kind)
-    grid = _cut_arc_grid(shoe, layout, kind)
+    layout = _depths_and_angles_of_arc_mesh(shoe, radius, division, kind)
+    grid = _element_grid_of_arc_shoe(shoe, layout, kind)
     depth, _ = grid.p[:, grid.t].mean(axis=1)
     layer = np.searchsorted(layout.bounds, depth)
     subdomains = {name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layout.layers)}
-    boundaries = _find_boundaries(shoe, radius, layout, grid)
+    boundaries = _element_edges_on_each_boundary(shoe, radius, layout, grid)
 
     # The nodes of the grid of depths and angles are mapped to points of the shoe.
     shape = MESH_KINDS[kind].mesh
@@ -165,7 +167,9 @@ def shoe_mesh(
     )
 
 
-def _layout_of_arc(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _ArcLayout:
+def _depths_and_angles_of_arc_mesh(
+    shoe: Shoe, radius: float, division: LiningDivision, kind: str
+) -> _ArcLayout:
     """The rectangular grid of depths and angles that the mesh of a shoe on an arc is cut from."""
     phi_1, phi_2 = shoe.arc
     layers = [("lining", shoe.lining.thickness)]
@@ -178,7 +182,7 @@ def _layout_of_arc(shoe: Shoe, radius: float, division: LiningDivision, kind: st
         layers += [(name, plate.thickness) for name, plate in shoe.body.plates.items()]
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        angles = _move_inner_angles_to(angles, shoe.grip(radius) or ())
+        angles = _move_nearest_angles_to_places(angles, shoe.grip(radius) or ())
         before = element_ends_beyond_lining(phi_1, body[0], division)[:0:-1]
         after = element_ends_beyond_lining(phi_2, body[1], division)[1:]
         angles = np.concatenate([before, angles, after])
@@ -187,27 +191,31 @@ def _layout_of_arc(shoe: Shoe, radius: float, division: LiningDivision, kind: st
     most = MOST_QUADRATIC_LAYERS if kind.endswith("2") else MOST_LINEAR_LAYERS
     depths = [division.depths]
     for _, thickness in layers[1:]:
-        parts = layer_ends_behind_lining(thickness, division, division.step * radius, most)
+        parts = relative_layer_depths_behind_lining(
+            thickness, division, division.step * radius, most
+        )
         depths.append(depths[-1][-1] + parts * thickness)
     bounds = np.array([part[-1] for part in depths])
     return _ArcLayout(layers, bounds, np.concatenate(depths), angles, body)
 
 
-def _cut_arc_grid(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
+def _element_grid_of_arc_shoe(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
     """The grid of depths and angles, without lining and backing beyond the lining's ends.
 
     The grid is scikit-fem's mesh of quadrilaterals or, for a `kind` of triangles, of triangles.
     """
     phi_1, phi_2 = shoe.arc
-    grid = _skfem_class("MeshQuad").init_tensor(layout.depths, layout.angles)
+    grid = _scikit_fem_class_of_name("MeshQuad").init_tensor(layout.depths, layout.angles)
     depth, phi = grid.p[:, grid.t].mean(axis=1)
-    of_body = depth > layout.lining_depth
+    of_body = depth > layout.thickness_of_lining_and_backing
     under_lining = (phi > phi_1) & (phi < phi_2)
     grid = grid.restrict(np.flatnonzero(of_body | under_lining))
     return grid.to_meshtri() if kind.startswith("tri") else grid
 
 
-def _find_boundaries(shoe: Shoe, radius: float, layout: _ArcLayout, grid: Any) -> dict[str, Ints]:
+def _element_edges_on_each_boundary(
+    shoe: Shoe, radius: float, layout: _ArcLayout, grid: Any
+) -> dict[str, Ints]:
     """The edges of the grid on each named boundary: "contact", "hinge" and "actuation".
 
     `grid` is the grid of depths and angles that becomes the mesh of the shoe.
@@ -219,10 +227,10 @@ def _find_boundaries(shoe: Shoe, radius: float, layout: _ArcLayout, grid: Any) -
     on = {"contact": outer & (depth < FACE_SLACK * radius)}
     grip = shoe.grip(radius) if shoe.body is not None else None
     if shoe.body is None:
-        on["hinge"] = outer & (depth > layout.lining_depth * (1 - FACE_SLACK))
+        on["hinge"] = outer & (depth > layout.thickness_of_lining_and_backing * (1 - FACE_SLACK))
     elif grip is None:
         near, far = sorted(layout.body, key=abs)
-        behind = outer & (depth > layout.lining_depth)
+        behind = outer & (depth > layout.thickness_of_lining_and_backing)
         on["hinge"] = behind & (np.abs(phi - near) < FACE_SLACK)
         on["actuation"] = behind & (np.abs(phi - far) < FACE_SLACK)
     else:

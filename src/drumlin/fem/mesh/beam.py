@@ -10,16 +10,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.beam_axis import Axis, axis_of
+from drumlin.brake.beam_axis import Axis, make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
-from drumlin.brake.units import mm
+from drumlin.brake.units import mm_text
 from drumlin.fem.mesh.grading import (
     MOST_LINEAR_LAYERS,
     MOST_QUADRATIC_LAYERS,
     LiningDivision,
     element_ends_beyond_lining,
-    layer_ends_behind_lining,
+    relative_layer_depths_behind_lining,
 )
 
 PARTS = ("lining", "backing", "shoe")
@@ -36,7 +36,7 @@ round-off.
 """
 
 
-def reason_why_not_meshed(shoe: Shoe, radius: float) -> str | None:
+def reason_why_beam_shoe_has_no_mesh(shoe: Shoe, radius: float) -> str | None:
     """The reason why a shoe with a straight beam cannot be meshed, as a text for a message.
 
     None is returned if the shoe can be meshed, or if its body is no straight beam. `radius` is that
@@ -54,12 +54,12 @@ def reason_why_not_meshed(shoe: Shoe, radius: float) -> str | None:
         return "nothing fills the space between its straight beam and the lining: no [shoe.backing]"
     if isinstance(shoe.body.offset, tuple) and any(offset for _, offset in shoe.body.offset):
         return "a beam with a curved axis is not meshed"
-    return _reason_why_no_block_fits(
-        shoe, axis_of(shoe.pin.xy, shoe.actuation.point.xy), section, radius
+    return _reason_why_no_block_fits_behind_lining(
+        shoe, make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy), section, radius
     )
 
 
-def _reason_why_no_block_fits(
+def _reason_why_no_block_fits_behind_lining(
     shoe: Shoe, axis: Axis, section: Section, radius: float
 ) -> str | None:
     """The reason why no block fits between lining and beam, as a text; None if a block fits."""
@@ -71,7 +71,7 @@ def _reason_why_no_block_fits(
     nearest = back * (1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max()))
     room = axis.distance - section.thickness / 2 - nearest
     if room <= 0:
-        return f"its beam reaches {mm(-room)} into the lining; there is no room for the block"
+        return f"its beam reaches {mm_text(-room)} into the lining; there is no room for the block"
     if x.min() < 0 or x.max() > axis.length:
         return "its block reaches beyond the beam's ends"
     return None
@@ -103,11 +103,11 @@ class _BeamShape(NamedTuple):
     high: float
 
     @property
-    def face(self) -> float:
+    def distance_of_beam_face_from_centre(self) -> float:
         """Distance of the beam's face from the drum's centre [m]."""
         return self.axis.distance - self.beam / 2
 
-    def points(self, depth: Floats, s: Floats) -> Floats:
+    def points_in_brake_frame(self, depth: Floats, s: Floats) -> Floats:
         """The points in the brake's frame [m] at given depths and positions s along the shoe.
 
         The depth grows by 1 through each layer: lining, block and beam. Under the lining s is the
@@ -117,17 +117,17 @@ class _BeamShape(NamedTuple):
         r = self.radius + self.thickness * np.minimum(depth, 1)
         # In the axes of the beam, x runs along the beam and y towards the drum's centre.
         in_lining = self.axis.foot + r * np.sin(s)
-        x = np.where(depth < 1, in_lining, self._distance_along_beam(s))
+        x = np.where(depth < 1, in_lining, self._distances_along_beam(s))
         y = self.axis.distance - r * np.cos(s)
         # The block leads from the lining's back straight to the beam's face.
-        beam_face = self.axis.distance - self.face
+        beam_face = self.axis.distance - self.distance_of_beam_face_from_centre
         in_block = y + np.minimum(depth - 1, 1) * (beam_face - y)
         y = np.where(depth > 1, in_block, y)
         in_beam = beam_face - (depth - 2) * self.beam
         y = np.where(depth > 2, in_beam, y)
-        return self.axis.to_brake(x, y)
+        return self.axis.convert_to_brake_frame(x, y)
 
-    def _distance_along_beam(self, s: Floats) -> Floats:
+    def _distances_along_beam(self, s: Floats) -> Floats:
         """The distances along the beam [m] of the positions s."""
         start, end = self.start, self.end
         inside = self.axis.foot + self.back * np.sin(np.clip(s, start, end))
@@ -135,8 +135,10 @@ class _BeamShape(NamedTuple):
         return np.asarray(inside + self.back * beyond)
 
 
-def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -> Any:
-    """The mesh of a straight-beam shoe in its own frame, with the same groups as `arc.shoe_mesh`.
+def mesh_of_straight_beam_shoe(
+    shoe: Shoe, radius: float, division: LiningDivision, shape: Any
+) -> Any:
+    """The mesh of a straight-beam shoe in its own frame, with the groups of the mesh of an arc.
 
     The boundaries "hinge" and "actuation" are the beam's end faces.
 
@@ -150,13 +152,14 @@ def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -
     # scikit-fem takes long to load, and only meshes need it.
     import skfem  # noqa: PLC0415
 
-    # `reason_why_not_meshed` refuses beams without section before, so that the assertion holds.
+    # `reason_why_beam_shoe_has_no_mesh` refuses beams without section before, so that the assertion
+    # holds.
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None
-    axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
+    axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
-    form = _beam_shape_of(shoe, shoe.body.section, axis, radius, angles)
+    form = _geometry_of_straight_beam_shoe(shoe, shoe.body.section, axis, radius, angles)
     linear = shape in {skfem.MeshQuad1, skfem.MeshTri1}
-    grid = _cut_beam_grid(form, division, angles, linear=linear)
+    grid = _element_grid_of_beam_shoe(form, division, angles, linear=linear)
     if shape in {skfem.MeshTri1, skfem.MeshTri2}:
         grid = grid.to_meshtri()
 
@@ -172,14 +175,14 @@ def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -
     mesh = shape.from_mesh(grid)
     depth, s = mesh.doflocs
     return shape(
-        shoe.frame.to_shoe(form.points(depth, s)).T.copy(),
+        shoe.frame.convert_to_shoe_frame(form.points_in_brake_frame(depth, s)).T.copy(),
         mesh.t,
         _subdomains={name: np.flatnonzero(layer == i) for i, name in enumerate(PARTS)},
         _boundaries={name: np.flatnonzero(where) for name, where in on.items()},
     )
 
 
-def _beam_shape_of(
+def _geometry_of_straight_beam_shoe(
     shoe: Shoe, section: Section, axis: Axis, radius: float, angles: Floats
 ) -> _BeamShape:
     """The geometry of a straight-beam shoe.
@@ -202,7 +205,7 @@ def _beam_shape_of(
     return _BeamShape(axis, radius, thickness, section.thickness, back, start, end, low, high)
 
 
-def _cut_beam_grid(
+def _element_grid_of_beam_shoe(
     form: _BeamShape, division: LiningDivision, angles: Floats, *, linear: bool
 ) -> Any:
     """The grid of depths and positions s, without lining and block beyond the lining's ends.
@@ -225,10 +228,10 @@ def _cut_beam_grid(
     # Linear elements bend well only in thin layers, so that they may have more layers. The number
     # of layers through the block follows from its largest thickness.
     most = MOST_LINEAR_LAYERS if linear else MOST_QUADRATIC_LAYERS
-    deepest = form.face - back * min(math.cos(start), math.cos(end))
+    deepest = form.distance_of_beam_face_from_centre - back * min(math.cos(start), math.cos(end))
     size = division.step * form.radius
-    block = layer_ends_behind_lining(deepest, division, size, most)
-    beam = layer_ends_behind_lining(form.beam, division, size, most)
+    block = relative_layer_depths_behind_lining(deepest, division, size, most)
+    beam = relative_layer_depths_behind_lining(form.beam, division, size, most)
     depths = np.concatenate([division.depths / form.thickness, 1 + block, 2 + beam])
     grid = skfem.MeshQuad.init_tensor(depths, s)
     depth, place = grid.p[:, grid.t].mean(axis=1)

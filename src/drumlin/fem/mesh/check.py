@@ -17,9 +17,9 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Bar
-from drumlin.brake.units import mm
-from drumlin.fem.mesh.arc import mesh_kind_of
-from drumlin.fem.mesh.edges import nodes_along_edges
+from drumlin.brake.units import mm_text
+from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.fem.mesh.edges import nodes_along_element_edges
 
 MOST_LISTED_NAMES = 30
 """Largest number of group names that the message on a missing group lists."""
@@ -78,7 +78,7 @@ a corner.
 """
 
 
-def check_shoe_mesh(
+def check_mesh_and_drop_unneeded_groups(
     mesh: Any, shoe: Shoe, radius: float, fault: str, names: Sequence[str] = ()
 ) -> Any:
     """Check a user's mesh of a shoe, and return it with only the groups that the shoe needs.
@@ -96,16 +96,16 @@ def check_shoe_mesh(
     BadInput
         for the first fault that is found
     """
-    mesh = _keep_needed_groups(mesh, shoe, fault, names)
-    _check_nodes(mesh, shoe, radius, fault)
-    _check_elements(mesh, shoe, fault)
-    _check_boundaries(mesh, fault)
-    _check_contact(mesh, shoe, radius, fault)
-    _check_hinge_and_actuation(mesh, shoe, fault)
+    mesh = _mesh_with_only_needed_groups(mesh, shoe, fault, names)
+    _check_nodes_are_near_and_distinct(mesh, shoe, radius, fault)
+    _check_elements_are_valid_and_bonded(mesh, shoe, fault)
+    _check_named_edges_are_on_outline(mesh, fault)
+    _check_contact_is_face_of_lining(mesh, shoe, radius, fault)
+    _check_hinge_is_nearer_to_pin(mesh, shoe, fault)
     return mesh
 
 
-def check_cell_nodes(cells: Ints, corners: int, fault: str) -> None:
+def check_cells_share_nodes_consistently(cells: Ints, corners: int, fault: str) -> None:
     """Refuse cells of a mesh file whose numbers of nodes contradict each other.
 
     A cell may not have a node twice. No node may be a corner of one cell and a middle node of
@@ -145,7 +145,7 @@ def check_cell_nodes(cells: Ints, corners: int, fault: str) -> None:
         )
 
 
-def _keep_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str]) -> Any:
+def _mesh_with_only_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str]) -> Any:
     """The mesh with only the groups that the shoe needs; others are left out.
 
     A mesh is refused if one of these groups is missing, or if an element is not in exactly one of
@@ -158,7 +158,9 @@ def _keep_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str])
         needed |= set(shoe.body.plates)
     elif shoe.body:
         needed.add("shoe")
-    lines = {"contact", "hinge"} | ({"actuation"} if shoe.body and not shoe.gripped else set())
+    lines = {"contact", "hinge"} | (
+        {"actuation"} if shoe.body and not shoe.has_support_on_back_of_body else set()
+    )
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
         found = (
@@ -185,14 +187,14 @@ def _keep_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str])
     )
 
 
-def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
+def _check_nodes_are_near_and_distinct(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     """Refuse a mesh with nodes too far from the drum, or with two nodes at the same position."""
     size = float(np.abs(mesh.doflocs).max())
     if size > LARGEST_REACH * radius:
         where = (
-            f"on a plane, its lining {mm(radius)} long"
+            f"on a plane, its lining {mm_text(radius)} long"
             if shoe.flat
-            else f"in a drum of radius {mm(radius)}"
+            else f"in a drum of radius {mm_text(radius)}"
         )
         raise BadInput(
             f"{fault}: reaches {size:.3g} m far; must be a shoe {where} "
@@ -213,30 +215,36 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         )
 
 
-def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
+def _check_elements_are_valid_and_bonded(mesh: Any, shoe: Shoe, fault: str) -> None:
     """Refuse a mesh with bent, inverted or folded elements, or with more than one part."""
     # The middle node of each edge must be near the middle of the edge's chord.
     basis = skfem.Basis(
-        mesh, mesh_kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1))
+        mesh,
+        element_kind_of_mesh(mesh).scikit_fem_element_class(),
+        quadrature=(np.zeros((2, 1)), np.ones(1)),
     )
-    on_edges = basis.doflocs[:, nodes_along_edges(basis, np.arange(mesh.nfacets))]
+    on_edges = basis.doflocs[:, nodes_along_element_edges(basis, np.arange(mesh.nfacets))]
     first, *middles, last = on_edges.transpose(1, 0, 2)
     for middle in middles:
         bent = np.hypot(*(middle - (first + last) / 2)) > MIDDLE_NODE_OFFSET * np.hypot(
             *(last - first)
         )
         if bent.any():
-            where = _text_on_faulty_elements(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)
+            where = _text_with_count_of_faulty_elements(
+                mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe
+            )
             raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
     # The Jacobian determinant must have the same sign at all nodes of an element, plus or minus.
-    determinant = mesh.mapping().detDF(mesh_kind_of(mesh).element().doflocs.T)
+    determinant = mesh.mapping().detDF(
+        element_kind_of_mesh(mesh).scikit_fem_element_class().doflocs.T
+    )
     determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))
     smallest = np.abs(determinant.sum(axis=1)) * JACOBIAN_RATIO
     flat = np.abs(determinant).min(axis=1) <= smallest
     inverted = flat | (np.ptp(np.sign(determinant), axis=1) > 0)
     if inverted.any():
         raise BadInput(
-            f"{fault}: {_text_on_faulty_elements(mesh, np.flatnonzero(inverted), shoe)} "
+            f"{fault}: {_text_with_count_of_faulty_elements(mesh, np.flatnonzero(inverted), shoe)} "
             "inverted or without area in a corner"
         )
     if np.bincount(mesh.t2f.ravel()).max() > 2:
@@ -244,11 +252,13 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
     # Neighbours must lie on opposite sides of their common edge; otherwise one is folded over the
     # other.
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
-    sides = np.array([_side_of_facet_with_element(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)])
+    sides = np.array(
+        [_side_of_edge_where_element_lies(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)]
+    )
     folded = inner[sides[0] * sides[1] > 0]
     if len(folded):
         raise BadInput(
-            f"{fault}: {_text_on_faulty_elements(mesh, mesh.f2t[1, folded], shoe)} "
+            f"{fault}: {_text_with_count_of_faulty_elements(mesh, mesh.f2t[1, folded], shoe)} "
             "folded over a neighbour"
         )
     # Elements that share an edge are bonded. All elements of a shoe must form one bonded part.
@@ -260,7 +270,7 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
         raise BadInput(f"{fault}: consists of {parts} parts that share no edge; must be one")
 
 
-def _text_on_faulty_elements(mesh: Any, elements: Ints, shoe: Shoe) -> str:
+def _text_with_count_of_faulty_elements(mesh: Any, elements: Ints, shoe: Shoe) -> str:
     """The subject of a sentence about faulty elements: "2 elements are (the first at x = ...)"."""
     ((x,), (y,)) = shoe.points(mesh.p[:, mesh.t[:, elements[0]]].mean(axis=1, keepdims=True)) * 1e3
     count = len(np.unique(elements))
@@ -270,7 +280,7 @@ def _text_on_faulty_elements(mesh: Any, elements: Ints, shoe: Shoe) -> str:
     )
 
 
-def _side_of_facet_with_element(mesh: Any, facets: Ints, elements: Ints) -> Floats:
+def _side_of_edge_where_element_lies(mesh: Any, facets: Ints, elements: Ints) -> Floats:
     """The side of each edge (n,) on which the centre of an adjoining element lies: 1 or -1.
 
     `facets` (n,) are the numbers of the edges, and `elements` (n,) those of the elements.
@@ -280,7 +290,7 @@ def _side_of_facet_with_element(mesh: Any, facets: Ints, elements: Ints) -> Floa
     return np.sign((b - a)[0] * to[1] - (b - a)[1] * to[0])
 
 
-def _check_boundaries(mesh: Any, fault: str) -> None:
+def _check_named_edges_are_on_outline(mesh: Any, fault: str) -> None:
     """Refuse a mesh with named edges in its interior, or with a hinge that touches the contact."""
     outer = mesh.boundary_facets()
     for name, facets in mesh.boundaries.items():
@@ -295,23 +305,25 @@ def _check_boundaries(mesh: Any, fault: str) -> None:
         raise BadInput(f"{fault}: the groups contact and hinge share a node; must lie apart")
 
 
-def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
+def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     """Refuse a mesh whose group "contact" is not the lining's face on the drum or the plane."""
     # The nodes of the contact must lie near the drum or the plane.
     facets = mesh.boundaries["contact"]
     if not np.isin(mesh.f2t[0, facets], mesh.subdomains["lining"]).all():
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
     basis = skfem.Basis(
-        mesh, mesh_kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1))
+        mesh,
+        element_kind_of_mesh(mesh).scikit_fem_element_class(),
+        quadrature=(np.zeros((2, 1)), np.ones(1)),
     )
-    line = basis.doflocs[:, nodes_along_edges(basis, facets)]
+    line = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
     off, word = shoe.off(line, radius), shoe.surface.word
     most, deep = float(np.abs(off).max()), -float(off.min())
     if most > CONTACT_OFFSET * radius:
-        surface = "plane" if shoe.flat else f"drum's radius {mm(radius)}"
+        surface = "plane" if shoe.flat else f"drum's radius {mm_text(radius)}"
         raise BadInput(
-            f"{fault}: the group contact lies up to {mm(most)} off the {surface}; "
-            f"must be within {mm(CONTACT_OFFSET * radius)} of it "
+            f"{fault}: the group contact lies up to {mm_text(most)} off the {surface}; "
+            f"must be within {mm_text(CONTACT_OFFSET * radius)} of it "
             f"(coordinates are read in {shoe.mesh_unit})"
         )
     # The lining's elements must lie behind its face, and the face not deep in the drum.
@@ -322,15 +334,15 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         )
     if deep > CONTACT_DEPTH * shoe.lining.thickness and not shoe.mesh_interference:
         raise BadInput(
-            f"{fault}: the group contact lies up to {mm(deep)} in the {word}, "
-            f"over {CONTACT_DEPTH:g} of the lining's thickness of {mm(shoe.lining.thickness)}; "
-            "say mesh_interference = true if that is meant"
+            f"{fault}: the group contact lies up to {mm_text(deep)} in the {word}, "
+            f"over {CONTACT_DEPTH:g} of the lining's thickness of "
+            f"{mm_text(shoe.lining.thickness)}; say mesh_interference = true if that is meant"
         )
     steep = (np.abs(np.diff(off, axis=0)) > CONTACT_SLOPE * np.hypot(*np.diff(line, axis=1))).any(
         axis=0
     )
     if steep.any():
-        where = _text_on_faulty_elements(mesh, mesh.f2t[0, facets[steep]], shoe)
+        where = _text_with_count_of_faulty_elements(mesh, mesh.f2t[0, facets[steep]], shoe)
         raise BadInput(
             f"{fault}: {where} with an edge of the contact that is steeper than "
             f"{CONTACT_SLOPE:g} against the {word}"
@@ -338,7 +350,7 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     # The contact must have the same ends as the lining in the brake's file.
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
     xy = mesh.p[:, nodes]
-    phi, text = shoe.phi_of(xy, radius), shoe.surface.place
+    phi, text = shoe.phi_of_points_in_shoe_frame(xy, radius), shoe.surface.place
     arc = (float(phi.min()), float(phi.max()))
     if max(abs(a - b) for a, b in zip(arc, shoe.arc, strict=True)) > LARGEST_ARC_DIFFERENCE:
         theta = sorted(shoe.frame.theta(np.array(arc)).tolist())
@@ -361,17 +373,17 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         )
 
 
-def _check_hinge_and_actuation(mesh: Any, shoe: Shoe, fault: str) -> None:
+def _check_hinge_is_nearer_to_pin(mesh: Any, shoe: Shoe, fault: str) -> None:
     """Refuse a mesh whose group "actuation" is nearer to the pin than its group "hinge"."""
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
-    if "actuation" in nodes and not shoe.gripped:
+    if "actuation" in nodes and not shoe.has_support_on_back_of_body:
         away = {
-            name: math.dist(shoe.own_pin, mesh.p[:, nodes[name]].mean(axis=1))
+            name: math.dist(shoe.pin_in_shoe_frame, mesh.p[:, nodes[name]].mean(axis=1))
             for name in ("hinge", "actuation")
         }
         if away["hinge"] > away["actuation"]:
             raise BadInput(
-                f"{fault}: the group hinge lies {mm(away['hinge'])} from the pin, "
-                f"the group actuation {mm(away['actuation'])}; "
+                f"{fault}: the group hinge lies {mm_text(away['hinge'])} from the pin, "
+                f"the group actuation {mm_text(away['actuation'])}; "
                 "must be the nearer one (are they swapped?)"
             )

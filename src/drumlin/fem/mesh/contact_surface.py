@@ -75,7 +75,7 @@ class _ContactNodes:
     slack: Floats
 
 
-def move_contact_nodes_onto_surface(
+def move_contact_nodes_onto_drum_or_plane(
     mesh: Any, rounding: Floats, shoe: Shoe, radius: float
 ) -> ContactOnSurface:
     """The mesh with its contact nodes moved onto the drum or the plane, and counts of moved nodes.
@@ -91,11 +91,11 @@ def move_contact_nodes_onto_surface(
     radius : radius of the drum [m]; on a plane the length of the pad
     """
     # The array `target` has the offset from the surface that each node gets.
-    line = _contact_nodes_of(mesh, rounding, shoe, radius)
-    straight = _find_straight_middles(mesh, line, shoe, radius)
+    line = _contact_nodes_in_order_of_angle(mesh, rounding, shoe, radius)
+    straight = _is_middle_node_of_straight_edge(mesh, line, shoe, radius)
     target = line.off.copy()
     free = ~(straight & line.middle)
-    target[free] = _smooth_offsets(line, free, shoe, radius)
+    target[free] = _contact_offsets_without_rounding(line, free, shoe, radius)
     # The middle node of a straight edge is moved onto the smooth line through the corner nodes.
     if straight.any():
         corners = ~line.middle
@@ -108,7 +108,7 @@ def move_contact_nodes_onto_surface(
         return ContactOnSurface(mesh)
     by_rounding = free & (moves != 0)
     return ContactOnSurface(
-        _move_contact_nodes(mesh, line, moves, shoe),
+        _mesh_with_moved_contact_nodes(mesh, line, moves, shoe),
         rounded=int(np.count_nonzero(by_rounding)),
         rounded_by=float(np.abs(moves[by_rounding]).max(initial=0.0)),
         straight=int(np.count_nonzero(straight & (moves != 0))),
@@ -116,10 +116,12 @@ def move_contact_nodes_onto_surface(
     )
 
 
-def _contact_nodes_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> _ContactNodes:
+def _contact_nodes_in_order_of_angle(
+    mesh: Any, rounding: Floats, shoe: Shoe, radius: float
+) -> _ContactNodes:
     """The nodes on the lining's face in a mesh, in the order of their angle phi.
 
-    The parameters are those of `move_contact_nodes_onto_surface`.
+    The parameters are those of `move_contact_nodes_onto_drum_or_plane`.
     """
     facets = mesh.boundaries["contact"]
     corners = np.unique(mesh.facets[:, facets])
@@ -127,10 +129,10 @@ def _contact_nodes_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) ->
     middles = mesh.dofs.facet_dofs[0, facets] if has_middles else np.zeros(0, dtype=np.int64)
     nodes = np.concatenate([corners, middles])
     xy = mesh.doflocs[:, nodes]
-    phi = shoe.phi_of(xy, radius)
+    phi = shoe.phi_of_points_in_shoe_frame(xy, radius)
     order = np.argsort(phi)
     nodes, xy = nodes[order], xy[:, order]
-    normal = np.abs(_outward_normals(xy, shoe))
+    normal = np.abs(_unit_normals_away_from_drum(xy, shoe))
     # On a drum both x and y have rounding errors, which are mixed if the shoe's own frame or the
     # file's coordinates are turned. On a plane only the coordinate square to the plane counts.
     slack = np.hypot(*rounding[:, nodes]) if not shoe.flat else (normal * rounding[:, nodes]).sum(0)
@@ -143,14 +145,16 @@ def _contact_nodes_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) ->
     )
 
 
-def _outward_normals(xy: Floats, shoe: Shoe) -> Floats:
+def _unit_normals_away_from_drum(xy: Floats, shoe: Shoe) -> Floats:
     """The unit vectors (2, n) at points (2, n) that point away from the drum or the plane."""
     if shoe.flat:
         return np.array([np.zeros(xy.shape[1]), np.ones(xy.shape[1])])
     return -shoe.sign * xy / np.hypot(*xy)
 
 
-def _find_straight_middles(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float) -> Bools:
+def _is_middle_node_of_straight_edge(
+    mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float
+) -> Bools:
     """Whether each contact node (n,) is a middle node that a straight edge keeps off the drum.
 
     It is False for all nodes if too few edges on the lining's face are straight.
@@ -174,14 +178,16 @@ def _find_straight_middles(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: f
     return found
 
 
-def _smooth_offsets(line: _ContactNodes, free: Bools, shoe: Shoe, radius: float) -> Floats:
+def _contact_offsets_without_rounding(
+    line: _ContactNodes, free: Bools, shoe: Shoe, radius: float
+) -> Floats:
     """The offsets (k,) [m] of contact nodes from the surface without the rounding of coordinates.
 
     They are returned for the nodes marked in `free`. An offset becomes 0 if rounding can explain
     it. Other offsets follow the smooth line through the nodes, or stay if no smooth line fits.
     """
     off, slack, place = line.off[free], line.slack[free], line.phi[free] * radius
-    shape = _offsets_beyond_rounding(off, slack, place, radius)
+    shape = _lining_offsets_beyond_rounding(off, slack, place, radius)
     found = off.copy()
     on = np.abs(off) <= slack * (1 + 1e-6) + COORDINATE_ROUND_OFF * radius
     found[on & np.isnan(shape)] = 0.0
@@ -192,7 +198,9 @@ def _smooth_offsets(line: _ContactNodes, free: Bools, shoe: Shoe, radius: float)
     return found
 
 
-def _offsets_beyond_rounding(off: Floats, slack: Floats, place: Floats, radius: float) -> Floats:
+def _lining_offsets_beyond_rounding(
+    off: Floats, slack: Floats, place: Floats, radius: float
+) -> Floats:
     """The lining's own offset (k,) [m] from the drum at each node; nan if it is rounding alone.
 
     The offset is that of a parabola through the offsets of the nodes around a node. If no parabola
@@ -231,14 +239,16 @@ def _offsets_beyond_rounding(off: Floats, slack: Floats, place: Floats, radius: 
     return shape
 
 
-def _move_contact_nodes(mesh: Any, line: _ContactNodes, moves: Floats, shoe: Shoe) -> Any:
+def _mesh_with_moved_contact_nodes(
+    mesh: Any, line: _ContactNodes, moves: Floats, shoe: Shoe
+) -> Any:
     """The mesh with its contact nodes moved by `moves` (n,) [m], square to the drum or the plane.
 
     Positive moves go away from the drum. The centre node of a quadrilateral follows its edges, so
     that the element keeps its shape.
     """
     doflocs = mesh.doflocs.copy()
-    doflocs[:, line.nodes] += moves * _outward_normals(doflocs[:, line.nodes], shoe)
+    doflocs[:, line.nodes] += moves * _unit_normals_away_from_drum(doflocs[:, line.nodes], shoe)
     inner = mesh.dofs.interior_dofs
     if doflocs.shape[1] > mesh.nvertices and len(inner):
         change = doflocs - mesh.doflocs

@@ -14,7 +14,7 @@ A larger file is refused before it is read, so that it cannot fill the memory.
 """
 
 
-def read_mesh_bytes(path: Path) -> bytes:
+def read_bytes_of_mesh_file(path: Path) -> bytes:
     """The content of a mesh file.
 
     Raises
@@ -41,7 +41,7 @@ def digest_of_mesh_file(path: Path, depth: int = 0) -> str:
     each other up to this one.
     """
     try:
-        data = read_mesh_bytes(path)
+        data = read_bytes_of_mesh_file(path)
     except DrumlinError:
         return "none"
     # The digests of included files are digested too, in the order of their lines.

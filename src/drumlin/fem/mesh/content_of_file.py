@@ -45,7 +45,7 @@ class FileContent:
     notes: tuple[str, ...] = ()
 
     @property
-    def group_names(self) -> list[str]:
+    def names_of_all_groups(self) -> list[str]:
         """The names of all groups in the file, each once."""
         groups = (self.cell_groups, self.node_groups, self.edge_groups, self.outer_groups)
         return list(dict.fromkeys(name for kind in groups for name in kind))
@@ -65,7 +65,7 @@ round-off of reading a number is far smaller. A coordinate with all its digits h
 """
 
 
-def rounding_errors_of_coordinates(points: Floats) -> Floats:
+def largest_rounding_errors_of_coordinates(points: Floats) -> Floats:
     """The largest possible rounding error (n, k) of coordinates (n, k) that were written as text.
 
     All coordinates are assumed to be written with the same number of decimals, or with the same
@@ -76,13 +76,16 @@ def rounding_errors_of_coordinates(points: Floats) -> Floats:
     size = np.abs(points)
     exponents = np.floor(np.log10(np.where(size > 0, size, 1.0))) + 1
     found = np.zeros(points.shape)
-    for steps in (_find_decimal_steps(points), _find_digit_steps(points, exponents)):
+    for steps in (
+        _value_of_last_decimal(points),
+        _value_of_last_significant_digit(points, exponents),
+    ):
         if steps is not None:
             found = np.maximum(found, 0.5 * steps)
     return found
 
 
-def _find_decimal_steps(points: Floats) -> Floats | None:
+def _value_of_last_decimal(points: Floats) -> Floats | None:
     """The value of the last decimal of coordinates that all have the same number of decimals.
 
     For two decimals the value is 0.01. It is repeated for each coordinate (n, k). None is returned
@@ -92,12 +95,12 @@ def _find_decimal_steps(points: Floats) -> Floats | None:
     largest = int(np.floor(np.log10(max(float(np.abs(points).max(initial=0.0)), 1e-300))))
     for decimals in range(-largest, MOST_DECIMALS - largest):
         step = 10.0**-decimals
-        if _lie_on_grid(points, step):
+        if _is_each_coordinate_multiple_of_step(points, step):
             return np.full(points.shape, step)
     return None
 
 
-def _find_digit_steps(points: Floats, exponents: Floats) -> Floats | None:
+def _value_of_last_significant_digit(points: Floats, exponents: Floats) -> Floats | None:
     """The value (n, k) of the last digit of coordinates with the same number of significant digits.
 
     For 12.34 with four digits the value is 0.01. None is returned if the coordinates have
@@ -105,12 +108,12 @@ def _find_digit_steps(points: Floats, exponents: Floats) -> Floats | None:
     """
     for digits in range(1, MOST_DECIMALS):
         steps = 10.0 ** (exponents - digits)
-        if _lie_on_grid(points, steps):
+        if _is_each_coordinate_multiple_of_step(points, steps):
             return np.where(points == 0, 0.0, steps)
     return None
 
 
-def _lie_on_grid(points: Floats, step: Floats | float) -> bool:
+def _is_each_coordinate_multiple_of_step(points: Floats, step: Floats | float) -> bool:
     """Whether all coordinates are whole multiples of the step, up to round-off."""
     multiples = points / step
     return bool(np.all(np.abs(multiples - np.round(multiples)) <= DIGIT_SLACK))

@@ -7,7 +7,7 @@ import numpy as np
 from drumlin.base.arrays import Ints
 
 
-def nodes_along_edges(basis: Any, facets: Ints) -> Ints:
+def nodes_along_element_edges(basis: Any, facets: Ints) -> Ints:
     """The nodes (order + 1, m) on m edges of elements, from one end of each edge to the other.
 
     `basis` is scikit-fem's basis of a scalar on the mesh, and `facets` (m,) are the numbers of the

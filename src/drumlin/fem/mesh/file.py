@@ -22,26 +22,29 @@ import numpy as np
 import skfem
 
 from drumlin.base.arrays import Bools, Floats, Ints
-from drumlin.base.errors import BadInput, reason_of
-from drumlin.base.files import replacing
+from drumlin.base.errors import BadInput, system_message_of_error
+from drumlin.base.files import temporary_file_replacing_output
 from drumlin.brake.brake import Shoe
-from drumlin.fem.mesh.abaqus import write_inp
-from drumlin.fem.mesh.arc import MESH_KINDS, mesh_kind_of
-from drumlin.fem.mesh.check import check_cell_nodes, check_shoe_mesh
-from drumlin.fem.mesh.contact_surface import move_contact_nodes_onto_surface
-from drumlin.fem.mesh.content import read_mesh_bytes
-from drumlin.fem.mesh.content_of_file import FileContent, rounding_errors_of_coordinates
-from drumlin.fem.mesh.edges import nodes_along_edges
+from drumlin.fem.mesh.abaqus import write_mesh_as_inp_file
+from drumlin.fem.mesh.arc import MESH_KINDS, element_kind_of_mesh
+from drumlin.fem.mesh.check import (
+    check_cells_share_nodes_consistently,
+    check_mesh_and_drop_unneeded_groups,
+)
+from drumlin.fem.mesh.contact_surface import move_contact_nodes_onto_drum_or_plane
+from drumlin.fem.mesh.content import read_bytes_of_mesh_file
+from drumlin.fem.mesh.content_of_file import FileContent, largest_rounding_errors_of_coordinates
+from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.from_file import ShoeMesh
-from drumlin.fem.mesh.inp import read_inp
-from drumlin.fem.mesh.msh4 import is_msh4, read_msh4
+from drumlin.fem.mesh.inp import read_mesh_from_inp_text
+from drumlin.fem.mesh.msh4 import is_text_in_gmsh_format_4, read_mesh_in_gmsh_format_4
 from drumlin.fem.mesh.of_meshio import content_of_meshio_mesh
 from drumlin.fem.mesh.plane_cells import (
     BESIDE,
     PlaneCells,
-    make_plane_cells_of_one_kind,
+    convert_plane_cells_to_one_kind,
 )
-from drumlin.fem.mesh.vtu import check_unpacked_size
+from drumlin.fem.mesh.vtu import check_unpacked_vtu_size_fits_memory
 
 FORMATS = (".msh", ".inp", ".vtu")
 """The suffixes of mesh files that drumlin reads and writes."""
@@ -60,7 +63,7 @@ LONGEST_REASON = 160
 """Largest number of characters of meshio's own error message that drumlin's message repeats."""
 
 
-def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
+def write_shoe_mesh_to_file(path: Path, mesh: Any, shoe: Shoe) -> None:
     """Write a shoe's mesh with its groups to a file, in the brake's frame [m].
 
     The suffix of the path is .msh (Gmsh 2.2), .inp or .vtu; BadInput is raised for another one. In
@@ -70,21 +73,29 @@ def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
         raise BadInput(
             f"--format = {path.suffix[1:]!r}: unknown format of a mesh; allowed: msh, inp, vtu"
         )
-    basis = skfem.Basis(mesh, mesh_kind_of(mesh).element(), intorder=1)
+    basis = skfem.Basis(mesh, element_kind_of_mesh(mesh).scikit_fem_element_class(), intorder=1)
     cells = basis.element_dofs.T
-    edges = {name: nodes_along_edges(basis, facets) for name, facets in mesh.boundaries.items()}
+    edges = {
+        name: nodes_along_element_edges(basis, facets) for name, facets in mesh.boundaries.items()
+    }
     xy = shoe.points(basis.doflocs).T
-    with replacing(path) as partial:
+    with temporary_file_replacing_output(path) as partial:
         if path.suffix == ".inp":
             nodes = {name: np.unique(along) for name, along in edges.items()}
-            write_inp(partial, xy, mesh_kind_of(mesh).cell, cells, mesh.subdomains, nodes)
+            write_mesh_as_inp_file(
+                partial, xy, element_kind_of_mesh(mesh).cell, cells, mesh.subdomains, nodes
+            )
         elif path.suffix == ".vtu":
-            _write_vtu(partial, xy, mesh_kind_of(mesh).cell, cells, mesh.subdomains, edges)
+            _write_mesh_as_vtu_file(
+                partial, xy, element_kind_of_mesh(mesh).cell, cells, mesh.subdomains, edges
+            )
         else:
-            _write_msh(partial, xy, mesh_kind_of(mesh), cells, mesh.subdomains, edges)
+            _write_mesh_as_gmsh_file(
+                partial, xy, element_kind_of_mesh(mesh), cells, mesh.subdomains, edges
+            )
 
 
-def _write_msh(
+def _write_mesh_as_gmsh_file(
     path: Path,
     xy: Floats,
     kind: Any,
@@ -107,11 +118,11 @@ def _write_msh(
         for number, block in zip(numbers, blocks, strict=True)
     ]
     data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
-    content = meshio.Mesh(_points_in_space(xy), blocks, cell_data=data, field_data=names)
+    content = meshio.Mesh(_points_with_zero_z(xy), blocks, cell_data=data, field_data=names)
     meshio.write(path, content, file_format="gmsh22", binary=False)
 
 
-def _write_vtu(
+def _write_mesh_as_vtu_file(
     path: Path,
     xy: Floats,
     cell: str,
@@ -125,7 +136,7 @@ def _write_vtu(
     }
     nodes = {name: np.isin(np.arange(len(xy)), along) for name, along in edges.items()}
     content = meshio.Mesh(
-        _points_in_space(xy),
+        _points_with_zero_z(xy),
         [(cell, cells)],
         cell_data={name: [inside.astype(np.int32)] for name, inside in members.items()},
         point_data={name: inside.astype(np.int32) for name, inside in nodes.items()},
@@ -133,58 +144,60 @@ def _write_vtu(
     meshio.write(path, content, file_format="vtu")
 
 
-def _points_in_space(xy: Floats) -> Floats:
+def _points_with_zero_z(xy: Floats) -> Floats:
     """The points (n, 3) in space for points (n, 2) in the plane; their z is zero."""
     return np.column_stack([xy, np.zeros(len(xy))])
 
 
-def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
+def read_shoe_mesh_from_file(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
     """Read a user's mesh of a shoe from a file; return scikit-fem's mesh in the shoe's frame [m].
 
     The coordinates in the file have the unit `shoe.mesh_unit` and the frame `shoe.mesh_frame`.
     BadInput is raised for a file that cannot be read or used; its message names `key` and the file.
     """
-    return read_shoe_mesh(path, shoe, radius, key).mesh
+    return read_shoe_mesh_with_notes(path, shoe, radius, key).mesh
 
 
-def read_shoe_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> ShoeMesh:
+def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> ShoeMesh:
     """Read a user's mesh of a shoe from a file, with notes on moved nodes and ignored parts.
 
-    See `read_mesh` for the parameters and errors.
+    See `read_shoe_mesh_from_file` for the parameters and errors.
     """
     fault = f"{key} = '{path}'"
-    content = _read_content(path, shoe, fault)
+    content = _read_content_of_mesh_file(path, shoe, fault)
     if len(content.points) > MOST_FILE_NODES:
         raise BadInput(
             f"{fault}: has {len(content.points)} nodes; must have at most {MOST_FILE_NODES}"
         )
     # The coordinates in the shoe's frame [m], and how much they were rounded in the file.
     unit = METRES_PER_UNIT[shoe.mesh_unit]
-    points = _plane_points(content, fault)
+    points = _xy_coordinates_of_plane_mesh(content, fault)
     rounding = content.rounding
     if rounding is None:
-        rounding = rounding_errors_of_coordinates(points)
+        rounding = largest_rounding_errors_of_coordinates(points)
     points = points * unit
     if shoe.mesh_frame == "brake":
-        points = shoe.own_points(points)
-    plane = make_plane_cells_of_one_kind(content, points, fault)
+        points = shoe.convert_points_to_shoe_frame(points)
+    plane = convert_plane_cells_to_one_kind(content, points, fault)
     # Nodes that were added have positions between other nodes, and no rounding of their own.
     slack = np.zeros((len(plane.points), 2))
     slack[: len(points)] = rounding * unit
-    mesh, vertex = _mesh_and_vertices(plane.cell, plane.cells, plane.points, fault)
-    nodal, _ = _mesh_and_vertices(plane.cell, plane.cells, slack, fault)
-    mesh = _add_groups(content, shoe, plane, mesh, vertex, fault)
-    mesh = check_shoe_mesh(mesh, shoe, radius, fault, content.group_names)
+    mesh, vertex = _mesh_of_cells_and_vertex_numbers(plane.cell, plane.cells, plane.points, fault)
+    nodal, _ = _mesh_of_cells_and_vertex_numbers(plane.cell, plane.cells, slack, fault)
+    mesh = _mesh_with_named_groups_of_file(content, shoe, plane, mesh, vertex, fault)
+    mesh = check_mesh_and_drop_unneeded_groups(
+        mesh, shoe, radius, fault, content.names_of_all_groups
+    )
     # A mesh whose contact nodes were moved is checked again.
-    contact = move_contact_nodes_onto_surface(mesh, nodal.doflocs, shoe, radius)
+    contact = move_contact_nodes_onto_drum_or_plane(mesh, nodal.doflocs, shoe, radius)
     if contact.mesh is not mesh:
-        check_shoe_mesh(
+        check_mesh_and_drop_unneeded_groups(
             contact.mesh, shoe, radius, f"{fault}: with its contact line on the {shoe.surface.word}"
         )
     return ShoeMesh(contact.mesh, contact, content.notes + plane.notes)
 
 
-def _read_content(path: Path, shoe: Shoe, fault: str) -> FileContent:
+def _read_content_of_mesh_file(path: Path, shoe: Shoe, fault: str) -> FileContent:
     """Read the content of a mesh file: nodes, cells and groups.
 
     BadInput is raised for a file that cannot be read; its message begins with `fault`.
@@ -192,15 +205,15 @@ def _read_content(path: Path, shoe: Shoe, fault: str) -> FileContent:
     try:
         regular = stat.S_ISREG(path.stat().st_mode)
     except (OSError, ValueError) as error:
-        raise BadInput(f"{fault}: no such file ({reason_of(error)})") from error
+        raise BadInput(f"{fault}: no such file ({system_message_of_error(error)})") from error
     suffix = path.suffix.lower()
     if not regular or suffix not in FORMATS:
         raise BadInput(
             f"{fault}: is not a mesh: must be a file whose name ends in {', '.join(FORMATS)}"
         )
-    data = read_mesh_bytes(path)
+    data = read_bytes_of_mesh_file(path)
     if suffix == ".msh":
-        _check_node_numbers(path, fault)
+        _check_node_numbers_fit_memory(path, fault)
     printed = io.StringIO()
     try:
         with (
@@ -213,7 +226,7 @@ def _read_content(path: Path, shoe: Shoe, fault: str) -> FileContent:
             # If a file has fewer numbers than it promises, numpy before 2.3 warns and later ones
             # raise an error. The warning becomes an error too.
             warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
-            return _read_by_format(path, suffix, data, shoe)
+            return _read_mesh_file_by_its_format(path, suffix, data, shoe)
     except MemoryError as error:
         raise BadInput(
             f"{fault}: is not a mesh that can be read (it needs more memory than there is)"
@@ -230,7 +243,7 @@ def _read_content(path: Path, shoe: Shoe, fault: str) -> FileContent:
         ) from error
 
 
-def _read_by_format(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileContent:
+def _read_mesh_file_by_its_format(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileContent:
     """The nodes, cells and groups of a mesh file, read by the reader of its format.
 
     The suffix and the first bytes of `data`, the content of the file, tell the format.
@@ -238,24 +251,30 @@ def _read_by_format(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileCon
     start = data.lstrip()[:1]
     # The mesher of CalculiX writes Abaqus text into files named .msh.
     if suffix == ".inp" or (suffix == ".msh" and start == b"*"):
-        return read_inp(data.decode(errors="replace"), path.parent, _names_of_element_groups(shoe))
-    if suffix == ".msh" and is_msh4(data):
-        return read_msh4(data.decode(errors="replace"))
+        return read_mesh_from_inp_text(
+            data.decode(errors="replace"), path.parent, _names_of_element_groups_of_shoe(shoe)
+        )
+    if suffix == ".msh" and is_text_in_gmsh_format_4(data):
+        return read_mesh_in_gmsh_format_4(data.decode(errors="replace"))
     if suffix == ".vtu":
-        check_unpacked_size(data)
+        check_unpacked_vtu_size_fits_memory(data)
     return content_of_meshio_mesh(meshio.read(path, "vtu" if suffix == ".vtu" else "gmsh"))
 
 
-def _names_of_element_groups(shoe: Shoe) -> list[str]:
+def _names_of_element_groups_of_shoe(shoe: Shoe) -> list[str]:
     """The names that groups of elements may have in the mesh file of a shoe.
 
     They are "lining", "backing", "table" and "shoe", or the names in the shoe's key `groups`.
     """
     names = ("lining", "backing", "table", "shoe")
-    return list(itertools.chain.from_iterable(shoe.groups.names_of(name) for name in names))
+    return list(
+        itertools.chain.from_iterable(
+            shoe.groups.names_of_group_in_mesh_file(name) for name in names
+        )
+    )
 
 
-def _check_node_numbers(path: Path, fault: str) -> None:
+def _check_node_numbers_fit_memory(path: Path, fault: str) -> None:
     """Refuse an .msh file (text, format 2.2 or 4.1) with node numbers that would fill the memory.
 
     Other faults of the file are found later, when it is read.
@@ -275,24 +294,24 @@ def _check_node_numbers(path: Path, fault: str) -> None:
             return
         blocks = int(file.readline().split()[0])
         if version.startswith(b"2"):
-            numbers = _next_numbers(file, 4 * blocks)[::4]
+            numbers = _read_next_numbers_of_text_file(file, 4 * blocks)[::4]
         else:
             for _ in range(blocks):
                 count = int(file.readline().split()[3])
-                numbers = np.append(numbers, _next_numbers(file, count))
-                _next_numbers(file, 3 * count)
+                numbers = np.append(numbers, _read_next_numbers_of_text_file(file, count))
+                _read_next_numbers_of_text_file(file, 3 * count)
     if numbers.size and numbers.max() > LARGEST_NUMBER:
         raise BadInput(
             f"{fault}: numbers a node {numbers.max():.0f}; must be up to {LARGEST_NUMBER}"
         )
 
 
-def _next_numbers(file: Any, count: int) -> Floats:
+def _read_next_numbers_of_text_file(file: Any, count: int) -> Floats:
     """The next `count` numbers of an open text file, or fewer where the file has fewer."""
     return np.fromfile(file, count=max(count, 0), sep=" ")
 
 
-def _plane_points(content: FileContent, fault: str) -> Floats:
+def _xy_coordinates_of_plane_mesh(content: FileContent, fault: str) -> Floats:
     """The coordinates x, y (n, 2) of all nodes of a mesh file, in the file's unit.
 
     BadInput is raised for a mesh that is not plane; its message begins with `fault`. Nodes that
@@ -314,7 +333,9 @@ def _plane_points(content: FileContent, fault: str) -> Floats:
     return points[:, :2]
 
 
-def _mesh_and_vertices(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints]:
+def _mesh_of_cells_and_vertex_numbers(
+    cell: str, cells: Ints, points: Floats, fault: str
+) -> tuple[Any, Ints]:
     """scikit-fem's mesh of the cells in a file, and which vertex of it each node of the file is.
 
     Parameters
@@ -333,7 +354,7 @@ def _mesh_and_vertices(cell: str, cells: Ints, points: Floats, fault: str) -> tu
     used, numbered = np.unique(cells, return_inverse=True)
     numbered = numbered.reshape(cells.shape)
     corners = 3 if cell.startswith("triangle") else 4
-    check_cell_nodes(numbered, corners, fault)
+    check_cells_share_nodes_consistently(numbered, corners, fault)
     mesh = kind.mesh(np.ascontiguousarray(points[used].T), np.ascontiguousarray(numbered.T))
     vertex = np.full(len(points), -1)
     vertices = np.unique(cells[:, :corners])
@@ -341,7 +362,7 @@ def _mesh_and_vertices(cell: str, cells: Ints, points: Floats, fault: str) -> tu
     return mesh, vertex
 
 
-def _add_groups(
+def _mesh_with_named_groups_of_file(
     content: FileContent, shoe: Shoe, plane: PlaneCells, mesh: Any, vertex: Ints, fault: str
 ) -> Any:
     """The mesh with the groups of the file as its subdomains and boundaries.
@@ -359,45 +380,51 @@ def _add_groups(
     """
     subdomains, boundaries = {}, {}
     for name in GROUP_NAMES:
-        wanted = shoe.groups.names_of(name)
+        wanted = shoe.groups.names_of_group_in_mesh_file(name)
         for alias in wanted:
             if alias in content.broken:
                 raise BadInput(f"{fault}: group {name}: {content.broken[alias]}")
-        found = _find_cells(content, plane, wanted)
+        found = _find_elements_in_named_groups(content, plane, wanted)
         if len(found):
             subdomains[name] = found
-        facets = _find_facets(content, plane, mesh, vertex, wanted, f"{fault}: group {name}")
+        facets = _find_element_edges_in_named_groups(
+            content, plane, mesh, vertex, wanted, f"{fault}: group {name}"
+        )
         if len(facets):
             boundaries[name] = facets
     mesh = dataclasses.replace(mesh, _subdomains=subdomains, _boundaries=boundaries)
-    _check_given_names(content, shoe, fault)
+    _check_given_groups_are_in_file(content, shoe, fault)
     return mesh
 
 
-def _check_given_names(content: FileContent, shoe: Shoe, fault: str) -> None:
+def _check_given_groups_are_in_file(content: FileContent, shoe: Shoe, fault: str) -> None:
     """Refuse names in a shoe's key `groups` that the mesh file does not have."""
     for name in shoe.groups.given:
         missing = [
-            alias for alias in shoe.groups.names_of(name) if alias not in content.group_names
+            alias
+            for alias in shoe.groups.names_of_group_in_mesh_file(name)
+            if alias not in content.names_of_all_groups
         ]
         if missing:
-            found = ", ".join(content.group_names) or "none"
+            found = ", ".join(content.names_of_all_groups) or "none"
             raise BadInput(
                 f"{fault}: groups.{name} = {missing[0]!r}: not in the file; found: {found}"
             )
 
 
-def _find_cells(content: FileContent, plane: PlaneCells, names: list[str]) -> Ints:
+def _find_elements_in_named_groups(
+    content: FileContent, plane: PlaneCells, names: list[str]
+) -> Ints:
     """The numbers of the elements in the groups of the given names, each number once."""
     found = [np.zeros(0, dtype=np.int64)]
     for name in names:
         for cell, rows in content.cell_groups.get(name, {}).items():
             if cell in plane.parent:
-                found.append(plane.made_of(cell, rows))
+                found.append(plane.new_cells_made_of_file_cells(cell, rows))
     return np.unique(np.concatenate(found))
 
 
-def _find_facets(
+def _find_element_edges_in_named_groups(
     content: FileContent,
     plane: PlaneCells,
     mesh: Any,
@@ -411,7 +438,7 @@ def _find_facets(
 
     Parameters
     ----------
-    content, plane, mesh, vertex : as in `_add_groups`
+    content, plane, mesh, vertex : as in `_mesh_with_named_groups_of_file`
     names : names of the groups
     fault : beginning of each message
     """
@@ -424,8 +451,8 @@ def _find_facets(
         ends += [content.edge_groups[name]] if name in content.edge_groups else []
         outer_ends += [content.outer_groups[name]] if name in content.outer_groups else []
     # A set of nodes is used only if the file has no edges of the same name.
-    found = _facets_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
-    outlined = _facets_between_vertices(mesh, vertex[np.concatenate(outer_ends)], fault)
+    found = _element_edges_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
+    outlined = _element_edges_between_vertices(mesh, vertex[np.concatenate(outer_ends)], fault)
     outer = mesh.boundary_facets()
     found = np.union1d(found, np.intersect1d(outlined, outer))
     nodes = [content.node_groups[name] for name in names if name in content.node_groups]
@@ -433,28 +460,31 @@ def _find_facets(
         return found
     inside = np.zeros(len(vertex), dtype=bool)
     inside[np.concatenate(nodes)] = True
-    return np.intersect1d(_facets_between_nodes(plane, mesh, vertex, inside, fault), outer)
+    return np.intersect1d(
+        _element_edges_with_all_nodes_in_set(plane, mesh, vertex, inside, fault), outer
+    )
 
 
-def _facets_between_nodes(
+def _element_edges_with_all_nodes_in_set(
     plane: PlaneCells, mesh: Any, vertex: Ints, inside: Bools, fault: str
 ) -> Ints:
     """The numbers of the mesh's edges whose nodes all belong to a set of nodes.
 
     If the set has no middle nodes at all, only the corners of the edges must belong to it.
-    `inside` (n,) marks the nodes of the set; the other parameters are those of `_add_groups`.
+    `inside` (n,) marks the nodes of the set; the other parameters are those of
+    `_mesh_with_named_groups_of_file`.
     """
-    corners = plane.corners
+    corners = plane.number_of_corners_per_cell
     ends = plane.cells[:, :corners]
     pairs = np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1)
     whole: Bools = np.all(inside[pairs], axis=-1)
     middles = plane.cells[:, corners : 2 * corners]
     if middles.size and inside[middles].any():
         whole &= inside[middles] | plane.added[middles]
-    return _facets_between_vertices(mesh, vertex[pairs[whole]], fault)
+    return _element_edges_between_vertices(mesh, vertex[pairs[whole]], fault)
 
 
-def _facets_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
+def _element_edges_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
     """The numbers of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
 
     BadInput is raised for pairs that are no edge of the mesh; its message begins with `fault`.

@@ -101,7 +101,7 @@ def notes_on_mesh_file(
     """
     lead = f"shoe {shoe.name!r}: its mesh"
     yield from (f"{lead}: {note}" for note in made.notes)
-    compression = mean_compression(shoe, response)
+    compression = mean_compression_of_lining(shoe, response)
     if compression <= 0:
         return
     # Nodes that were moved farther than a small part of the compression are reported.
@@ -114,20 +114,21 @@ def notes_on_mesh_file(
         if by > SMALLEST_REPORTED_MOVE * compression:
             yield (
                 f"{lead}: {count} {nodes} of the contact line were put on the {surface}, "
-                f"by up to {_distance_in_words(by, compression)}: {cause}"
+                f"by up to {_text_of_distance_and_its_ratio(by, compression)}: {cause}"
             )
     # Offsets that remain count as a gap, unless they are a zigzag.
     off = shoe.off(xy, radius)
-    _check_smooth(off, compression, lead, surface)
+    _check_contact_is_no_zigzag(off, compression, lead, surface)
     most = float(np.abs(off).max())
     if most > SMALLEST_REPORTED_MOVE * compression:
+        distance = _text_of_distance_and_its_ratio(most, compression)
         yield (
-            f"{lead}: the contact line lies up to {_distance_in_words(most, compression)} off the "
-            f"{surface}; this counts as the lining's shape, a gap"
+            f"{lead}: the contact line lies up to {distance} off the {surface}; "
+            "this counts as the lining's shape, a gap"
         )
 
 
-def mean_compression(shoe: Shoe, response: ShoeResponse) -> float:
+def mean_compression_of_lining(shoe: Shoe, response: ShoeResponse) -> float:
     """The lining's mean compression p t/E [m].
 
     The pressure p is the mean over the whole length of the lining, t is its thickness, and E its
@@ -139,13 +140,13 @@ def mean_compression(shoe: Shoe, response: ShoeResponse) -> float:
     return mean * shoe.lining.thickness / shoe.lining.material.E_through
 
 
-def _distance_in_words(distance: float, compression: float) -> str:
+def _text_of_distance_and_its_ratio(distance: float, compression: float) -> str:
     """The text of a distance [m], with its ratio to the lining's mean compression [m]."""
     ratio = f"{distance / compression:.2g}"
     return f"{distance * 1e6:.3g} um ({ratio} of the lining's mean compression p t/E)"
 
 
-def _check_smooth(off: Floats, compression: float, lead: str, surface: str) -> None:
+def _check_contact_is_no_zigzag(off: Floats, compression: float, lead: str, surface: str) -> None:
     """Refuse a mesh whose contact nodes form a zigzag or a polygon.
 
     Parameters
@@ -156,21 +157,21 @@ def _check_smooth(off: Floats, compression: float, lead: str, surface: str) -> N
     surface : word for the surface in the message: drum or plane
     """
     turns, high = (
-        count_turns_of_offsets(off, ZIGZAG * compression),
-        count_turns_of_offsets(off, compression / 2),
+        count_turns_between_rise_and_fall(off, ZIGZAG * compression),
+        count_turns_between_rise_and_fall(off, compression / 2),
     )
     unresolved = turns > FEW_TURNS and len(off) < NODES_PER_TURN * turns
     if unresolved or high > MOST_TURNS:
         raise BadInput(
             f"{lead}: the contact line goes off the {surface} and back {turns} times on "
             f"{len(off)} nodes, by up to "
-            f"{_distance_in_words(float(np.abs(off).max()), compression)}: "
+            f"{_text_of_distance_and_its_ratio(float(np.abs(off).max()), compression)}: "
             f"a zigzag or a polygon is no lining; put its nodes on the {surface}, "
             "write more digits, or curve its sides"
         )
 
 
-def count_turns_of_offsets(off: Floats, height: float) -> int:
+def count_turns_between_rise_and_fall(off: Floats, height: float) -> int:
     """The number of times that offsets (n,) turn from rising to falling or from falling to rising.
 
     A turn is counted only after a rise or fall by more than `height`.

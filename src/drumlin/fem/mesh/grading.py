@@ -59,7 +59,7 @@ class LiningDivision:
     behind: int = 1
 
 
-def divide_lining(shoe: Shoe, radius: float, elements: int) -> LiningDivision:
+def divide_lining_into_elements(shoe: Shoe, radius: float, elements: int) -> LiningDivision:
     """The division of a lining into a given number of elements along its arc.
 
     The elements become smaller towards the lining's ends. The number of layers grows with the
@@ -76,7 +76,7 @@ def divide_lining(shoe: Shoe, radius: float, elements: int) -> LiningDivision:
     return LiningDivision(
         angles=start + element_ends_along_lining(end - start, shoe, radius, elements),
         depths=points_graded_to_both_ends(
-            0, thickness, number_of_lining_layers(elements), thickness / 2, EDGE_SIZE
+            0, thickness, number_of_element_layers_in_lining(elements), thickness / 2, EDGE_SIZE
         ),
         step=(end - start) / elements,
     )
@@ -97,7 +97,7 @@ def element_ends_along_lining(arc: float, shoe: Shoe, radius: float, elements: i
     return points_graded_to_both_ends(0.0, arc, elements, shoe.lining.thickness / radius, EDGE_SIZE)
 
 
-def number_of_lining_layers(elements: int) -> int:
+def number_of_element_layers_in_lining(elements: int) -> int:
     """The number of layers through a lining with a given number of elements along its arc."""
     return min(max(2, round(elements / 15)), 12)
 
@@ -122,7 +122,7 @@ def element_ends_beyond_lining(near: float, far: float, division: LiningDivision
     count = max(1, round(length / step))
     parts = np.linspace(0, 1, min(count, MOST_OVERHANG_ELEMENTS) + 1)
     if count > MOST_OVERHANG_ELEMENTS:
-        growth = _find_growth_of_overhang(length / step)
+        growth = _growth_of_elements_beyond_lining(length / step)
         parts = np.expm1(growth * np.arange(MOST_OVERHANG_ELEMENTS + 1)) / np.expm1(
             growth * MOST_OVERHANG_ELEMENTS
         )
@@ -131,7 +131,7 @@ def element_ends_beyond_lining(near: float, far: float, division: LiningDivision
     return places
 
 
-def layer_ends_behind_lining(
+def relative_layer_depths_behind_lining(
     thickness: float, division: LiningDivision, size: float, most: int
 ) -> Floats:
     """The depths (m,) of the ends of m layers of a backing or a body, relative to its thickness.
@@ -170,7 +170,7 @@ def points_with_growing_steps(
     return np.array(points) * length / points[-1]
 
 
-def _find_growth_of_overhang(total: float) -> float:
+def _growth_of_elements_beyond_lining(total: float) -> float:
     """The growth g for which the sum of the steps 1, e^g, e^2g, ... is `total`, by bisection.
 
     The steps are lengths of elements beyond the lining, relative to the first one. Their number is
@@ -204,10 +204,10 @@ def points_graded_to_both_ends(
     # The points are symmetric about the middle. The integral from the nearer end to each point
     # grows in equal parts, and the distance d follows from the integral.
     half = (end - start) / 2
-    total = number_of_inner_steps(half, half, zone, smallest)
+    total = integral_of_inverse_graded_step(half, half, zone, smallest)
     part = total * np.minimum(np.arange(count + 1), np.arange(count + 1)[::-1]) / (count / 2)
     reach = min(zone * (1 - smallest), half)
-    inner = number_of_inner_steps(reach, half, zone, smallest)
+    inner = integral_of_inverse_graded_step(reach, half, zone, smallest)
     in_zone = zone * smallest * np.expm1(np.minimum(part, inner) / zone)
     d = np.where(part <= inner, in_zone, reach + part - inner)
     # In the second half d is the distance from the end.
@@ -217,7 +217,7 @@ def points_graded_to_both_ends(
     return points
 
 
-def number_of_inner_steps(d: float, half: float, zone: float, smallest: float) -> float:
+def integral_of_inverse_graded_step(d: float, half: float, zone: float, smallest: float) -> float:
     """The integral Int_0^d dd h_0 / h over the graded steps h up to the distance d from an end.
 
     The steps h are those of `points_graded_to_both_ends`. Beyond the zone in which they become

@@ -13,7 +13,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.fem.mesh.abaqus import CELL_OF_TYPE, NODES_PER_CELL
-from drumlin.fem.mesh.content_of_file import FileContent, rounding_errors_of_coordinates
+from drumlin.fem.mesh.content_of_file import FileContent, largest_rounding_errors_of_coordinates
 from drumlin.fem.mesh.inp_deck import Deck
 from drumlin.fem.mesh.inp_parts import DeckInstance
 
@@ -44,7 +44,9 @@ class ElementPlace(NamedTuple):
     row: int
 
 
-def read_inp(text: str, folder: Path | None = None, wanted: Collection[str] = ()) -> FileContent:
+def read_mesh_from_inp_text(
+    text: str, folder: Path | None = None, wanted: Collection[str] = ()
+) -> FileContent:
     """Read the mesh in the text of an Abaqus or CalculiX input file.
 
     Names of groups become lower case.
@@ -62,10 +64,10 @@ def read_inp(text: str, folder: Path | None = None, wanted: Collection[str] = ()
         with a line that says what cannot be read
     """
     deck = Deck(text, folder)
-    return _Assembled(deck, _choose_bodies(deck, wanted)).content()
+    return _Assembled(deck, _choose_bodies_that_make_up_shoe(deck, wanted)).nodes_cells_and_groups()
 
 
-def _choose_bodies(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
+def _choose_bodies_that_make_up_shoe(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
     """The instances and parts of a deck that make up the shoe.
 
     They are those with elements in the wanted groups, or all if no group has elements.
@@ -76,18 +78,18 @@ def _choose_bodies(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
     for body in deck.bodies:
         for name in wanted:
             if name in body.part.element_sets:
-                owners |= _find_owners(deck, body, name)
+                owners |= _names_of_instances_in_element_set(deck, body, name)
     found = [body for body in bodies if body.name in owners or not body.part.blocks]
     return found if owners else bodies
 
 
-def _find_owners(deck: Deck, body: DeckInstance, name: str) -> set[str]:
+def _names_of_instances_in_element_set(deck: Deck, body: DeckInstance, name: str) -> set[str]:
     """The names of the instances that an element set of a body has elements of.
 
     The result is empty for a set that cannot be read.
     """
     try:
-        return {owner.name for owner, _ in deck.members(body, "element_sets", name)}
+        return {owner.name for owner, _ in deck.members_of_named_set(body, "element_sets", name)}
     except ValueError:
         return set()
 
@@ -105,12 +107,12 @@ class _Assembled:
         self.cells: dict[str, list[list[int]]] = {}
         self.plane_strain: dict[str, None] = {}
         self.broken: dict[str, str] = {}
-        self.points, self.rounding = self._number_nodes()
+        self.points, self.rounding = self._number_nodes_of_all_bodies()
         for body in bodies:
             for block in body.part.blocks:
-                self._add_block(body, block.kind, block.elements)
+                self._add_elements_of_one_type(body, block.kind, block.elements)
 
-    def _number_nodes(self) -> tuple[Floats, Floats]:
+    def _number_nodes_of_all_bodies(self) -> tuple[Floats, Floats]:
         """Give each node of all instances a number; return the nodes' points and rounding errors.
 
         The points (n, 3) are in their places in the assembly. The rounding errors (n, 2) are the
@@ -124,17 +126,19 @@ class _Assembled:
             if part.nodes:
                 points.append(body.placement(np.array(list(part.nodes.values()))))
                 rounding.append(
-                    rounding_errors_of_coordinates(np.array(list(part.written.values())))
+                    largest_rounding_errors_of_coordinates(np.array(list(part.written.values())))
                 )
         return np.vstack(points), np.vstack(rounding)
 
-    def _add_block(self, body: DeckInstance, kind: str, elements: dict[int, list[int]]) -> None:
+    def _add_elements_of_one_type(
+        self, body: DeckInstance, kind: str, elements: dict[int, list[int]]
+    ) -> None:
         """Add the elements of one *ELEMENT section to the cells, but not springs or masses.
 
         `kind` is the type of the elements in Abaqus, and `elements` are the labels of the nodes of
         each element.
         """
-        cell = meshio_cell_of_abaqus_type(kind)
+        cell = meshio_cell_name_of_abaqus_element(kind)
         if kind.startswith("CPE"):
             self.plane_strain[kind] = None
         rows = self.cells.setdefault(cell, []) if cell else []
@@ -148,14 +152,16 @@ class _Assembled:
                     f"and {NODES_PER_CELL[cell]} nodes on each line"
                 )
             self.place[body.name, label] = ElementPlace(cell, len(rows))
-            found = [self._number_of_node(body.name, node, f"element {label}") for node in nodes]
+            found = [
+                self._node_number_of_label(body.name, node, f"element {label}") for node in nodes
+            ]
             # The middle node of a quadratic line is the second one in Abaqus, the last in meshio.
             if cell == "line3":
                 first, middle, last = found
                 found = [first, last, middle]
             rows.append(found)
 
-    def _number_of_node(self, owner: str, label: int, where: str) -> int:
+    def _node_number_of_label(self, owner: str, label: int, where: str) -> int:
         """The number in the mesh of the node with a label of the instance `owner`.
 
         ValueError is raised for a node that is not defined; its message begins with `where`.
@@ -165,34 +171,39 @@ class _Assembled:
             raise ValueError(f"{where} has the node {label}, which the file does not define")
         return found
 
-    def content(self) -> FileContent:
+    def nodes_cells_and_groups(self) -> FileContent:
         """The content of the deck as the reader returns it: nodes, cells, groups and notes."""
-        nodes, cells = self._read_sets("node_sets"), self._read_sets("element_sets")
-        surfaces = self._read_surfaces()
+        nodes, cells = (
+            self._members_of_each_set("node_sets"),
+            self._members_of_each_set("element_sets"),
+        )
+        surfaces = self._edges_and_nodes_of_surfaces()
         return FileContent(
             points=self.points,
             cells={
-                cell: _make_array_of_rows(rows, NODES_PER_CELL[cell])
+                cell: _integer_array_of_rows(rows, NODES_PER_CELL[cell])
                 for cell, rows in self.cells.items()
             },
-            cell_groups={name: self._sort_by_cell(keys) for name, keys in cells.items()},
+            cell_groups={
+                name: self._sort_elements_by_cell_type(keys) for name, keys in cells.items()
+            },
             node_groups={
                 name: np.unique(np.array([self.number[key] for key in keys], dtype=np.int64))
                 for name, keys in (nodes | surfaces.nodes).items()
             },
             edge_groups={
-                name: _make_array_of_rows(edges, 2) for name, edges in surfaces.edges.items()
+                name: _integer_array_of_rows(edges, 2) for name, edges in surfaces.edges.items()
             },
             outer_groups={
-                name: _make_array_of_rows(edges, 2) for name, edges in surfaces.outlines.items()
+                name: _integer_array_of_rows(edges, 2) for name, edges in surfaces.outlines.items()
             },
             rounding=self.rounding,
-            turned=any(body.placement.turns or body.part.turned for body in self.bodies),
+            turned=any(body.placement.has_rotation or body.part.turned for body in self.bodies),
             broken=self.broken,
-            notes=self._write_notes(),
+            notes=self._notes_on_ignored_parts(),
         )
 
-    def _write_notes(self) -> tuple[str, ...]:
+    def _notes_on_ignored_parts(self) -> tuple[str, ...]:
         """The notes for the user: ignored keywords and instances, and plane-strain elements."""
         notes = []
         if self.deck.unknown:
@@ -208,7 +219,7 @@ class _Assembled:
             notes.append(f"TYPE={kinds} is plane strain; it is solved in plane stress")
         return tuple(notes)
 
-    def _read_sets(self, which: str) -> dict[str, list[Key]]:
+    def _members_of_each_set(self, which: str) -> dict[str, list[Key]]:
         """The members of each node set or element set of the deck, by the set's name.
 
         `which` is "node_sets" or "element_sets". A set of the assembly replaces sets of the same
@@ -217,27 +228,32 @@ class _Assembled:
         known = self.number if which == "node_sets" else self.place
         what = "node" if which == "node_sets" else "element"
 
-        def found(body: DeckInstance, name: str) -> list[Key]:
+        def members_of_one_set(body: DeckInstance, name: str) -> list[Key]:
             """The members of the set `name` of a body that are in the mesh.
 
             ValueError is raised for a member that the file does not define.
             """
-            keys = [(owner.name, label) for owner, label in self.deck.members(body, which, name)]
+            keys = [
+                (owner.name, label)
+                for owner, label in self.deck.members_of_named_set(body, which, name)
+            ]
             strange = next((key for key in keys if key not in known), None)
-            if strange is not None and self._chosen(strange[0]):
+            if strange is not None and self._is_chosen_instance(strange[0]):
                 raise ValueError(
                     f"the set {name.upper()} names the {what} {strange[1]}, "
                     "which the file does not define"
                 )
             return [key for key in keys if key in known]
 
-        return self._collect_by_name(lambda body: getattr(body.part, which), found)
+        return self._collect_members_by_group_name(
+            lambda body: getattr(body.part, which), members_of_one_set
+        )
 
-    def _chosen(self, owner: str) -> bool:
+    def _is_chosen_instance(self, owner: str) -> bool:
         """Whether the instance named `owner` is one of the chosen bodies, or no instance at all."""
         return owner == "" or any(body.name == owner for body in self.bodies)
 
-    def _collect_by_name(
+    def _collect_members_by_group_name(
         self,
         named: Callable[[DeckInstance], Collection[str]],
         found: Callable[[DeckInstance, str], list[Parsed]],
@@ -267,7 +283,7 @@ class _Assembled:
                     self.broken[name] = str(error)
         return groups
 
-    def _sort_by_cell(self, keys: list[Key]) -> dict[str, Ints]:
+    def _sort_elements_by_cell_type(self, keys: list[Key]) -> dict[str, Ints]:
         """The cells of the elements of a group: type of cell -> numbers of the cells.
 
         `keys` are the elements of the group. Elements without a cell, such as springs, are left
@@ -280,12 +296,12 @@ class _Assembled:
                 rows[place.cell].append(place.row)
         return {cell: np.array(found, dtype=np.int64) for cell, found in rows.items()}
 
-    def _read_surfaces(self) -> "_Surfaces":
+    def _edges_and_nodes_of_surfaces(self) -> "_Surfaces":
         """The edges and nodes of all *SURFACE sections of the deck."""
         found = _Surfaces({}, {}, {})
 
-        def take(body: DeckInstance, name: str) -> list[None]:
-            """Add the edges or nodes of the surface `name` of a body to `found`."""
+        def add_one_surface(body: DeckInstance, name: str) -> list[None]:
+            """Add the edges or nodes of the surface `name` of a body to `members_of_one_set`."""
             if name in body.part.refused:
                 raise ValueError(f"the surface {name.upper()}: {body.part.refused[name]}")
             kind, rows = body.part.surfaces[name]
@@ -293,22 +309,26 @@ class _Assembled:
             # elements has a label or a set of elements, and may have a face (S1 to S4).
             if kind == "NODE":
                 keys = [
-                    key for row in rows for key in self._members_of_word(body, "node_sets", row[0])
+                    key
+                    for row in rows
+                    for key in self._members_that_surface_word_names(body, "node_sets", row[0])
                 ]
                 found.nodes.setdefault(name, []).extend(keys)
             elif kind == "ELEMENT":
                 for row in rows:
                     face = row[1].upper() if len(row) > 1 else ""
-                    edges = self._edges_of_line(body, row[0], face, name)
+                    edges = self._edges_that_surface_line_names(body, row[0], face, name)
                     (found.edges if face else found.outlines).setdefault(name, []).extend(edges)
             else:
                 raise ValueError(f"the surface {name.upper()}: TYPE={kind} is not read")
             return []
 
-        self._collect_by_name(lambda body: body.part.surfaces, take)
+        self._collect_members_by_group_name(lambda body: body.part.surfaces, add_one_surface)
         return found
 
-    def _members_of_word(self, body: DeckInstance, which: str, word: str) -> list[Key]:
+    def _members_that_surface_word_names(
+        self, body: DeckInstance, which: str, word: str
+    ) -> list[Key]:
         """The nodes or elements that a word on a line of *SURFACE stands for.
 
         The word is the name of a set or the label of one node or element. `which` is "node_sets" or
@@ -319,16 +339,19 @@ class _Assembled:
         holder = body
         if "." in name and name not in getattr(body.part, which):
             before, _, name = name.rpartition(".")
-            holder = self.deck.instance(before)
+            holder = self.deck.instance_of_given_name(before)
         known = self.number if which == "node_sets" else self.place
         if name in getattr(holder.part, which):
-            keys = [(owner.name, label) for owner, label in self.deck.members(holder, which, name)]
+            keys = [
+                (owner.name, label)
+                for owner, label in self.deck.members_of_named_set(holder, which, name)
+            ]
             return [key for key in keys if key in known]
         if not name.isdigit() or (holder.name, int(name)) not in known:
             raise ValueError(f"a surface names {word!r}, which is no label and no set")
         return [(holder.name, int(name))]
 
-    def _edges_of_line(
+    def _edges_that_surface_line_names(
         self, body: DeckInstance, word: str, face: str, name: str
     ) -> list[list[int]]:
         """The corner nodes of the edges that a line of a *SURFACE section stands for.
@@ -342,7 +365,7 @@ class _Assembled:
         """
         edges = []
         # Elements without a cell are springs and masses, which have no edges.
-        for key in self._members_of_word(body, "element_sets", word):
+        for key in self._members_that_surface_word_names(body, "element_sets", word):
             place = self.place[key]
             if place is None:
                 continue
@@ -378,7 +401,7 @@ class _Surfaces(NamedTuple):
     nodes: dict[str, list[Key]]
 
 
-def meshio_cell_of_abaqus_type(kind: str) -> str | None:
+def meshio_cell_name_of_abaqus_element(kind: str) -> str | None:
     """meshio's name of the cells for an Abaqus element type; None for springs or masses.
 
     ValueError is raised for elements that are not plane or are axisymmetric.
@@ -399,6 +422,6 @@ def meshio_cell_of_abaqus_type(kind: str) -> str | None:
     return CELL_OF_TYPE[plain]
 
 
-def _make_array_of_rows(rows: list[list[int]], width: int) -> Ints:
+def _integer_array_of_rows(rows: list[list[int]], width: int) -> Ints:
     """The array (n, width) of n rows of whole numbers; n may be 0."""
     return np.array(rows, dtype=np.int64).reshape(-1, width)

@@ -9,18 +9,18 @@ from pathlib import Path
 
 import numpy as np
 
-from drumlin.fem.mesh.inp_keywords import pass_over_section
+from drumlin.fem.mesh.inp_keywords import refuse_or_ignore_section
 from drumlin.fem.mesh.inp_parts import (
     IN_PLACE,
     DeckInstance,
     DeckPart,
     Member,
-    parse_label,
-    parse_numbers,
-    placement_by_system,
-    placement_of_instance,
+    parse_node_or_element_label,
+    parse_numbers_of_data_line,
+    placement_by_coordinate_system,
+    placement_of_instance_in_assembly,
 )
-from drumlin.fem.mesh.inp_text import InputSection, read_deck_sections
+from drumlin.fem.mesh.inp_text import InputSection, split_input_file_into_sections
 
 MOST_MEMBERS = 2_000_000
 """Largest number of members of all sets of an Abaqus deck together; a deck with more is refused.
@@ -65,8 +65,8 @@ class Deck:
         self._scope, self._outer = self.root, self.root
         self._system = IN_PLACE
         self._room = MOST_MEMBERS
-        for section in read_deck_sections(text, folder):
-            self._add_section(section)
+        for section in split_input_file_into_sections(text, folder):
+            self._add_section_to_its_part(section)
 
     @property
     def bodies(self) -> list[DeckInstance]:
@@ -79,7 +79,7 @@ class Deck:
         ]
         return [DeckInstance("", self.root), *placed, DeckInstance("", self.assembly)]
 
-    def _add_section(self, section: InputSection) -> None:
+    def _add_section_to_its_part(self, section: InputSection) -> None:
         """Add the nodes, elements, sets or surfaces of one section of the deck to its part.
 
         A section that begins or ends a part, an instance or the assembly changes the part that
@@ -90,32 +90,34 @@ class Deck:
             if option in section.options:
                 raise ValueError(f"*{keyword}, {option}= {reason}")
         if keyword == "NODE":
-            self._add_nodes(section)
+            self._add_nodes_of_section(section)
         elif keyword == "ELEMENT":
-            self._add_elements(section)
+            self._add_elements_of_section(section)
         elif keyword == "NSET":
-            self._add_to_set(scope.node_sets, section, section.options.get("NSET"))
+            self._add_members_to_named_set(scope.node_sets, section, section.options.get("NSET"))
         elif keyword == "ELSET":
-            self._add_to_set(scope.element_sets, section, section.options.get("ELSET"))
+            self._add_members_to_named_set(
+                scope.element_sets, section, section.options.get("ELSET")
+            )
         elif keyword == "SURFACE":
-            self._add_surface(section)
+            self._add_surface_of_section(section)
         elif keyword == "SYSTEM":
-            self._system = placement_by_system(section.rows)
+            self._system = placement_by_coordinate_system(section.rows)
         elif keyword in SCOPES:
             self._system = IN_PLACE
             SCOPES[keyword](self, section)
         elif keyword:
-            pass_over_section(section, self.unknown)
+            refuse_or_ignore_section(section, self.unknown)
 
-    def _add_nodes(self, section: InputSection) -> None:
+    def _add_nodes_of_section(self, section: InputSection) -> None:
         """Add the nodes of a *NODE section; a *SYSTEM section before it may move or turn them."""
         kind, scope = section.option("SYSTEM") or "R", self._scope
         if kind not in ("R", "C"):
             raise ValueError(f"*NODE, SYSTEM={kind} is not read; write rectangular coordinates")
-        scope.turned |= kind == "C" or self._system.turns
+        scope.turned |= kind == "C" or self._system.has_rotation
         for row in section.rows:
-            label = parse_label(row[0], "*NODE")
-            written = parse_numbers(row[1:], f"node {row[0]}")
+            label = parse_node_or_element_label(row[0], "*NODE")
+            written = parse_numbers_of_data_line(row[1:], f"node {row[0]}")
             xyz = [*written, 0.0, 0.0, 0.0][:3]
             if kind == "C":
                 # Cylindrical coordinates are radius, angle in degrees, and height.
@@ -126,25 +128,27 @@ class Deck:
             scope.add_node(label, xyz, [*written, 0.0, 0.0][:2])
         # The option NSET of a *NODE section makes a set of these nodes.
         labels = InputSection("NSET", {}, [[row[0]] for row in section.rows])
-        self._add_to_set(scope.node_sets, labels, section.options.get("NSET"))
+        self._add_members_to_named_set(scope.node_sets, labels, section.options.get("NSET"))
 
-    def _add_elements(self, section: InputSection) -> None:
+    def _add_elements_of_section(self, section: InputSection) -> None:
         """Add the elements of an *ELEMENT section with the labels of their nodes.
 
         The number of nodes of each element is checked later.
         """
         kind, found = section.option("TYPE"), dict[int, list[int]]()
         for row in section.rows:
-            label, *nodes = (_element_label(word) for word in row)
+            label, *nodes = (_parse_label_in_element_line(word) for word in row)
             if label in found:
                 raise ValueError(f"element {label} is defined twice")
             found[label] = nodes
         self._scope.add_elements(kind, found)
         # The option ELSET of an *ELEMENT section makes a set of these elements.
         labels = InputSection("ELSET", {}, [[str(label)] for label in found])
-        self._add_to_set(self._scope.element_sets, labels, section.options.get("ELSET"))
+        self._add_members_to_named_set(
+            self._scope.element_sets, labels, section.options.get("ELSET")
+        )
 
-    def _add_to_set(
+    def _add_members_to_named_set(
         self, sets: dict[str, list[Member]], section: InputSection, name: str | None
     ) -> None:
         """Add the data lines of a section to the set `name`; nothing is added without a name.
@@ -162,12 +166,15 @@ class Deck:
         for row in section.rows:
             if "GENERATE" in section.options:
                 where = f"*{section.keyword}, GENERATE"
-                first, last, step = [*(parse_label(word, where) for word in row), 1][:3]
+                first, last, step = [
+                    *(parse_node_or_element_label(word, where) for word in row),
+                    1,
+                ][:3]
                 found.append(Member(owner, range(first, last + 1, step)))
             else:
                 found += [Member(owner, word.lower()) for word in row]
 
-    def _add_surface(self, section: InputSection) -> None:
+    def _add_surface_of_section(self, section: InputSection) -> None:
         """Keep the type and the data lines of a *SURFACE section under the surface's name."""
         name = section.options.get("NAME", "").lower()
         for option, reason in UNREAD_SET_OPTIONS.items():
@@ -175,7 +182,7 @@ class Deck:
                 self._scope.refused[name] = f"*SURFACE, {option}= {reason}"
         self._scope.surfaces[name] = (section.option("TYPE") or "ELEMENT", section.rows)
 
-    def _begin_part(self, section: InputSection) -> None:
+    def _begin_new_part(self, section: InputSection) -> None:
         """Begin a new part; the sections up to *END PART belong to it."""
         name = section.options.get("NAME", "").lower()
         if name in self.parts:
@@ -195,11 +202,11 @@ class Deck:
         if name.lower() in self.instances:
             raise ValueError(f"*INSTANCE, NAME={name}: there are two instances of this name")
         self._scope = DeckPart(name.lower())
-        placement = placement_of_instance(section.rows, name)
+        placement = placement_of_instance_in_assembly(section.rows, name)
         placed = DeckInstance(name.lower(), part or self._scope, placement)
         self.instances[placed.name] = placed
 
-    def _end_scope(self, section: InputSection) -> None:
+    def _end_part_instance_or_assembly(self, section: InputSection) -> None:
         """End a part, an instance or the assembly.
 
         After an instance, later sections belong to the assembly; otherwise to the deck itself.
@@ -215,7 +222,7 @@ class Deck:
             self._outer = self.root
         self._scope = self._outer
 
-    def members(
+    def members_of_named_set(
         self,
         body: DeckInstance,
         which: str,
@@ -244,16 +251,16 @@ class Deck:
             raise ValueError(f"the set {name.upper()}: {body.part.refused[name]}")
         above = (*above, (body.name, name))
         for owner, given in getattr(body.part, which)[name]:
-            holder, word = self.instance(owner) if owner else body, given
+            holder, word = self.instance_of_given_name(owner) if owner else body, given
             if isinstance(word, str) and word not in getattr(holder.part, which) and "." in word:
                 # An assembly writes Shoe-1.12 or Shoe-1.Contact for label 12 or set Contact of the
                 # instance Shoe-1.
                 before, _, word = word.rpartition(".")
-                holder = self.instance(before)
+                holder = self.instance_of_given_name(before)
             if isinstance(word, str) and word in getattr(holder.part, which):
-                yield from self.members(holder, which, word, above)
+                yield from self.members_of_named_set(holder, which, word, above)
                 continue
-            labels = word if isinstance(word, range) else (_member_label(word, name),)
+            labels = word if isinstance(word, range) else (_parse_label_in_set(word, name),)
             # The function len fails for a very long range. A slice that is not empty also shows
             # that there are more labels than allowed.
             if labels[self._room :]:
@@ -262,7 +269,7 @@ class Deck:
             for label in labels:
                 yield holder, label
 
-    def instance(self, name: str) -> DeckInstance:
+    def instance_of_given_name(self, name: str) -> DeckInstance:
         """The instance of the given name. ValueError is raised if the deck has none."""
         found = self.instances.get(name.lower().strip())
         if found is None:
@@ -271,22 +278,22 @@ class Deck:
 
 
 SCOPES = {
-    "PART": Deck._begin_part,
+    "PART": Deck._begin_new_part,
     "ASSEMBLY": Deck._begin_assembly,
     "INSTANCE": Deck._begin_instance,
-    "END PART": Deck._end_scope,
-    "END ASSEMBLY": Deck._end_scope,
-    "END INSTANCE": Deck._end_scope,
+    "END PART": Deck._end_part_instance_or_assembly,
+    "END ASSEMBLY": Deck._end_part_instance_or_assembly,
+    "END INSTANCE": Deck._end_part_instance_or_assembly,
 }
 """The method of `Deck` for each keyword that begins or ends a part, the assembly or an instance."""
 
 
-def _element_label(word: str) -> int:
+def _parse_label_in_element_line(word: str) -> int:
     """The label that a word on a line of an *ELEMENT section is. ValueError for another word."""
-    return parse_label(word, "*ELEMENT")
+    return parse_node_or_element_label(word, "*ELEMENT")
 
 
-def _member_label(word: str, name: str) -> int:
+def _parse_label_in_set(word: str, name: str) -> int:
     """The label that a word in the set `name` is. ValueError is raised for another word."""
     if not word.isdigit():
         raise ValueError(f"the set {name.upper()} names {word!r}, which is no label and no set")

@@ -101,12 +101,12 @@ class Placement:
         return xyz @ self.turn.T + self.shift
 
     @property
-    def moves(self) -> bool:
+    def has_translation_or_rotation(self) -> bool:
         """Whether the placement moves or turns the part at all."""
         return bool(np.any(self.turn != np.eye(3)) or np.any(self.shift))
 
     @property
-    def turns(self) -> bool:
+    def has_rotation(self) -> bool:
         """Whether the placement turns the part's axes."""
         return bool(np.any(self.turn != np.eye(3)))
 
@@ -124,7 +124,7 @@ class DeckInstance:
     placement: Placement = IN_PLACE
 
 
-def placement_of_instance(rows: list[list[str]], name: str) -> Placement:
+def placement_of_instance_in_assembly(rows: list[list[str]], name: str) -> Placement:
     """The placement of an *INSTANCE from its data lines: a translation, then a rotation.
 
     The first line has the translation. The second line has two points on the axis of the rotation
@@ -135,13 +135,13 @@ def placement_of_instance(rows: list[list[str]], name: str) -> Placement:
     # The first line is the translation x, y, z.
     shift = np.zeros(3)
     if rows:
-        given = parse_numbers(rows[0], f"*INSTANCE, NAME={name}")
+        given = parse_numbers_of_data_line(rows[0], f"*INSTANCE, NAME={name}")
         if len(given) > 3:
             raise ValueError(f"*INSTANCE, NAME={name}: its first data line must be a shift x, y, z")
         shift[: len(given)] = given
     if len(rows) < 2:
         return Placement(np.eye(3), shift)
-    given = parse_numbers(rows[1], f"*INSTANCE, NAME={name}")
+    given = parse_numbers_of_data_line(rows[1], f"*INSTANCE, NAME={name}")
     first, second = np.array(given[:3]), np.array(given[3:6])
     if len(given) != 7 or not np.any(second != first):
         raise ValueError(
@@ -161,7 +161,7 @@ def _rotation_matrix(axis: Floats, angle: float) -> Floats:
     return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
 
 
-def placement_by_system(rows: list[list[str]]) -> Placement:
+def placement_by_coordinate_system(rows: list[list[str]]) -> Placement:
     """The placement of the nodes after a *SYSTEM section, from its data lines.
 
     The lines have the origin of the system, a point on its x-axis, and a point in its x-y plane. An
@@ -169,11 +169,11 @@ def placement_by_system(rows: list[list[str]]) -> Placement:
     """
     if not rows:
         return IN_PLACE
-    given = parse_numbers(rows[0], "*SYSTEM")
+    given = parse_numbers_of_data_line(rows[0], "*SYSTEM")
     origin, along = np.array(given[:3]), np.array(given[3:6])
     if len(given) == 3:
         return Placement(np.eye(3), origin)
-    third = parse_numbers(rows[1], "*SYSTEM") if len(rows) == 2 else [0.0, 0.0, 1.0]
+    third = parse_numbers_of_data_line(rows[1], "*SYSTEM") if len(rows) == 2 else [0.0, 0.0, 1.0]
     if len(given) != 6 or len(rows) > 2 or len(third) not in (2, 3):
         raise ValueError("*SYSTEM needs an origin, a point on its x-axis and one in its x-y plane")
     # The axes of the system are x, normal times x, and the normal of the x-y plane.
@@ -186,7 +186,7 @@ def placement_by_system(rows: list[list[str]]) -> Placement:
     return Placement(np.column_stack([x, np.cross(normal, x), normal]), origin)
 
 
-def parse_numbers(words: list[str], where: str) -> list[float]:
+def parse_numbers_of_data_line(words: list[str], where: str) -> list[float]:
     """The numbers in the words of a data line; Fortran's exponents with D are read too.
 
     ValueError is raised for a word that is no number. `where` is the section that its message
@@ -201,7 +201,7 @@ def parse_numbers(words: list[str], where: str) -> list[float]:
     return found
 
 
-def parse_label(word: str, where: str) -> int:
+def parse_node_or_element_label(word: str, where: str) -> int:
     """The label that a word is: a whole number.
 
     ValueError is raised for another word; its message begins with the section `where`.

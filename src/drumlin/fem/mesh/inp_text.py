@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from drumlin.fem.mesh.content import MOST_NESTED, read_mesh_bytes
+from drumlin.fem.mesh.content import MOST_NESTED, read_bytes_of_mesh_file
 
 DATA_STARTS = frozenset("*+-.0123456789")
 """First characters of a line of an Abaqus input file that begins with a keyword or a number.
@@ -35,7 +35,9 @@ class InputSection(NamedTuple):
         return self.options.get(key, "").upper()
 
 
-def read_deck_sections(text: str, folder: Path | None, depth: int = 0) -> Iterator[InputSection]:
+def split_input_file_into_sections(
+    text: str, folder: Path | None, depth: int = 0
+) -> Iterator[InputSection]:
     """Yield the sections of an Abaqus input file in order, those of included files in their place.
 
     Quotes around names are removed. A data line of *ELEMENT that ends with a comma continues in the
@@ -53,10 +55,10 @@ def read_deck_sections(text: str, folder: Path | None, depth: int = 0) -> Iterat
         for an included file that cannot be read
     """
     section, goes_on = InputSection("", {}, []), False
-    for line in _join_continued_lines(text):
+    for line in _lines_with_continuations_joined(text):
         # This is a data line of the section before it.
         if not line.startswith("*"):
-            row = [word for word in map(_strip_quotes, line.split(",")) if word]
+            row = [word for word in map(_word_without_blanks_and_quotes, line.split(",")) if word]
             if goes_on:
                 section.rows[-1].extend(row)
             else:
@@ -64,14 +66,16 @@ def read_deck_sections(text: str, folder: Path | None, depth: int = 0) -> Iterat
             goes_on = line.endswith(",") and section.keyword == "ELEMENT"
             continue
         yield section
-        section, goes_on = _section_of_keyword(line), False
+        section, goes_on = _section_from_keyword_line(line), False
         if section.keyword == "INCLUDE":
-            yield from read_deck_sections(*_read_included(section, folder, depth), depth + 1)
+            yield from split_input_file_into_sections(
+                *_read_text_of_included_file(section, folder, depth), depth + 1
+            )
             section = InputSection("", {}, [])
     yield section
 
 
-def _join_continued_lines(text: str) -> Iterator[str]:
+def _lines_with_continuations_joined(text: str) -> Iterator[str]:
     """Yield the lines of a text that are neither empty nor comments.
 
     A keyword line that ends with a comma is joined with the line that continues it.
@@ -95,20 +99,22 @@ def _join_continued_lines(text: str) -> Iterator[str]:
         yield begun
 
 
-def _strip_quotes(word: str) -> str:
+def _word_without_blanks_and_quotes(word: str) -> str:
     """The word without blanks and quotes around it."""
     return word.strip().strip("\"'").strip()
 
 
-def _section_of_keyword(line: str) -> InputSection:
+def _section_from_keyword_line(line: str) -> InputSection:
     """The section that a keyword line begins, with its options and without data lines."""
     first, *words = line[1:].split(",")
     pairs = [word.partition("=") for word in words if word.strip()]
-    options = {key.strip().upper(): _strip_quotes(value) for key, _, value in pairs}
+    options = {
+        key.strip().upper(): _word_without_blanks_and_quotes(value) for key, _, value in pairs
+    }
     return InputSection(" ".join(first.upper().split()), options, [])
 
 
-def _read_included(
+def _read_text_of_included_file(
     section: InputSection, folder: Path | None, depth: int
 ) -> tuple[str, Path | None]:
     """The text and the folder of the file that an *INCLUDE section names.
@@ -126,4 +132,4 @@ def _read_included(
     path = folder / name.replace("\\", "/")
     if not path.is_file():
         raise ValueError(f"*INCLUDE, INPUT={name}: there is no such file beside the mesh file")
-    return read_mesh_bytes(path).decode(errors="replace"), path.parent
+    return read_bytes_of_mesh_file(path).decode(errors="replace"), path.parent

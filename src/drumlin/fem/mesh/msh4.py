@@ -34,7 +34,7 @@ Entity = tuple[int, int]
 """The dimension (0 to 3) and the tag of a point, curve, surface or volume of Gmsh's geometry."""
 
 
-def is_msh4(data: bytes) -> bool:
+def is_text_in_gmsh_format_4(data: bytes) -> bool:
     """Whether a file is text in Gmsh's format 4.0 or 4.1."""
     words = data[:256].split()[:3]
     return (
@@ -42,20 +42,20 @@ def is_msh4(data: bytes) -> bool:
     )
 
 
-def read_msh4(text: str) -> FileContent:
+def read_mesh_in_gmsh_format_4(text: str) -> FileContent:
     """Read the mesh in the text of an .msh file of format 4.0 or 4.1.
 
     Each physical group can be found by its name, in lower case, and by its number. ValueError is
     raised for a text that cannot be read.
     """
-    blocks = _split_blocks(text)
+    blocks = _lines_of_each_named_block(text)
     old = blocks["MeshFormat"][0].startswith(("4 ", "4.0"))
-    names = _read_group_names(blocks.get("PhysicalNames", []))
-    groups = _read_entity_groups(blocks.get("Entities", []), old)
-    number, points = _read_nodes(blocks["Nodes"], old)
+    names = _read_names_of_physical_groups(blocks.get("PhysicalNames", []))
+    groups = _read_physical_groups_of_entities(blocks.get("Entities", []), old)
+    number, points = _read_node_numbers_and_points(blocks["Nodes"], old)
     rows: dict[str, list[list[int]]] = defaultdict(list)
     members: dict[str, dict[str, list[int]]] = defaultdict(lambda: defaultdict(list))
-    for entity, kind, lines in _read_elements(blocks["Elements"], old):
+    for entity, kind, lines in _read_elements_of_each_entity(blocks["Elements"], old):
         if kind not in CELL_OF_GMSH:
             raise ValueError(f"has elements of Gmsh's type {kind}, which make no plane mesh")
         cell, count = CELL_OF_GMSH[kind]
@@ -74,7 +74,7 @@ def read_msh4(text: str) -> FileContent:
     )
 
 
-def _split_blocks(text: str) -> dict[str, list[str]]:
+def _lines_of_each_named_block(text: str) -> dict[str, list[str]]:
     """The lines of each block $Name ... $EndName of an .msh file, by the block's name.
 
     ValueError is raised if a block that every mesh needs is missing.
@@ -96,7 +96,7 @@ def _split_blocks(text: str) -> dict[str, list[str]]:
     return found
 
 
-def _read_group_names(lines: list[str]) -> dict[Entity, str]:
+def _read_names_of_physical_groups(lines: list[str]) -> dict[Entity, str]:
     """The names of the physical groups, in lower case, by their dimension and tag.
 
     `lines` are those of the block $PhysicalNames.
@@ -108,7 +108,7 @@ def _read_group_names(lines: list[str]) -> dict[Entity, str]:
     return found
 
 
-def _read_entity_groups(lines: list[str], old: bool) -> dict[Entity, list[int]]:
+def _read_physical_groups_of_entities(lines: list[str], old: bool) -> dict[Entity, list[int]]:
     """The tags of the physical groups that each entity belongs to.
 
     `lines` are those of the block $Entities, and `old` tells whether the file has format 4.0.
@@ -122,14 +122,16 @@ def _read_entity_groups(lines: list[str], old: bool) -> dict[Entity, list[int]]:
         # three coordinates in format 4.1; all other entities have the six of a bounding box.
         start = 4 if dim == 0 and not old else 7
         for _ in range(int(count)):
-            words = _next_line(rest, "$Entities").split()
+            words = _next_line_of_block(rest, "$Entities").split()
             tags = words[start + 1 : start + 1 + int(words[start])]
             # The sign of a tag only tells the direction of the entity in its group.
             found[dim, int(words[0])] = [abs(int(tag)) for tag in tags]
     return found
 
 
-def _read_nodes(lines: list[str], old: bool) -> tuple[dict[int, int], list[list[float]]]:
+def _read_node_numbers_and_points(
+    lines: list[str], old: bool
+) -> tuple[dict[int, int], list[list[float]]]:
     """The number of each node by its tag, and the points [x, y, z] of the nodes.
 
     `lines` are those of the block $Nodes, and `old` tells whether the file has format 4.0.
@@ -138,12 +140,12 @@ def _read_nodes(lines: list[str], old: bool) -> tuple[dict[int, int], list[list[
     points: list[list[float]] = []
     rest = iter(lines[1:])
     for _ in range(int(lines[0].split()[0])):
-        count = int(_next_line(rest, "$Nodes").split()[3])
+        count = int(_next_line_of_block(rest, "$Nodes").split()[3])
         # Format 4.1 lists the tags of all nodes of an entity first. Format 4.0 has the tag of each
         # node on the line of its point.
-        tags = [] if old else [_next_line(rest, "$Nodes") for _ in range(count)]
+        tags = [] if old else [_next_line_of_block(rest, "$Nodes") for _ in range(count)]
         for i in range(count):
-            words = _next_line(rest, "$Nodes").split()
+            words = _next_line_of_block(rest, "$Nodes").split()
             tag = int(words.pop(0) if old else tags[i])
             if tag in number:
                 raise ValueError(f"node {tag} is defined twice")
@@ -152,7 +154,9 @@ def _read_nodes(lines: list[str], old: bool) -> tuple[dict[int, int], list[list[
     return number, points
 
 
-def _read_elements(lines: list[str], old: bool) -> Iterator[tuple[Entity, int, list[list[int]]]]:
+def _read_elements_of_each_entity(
+    lines: list[str], old: bool
+) -> Iterator[tuple[Entity, int, list[list[int]]]]:
     """Yield the elements of each entity: the entity, Gmsh's element type, and rows of numbers.
 
     A row has the tag of an element and the tags of its nodes. `lines` are those of the block
@@ -160,14 +164,15 @@ def _read_elements(lines: list[str], old: bool) -> Iterator[tuple[Entity, int, l
     """
     rest = iter(lines[1:])
     for _ in range(int(lines[0].split()[0])):
-        first, second, kind, count = map(int, _next_line(rest, "$Elements").split())
+        first, second, kind, count = map(int, _next_line_of_block(rest, "$Elements").split())
         found = [
-            [int(word) for word in _next_line(rest, "$Elements").split()] for _ in range(count)
+            [int(word) for word in _next_line_of_block(rest, "$Elements").split()]
+            for _ in range(count)
         ]
         yield ((second, first) if old else (first, second)), kind, found
 
 
-def _next_line(lines: Iterator[str], block: str) -> str:
+def _next_line_of_block(lines: Iterator[str], block: str) -> str:
     """The next of the lines of a block in an .msh file. ValueError is raised if there is none."""
     line = next(lines, None)
     if line is None:

@@ -25,12 +25,12 @@ def content_of_meshio_mesh(raw: Any) -> FileContent:
     return FileContent(
         points=np.asarray(raw.points, dtype=float),
         cells={name: cells.astype(np.int64) for name, cells in raw.cells_dict.items()},
-        cell_groups=_cell_groups(raw),
-        node_groups=_node_groups(raw),
+        cell_groups=_cell_groups_by_name(raw),
+        node_groups=_node_groups_by_name(raw),
     )
 
 
-def _cell_groups(raw: Any) -> dict[str, dict[str, Ints]]:
+def _cell_groups_by_name(raw: Any) -> dict[str, dict[str, Ints]]:
     """The groups of cells in a `meshio.Mesh`: group name -> cell type -> numbers of the cells.
 
     The numbers count the cells of this type.
@@ -52,14 +52,14 @@ def _cell_groups(raw: Any) -> dict[str, dict[str, Ints]]:
     for name, by_cell in raw.cell_data_dict.items():
         if ":" not in name:
             for cell, values in by_cell.items():
-                if _is_membership(values):
+                if _is_array_marking_group_members(values):
                     groups.setdefault(name.lower(), {})[cell] = np.flatnonzero(values)
-    for name, numbered in _numbered_groups(raw).items():
+    for name, numbered in _cell_groups_by_number(raw).items():
         groups.setdefault(name, numbered)
     return groups
 
 
-def _numbered_groups(raw: Any) -> dict[str, dict[str, Ints]]:
+def _cell_groups_by_number(raw: Any) -> dict[str, dict[str, Ints]]:
     """The groups of cells that have a number in the file: group name -> cell type -> cells.
 
     They are Gmsh's physical groups, and the values of arrays of whole numbers. For example, the
@@ -69,7 +69,7 @@ def _numbered_groups(raw: Any) -> dict[str, dict[str, Ints]]:
     arrays = {}
     for name, by_cell in raw.cell_data_dict.items():
         ours = name == "gmsh:physical" or ":" not in name
-        if ours and all(_is_numbering(values) for values in by_cell.values()):
+        if ours and all(_is_array_of_group_numbers(values) for values in by_cell.values()):
             arrays[name] = by_cell
     groups: dict[str, dict[str, Ints]] = {}
     for name, by_cell in arrays.items():
@@ -82,28 +82,32 @@ def _numbered_groups(raw: Any) -> dict[str, dict[str, Ints]]:
     return groups
 
 
-def _node_groups(raw: Any) -> dict[str, Ints]:
+def _node_groups_by_name(raw: Any) -> dict[str, Ints]:
     """The groups of nodes in a `meshio.Mesh`: group name -> numbers of the nodes."""
     groups = {name.lower(): np.asarray(members) for name, members in raw.point_sets.items()}
     for name, values in raw.point_data.items():
-        if ":" not in name and _is_membership(values):
+        if ":" not in name and _is_array_marking_group_members(values):
             groups[name.lower()] = np.flatnonzero(values)
     return groups
 
 
-def _is_membership(values: Any) -> bool:
+def _is_array_marking_group_members(values: Any) -> bool:
     """Whether an array marks the members of one group of cells or nodes: 1 inside, 0 outside."""
     values = np.asarray(values)
     return values.ndim == 1 and bool(np.isin(values, (0, 1)).all())
 
 
-def _is_numbering(values: Any) -> bool:
+def _is_array_of_group_numbers(values: Any) -> bool:
     """Whether an array gives each cell the number of its group.
 
     Its values are whole numbers, at most MOST_VALUES different ones, and not 0 and 1 alone.
     """
     values = np.asarray(values)
-    if values.ndim != 1 or not np.issubdtype(values.dtype, np.number) or _is_membership(values):
+    if (
+        values.ndim != 1
+        or not np.issubdtype(values.dtype, np.number)
+        or _is_array_marking_group_members(values)
+    ):
         return False
     whole = np.isfinite(values).all() and np.array_equal(values, np.round(values))
     return bool(whole) and len(np.unique(values)) <= MOST_VALUES

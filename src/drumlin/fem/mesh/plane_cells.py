@@ -58,11 +58,11 @@ class PlaneCells:
     notes: tuple[str, ...] = ()
 
     @property
-    def corners(self) -> int:
+    def number_of_corners_per_cell(self) -> int:
         """Number of corners of each cell."""
         return PLANE_SHAPES[self.cell]
 
-    def made_of(self, cell: str, rows: Ints) -> Ints:
+    def new_cells_made_of_file_cells(self, cell: str, rows: Ints) -> Ints:
         """The numbers of the new cells that were made of some cells of the file.
 
         `cell` is the type of the file's cells, and `rows` are their numbers.
@@ -72,7 +72,7 @@ class PlaneCells:
         return np.sort(np.concatenate([part[count[rows] > i] for i, part in enumerate(parts)]))
 
 
-def make_plane_cells_of_one_kind(content: FileContent, points: Floats, fault: str) -> PlaneCells:
+def convert_plane_cells_to_one_kind(content: FileContent, points: Floats, fault: str) -> PlaneCells:
     """The plane cells of a mesh file, converted to cells of one kind.
 
     Parameters
@@ -102,11 +102,11 @@ def make_plane_cells_of_one_kind(content: FileContent, points: Floats, fault: st
     own = len(points)
     notes: list[str] = []
     if set(kinds) & set(LOWER):
-        kinds, points = _lower_to_second_order(kinds, points)
+        kinds, points = _convert_third_order_cells_to_second(kinds, points)
         notes.append("its elements of third order are solved as elements of second order")
     if len(kinds) > 1:
         counts = ", ".join(f"{len(cells)} {name}" for name, cells in kinds.items())
-        found = _make_triangles(kinds, points, own)
+        found = _convert_cells_to_quadratic_triangles(kinds, points, own)
         notes.append(
             f"its mixed cells ({counts}) are solved as {len(found.cells)} quadratic triangles"
         )
@@ -115,13 +115,13 @@ def make_plane_cells_of_one_kind(content: FileContent, points: Floats, fault: st
     ((source, cells),) = kinds.items()
     cell = LOWER.get(source, source)
     if cell == "quad8":
-        cell, cells, points = _add_centres(cells, points)
+        cell, cells, points = _add_centre_nodes_to_quadrilaterals(cells, points)
     whole = np.arange(len(cells)), np.ones(len(cells), dtype=np.int64)
     added = np.arange(len(points)) >= own
     return PlaneCells(cell, cells, points, {source: whole}, added, tuple(notes))
 
 
-def _add_centres(cells: Ints, points: Floats) -> tuple[str, Ints, Floats]:
+def _add_centre_nodes_to_quadrilaterals(cells: Ints, points: Floats) -> tuple[str, Ints, Floats]:
     """The kind, cells and points of nine-node quadrilaterals that replace eight-node ones.
 
     Each cell (m, 8) gets a node in its centre, which is added to the points (n, 2).
@@ -131,7 +131,7 @@ def _add_centres(cells: Ints, points: Floats) -> tuple[str, Ints, Floats]:
     return "quad9", np.column_stack([cells, numbers]), np.vstack([points, centres])
 
 
-def _lower_to_second_order(
+def _convert_third_order_cells_to_second(
     kinds: dict[str, Ints], points: Floats
 ) -> tuple[dict[str, Ints], Floats]:
     """The cells of a mesh file with second order in place of third order, and all points.
@@ -166,7 +166,9 @@ def _lower_to_second_order(
     return found, np.vstack([points, *new])
 
 
-def _make_triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCells:
+def _convert_cells_to_quadratic_triangles(
+    kinds: dict[str, Ints], points: Floats, own: int
+) -> PlaneCells:
     """All cells of a mesh file as quadratic triangles.
 
     Parameters
@@ -186,16 +188,16 @@ def _make_triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCe
             )
     new: list[Floats] = []
 
-    def added(place: Floats) -> int:
+    def add_node_and_return_number(place: Floats) -> int:
         """Add a node at a place (2,), and return its number, which follows those of the file."""
         new.append(place)
         return len(points) + len(new) - 1
 
-    def middle(first: int, last: int) -> int:
+    def number_of_middle_node(first: int, last: int) -> int:
         """The number of the middle node between two corners, which is added if it is missing."""
         key = (min(first, last), max(first, last))
         if key not in middles:
-            middles[key] = added((points[first] + points[last]) / 2)
+            middles[key] = add_node_and_return_number((points[first] + points[last]) / 2)
         return middles[key]
 
     # Each triangle of the file makes one triangle, and each quadrilateral makes two.
@@ -207,13 +209,19 @@ def _make_triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCe
         for row, cell in enumerate(cells.tolist()):
             first[row] = len(made)
             sides = cell[corners : 2 * corners] or [
-                middle(cell[i], cell[(i + 1) % corners]) for i in range(corners)
+                number_of_middle_node(cell[i], cell[(i + 1) % corners]) for i in range(corners)
             ]
             if corners == 3:
                 made.append([*cell[:3], *sides])
             else:
-                centre = cell[8] if len(cell) > 8 else added(_find_centre(points, cell, sides, new))
-                made += _halve_quadrilateral(points, cell[:4], sides, centre)
+                centre = (
+                    cell[8]
+                    if len(cell) > 8
+                    else add_node_and_return_number(
+                        _centre_of_quadrilateral(points, cell, sides, new)
+                    )
+                )
+                made += _cut_quadrilateral_into_triangles(points, cell[:4], sides, centre)
         parent[source] = (first, np.full(len(cells), 1 if corners == 3 else 2, dtype=np.int64))
     every = np.vstack([points, *new]) if new else points
     return PlaneCells(
@@ -225,7 +233,9 @@ def _make_triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCe
     )
 
 
-def _find_centre(points: Floats, cell: list[int], sides: list[int], new: list[Floats]) -> Floats:
+def _centre_of_quadrilateral(
+    points: Floats, cell: list[int], sides: list[int], new: list[Floats]
+) -> Floats:
     """The centre (2,) of a quadrilateral with straight or curved edges.
 
     Parameters
@@ -239,13 +249,14 @@ def _find_centre(points: Floats, cell: list[int], sides: list[int], new: list[Fl
     return np.sum(middles, axis=0) / 2 - points[cell[:4]].sum(axis=0) / 4
 
 
-def _halve_quadrilateral(
+def _cut_quadrilateral_into_triangles(
     points: Floats, corners: list[int], sides: list[int], centre: int
 ) -> list[list[int]]:
     """The nodes of the two quadratic triangles that a quadrilateral is cut into.
 
-    The cut runs along the shorter diagonal. `corners` and `sides` are the numbers of the corners
-    and of the middle nodes of the edges; `centre` is the node in the middle of the cut.
+    The cut runs along the shorter diagonal. `number_of_corners_per_cell` and `sides` are the
+    numbers of the corners and of the middle nodes of the edges; `centre` is the node in the middle
+    of the cut.
     """
     a, b, c, d = corners
     ab, bc, cd, da = sides

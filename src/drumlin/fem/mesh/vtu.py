@@ -29,7 +29,7 @@ _RAW_APPENDED = re.compile(rb"<AppendedData[^>]*>")
 """Pattern of the XML tag before the appended data of a .vtu file, which may be raw bytes."""
 
 
-def check_unpacked_size(data: bytes) -> None:
+def check_unpacked_vtu_size_fits_memory(data: bytes) -> None:
     """Refuse the content of a .vtu file whose arrays have more than MOST_UNPACKED bytes unpacked.
 
     Other faults of the file are found later, when it is read.
@@ -43,7 +43,7 @@ def check_unpacked_size(data: bytes) -> None:
         raise ValueError("defines entities of its own")
     if data.count(b"<DataArray") > MOST_ARRAYS:
         raise ValueError(f"has more than {MOST_ARRAYS} arrays")
-    head, raw = _split_raw_data(data)
+    head, raw = _split_vtu_into_xml_and_raw_bytes(data)
     root = ElementTree.fromstring(head)
     if root.get("compressor") is None:
         return
@@ -54,10 +54,10 @@ def check_unpacked_size(data: bytes) -> None:
     )
     room = MOST_UNPACKED
     for packed in _packed_blocks_of_arrays(root, raw, width, order):
-        room -= _size_when_unpacked(packed, unpacker, room)
+        room -= _size_of_unpacked_block(packed, unpacker, room)
 
 
-def _split_raw_data(data: bytes) -> tuple[bytes, bytes | None]:
+def _split_vtu_into_xml_and_raw_bytes(data: bytes) -> tuple[bytes, bytes | None]:
     """The XML of a .vtu file without its raw bytes, and these bytes; None if there are none."""
     found = _RAW_APPENDED.search(data)
     if found is None or b'encoding="raw"' not in found.group():
@@ -82,7 +82,7 @@ def _packed_blocks_of_arrays(
     if raw is not None:
         at = 0
         while at + width <= len(raw):
-            sizes = _packed_block_sizes(raw[at:], width, order)
+            sizes = _packed_sizes_of_array_blocks(raw[at:], width, order)
             at += width * (3 + len(sizes))
             for size in sizes:
                 yield raw[at : at + size]
@@ -97,17 +97,19 @@ def _packed_blocks_of_arrays(
         text = (array.text or "").strip()
         if kind == "appended":
             text = rest[int(array.get("offset", "0")) :]
-        sizes = _packed_block_sizes(
-            base64.b64decode(text[: _letters_of_base64(width)])[:width], width, order, text
+        sizes = _packed_sizes_of_array_blocks(
+            base64.b64decode(text[: _number_of_base64_letters(width)])[:width], width, order, text
         )
-        at = _letters_of_base64(width * (3 + len(sizes)))
-        content = base64.b64decode(text[at : at + _letters_of_base64(sum(sizes))])
+        at = _number_of_base64_letters(width * (3 + len(sizes)))
+        content = base64.b64decode(text[at : at + _number_of_base64_letters(sum(sizes))])
         for size in sizes:
             yield content[:size]
             content = content[size:]
 
 
-def _packed_block_sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list[int]:
+def _packed_sizes_of_array_blocks(
+    data: bytes, width: int, order: Any, text: str | None = None
+) -> list[int]:
     """The packed sizes [bytes] of the blocks of an array in a .vtu file, from the array's header.
 
     Parameters
@@ -121,20 +123,20 @@ def _packed_block_sizes(data: bytes, width: int, order: Any, text: str | None = 
     count = int.from_bytes(data[:width], order)
     length = width * (3 + count)
     if text is not None:
-        if _letters_of_base64(length) > len(text):
+        if _number_of_base64_letters(length) > len(text):
             raise ValueError("has an array that is shorter than its head says")
-        data = base64.b64decode(text[: _letters_of_base64(length)])
+        data = base64.b64decode(text[: _number_of_base64_letters(length)])
     if length > len(data):
         raise ValueError("has an array that is shorter than its head says")
     return [int.from_bytes(data[i : i + width], order) for i in range(3 * width, length, width)]
 
 
-def _letters_of_base64(count: int) -> int:
+def _number_of_base64_letters(count: int) -> int:
     """The number of letters that `count` bytes take as text in base64."""
     return -(-count // 3) * 4
 
 
-def _size_when_unpacked(packed: bytes, unpacker: Callable[[], Any], room: int) -> int:
+def _size_of_unpacked_block(packed: bytes, unpacker: Callable[[], Any], room: int) -> int:
     """The size [bytes] of a packed block when it is unpacked.
 
     ValueError is raised if the size is above `room` bytes. `unpacker` makes an object that unpacks.

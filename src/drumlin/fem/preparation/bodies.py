@@ -14,8 +14,8 @@ from drumlin.fem.substructure.body import CondensedBody
 from drumlin.fem.substructure.interface import (
     ContactLine,
     Coupling,
-    drum_directions,
-    plane_directions,
+    function_for_drum_normals_and_tangents,
+    plane_normals_and_tangents,
 )
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 
@@ -31,7 +31,7 @@ class ActuatedBody(Protocol):
         """The centre (2,) [m] of the unit actuations in the shoe's frame."""
 
     @property
-    def columns(self) -> LoadColumns:
+    def load_columns(self) -> LoadColumns:
         """The load columns of the body, by name."""
 
 
@@ -81,7 +81,7 @@ class ShoeSubstructure:
     of_file: ShoeMesh | None = field(default=None, kw_only=True)
 
     @property
-    def columns(self) -> LoadColumns:
+    def load_columns(self) -> LoadColumns:
         """The load columns of the body, by name."""
         return self.condensed.columns
 
@@ -91,7 +91,7 @@ class ShoeSubstructure:
         return int(2 * self.basis.N)
 
     @cached_property
-    def gap_closure_by_rotation(self) -> tuple[Floats, Floats]:
+    def gap_closure_and_slip_by_turn_about_pin(self) -> tuple[Floats, Floats]:
         """Weighted gap closure N u and slip T u (n, 1) [m^3] by a turn of the shoe about its pin.
 
         The turn is one radian.
@@ -100,7 +100,7 @@ class ShoeSubstructure:
         return self.coupling.N @ mode, self.coupling.T @ mode
 
     @cached_property
-    def forces(self) -> Floats:
+    def resultants_of_contact_node_forces(self) -> Floats:
         """Resultants (2, 3, n) of the nodal forces N^T and T^T, per nodal pressure.
 
         Each is force x, force y and the moment about the drum's centre.
@@ -141,10 +141,14 @@ class BodyNodes(NamedTuple):
     load: Floats
 
 
-def couple_contact_line(line: ContactLine, shoe: Shoe) -> Coupling:
+def couple_shoe_with_drum_or_plane(line: ContactLine, shoe: Shoe) -> Coupling:
     """The matrices that couple a shoe's contact line with the drum or the plane."""
-    directions = plane_directions if shoe.flat else drum_directions(shoe.sign)
-    return line.couple_with_counterface(shoe.lining.width, directions)
+    directions = (
+        plane_normals_and_tangents
+        if shoe.flat
+        else function_for_drum_normals_and_tangents(shoe.sign)
+    )
+    return line.couple_lining_with_counterface(shoe.lining.width, directions)
 
 
 def make_shoe_substructure(
@@ -169,20 +173,20 @@ def make_shoe_substructure(
     """
     line = division.line
     n = len(line.nodes)
-    coupling = couple_contact_line(line, shoe)
+    coupling = couple_shoe_with_drum_or_plane(line, shoe)
     forces = [-coupling.N.T, condensed.load_on_contact]
     if friction:
         forces.append(coupling.T.T)
 
     # The columns of the half flexibility Y stand for the pressures, then the unit loads, then the
     # friction. The same holds for the matrices that are made from Y.
-    Y = condensed.half_flexibility(np.concatenate(forces, axis=1))
-    first_friction = n + condensed.columns.count
+    Y = condensed.nodal_forces_over_cholesky_factor(np.concatenate(forces, axis=1))
+    first_friction = n + condensed.columns.number_of_load_columns
     pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
     closure = -Y[:, :n].T @ Y
     reaction = condensed.L_fc @ Y
 
-    x, y = line.xy - shoe.own_pin[:, None]
+    x, y = line.xy - shoe.pin_in_shoe_frame[:, None]
     return kind(
         mesh=division.mesh,
         basis=division.basis,
@@ -203,7 +207,7 @@ def make_shoe_substructure(
     )
 
 
-def acting_loads(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
+def load_factors_under_actuation_force(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
     """The factors (l,) of all load columns of a body under an actuation force [N].
 
     A load column is the load vector of a unit load. The load on the body is the sum of all columns
@@ -211,39 +215,41 @@ def acting_loads(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
     this function. A load that does not depend on the force, such as heat, would add its own factor
     under its own name.
     """
-    factors, _ = actuation_load_factors(body, shoe)
+    factors, _ = load_factors_and_pin_moment_per_newton(body, shoe)
     return abs(force) * factors
 
 
-def actuation_load_factors(body: ActuatedBody, shoe: Shoe) -> tuple[Floats, float]:
+def load_factors_and_pin_moment_per_newton(body: ActuatedBody, shoe: Shoe) -> tuple[Floats, float]:
     """The factors (l,) of a body's load columns under its actuation, and the moment about the pin.
 
     Both are per newton of the actuation force and in the shoe's frame; the moment [m] is thus a
     lever arm. A negative force counts as one newton in the opposite direction. Columns of other
     loads have the factor zero.
     """
-    own, moment = actuation_about_centre(body.load_centre, shoe)
-    return body.columns.factors({ACTUATION: own}), moment
+    own, moment = actuation_force_couple_and_pin_moment(body.load_centre, shoe)
+    return body.load_columns.factors_of_all_load_columns({ACTUATION: own}), moment
 
 
-def actuation_about_centre(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
+def actuation_force_couple_and_pin_moment(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
     """Force x, force y and couple (3,) of a shoe's actuation, and its moment about the pin.
 
     The couple [m] acts about the `centre` (2,) [m] in the shoe's frame. All values are per newton
     of the actuation force.
     """
     # A negative force acts against the direction of the file.
-    direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
-    fx, fy = shoe.frame.to_shoe(direction).tolist()
-    x, y = shoe.own_points(shoe.actuation.point.xy).tolist()
+    direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.unit_vector_of_force
+    fx, fy = shoe.frame.convert_to_shoe_frame(direction).tolist()
+    x, y = shoe.convert_points_to_shoe_frame(shoe.actuation.point.xy).tolist()
     centre_x, centre_y = centre.tolist()
-    pin_x, pin_y = shoe.own_pin.tolist()
+    pin_x, pin_y = shoe.pin_in_shoe_frame.tolist()
     couple = (x - centre_x) * fy - (y - centre_y) * fx
     moment = (x - pin_x) * fy - (y - pin_y) * fx
     return np.array([fx, fy, couple]), moment
 
 
-def support_reaction(body: ShoeSubstructure, p: Floats, drag: float, load: Floats) -> Floats:
+def support_reaction_of_shoe(
+    body: ShoeSubstructure, p: Floats, drag: float, load: Floats
+) -> Floats:
     """The support reaction (3,) of a shoe: force x [N], force y [N] and moment about the pin [N m].
 
     Parameters
@@ -259,7 +265,7 @@ def support_reaction(body: ShoeSubstructure, p: Floats, drag: float, load: Float
     return reaction + drag * (body.reaction_to_friction @ p)
 
 
-def contact_stiffness(shoe: Shoe, penalty: float) -> float:
+def contact_stiffness_by_penalty(shoe: Shoe, penalty: float) -> float:
     """The penalty stiffness of the contact per area [Pa/m]: `penalty` times E/t of the lining.
 
     E is the modulus through the lining's thickness t.

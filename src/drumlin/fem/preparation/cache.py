@@ -32,10 +32,12 @@ def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     behind: tuple[object, ...] | None = None
     if isinstance(body, Beam):
         # A beam ends at the point of the force, so that its shape depends on this point.
-        loaded = np.round(shoe.frame.to_shoe(shoe.actuation.point.xy) / brake.size, 12)
+        loaded = np.round(
+            shoe.frame.convert_to_shoe_frame(shoe.actuation.point.xy) / brake.size, 12
+        )
         behind = (body, *loaded.tolist())
     elif body is not None:
-        first, last = sorted(shoe.frame.phis((body.start, body.end)))
+        first, last = sorted(shoe.frame.phi_coordinates_as_list((body.start, body.end)))
         arcs.append((first, last))
         behind = (body.shape, tuple(body.plates.items()))
         grip = shoe.grip(brake.size)
@@ -51,7 +53,7 @@ def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     return (
         brake.size,
         shoe.side,
-        tuple(np.round(shoe.own_pin / brake.size, 12).tolist()),
+        tuple(np.round(shoe.pin_in_shoe_frame / brake.size, 12).tolist()),
         tuple(round(angle, 12) for angle in angles),
         (lining.thickness, lining.width, lining.material),
         shoe.backing,
@@ -101,7 +103,7 @@ class Cache:
         return kept[1]
 
 
-def memory_of_body(body: ShoeSubstructure | RingSubstructure) -> int:
+def memory_of_condensed_body(body: ShoeSubstructure | RingSubstructure) -> int:
     """The approximate memory [bytes] of the matrices of a condensed body."""
     # A body has six dense (n, n) matrices of doubles. Its sparse matrices take some 400 bytes for
     # each displacement.
@@ -109,7 +111,7 @@ def memory_of_body(body: ShoeSubstructure | RingSubstructure) -> int:
     return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N)
 
 
-def digest_of_shoe_mesh(shoe: Shoe) -> str | None:
+def digest_of_mesh_file_of_shoe(shoe: Shoe) -> str | None:
     """A digest of the content of a shoe's mesh file, which changes if the file changes.
 
     None stands for a shoe without a mesh file.
@@ -117,22 +119,22 @@ def digest_of_shoe_mesh(shoe: Shoe) -> str | None:
     return None if shoe.mesh is None else digest_of_mesh_file(shoe.mesh)
 
 
-def brake_without_loads(brake: Brake) -> Brake:
+def brake_without_loads_and_clearances(brake: Brake) -> Brake:
     """A copy of a brake without the data on which its condensed bodies do not depend.
 
     The copies of two brakes with equal bodies are equal, and serve as a key of the cache. Title,
     rotation, forces, clearances and misfits are removed. All friction coefficients except zero are
     made equal.
     """
-    shoes = tuple(shoe_without_loads(shoe) for shoe in brake.shoes)
-    return brake.bare().model_copy(update={"shoes": shoes})
+    shoes = tuple(shoe_without_loads_and_clearances(shoe) for shoe in brake.shoes)
+    return brake.brake_reduced_to_stiffness_data().model_copy(update={"shoes": shoes})
 
 
-def shoe_without_loads(shoe: Shoe) -> Shoe:
+def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
     """A copy of a shoe without the data on which its condensed body does not depend.
 
     These are the force with its direction and, in most shoes, its point, the clearance and the
-    misfit; see `brake_without_loads`.
+    misfit; see `brake_without_loads_and_clearances`.
     """
     actuation: dict[str, Any] = {"force": 1.0, "direction": 0.0}
     # A beam ends at the point of its force, and a guide has its pin there.

@@ -12,33 +12,33 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.fem.hp.body import (
     condensed_shoe_body,
-    shoe_contact_line,
-    shoe_grid,
-    unit_actuation_forces,
+    contact_line_of_shoe,
+    grid_of_all_nodes_of_shoe,
+    nodal_forces_of_unit_actuations,
 )
-from drumlin.fem.hp.corner import corner_exponents_of
+from drumlin.fem.hp.corner import pressure_exponents_at_both_lining_corners
 from drumlin.fem.hp.division import (
     LONGEST_CORNER_CONTACT,
     Level,
     ShoeDivision,
     Singularity,
     SingularPoint,
-    divide_shoe,
+    divide_shoe_into_hp_elements,
 )
-from drumlin.fem.hp.ring import condensed_hp_ring
-from drumlin.fem.hp.shoe import condense_shoe
+from drumlin.fem.hp.ring import condensed_ring_in_hp_elements
+from drumlin.fem.hp.shoe import condense_shoe_to_contact_nodes
 from drumlin.fem.preparation.bodies import (
     BodyNodes,
     DividedBody,
     ShoeSubstructure,
-    actuation_about_centre,
+    actuation_force_couple_and_pin_moment,
     make_shoe_substructure,
 )
 from drumlin.fem.preparation.cache import (
     Cache,
-    brake_without_loads,
-    memory_of_body,
-    shoe_without_loads,
+    brake_without_loads_and_clearances,
+    memory_of_condensed_body,
+    shoe_without_loads_and_clearances,
 )
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -107,30 +107,39 @@ def make_hp_bodies(
     # Each shape is divided and condensed once.
     shapes = list(dict.fromkeys(alike))
     rules = {i: _division_rule_of_shape(brake, level, places or {}, alike, i) for i in shapes}
-    _check_contact_node_count(brake, rules, alike)
-    made = {i: _take_or_condense_body(brake, rule, cache, seconds) for i, rule in rules.items()}
+    _require_few_contact_nodes(brake, rules, alike)
+    made = {
+        i: _cached_or_newly_condensed_body(brake, rule, cache, seconds) for i, rule in rules.items()
+    }
     bodies = tuple(made[i] for i in alike)
 
     # The ring gets elements as small as the smallest of the linings.
     singular_layer_size = min(rule.division.singular_layer_size for rule in rules.values())
     ring = None
-    ring_under = partial(condensed_hp_ring, brake, level, singular_layer_size=singular_layer_size)
+    ring_under = partial(
+        condensed_ring_in_hp_elements, brake, level, singular_layer_size=singular_layer_size
+    )
     if brake.ring is not None:
         with add_elapsed_time(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
-            divisions = [rule.division.key for rule in rules.values()]
-            key = (brake_without_loads(brake), level, singular_layer_size, *divisions)
-            ring = cache.get(key, partial(ring_under, lines), memory_of_body)
+            divisions = [rule.division.dictionary_key_of_division for rule in rules.values()]
+            key = (
+                brake_without_loads_and_clearances(brake),
+                level,
+                singular_layer_size,
+                *divisions,
+            )
+            ring = cache.get(key, partial(ring_under, lines), memory_of_condensed_body)
 
     # Analyses of changed shoes divide a changed shoe by the same rule as the present shoe.
     nodes_by_shape = {
-        i: partial(_hp_nodes_of_changed_shoe, rule, brake.size) for i, rule in rules.items()
+        i: partial(_hp_body_nodes_of_changed_shoe, rule, brake.size) for i, rule in rules.items()
     }
-    nodes_of = partial(_nodes_by_rule_of_shape, nodes_by_shape, alike)
+    nodes_of = partial(_nodes_of_changed_shoe_by_rule_of_shape, nodes_by_shape, alike)
     return DividedBodies(bodies, ring, nodes_of, ring_under)
 
 
-def _check_contact_node_count(
+def _require_few_contact_nodes(
     brake: Brake, rules: Mapping[int, _DivisionRule], alike: Sequence[int]
 ) -> None:
     """Raise NoAnswer if a contact problem has more than MOST_CONTACT_NODES contact nodes."""
@@ -152,30 +161,37 @@ def _division_rule_of_shape(
     # A cam touches the loaded end of the shoe and holds it. The displacement of this end then
     # matters, and the elements become small towards it.
     tip = brake.actuation is not None and brake.actuation.is_cam
-    powers = _smallest_pressure_powers_at_ends(brake, alike, i, points)
-    division = divide_shoe(shoe, brake.size, level, points, grades_loaded_end=tip, exponents=powers)
+    powers = _smallest_pressure_exponents_at_lining_ends(brake, alike, i, points)
+    division = divide_shoe_into_hp_elements(
+        shoe, brake.size, level, points, grades_loaded_end=tip, exponents=powers
+    )
     return _DivisionRule(shoe, level, points, tip, powers, division)
 
 
-def _take_or_condense_body(
+def _cached_or_newly_condensed_body(
     brake: Brake, rule: _DivisionRule, cache: Cache, seconds: Seconds
 ) -> ShoeSubstructure:
     """The condensed body of the shoes of one shape, from the cache or made now."""
     shoe, division = rule.shoe, rule.division
     friction = brake.friction > 0
-    key = (shoe_without_loads(shoe), brake.size, friction, division.key)
-    make = partial(_condense_shoe, shoe, brake.size, division, friction, seconds)
-    return cache.get(key, make, memory_of_body)
+    key = (
+        shoe_without_loads_and_clearances(shoe),
+        brake.size,
+        friction,
+        division.dictionary_key_of_division,
+    )
+    make = partial(_condense_and_couple_hp_shoe, shoe, brake.size, division, friction, seconds)
+    return cache.get(key, make, memory_of_condensed_body)
 
 
-def _condense_shoe(
+def _condense_and_couple_hp_shoe(
     shoe: Shoe, radius: float, division: ShoeDivision, friction: bool, seconds: Seconds
 ) -> ShoeSubstructure:
     """Make the condensed body of a parametric shoe, coupled with the drum or the plane."""
     with add_elapsed_time(seconds, "condensation"):
-        found = condense_shoe(shoe, radius, division, elastic_layers_of_shoe(shoe))
-        line = shoe_contact_line(shoe, radius, division)
-        grid = shoe_grid(shoe, radius, division)
+        found = condense_shoe_to_contact_nodes(shoe, radius, division, elastic_layers_of_shoe(shoe))
+        line = contact_line_of_shoe(shoe, radius, division)
+        grid = grid_of_all_nodes_of_shoe(shoe, radius, division)
         inner = condensed_shoe_body(shoe, division, found, grid)
     with add_elapsed_time(seconds, "coupling"):
         divided = DividedBody(grid, grid, line)
@@ -184,7 +200,7 @@ def _condense_shoe(
         )
 
 
-def _smallest_pressure_powers_at_ends(
+def _smallest_pressure_exponents_at_lining_ends(
     brake: Brake, alike: Sequence[int], first: int, points: Sequence[SingularPoint]
 ) -> tuple[float, float]:
     """The smallest exponents of the pressure at the start and the end of the linings of one shape.
@@ -202,13 +218,17 @@ def _smallest_pressure_powers_at_ends(
     ends = [point.length for point in points if point.kind == Singularity.END]
     if not any(length <= LONGEST_CORNER_CONTACT for length in ends):
         return 0.0, 0.0
-    powers = [corner_exponents_of(brake, j) for j, shape in enumerate(alike) if shape == first]
+    powers = [
+        pressure_exponents_at_both_lining_corners(brake, j)
+        for j, shape in enumerate(alike)
+        if shape == first
+    ]
     at_start = min(start for start, _ in powers)
     at_end = min(end for _, end in powers)
     return at_start, at_end
 
 
-def _hp_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> BodyNodes:
+def _hp_body_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> BodyNodes:
     """The nodes that the body of a changed shoe has if it is divided by the rule of its shape.
 
     The singular points keep their distance from the lining's start. The columns of a straight beam
@@ -218,21 +238,21 @@ def _hp_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other: Shoe) -
     shoe = rule.shoe
     turn = other.arc[0] - shoe.arc[0]
     points = [point._replace(at=point.at + turn) for point in rule.points]
-    division = divide_shoe(
+    division = divide_shoe_into_hp_elements(
         other, radius, rule.level, points, grades_loaded_end=rule.tip, exponents=rule.powers
     )
     if isinstance(shoe.body, Beam):
         division = replace(division, angles=rule.division.angles + turn)
-    grid = shoe_grid(other, radius, division)
+    grid = grid_of_all_nodes_of_shoe(other, radius, division)
     if "actuation" not in grid.sets:
         return BodyNodes(grid.doflocs, np.zeros(grid.doflocs.shape))
-    unit_loads, centre = unit_actuation_forces(division, grid)
-    factors, _ = actuation_about_centre(centre, other)
+    unit_loads, centre = nodal_forces_of_unit_actuations(division, grid)
+    factors, _ = actuation_force_couple_and_pin_moment(centre, other)
     load = unit_loads @ factors
     return BodyNodes(grid.doflocs, load.reshape(-1, 2).T)
 
 
-def _nodes_by_rule_of_shape(
+def _nodes_of_changed_shoe_by_rule_of_shape(
     nodes_by_shape: Mapping[int, Callable[[Shoe], BodyNodes]],
     alike: Sequence[int],
     i: int,

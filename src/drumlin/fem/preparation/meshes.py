@@ -11,37 +11,41 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import AnyMaterial
-from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.preparation.bodies import (
     BodyNodes,
     DividedBody,
     ShoeSubstructure,
-    actuation_about_centre,
+    actuation_force_couple_and_pin_moment,
     make_shoe_substructure,
 )
 from drumlin.fem.preparation.cache import (
     Cache,
-    brake_without_loads,
-    digest_of_shoe_mesh,
-    memory_of_body,
+    brake_without_loads_and_clearances,
+    digest_of_mesh_file_of_shoe,
+    memory_of_condensed_body,
     shape_key_of_shoe,
-    shoe_without_loads,
+    shoe_without_loads_and_clearances,
 )
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time
 from drumlin.fem.substructure.body import (
     FRAME,
     Constraints,
-    body_constraints,
-    condense_body,
-    scalar_basis,
-    stiffness,
+    condense_body_to_contact_and_frame,
+    multi_point_constraints_of_body,
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.substructure.interface import ContactLine, make_contact_line, unit_loads_on_end
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    make_contact_line_of_lining,
+    nodal_forces_of_unit_loads_on_loaded_end,
+)
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
-from drumlin.fem.substructure.ring import condensed_ring_on_mesh
-from drumlin.response.response import own_edge_zone
+from drumlin.fem.substructure.ring import condense_ring_on_mesh
+from drumlin.response.response import edge_zone_angle_in_shoe_frame
 
 ELEMENTS = 80
 """Default number of elements of a mesh along a lining.
@@ -80,8 +84,8 @@ def make_mesh_bodies(
     elements : number of elements along each parametric lining, and of an elastic ring along each
         lining
     kind : kind of the elements, "quad2", "quad1", "tri2" or "tri1"
-    mesher : function that makes the mesh of a shoe without a file, in place of `shoe_mesh`; its
-        bodies are not taken from the cache
+    mesher : function that makes the mesh of a shoe without a file, in place of
+        `parametric_mesh_of_shoe`; its bodies are not taken from the cache
     cache : keeps condensed bodies; found ones are taken from it, and new ones put there
     seconds : time of each phase [s], which this function adds to
 
@@ -93,7 +97,7 @@ def make_mesh_bodies(
     if not 1 <= elements <= MOST_LINING_ELEMENTS:
         raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_LINING_ELEMENTS}")
     cache = cache if mesher is None else Cache()
-    mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
+    mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
     # Shoes of one shape share a body within the brake, and equal bodies are shared between brakes.
     setting = (elements, kind)
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
@@ -101,27 +105,31 @@ def make_mesh_bodies(
         shape = shape_key_of_shoe(brake, shoe)
         if shape not in made:
             key = (
-                shoe_without_loads(shoe),
+                shoe_without_loads_and_clearances(shoe),
                 brake.size,
                 brake.friction > 0,
                 setting,
-                digest_of_shoe_mesh(shoe),
+                digest_of_mesh_file_of_shoe(shoe),
             )
-            make = partial(_condense_meshed_shoe, brake, shoe, mesher, seconds)
-            made[shape] = cache.get(key, make, memory_of_body)
+            make = partial(_mesh_condense_and_couple_shoe, brake, shoe, mesher, seconds)
+            made[shape] = cache.get(key, make, memory_of_condensed_body)
     bodies = tuple(made[shape_key_of_shoe(brake, shoe)] for shoe in brake.shoes)
     ring = None
-    ring_under = partial(condensed_ring_on_mesh, brake, elements)
+    ring_under = partial(condense_ring_on_mesh, brake, elements)
     if brake.ring is not None:
         with add_elapsed_time(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
-            ring_key = (brake_without_loads(brake), setting, *map(digest_of_shoe_mesh, brake.shoes))
-            ring = cache.get(ring_key, partial(ring_under, lines), memory_of_body)
-    nodes_of = partial(_mesh_nodes_of_changed_shoe, mesher, brake.size, bodies)
+            ring_key = (
+                brake_without_loads_and_clearances(brake),
+                setting,
+                *map(digest_of_mesh_file_of_shoe, brake.shoes),
+            )
+            ring = cache.get(ring_key, partial(ring_under, lines), memory_of_condensed_body)
+    nodes_of = partial(_meshed_body_nodes_of_changed_shoe, mesher, brake.size, bodies)
     return DividedBodies(bodies, ring, nodes_of, ring_under)
 
 
-def _mesh_nodes_of_changed_shoe(
+def _meshed_body_nodes_of_changed_shoe(
     mesher: Mesher, radius: float, bodies: tuple[ShoeSubstructure, ...], i: int, shoe: Shoe
 ) -> BodyNodes:
     """The nodes that the meshed body of shoe `i` would have if the shoe were changed to `shoe`.
@@ -130,11 +138,13 @@ def _mesh_nodes_of_changed_shoe(
     same in the frame of the shoe.
     """
     mesh = mesher(shoe, radius) if shoe.mesh is None else bodies[i].mesh
-    basis = scalar_basis(mesh)
-    if "actuation" not in mesh.boundaries or shoe.gripped:
+    basis = scalar_finite_element_basis_of_mesh(mesh)
+    if "actuation" not in mesh.boundaries or shoe.has_support_on_back_of_body:
         return BodyNodes(basis.doflocs, np.zeros(basis.doflocs.shape))
-    unit_loads, centre = unit_loads_on_end(basis, mesh.boundaries["actuation"])
-    factors, _ = actuation_about_centre(centre, shoe)
+    unit_loads, centre = nodal_forces_of_unit_loads_on_loaded_end(
+        basis, mesh.boundaries["actuation"]
+    )
+    factors, _ = actuation_force_couple_and_pin_moment(centre, shoe)
     load = unit_loads @ factors
     return BodyNodes(basis.doflocs, load.reshape(-1, 2).T)
 
@@ -166,9 +176,9 @@ class AssembledShoe:
     of_file: ShoeMesh | None = None
 
     @cached_property
-    def columns(self) -> LoadColumns:
+    def load_columns(self) -> LoadColumns:
         """The load columns of the shoe, by name: one column for each unit load."""
-        return LoadColumns.of(self.loads)
+        return LoadColumns.load_columns_of_named_loads(self.loads)
 
 
 def contact_line_of_mesh(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
@@ -179,10 +189,14 @@ def contact_line_of_mesh(basis: Any, facets: Ints, shoe: Shoe, radius: float) ->
     """
     middle = sum(shoe.arc) / 2
     unit = radius if shoe.flat else None
-    return make_contact_line(basis, facets, middle, unit, own_edge_zone(shoe, radius))
+    return make_contact_line_of_lining(
+        basis, facets, middle, unit, edge_zone_angle_in_shoe_frame(shoe, radius)
+    )
 
 
-def assemble_shoe(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> AssembledShoe:
+def mesh_and_assemble_shoe(
+    brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds
+) -> AssembledShoe:
     """Mesh a shoe, and assemble its stiffness, its constraints and its unit loads.
 
     Raises
@@ -191,18 +205,20 @@ def assemble_shoe(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) ->
         for a mesh file that cannot serve
     """
     with add_elapsed_time(seconds, "mesh"):
-        of_file = _read_mesh_of_file(brake, shoe)
+        of_file = _read_mesh_file_of_shoe(brake, shoe)
         mesh = mesher(shoe, brake.size) if of_file is None else of_file.mesh
-        basis = scalar_basis(mesh)
+        basis = scalar_finite_element_basis_of_mesh(mesh)
     with add_elapsed_time(seconds, "assembly"):
-        K = stiffness(basis, elastic_layers_of_shoe(shoe))
+        K = sparse_stiffness_of_body(basis, elastic_layers_of_shoe(shoe))
     with add_elapsed_time(seconds, "ties"):
-        pin = shoe.own_pin
+        pin = shoe.pin_in_shoe_frame
         line = contact_line_of_mesh(basis, mesh.boundaries["contact"], shoe, brake.size)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
-        constraints = body_constraints(basis, line.nodes, rigid, pin)
-        if "actuation" in mesh.boundaries and not shoe.gripped:
-            unit_loads, load_centre = unit_loads_on_end(basis, mesh.boundaries["actuation"])
+        constraints = multi_point_constraints_of_body(basis, line.nodes, rigid, pin)
+        if "actuation" in mesh.boundaries and not shoe.has_support_on_back_of_body:
+            unit_loads, load_centre = nodal_forces_of_unit_loads_on_loaded_end(
+                basis, mesh.boundaries["actuation"]
+            )
             actuated = constraints.matrix.T @ unit_loads
         else:
             # The force acts on the rigid frame: the rigid shoe itself, or the grip that holds the
@@ -214,7 +230,7 @@ def assemble_shoe(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) ->
     return AssembledShoe(mesh, basis, line, K, constraints, loads, load_centre, of_file)
 
 
-def _read_mesh_of_file(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
+def _read_mesh_file_of_shoe(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
     """Read the mesh of a shoe from its file; None for a shoe without a file.
 
     The mesh is in the frame of the shoe.
@@ -222,19 +238,21 @@ def _read_mesh_of_file(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
     if shoe.mesh is None:
         return None
     # The module loads meshio, which takes 0.1 s. It is imported only if a mesh file is read.
-    from drumlin.fem.mesh.file import read_shoe_mesh  # noqa: PLC0415
+    from drumlin.fem.mesh.file import read_shoe_mesh_with_notes  # noqa: PLC0415
 
-    return read_shoe_mesh(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
+    return read_shoe_mesh_with_notes(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
 
 
-def _condense_meshed_shoe(
+def _mesh_condense_and_couple_shoe(
     brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds
 ) -> ShoeSubstructure:
     """Mesh and condense a shoe, and couple it with the drum or the plane."""
-    parts = assemble_shoe(brake, shoe, mesher, seconds)
+    parts = mesh_and_assemble_shoe(brake, shoe, mesher, seconds)
     with add_elapsed_time(seconds, "condensation"):
         contact_unknowns = 2 * len(parts.line.nodes)
-        condensed = condense_body(parts.K, parts.constraints, parts.loads, contact_unknowns)
+        condensed = condense_body_to_contact_and_frame(
+            parts.K, parts.constraints, parts.loads, contact_unknowns
+        )
     divided = DividedBody(parts.mesh, parts.basis, parts.line, parts.of_file)
     friction = brake.friction > 0
     with add_elapsed_time(seconds, "coupling"):
@@ -243,7 +261,7 @@ def _condense_meshed_shoe(
         )
 
 
-def materials_of_parts(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:
+def materials_and_widths_of_shoe_parts(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:
     """Material and width [m] of each part of a shoe: lining, backing and the plates of its body."""
     parts: dict[str, tuple[AnyMaterial, float]] = {
         "lining": (shoe.lining.material, shoe.lining.width)

@@ -13,13 +13,13 @@ from drumlin.fem.preparation.meshes import ELEMENTS, Mesher, make_mesh_bodies
 from drumlin.fem.preparation.scene import (
     PreparedModel,
     Seconds,
-    lines_on_equal_shapes,
-    lines_on_rigid_parts,
-    reason_why_not_modelled,
+    reason_why_brake_is_not_modelled,
+    text_lines_on_rigid_parts,
+    text_lines_on_shoes_of_equal_shape,
 )
 
 
-def prepare(
+def make_prepared_model(
     brake: Brake,
     level: Level | None = None,
     places: PointsByShape | None = None,
@@ -43,8 +43,9 @@ def prepare(
         `cache.first_shoes_of_equal_shape`; if it is empty, this function finds the indices
     elements : number of elements along each parametric lining of a mesh
     kind : kind of a mesh, "quad2", "quad1", "tri2" or "tri1"
-    mesher : function that makes the mesh of a shoe without a file, in place of `shoe_mesh`;
-        `elements` then divides an elastic ring only, and no body is taken from the cache
+    mesher : function that makes the mesh of a shoe without a file, in place of
+        `parametric_mesh_of_shoe`; `elements` then divides an elastic ring only, and no body is
+        taken from the cache
     cache : keeps condensed bodies; found ones are taken from it, and new ones put there
 
     Raises
@@ -55,7 +56,7 @@ def prepare(
     NoAnswer
         for a level with more contact nodes than are allowed, and for a singular stiffness
     """
-    reason = reason_why_not_modelled(brake)
+    reason = reason_why_brake_is_not_modelled(brake)
     if reason is not None:
         raise BadInput(f"fem does not apply to this brake: {reason}")
     seconds: Seconds = {}
@@ -65,7 +66,9 @@ def prepare(
         made = make_mesh_bodies(brake, elements, kind, mesher, cache, seconds)
     else:
         made = make_hp_bodies(brake, level, places, alike, cache, seconds)
-    left_out = _lines_on_neglected_quantities(brake, len(set(alike))) + lines_on_rigid_parts(brake)
+    left_out = _text_lines_on_neglected_quantities(
+        brake, len(set(alike))
+    ) + text_lines_on_rigid_parts(brake)
     return PreparedModel(
         brake,
         made.bodies,
@@ -77,13 +80,13 @@ def prepare(
     )
 
 
-def _lines_on_neglected_quantities(brake: Brake, shapes: int) -> list[str]:
+def _text_lines_on_neglected_quantities(brake: Brake, shapes: int) -> list[str]:
     """Lines of text that name the quantities which a prepared model does not contain.
 
     `shapes` is the number of different shapes of shoe in the brake.
     """
     lines = ["interior fields: recovered only for a picture"]
-    lines += lines_on_equal_shapes(brake, shapes)
+    lines += text_lines_on_shoes_of_equal_shape(brake, shapes)
     if brake.friction == 0:
         lines.append("friction: mu = 0, symmetric, without the flexibility under drag")
     return lines

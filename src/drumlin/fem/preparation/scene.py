@@ -72,20 +72,22 @@ class PreparedModel:
     ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
 
     @cached_property
-    def shapes(self) -> list[tuple[object, ...]]:
+    def shape_keys_of_shoes(self) -> list[tuple[object, ...]]:
         """The key of each shoe's shape, equal for shoes that share a body; `shape_key_of_shoe`."""
         return [shape_key_of_shoe(self.brake, shoe) for shoe in self.brake.shoes]
 
     @cached_property
-    def laws(self) -> list[float]:
+    def locking_frictions_of_rigid_shoes(self) -> list[float]:
         """The friction coefficient at which each shoe locks by the rigid-shoe law."""
-        return [rigid.locking_friction(self.brake, shoe) for shoe in self.brake.shoes]
+        return [
+            rigid.self_locking_friction_of_rigid_shoe(self.brake, shoe) for shoe in self.brake.shoes
+        ]
 
 
-def reason_why_not_modelled(brake: Brake) -> str | None:
+def reason_why_brake_is_not_modelled(brake: Brake) -> str | None:
     """The reason why finite elements do not apply to a brake; None if they apply."""
-    if brake.unmeshable() is not None:
-        return brake.unmeshable()
+    if brake.reason_why_not_meshable() is not None:
+        return brake.reason_why_not_meshable()
     if brake.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
         return "shoes inside and outside of one elastic ring are not modelled"
     if brake.ring is not None and brake.ring.section is None:
@@ -94,17 +96,17 @@ def reason_why_not_modelled(brake: Brake) -> str | None:
             "and width and material or bending_stiffness"
         )
     for shoe in brake.shoes:
-        reason = beam_mesh.reason_why_not_meshed(shoe, brake.size)
+        reason = beam_mesh.reason_why_beam_shoe_has_no_mesh(shoe, brake.size)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
     return None
 
 
-def lines_on_equal_shapes(brake: Brake, shapes: int) -> list[str]:
+def text_lines_on_shoes_of_equal_shape(brake: Brake, shapes: int) -> list[str]:
     """A line of text on the shoes that share the body of another shoe.
 
-    The list is empty if all shoes have different shapes. `shapes` is the number of different
-    shapes.
+    The list is empty if all shoes have different shapes. `shape_keys_of_shoes` is the number of
+    different shapes.
     """
     count = len(brake.shoes)
     if shapes == count:
@@ -112,7 +114,7 @@ def lines_on_equal_shapes(brake: Brake, shapes: int) -> list[str]:
     return [f"{count - shapes} of {count} shoes: same shape as another, condensed once"]
 
 
-def lines_on_rigid_parts(brake: Brake) -> list[str]:
+def text_lines_on_rigid_parts(brake: Brake) -> list[str]:
     """A line of text for each part that is rigid because the brake's file gives no elastic part."""
     lines = []
     if brake.ring is None and not brake.surface.straight:

@@ -12,21 +12,21 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
-from drumlin.fem.mesh.edges import nodes_along_edges
+from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
-from drumlin.fem.preparation.meshes import contact_line_of_mesh, materials_of_parts
+from drumlin.fem.preparation.meshes import contact_line_of_mesh, materials_and_widths_of_shoe_parts
 from drumlin.fem.preparation.scene import Seconds, add_elapsed_time
 from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
 from drumlin.fem.solid.mesh import Solid, solid_mesh
 from drumlin.fem.substructure.body import (
     FRAME,
     Constraints,
-    condense_body,
-    constraint_matrix,
-    stiffness,
+    condense_body_to_contact_and_frame,
+    matrix_from_unknowns_to_displacements,
+    sparse_stiffness_of_body,
 )
-from drumlin.fem.substructure.elimination import nested_dissection
-from drumlin.fem.substructure.interface import unit_loads_on_end
+from drumlin.fem.substructure.elimination import elimination_order_by_nested_dissection
+from drumlin.fem.substructure.interface import nodal_forces_of_unit_loads_on_loaded_end
 from drumlin.fem.substructure.loads import ACTUATION
 
 HALVES = 2.0
@@ -45,7 +45,7 @@ class SolidBody(ShoeSubstructure):
 def solid_layers(shoe: Shoe) -> dict[str, ElasticLayer]:
     """The elastic layers of a shoe by subdomain, with the stiffness of both halves."""
     layers = {}
-    for name, (material, _) in materials_of_parts(shoe).items():
+    for name, (material, _) in materials_and_widths_of_shoe_parts(shoe).items():
         # The assertion holds of every brake that `model.why_not` lets pass.
         assert isinstance(material, Material)
         layers[name] = ElasticLayer(solid_elasticity_matrix(material), HALVES)
@@ -61,7 +61,7 @@ def held_subdomain(shoe: Shoe) -> str:
 
 def hinge_nodes(solid: Solid, shoe: Shoe) -> Ints:
     """Nodes that move as a rigid line with the pin, across the whole width."""
-    line = np.unique(nodes_along_edges(solid.plane, solid.section.boundaries["hinge"]))
+    line = np.unique(nodes_along_element_edges(solid.plane, solid.section.boundaries["hinge"]))
     return solid.node[line, : solid.levels(held_subdomain(shoe))].ravel()
 
 
@@ -87,7 +87,7 @@ def constrain_solid(
     bonded : whether the rigid nodes are bonded to a rigid shoe; they are free along z otherwise
     """
     basis = solid.basis
-    order = nested_dissection(basis.doflocs, basis.element_dofs)
+    order = elimination_order_by_nested_dissection(basis.doflocs, basis.element_dofs)
     inner = np.ones((basis.N, 3), dtype=bool)
     inner[contact, :2] = inner[rigid, :2] = False
     inner[solid.node[solid.node[:, 0] >= 0, 0], 2] = False
@@ -99,7 +99,9 @@ def constrain_solid(
     _, region = np.unique(np.repeat(order.region, 3)[inside], return_inverse=True)
     dofs = np.concatenate([dofs, (3 * contact[:, None] + np.arange(2)).ravel()])
     arm = basis.doflocs[:2, rigid] - pin[:, None]
-    return Constraints(constraint_matrix(dofs, 3 * basis.N, 3 * rigid, arm), region)
+    return Constraints(
+        matrix_from_unknowns_to_displacements(dofs, 3 * basis.N, 3 * rigid, arm), region
+    )
 
 
 def end_forces(solid: Solid) -> tuple[Floats, Floats]:
@@ -108,8 +110,10 @@ def end_forces(solid: Solid) -> tuple[Floats, Floats]:
     The last axis counts unit force x, unit force y and unit couple, the second one the components.
     The loads are even over the width.
     """
-    line, centre = unit_loads_on_end(solid.plane, solid.section.boundaries["actuation"])
-    nodes = np.unique(nodes_along_edges(solid.plane, solid.section.boundaries["actuation"]))
+    line, centre = nodal_forces_of_unit_loads_on_loaded_end(
+        solid.plane, solid.section.boundaries["actuation"]
+    )
+    nodes = np.unique(nodes_along_element_edges(solid.plane, solid.section.boundaries["actuation"]))
     count = solid.levels("shoe")
     share = width_matrix(solid.z[:count]).sum(axis=1)
     forces = np.zeros((solid.basis.N, 3, 3))
@@ -130,10 +134,10 @@ def _unit_loads(solid: Solid, shoe: Shoe, constraints: Constraints) -> tuple[Flo
     constraints : its reduced unknowns
     """
     # Without a loaded end the force acts on the rigid shoe, or on the grip of its body.
-    if "actuation" not in solid.section.boundaries or shoe.gripped:
+    if "actuation" not in solid.section.boundaries or shoe.has_support_on_back_of_body:
         loads = np.zeros((constraints.matrix.shape[1], 3))
         loads[-FRAME:] = np.eye(3)
-        return loads, shoe.own_pin
+        return loads, shoe.pin_in_shoe_frame
     forces, centre = end_forces(solid)
     return np.asarray(constraints.matrix.T @ forces.reshape(-1, 3)), centre
 
@@ -152,14 +156,18 @@ def solid_body(
     with add_elapsed_time(seconds, "mesh"):
         solid = solid_mesh(shoe, brake.size, elements, across)
     with add_elapsed_time(seconds, "assembly"):
-        K = stiffness(solid.basis, solid_layers(shoe))
+        K = sparse_stiffness_of_body(solid.basis, solid_layers(shoe))
     with add_elapsed_time(seconds, "ties"):
         face, rigid = friction_face(solid, shoe, brake.size), hinge_nodes(solid, shoe)
         bonded = shoe.body is None
-        constraints = constrain_solid(solid, face.nodes, rigid, shoe.own_pin, bonded=bonded)
+        constraints = constrain_solid(
+            solid, face.nodes, rigid, shoe.pin_in_shoe_frame, bonded=bonded
+        )
         loads, centre = _unit_loads(solid, shoe, constraints)
     with add_elapsed_time(seconds, "condensation"):
-        condensed = condense_body(K, constraints, {ACTUATION: loads}, 2 * len(face.nodes))
+        condensed = condense_body_to_contact_and_frame(
+            K, constraints, {ACTUATION: loads}, 2 * len(face.nodes)
+        )
     with add_elapsed_time(seconds, "coupling"):
         divided = DividedBody(solid.mesh, solid.basis, face)
         friction = brake.friction > 0

@@ -17,7 +17,7 @@ from drumlin.fem.substructure.interface import (
     Directions,
     edge_quadrature_points,
 )
-from drumlin.fem.substructure.interface import couple_with_counterface as couple_line
+from drumlin.fem.substructure.interface import weak_coupling_of_contact_line as couple_line
 from drumlin.response.response import PressureOverWidth
 
 
@@ -43,7 +43,7 @@ class ContactFace(ContactLine):
         """The widths 2 Int zeta_k dz (m,) [m] of the levels; their sum is the whole width."""
         return width_matrix(self.z).sum(axis=1)
 
-    def couple_with_counterface(self, width: float, directions: Directions) -> Coupling:
+    def couple_lining_with_counterface(self, width: float, directions: Directions) -> Coupling:
         """The coupling with a counterface; its width is that of the face, not `width`."""
         line, m = couple_line(self.line, 1.0, directions), width_matrix(self.z)
         n = len(self.line.nodes)
@@ -57,11 +57,11 @@ class ContactFace(ContactLine):
         lever = np.asarray(np.kron(line.lever, m.sum(axis=1)), dtype=float)
         return Coupling(M, spread(line.N), spread(line.T), lever)
 
-    def along(self, p: Floats) -> tuple[Floats, Floats]:
+    def angles_and_mean_pressures(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] and mean pressure over the width (n,) [Pa]."""
         return self.line.phi, p.reshape(-1, len(self.z)) @ self.width / self.width.sum()
 
-    def surface(self, p: Floats) -> PressureOverWidth:
+    def pressure_over_arc_and_width(self, p: Floats) -> PressureOverWidth:
         """The pressure over arc and whole width."""
         half = p.reshape(-1, len(self.z))
         z = np.concatenate([-self.z[:0:-1], self.z])

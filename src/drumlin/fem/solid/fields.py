@@ -8,10 +8,10 @@ import skfem
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer
-from drumlin.fem.analysis.fields import displacements_of_shoe, mean_tensors_at_nodes
+from drumlin.fem.analysis.fields import nodal_displacements_of_shoe, nodal_means_of_element_tensors
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solid.body import solid_layers
-from drumlin.response.balance import loaded
+from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response
 
 # Hexahedra with 20 nodes stand in the order of VTK: the corners of the bottom and of the top, then
@@ -97,13 +97,13 @@ def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) 
     response : response of the brake on the model
     index : position of the shoe in the brake
     """
-    brake = loaded(brake, response)
+    brake = brake_with_forces_of_response(brake, response)
     shoe, body, answer = brake.shoes[index], scene.bodies[index], response.shoes[index]
     p = np.zeros(len(body.line.nodes))
     if answer.surface is not None:
         m = len(answer.surface.z) // 2
         p = np.ascontiguousarray(answer.surface.pressure[:: shoe.frame.sense, m:]).ravel()
-    u = displacements_of_shoe(body, brake, shoe, answer, p).reshape(-1, 3).T
+    u = nodal_displacements_of_shoe(body, brake, shoe, answer, p).reshape(-1, 3).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
     layers = solid_layers(shoe)
@@ -125,7 +125,7 @@ def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) 
         points=points,
         cells=orient_cells(points, np.concatenate(cells)),
         part=np.concatenate(part_of_cell),
-        displacement=np.column_stack([shoe.frame.to_brake(moved[:2].T), moved[2]]),
+        displacement=np.column_stack([shoe.frame.convert_to_brake_frame(moved[:2].T), moved[2]]),
         von_mises=np.concatenate([part.von_mises for part in parts]),
         pressure=np.concatenate(pressures),
     )
@@ -149,6 +149,6 @@ def _part_fields(mesh: Any, u: Floats, elements: Ints, layer: ElasticLayer) -> _
     lam, mu = layer.elasticity[0, 1], layer.elasticity[-1, -1]
     at_nodes = mu * (gradient + gradient.swapaxes(0, 1))
     at_nodes[range(3), range(3)] += lam * np.trace(gradient)
-    nodes, cells, stress = mean_tensors_at_nodes(at_nodes, basis.element_dofs)
+    nodes, cells, stress = nodal_means_of_element_tensors(at_nodes, basis.element_dofs)
     deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
     return _SolidPartFields(nodes, cells, np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2))))

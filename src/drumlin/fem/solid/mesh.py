@@ -15,10 +15,10 @@ from scipy.spatial import cKDTree
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Shoe
-from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.grading import LiningDivision, points_graded_to_both_ends
-from drumlin.fem.preparation.meshes import materials_of_parts
-from drumlin.fem.substructure.body import scalar_basis
+from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
+from drumlin.fem.substructure.body import scalar_finite_element_basis_of_mesh
 
 SIDE_SIZE = 1 / 8
 """Size of an element at a free side, relative to an element in the middle of the width.
@@ -62,7 +62,9 @@ class Solid:
 
 def half_widths(shoe: Shoe) -> dict[str, float]:
     """Half the width [m] of each subdomain of a shoe."""
-    return {name: width / 2 for name, (_, width) in materials_of_parts(shoe).items()}
+    return {
+        name: width / 2 for name, (_, width) in materials_and_widths_of_shoe_parts(shoe).items()
+    }
 
 
 def width_levels(half: Mapping[str, float], across: int, zone: float) -> Floats:
@@ -100,7 +102,7 @@ def solid_mesh(shoe: Shoe, radius: float, elements: int | LiningDivision, across
     """
     half = half_widths(shoe)
     levels = width_levels(half, across, shoe.lining.thickness)
-    return extrude(shoe_mesh(shoe, radius, elements), half, levels)
+    return extrude(parametric_mesh_of_shoe(shoe, radius, elements), half, levels)
 
 
 def extrude(section: Any, half: Mapping[str, float], levels: Floats) -> Solid:
@@ -136,7 +138,9 @@ def extrude(section: Any, half: Mapping[str, float], levels: Floats) -> Solid:
         subdomains[name] = np.flatnonzero(np.isin(cell, elements))
     mesh = skfem.MeshHex2(doflocs, mesh.t, _subdomains=subdomains)
     basis = skfem.Basis(mesh, skfem.ElementHex2(), intorder=4)
-    return Solid(section, scalar_basis(section), mesh, basis, z, numbers, half)
+    return Solid(
+        section, scalar_finite_element_basis_of_mesh(section), mesh, basis, z, numbers, half
+    )
 
 
 def _straight_hexahedra(section: Any, levels: Floats, layer: Ints, cell: Ints) -> Any:

@@ -6,27 +6,27 @@ from pathlib import Path
 
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.error_control.adapt import Tolerance, check_tolerance
-from drumlin.fem.model import PENALTY, check_penalty, solve_prepared_model
+from drumlin.fem.error_control.adapt import Tolerance, require_tolerance_applies_to_brake
+from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.cache import (
     Cache,
-    memory_of_body,
+    memory_of_condensed_body,
     shape_key_of_shoe,
-    shoe_without_loads,
+    shoe_without_loads_and_clearances,
 )
 from drumlin.fem.preparation.scene import (
     PreparedModel,
     Seconds,
-    lines_on_equal_shapes,
-    lines_on_rigid_parts,
+    text_lines_on_rigid_parts,
+    text_lines_on_shoes_of_equal_shape,
 )
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import solid_body
-from drumlin.fem.width.functions import half_widths_of
-from drumlin.fem.width.ladder import solve_with_widths
-from drumlin.fem.width.prepare import OTHER_HALF, reason_against_widths
-from drumlin.response.merit import with_merits
+from drumlin.fem.width.functions import half_widths_of_parts
+from drumlin.fem.width.ladder import solve_brake_with_widths_to_tolerance
+from drumlin.fem.width.prepare import OTHER_HALF, reason_against_any_model_with_widths
+from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response
 
 SOLID_LINING_ELEMENTS = 48
@@ -38,7 +38,7 @@ STIFFNESS = 2500
 def why_not(brake: Brake) -> str | None:
     """Why the solid model does not apply to a brake; None where it applies."""
     on_ring = "its drum is an elastic ring; solid shoes are pressed on a rigid drum"
-    return reason_against_widths(brake, "the solid model", on_ring)
+    return reason_against_any_model_with_widths(brake, "the solid model", on_ring)
 
 
 def elements_across(shoe: Shoe, elements: int) -> int:
@@ -87,17 +87,23 @@ def prepare(
     for key, shoe in zip(keys, brake.shoes, strict=True):
         if key not in made:
             counts = elements, across or elements_across(shoe, elements)
-            same = ("solid", shoe_without_loads(shoe), brake.size, brake.friction > 0, *counts)
+            same = (
+                "solid",
+                shoe_without_loads_and_clearances(shoe),
+                brake.size,
+                brake.friction > 0,
+                *counts,
+            )
             make = partial(solid_body, brake, shoe, *counts, seconds)
             made[key] = cache.get(same, make, _size_of)
     left_out = [
         "interior fields: recovered only for a picture",
         OTHER_HALF,
-        *lines_on_equal_shapes(brake, len(made)),
+        *text_lines_on_shoes_of_equal_shape(brake, len(made)),
     ]
     bodies = tuple(made[key] for key in keys)
     return PreparedModel(
-        brake, bodies, None, seconds, (*left_out, *lines_on_rigid_parts(brake)), model="solid"
+        brake, bodies, None, seconds, (*left_out, *text_lines_on_rigid_parts(brake)), model="solid"
     )
 
 
@@ -106,7 +112,7 @@ def _size_of(body: ShoeSubstructure) -> int:
 
     The body keeps its matrices, and the stiffness with which fields are recovered.
     """
-    return memory_of_body(body) + STIFFNESS * body.unknowns
+    return memory_of_condensed_body(body) + STIFFNESS * body.unknowns
 
 
 def solve(
@@ -138,25 +144,25 @@ def solve(
     NoAnswer
         where the contact has no answer, and where the tolerance is not reached
     """
-    check_penalty(penalty)
+    require_positive_penalty(penalty)
     if tolerance is not None:
         given = {"elements": elements, "across": across, "fields": fields}
         return _to_tolerance(brake, tolerance, given, penalty, cache)
     if fields is not None and fields.suffix != ".vtu":
         raise BadInput(f"--fields = {str(fields)!r}: must end in .vtu")
-    brake.check_meshable()
+    brake.check_shoes_can_be_meshed()
     elements = SOLID_LINING_ELEMENTS if elements is None else elements
     scene = prepare(brake, elements=elements, across=across, cache=cache)
     response = solve_prepared_model(scene, brake, penalty=penalty)
     if fields is not None:
         # The fields load only where they are asked for.
-        from drumlin.fem.analysis.fields import write_fields_as_vtu  # noqa: PLC0415
+        from drumlin.fem.analysis.fields import write_fields_to_vtu_file  # noqa: PLC0415
         from drumlin.fem.solid.fields import recover  # noqa: PLC0415
 
-        write_fields_as_vtu(
+        write_fields_to_vtu_file(
             fields, [recover(scene, brake, response, i) for i in range(len(brake.shoes))]
         )
-    return with_merits(brake, response)
+    return response_with_figures_of_merit(brake, response)
 
 
 def _to_tolerance(
@@ -179,15 +185,17 @@ def _to_tolerance(
                 f"--tolerance = {tolerance:g}: chooses degree and division of the solid; leave "
                 f"out --{option} = {value}"
             )
-    brake.check_meshable()
-    check_tolerance(brake, tolerance)
+    brake.check_shoes_can_be_meshed()
+    require_tolerance_applies_to_brake(brake, tolerance)
     # The section's part of the error of such shoes was stated at 0.3 of the true error.
     # See fem/width/ladder.py.
     for shoe in brake.shoes:
-        if len(set(half_widths_of(shoe).values())) > 1:
+        if len(set(half_widths_of_parts(shoe).values())) > 1:
             raise BadInput(
                 f"--tolerance = {tolerance:g}: shoe {shoe.name!r} has parts of several widths, "
                 "whose errors are not known; leave it out for hexahedra"
             )
     asked = Tolerance(tolerance, tolerance)
-    return with_merits(brake, solve_with_widths(brake, asked, penalty=penalty, cache=cache))
+    return response_with_figures_of_merit(
+        brake, solve_brake_with_widths_to_tolerance(brake, asked, penalty=penalty, cache=cache)
+    )

@@ -18,18 +18,21 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
-from drumlin.base.lapack import dpotrf, solve_lower
-from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.fem.mesh.arc import mesh_kind_of
-from drumlin.fem.substructure.elasticity import directions_through_layers, split_elasticity
+from drumlin.base.lapack import dpotrf, solve_lower_triangular_system
+from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
+from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.fem.substructure.elasticity import (
+    isotropic_and_directional_constants,
+    thickness_directions_of_layers,
+)
 from drumlin.fem.substructure.elimination import (
     SINGULAR_BODY,
     CondensedSystem,
     eliminate_inner_unknowns,
-    nested_dissection,
-    solve_by_fronts,
+    elimination_order_by_nested_dissection,
+    solve_by_multifrontal_elimination,
 )
-from drumlin.fem.substructure.loads import LoadColumns, stack_loads
+from drumlin.fem.substructure.loads import LoadColumns, stack_load_columns
 
 FRAME = 3
 """Number of degrees of freedom of a body's frame, a rigid line: dx, dy and rotation about a pin."""
@@ -44,7 +47,8 @@ class Constraints(NamedTuple):
     Attributes
     ----------
     matrix : sparse matrix (2 nodes, unknowns) from reduced unknowns to displacements of all nodes
-    region : number of the region of `nested_dissection` in which each inner unknown is eliminated
+    region : number of the region of `elimination_order_by_nested_dissection` in which each inner
+        unknown is eliminated
     """
 
     matrix: Any
@@ -66,25 +70,29 @@ class InnerSystem(NamedTuple):
     loads: Floats
 
     @classmethod
-    def of(cls, K: Any, constraints: Constraints, loads: Floats) -> "InnerSystem":
+    def system_from_whole_stiffness(
+        cls, K: Any, constraints: Constraints, loads: Floats
+    ) -> "InnerSystem":
         """The equations of a body from the stiffness K (2 nodes, 2 nodes) of all its nodes."""
         A = constraints.matrix.T @ K @ constraints.matrix
         return cls(A.tocsc(), constraints, loads)
 
-    def system(self) -> "InnerSystem":
+    def equations_of_whole_body(self) -> "InnerSystem":
         """Return the system itself, as the interface `InnerUnknowns` asks of every body."""
         return self
 
-    def eliminate_loads(self) -> CondensedSystem:
+    def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The unit loads and the stiffness of the body, condensed to its contact and its frame."""
         return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
-    def with_forces(self, forces: Floats) -> "InnerSystem":
+    def body_system_with_further_loads(self, forces: Floats) -> "InnerSystem":
         """A system with nodal forces (2 nodes, k) as k more unit loads, after the present ones."""
         further = self.constraints.matrix.T @ forces
         return self._replace(loads=np.hstack([self.loads, further]))
 
-    def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+    def nodal_displacements_in_load_cases(
+        self, nodal: Floats, frame: Floats, loads: Floats
+    ) -> Floats:
         """Displacements (2 nodes, m) of all nodes [m] in m load cases.
 
         The parameters are those of `CondensedBody.displacements`.
@@ -92,7 +100,9 @@ class InnerSystem(NamedTuple):
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
         # The nodal forces act on the contact nodes, the last unknowns before the frame.
         right[len(right) - len(nodal) :] += nodal
-        free = solve_by_fronts(self.A[:-FRAME, :-FRAME], self.constraints.region, right)
+        free = solve_by_multifrontal_elimination(
+            self.A[:-FRAME, :-FRAME], self.constraints.region, right
+        )
         return np.asarray(self.constraints.matrix @ np.vstack([free, frame]))
 
 
@@ -103,16 +113,18 @@ class InnerUnknowns(Protocol):
     when a method needs it, see `hp.grid.GridUnknowns`.
     """
 
-    def system(self) -> InnerSystem:
+    def equations_of_whole_body(self) -> InnerSystem:
         """The equations of the body on all its nodes, before condensation."""
 
-    def eliminate_loads(self) -> CondensedSystem:
+    def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The unit loads and the stiffness of the body, condensed to its contact and its frame."""
 
-    def with_forces(self, forces: Floats) -> "InnerUnknowns":
+    def body_system_with_further_loads(self, forces: Floats) -> "InnerUnknowns":
         """The same unknowns with nodal forces (2 nodes, k) as k more unit loads, after its own."""
 
-    def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+    def nodal_displacements_in_load_cases(
+        self, nodal: Floats, frame: Floats, loads: Floats
+    ) -> Floats:
         """Displacements (2 nodes, m) of all nodes [m] in m load cases.
 
         The parameters are those of `CondensedBody.displacements`.
@@ -149,35 +161,37 @@ class CondensedBody:
     force_imbalance: float = 0.0
     rigid_mode_error: Floats | None = None
 
-    def make_whole_system(self) -> InnerSystem:
+    def assemble_equations_of_whole_body(self) -> InnerSystem:
         """Assemble and return the equations of the body on all its nodes, before condensation."""
-        return self.inner.system()
+        return self.inner.equations_of_whole_body()
 
     @property
-    def constraints(self) -> Constraints:
+    def multi_point_constraints(self) -> Constraints:
         """The multi-point constraints of the body.
 
         Each access assembles the whole system.
         """
-        return self.make_whole_system().constraints
+        return self.assemble_equations_of_whole_body().constraints
 
     @property
-    def loads(self) -> Floats:
+    def unit_loads_on_reduced_unknowns(self) -> Floats:
         """The unit loads (unknowns, l) on the reduced unknowns.
 
         Each access assembles the whole system.
         """
-        return self.make_whole_system().loads
+        return self.assemble_equations_of_whole_body().loads
 
-    def half_flexibility(self, forces: Floats) -> Floats:
+    def nodal_forces_over_cholesky_factor(self, forces: Floats) -> Floats:
         """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes.
 
         L_cc is the Cholesky factor of the condensed stiffness. Y^T Y is the flexibility: the work
         that each of the m load cases does on the displacements of every other.
         """
-        return solve_lower(self.L_cc, forces)
+        return solve_lower_triangular_system(self.L_cc, forces)
 
-    def displacement(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+    def nodal_displacements_in_one_case(
+        self, nodal: Floats, frame: Floats, loads: Floats
+    ) -> Floats:
         """Displacement (2, nodes) of all nodes [m], the eliminated ones included, in one load case.
 
         Parameters
@@ -186,18 +200,20 @@ class CondensedBody:
         frame : (3,) displacement of the frame
         loads : (l,) factors of the unit loads
         """
-        u = self.displacements(nodal[:, None], frame[:, None], loads[:, None])
+        u = self.nodal_displacements_in_load_cases(nodal[:, None], frame[:, None], loads[:, None])
         return np.asarray(u.reshape(-1, 2).T)
 
-    def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+    def nodal_displacements_in_load_cases(
+        self, nodal: Floats, frame: Floats, loads: Floats
+    ) -> Floats:
         """Displacements (2 nodes, m) of all nodes [m] in m load cases, eliminated nodes included.
 
-        The parameters are those of `displacement` with one column for each case: nodal (2n, m),
-        frame (3, m), loads (l, m).
+        The parameters are those of `nodal_displacements_in_one_case` with one column for each case:
+        nodal (2n, m), frame (3, m), loads (l, m).
         """
-        return self.inner.displacements(nodal, frame, loads)
+        return self.inner.nodal_displacements_in_load_cases(nodal, frame, loads)
 
-    def with_loads(self, loads: Mapping[str, Floats]) -> "CondensedBody":
+    def body_with_further_loads(self, loads: Mapping[str, Floats]) -> "CondensedBody":
         """The body with further unit loads, whose columns follow the columns of its present loads.
 
         The stiffness stays. The inner unknowns are eliminated once more, under all loads.
@@ -212,11 +228,13 @@ class CondensedBody:
         ValueError
             for a name that a load of the body has already
         """
-        if taken := self.columns.slices.keys() & loads.keys():
+        if taken := self.columns.column_slice_of_each_load.keys() & loads.keys():
             raise ValueError(f"the body has loads of these names already: {sorted(taken)}")
-        inner = self.inner.with_forces(np.concatenate(list(loads.values()), axis=1))
-        eliminated = inner.eliminate_loads()
-        contact, present = len(self.L_cc), self.columns.count
+        inner = self.inner.body_system_with_further_loads(
+            np.concatenate(list(loads.values()), axis=1)
+        )
+        eliminated = inner.condense_loads_and_stiffness()
+        contact, present = len(self.L_cc), self.columns.number_of_load_columns
         further = eliminated.loads[:, present:]
         # The results of the present loads are kept, so that no digit of them changes.
         work = eliminated.work.copy()
@@ -227,11 +245,13 @@ class CondensedBody:
             load_on_frame=np.hstack([self.load_on_frame, further[contact:]]),
             load_work=work,
             inner=inner,
-            columns=LoadColumns(self.columns.sizes + LoadColumns.of(loads).sizes),
+            columns=LoadColumns(
+                self.columns.sizes + LoadColumns.load_columns_of_named_loads(loads).sizes
+            ),
         )
 
 
-def scalar_basis(mesh: Any) -> Any:
+def scalar_finite_element_basis_of_mesh(mesh: Any) -> Any:
     """The scikit-fem basis of one displacement component on a mesh.
 
     The quadrature has order 4, or 2 on linear elements.
@@ -239,11 +259,13 @@ def scalar_basis(mesh: Any) -> Any:
     # The import of skfem takes time, and bodies of hp elements do without it.
     import skfem  # noqa: PLC0415
 
-    element = mesh_kind_of(mesh).element()
+    element = element_kind_of_mesh(mesh).scikit_fem_element_class()
     return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
 
 
-def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool = False) -> Any:
+def sparse_stiffness_of_body(
+    basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool = False
+) -> Any:
     """Sparse stiffness (d nodes, d nodes) of plane stress (d = 2) or of a solid (d = 3) [N/m].
 
     Unknown d i + c is component c of node i. The isotropic part of the layers is
@@ -251,9 +273,9 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
     with the width b and the shape functions psi, and orthotropic layers add the terms of
-    `hp.element.element_stiffness`. One batched matrix product for each element multiplies the
-    gradients of all shape functions. skfem would evaluate the form once for each pair of shape
-    functions.
+    `hp.element.plane_stress_stiffness_of_elements`. One batched matrix product for each element
+    multiplies the gradients of all shape functions. skfem would evaluate the form once for each
+    pair of shape functions.
 
     Parameters
     ----------
@@ -265,20 +287,22 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
         # The skeleton of a grid has no option `precise`, since its stiffness is in double only.
         return basis.stiffness(layers, precise=True) if precise else basis.stiffness(layers)
     if precise:
-        gradients, dx = _long_double_gradients(basis)
+        gradients, dx = _shape_gradients_in_long_double(basis)
     else:
         gradients, dx = np.array([psi[0].grad for psi in basis.basis]), basis.dx
-    K = _isotropic_stiffness(basis, layers, gradients, dx)
+    K = _isotropic_element_stiffness(basis, layers, gradients, dx)
     dimensions = gradients.shape[1]
     for name, members in basis.mesh.subdomains.items():
-        if dimensions == 2 and has_directions(layers[name].elasticity):
-            points = quadrature_points(basis, precise=precise)[:, members]
+        if dimensions == 2 and is_elasticity_matrix_orthotropic(layers[name].elasticity):
+            points = quadrature_points_of_elements(basis, precise=precise)[:, members]
             own = gradients[:, :, members]
-            K[members] += _directional_stiffness(layers[name], own, dx[members], points)
-    return sparse_stiffness(K, basis.element_dofs.T, basis.N, dimensions)
+            K[members] += _orthotropic_part_of_element_stiffness(
+                layers[name], own, dx[members], points
+            )
+    return assemble_sparse_stiffness(K, basis.element_dofs.T, basis.N, dimensions)
 
 
-def _isotropic_stiffness(
+def _isotropic_element_stiffness(
     basis: Any, layers: Mapping[str, ElasticLayer], gradients: Any, dx: Any
 ) -> Any:
     """The isotropic part (elements, a, d, a, d) of the element stiffness [N/m].
@@ -306,7 +330,7 @@ def _isotropic_stiffness(
     return K
 
 
-def sparse_stiffness(K: Any, nodes: Ints, N: int, d: int = 2) -> Any:
+def assemble_sparse_stiffness(K: Any, nodes: Ints, N: int, d: int = 2) -> Any:
     """The sparse stiffness (d N, d N) of a mesh of N nodes, assembled from its elements.
 
     Parameters
@@ -325,7 +349,7 @@ def sparse_stiffness(K: Any, nodes: Ints, N: int, d: int = 2) -> Any:
     return sp.coo_matrix(entries, shape=(d * N, d * N)).tocsc()
 
 
-def shape_values(basis: Any, *, precise: bool = False) -> Any:
+def shape_function_values_at_points(basis: Any, *, precise: bool = False) -> Any:
     """Values (a, points) of a basis's shape functions at its quadrature points.
 
     With `precise` the values are computed in long double.
@@ -334,16 +358,18 @@ def shape_values(basis: Any, *, precise: bool = False) -> Any:
     return np.array([basis.elem.lbasis(at, i)[0] for i in range(len(basis.element_dofs))])
 
 
-def quadrature_points(basis: Any, *, precise: bool = False) -> Any:
+def quadrature_points_of_elements(basis: Any, *, precise: bool = False) -> Any:
     """The quadrature points (2, elements, points) [m] of all elements of a basis.
 
     With `precise` the coordinates are computed in long double.
     """
     nodes = basis.doflocs[:, basis.element_dofs]
-    return np.einsum("cae,aq->ceq", nodes, shape_values(basis, precise=precise))
+    return np.einsum("cae,aq->ceq", nodes, shape_function_values_at_points(basis, precise=precise))
 
 
-def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points: Any) -> Any:
+def _orthotropic_part_of_element_stiffness(
+    layer: ElasticLayer, gradients: Any, dx: Any, points: Any
+) -> Any:
     """Stiffness (e, a, 2, a, 2) [N/m] that orthotropy adds to the isotropic stiffness of elements.
 
     Parameters
@@ -356,18 +382,20 @@ def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points:
     a, d, elements, _ = gradients.shape
     along = layer.directions(points)
 
-    def work(direction: Any) -> Any:
+    def integrals_of_stretch_products(direction: Any) -> Any:
         """The integrals (e, d a, d a) [1] of products of two stretches in a direction (2, e, q)."""
         grown = np.einsum("ceq,aceq->aeq", direction, gradients)
         stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
 
-    _, _, by_along, by_through = split_elasticity(layer.stiffness)
-    added = by_along * work(along) + by_through * work(directions_through_layers(along))
+    _, _, by_along, by_through = isotropic_and_directional_constants(layer.stiffness)
+    added = by_along * integrals_of_stretch_products(
+        along
+    ) + by_through * integrals_of_stretch_products(thickness_directions_of_layers(along))
     return added.reshape(elements, a, d, a, d)
 
 
-def _long_double_gradients(basis: Any) -> tuple[Any, Any]:
+def _shape_gradients_in_long_double(basis: Any) -> tuple[Any, Any]:
     """Shape-function gradients (a, 2, elements, points) and quadrature areas, in long double.
 
     The areas are (elements, points). The elements are isoparametric: the same shape functions
@@ -383,7 +411,7 @@ def _long_double_gradients(basis: Any) -> tuple[Any, Any]:
     return np.einsum("adq,dcjq->acjq", slopes, inverse), np.abs(det) * basis.W
 
 
-def rigid_body_modes(xy: Floats, pin: Floats) -> Floats:
+def rigid_body_displacements_of_nodes(xy: Floats, pin: Floats) -> Floats:
     """The rigid-body displacements (2n, 3) of nodes xy (2, n).
 
     The modes are dx, dy and the rotation about the pin.
@@ -394,7 +422,7 @@ def rigid_body_modes(xy: Floats, pin: Floats) -> Floats:
     return modes.reshape(-1, FRAME)
 
 
-def body_constraints(
+def multi_point_constraints_of_body(
     basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None
 ) -> Constraints:
     """The multi-point constraints of a body, which tie its rigid line to the frame.
@@ -410,7 +438,7 @@ def body_constraints(
     alone : (3,) displacements that take the place of the frame for a body without rigid nodes; None
         for a body with rigid nodes
     """
-    order = nested_dissection(basis.doflocs, basis.element_dofs)
+    order = elimination_order_by_nested_dissection(basis.doflocs, basis.element_dofs)
     inner = np.ones(basis.N, dtype=bool)
     inner[contact] = inner[rigid] = False
     is_inner = inner[order.nodes]
@@ -423,12 +451,14 @@ def body_constraints(
         others = ~np.isin(dofs, alone)
         free = np.concatenate([dofs[others], alone])
         region = region[others[: len(region)]]
-        return Constraints(constraint_matrix(free, 2 * basis.N), region)
+        return Constraints(matrix_from_unknowns_to_displacements(free, 2 * basis.N), region)
     arm = basis.doflocs[:, rigid] - pin[:, None]
-    return Constraints(constraint_matrix(dofs, 2 * basis.N, 2 * rigid, arm), region)
+    return Constraints(
+        matrix_from_unknowns_to_displacements(dofs, 2 * basis.N, 2 * rigid, arm), region
+    )
 
 
-def constraint_matrix(
+def matrix_from_unknowns_to_displacements(
     dofs: Ints, count: int, rigid: Ints | None = None, arm: Floats | None = None
 ) -> Any:
     """The sparse matrix (count, unknowns) from the reduced unknowns to all displacements of a body.
@@ -458,7 +488,7 @@ def constraint_matrix(
     return sp.csc_matrix(entries, shape=(count, unknowns))
 
 
-def condense_body(
+def condense_body_to_contact_and_frame(
     K: Any, constraints: Constraints, loads: Mapping[str, Floats], contact: int
 ) -> CondensedBody:
     """The body reduced to its contact nodes and its frame by static condensation.
@@ -475,12 +505,14 @@ def condense_body(
     NoAnswer
         for a singular stiffness
     """
-    system = InnerSystem.of(K, constraints, stack_loads(loads, constraints.matrix.shape[1]))
-    S, condensed_loads, work = system.eliminate_loads()
+    system = InnerSystem.system_from_whole_stiffness(
+        K, constraints, stack_load_columns(loads, constraints.matrix.shape[1])
+    )
+    S, condensed_loads, work = system.condense_loads_and_stiffness()
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
-    L_fc = solve_lower(L_cc, S[:contact, contact:]).T
+    L_fc = solve_lower_triangular_system(L_cc, S[:contact, contact:]).T
     return CondensedBody(
         L_cc,
         L_fc,
@@ -488,5 +520,5 @@ def condense_body(
         condensed_loads[contact:],
         work,
         inner=system,
-        columns=LoadColumns.of(loads),
+        columns=LoadColumns.load_columns_of_named_loads(loads),
     )

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
-from drumlin.brake.elasticity import ElasticLayer, stiffer_along_and_through
+from drumlin.brake.elasticity import ElasticLayer, excess_stiffness_over_isotropic
 
 
 def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
@@ -33,7 +33,9 @@ def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
     if shoe.flat:
         around = behind = np.array([1.0, 0.0])
     elif isinstance(body, Beam):
-        behind = shoe.frame.to_shoe(axis_of(shoe.pin.xy, shoe.actuation.point.xy).along)
+        behind = shoe.frame.convert_to_shoe_frame(
+            make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy).along
+        )
     layers = {"lining": ElasticLayer.of(lining.material, lining.width, around)}
     if backing is not None:
         layers["backing"] = ElasticLayer.of(backing.material, lining.width, behind)
@@ -48,27 +50,31 @@ def elastic_layers_of_ring(section: Section) -> dict[str, ElasticLayer]:
     return {"drum": ElasticLayer.of(section.material, section.width)}
 
 
-def split_elasticity(elasticity: Any) -> Any:
+def isotropic_and_directional_constants(elasticity: Any) -> Any:
     """The constants lambda, mu, a, b (..., 4) of elasticity matrices D (..., 3, 3).
 
     The constants have the unit of the matrices. lambda = D_12 and mu = D_33 belong to the isotropic
     part; a and b are the additional stiffness along and through the layer.
     """
     isotropic = np.stack([elasticity[..., 0, 1], elasticity[..., 2, 2]], axis=-1)
-    return np.concatenate([isotropic, stiffer_along_and_through(elasticity)], axis=-1)
+    return np.concatenate([isotropic, excess_stiffness_over_isotropic(elasticity)], axis=-1)
 
 
-def elasticity_of_layers(layers: Mapping[str, ElasticLayer], part: Sequence[str]) -> Floats:
+def elasticity_times_width_of_layers(
+    layers: Mapping[str, ElasticLayer], part: Sequence[str]
+) -> Floats:
     """Elasticity matrices times width (l, 3, 3) [N/m] of the layers with the names `part` (l,)."""
     return np.array([layers[name].stiffness for name in part])
 
 
-def directions_through_layers(along: Any) -> Any:
+def thickness_directions_of_layers(along: Any) -> Any:
     """Unit vectors (2, ...) through layers, from the unit vectors `along` the layers (2, ...)."""
     return np.stack([-along[1], along[0]])
 
 
-def stresses_from_gradients(gradient: Floats, elasticity: Floats, along: Floats | None) -> Floats:
+def stresses_from_displacement_gradients(
+    gradient: Floats, elasticity: Floats, along: Floats | None
+) -> Floats:
     """Stresses (2, 2, ...) of displacement gradients, in the unit of `elasticity`.
 
     Parameters
@@ -77,14 +83,14 @@ def stresses_from_gradients(gradient: Floats, elasticity: Floats, along: Floats 
     elasticity : (..., 3, 3) elasticity matrix of each point, or one matrix of all points
     along : (2, ...) unit vectors along the layers; None where all layers are isotropic
     """
-    lam, mu, a, b = np.moveaxis(split_elasticity(elasticity), -1, 0)
+    lam, mu, a, b = np.moveaxis(isotropic_and_directional_constants(elasticity), -1, 0)
     strain = 0.5 * (gradient + gradient.swapaxes(0, 1))
     stresses = 2 * mu * strain
     # The lambda of plane stress multiplies the sum of the two strains in the plane alone.
     for i in range(2):
         stresses[i, i] += lam * (gradient[0, 0] + gradient[1, 1])
     if along is not None:
-        for stiffer, direction in ((a, along), (b, directions_through_layers(along))):
+        for stiffer, direction in ((a, along), (b, thickness_directions_of_layers(along))):
             stretch = np.einsum("i...,ij...,j...->...", direction, strain, direction)
             stresses += stiffer * stretch * direction[:, None] * direction
     return stresses

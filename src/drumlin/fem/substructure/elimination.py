@@ -63,7 +63,7 @@ class CondensedSystem(NamedTuple):
     work: Floats
 
 
-def nested_dissection(xy: Floats, elements: Ints) -> EliminationOrder:
+def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> EliminationOrder:
     """The order in which the nodes of a mesh are eliminated, by nested dissection.
 
     The elements are halved across the long direction of their region. A node comes after all nodes
@@ -85,7 +85,12 @@ def nested_dissection(xy: Floats, elements: Ints) -> EliminationOrder:
     # the second half of the ranks gets the bit 1.
     for level in range(depth):
         size = np.bincount(path, minlength=1 << level)
-        position = np.round(_axis_positions(path, centre - _group_means(path, centre)) / resolution)
+        position = np.round(
+            _positions_along_principal_axis(
+                path, centre - _mean_of_values_in_each_group(path, centre)
+            )
+            / resolution
+        )
         order = np.lexsort((position, path))
         rank = np.empty(count, dtype=np.int64)
         rank[order] = np.arange(count) - (np.cumsum(size) - size)[path[order]]
@@ -109,14 +114,16 @@ def nested_dissection(xy: Floats, elements: Ints) -> EliminationOrder:
     return EliminationOrder(nodes, np.cumsum(other_end | other_height) - 1)
 
 
-def _axis_positions(group: Ints, x: Floats) -> Floats:
+def _positions_along_principal_axis(group: Ints, x: Floats) -> Floats:
     """Positions (m,) of points along the principal axis of their group, its long direction.
 
     `x` (d, m) are the points relative to the middle of their group, and `group` (m,) is the number
     of the group of each point.
     """
     if len(x) == 2:
-        xy, xx_yy = _group_means(group, np.array([x[0] * x[1], x[0] * x[0] - x[1] * x[1]]))
+        xy, xx_yy = _mean_of_values_in_each_group(
+            group, np.array([x[0] * x[1], x[0] * x[0] - x[1] * x[1]])
+        )
         along = 0.5 * np.arctan2(2 * xy, xx_yy)
         return np.asarray(x[0] * np.cos(along) + x[1] * np.sin(along))
     # The second moments of each group about its middle, (groups, 3, 3).
@@ -127,7 +134,7 @@ def _axis_positions(group: Ints, x: Floats) -> Floats:
     return np.einsum("md,dm->m", axis[group], x)
 
 
-def _group_means(group: Ints, values: Floats) -> Floats:
+def _mean_of_values_in_each_group(group: Ints, values: Floats) -> Floats:
     """For each member of a group, the mean of its group's `values` (k, m), row by row (k, m).
 
     `group` (m,) is the number of the group of each member.
@@ -151,21 +158,21 @@ def eliminate_inner_unknowns(A: Any, region: Ints, loads: Floats) -> CondensedSy
     NoAnswer
         for a matrix that is not positive definite on the eliminated unknowns
     """
-    lower = _lower_triangle(A)
-    complements = _empty_complements(region)
+    lower = _lower_triangle_of_sparse_matrix(A)
+    complements = _empty_list_of_schur_complements(region)
     f = np.array(loads, dtype=float)
     work = np.zeros((f.shape[1], f.shape[1]))
-    for front in _factorised_fronts(lower, region, complements):
+    for front in _factorise_front_of_each_region(lower, region, complements):
         if f.shape[1]:
             # One step of the forward substitution condenses the loads of this front.
             y = dtrsm(1.0, front.L, f[front.own], lower=1)
             f[front.later] -= front.below @ y
             work += y.T @ y
-    S = _kept_complement(lower, len(region), complements)
+    S = _schur_complement_on_kept_unknowns(lower, len(region), complements)
     return CondensedSystem(np.tril(S) + np.tril(S, -1).T, f[len(region) :], work)
 
 
-def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
+def solve_by_multifrontal_elimination(A: Any, region: Ints, right: Floats) -> Floats:
     """The solution x (n, m) of A x = right by multifrontal elimination.
 
     Parameters
@@ -180,19 +187,19 @@ def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
     NoAnswer
         for a matrix that is not positive definite
     """
-    lower = _lower_triangle(A)
+    lower = _lower_triangle_of_sparse_matrix(A)
     inner = len(region)
-    complements = _empty_complements(region)
+    complements = _empty_list_of_schur_complements(region)
     x = np.array(right, dtype=float)
 
     # The forward substitution goes front by front, and keeps all fronts for the way back.
     fronts = []
-    for front in _factorised_fronts(lower, region, complements):
+    for front in _factorise_front_of_each_region(lower, region, complements):
         x[front.own] = dtrsm(1.0, front.L, x[front.own], lower=1)
         x[front.later] -= front.below @ x[front.own]
         fronts.append(front)
 
-    L, info = dpotrf(_kept_complement(lower, inner, complements), lower=1)
+    L, info = dpotrf(_schur_complement_on_kept_unknowns(lower, inner, complements), lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
     x[inner:] = dtrsm(1.0, L, dtrsm(1.0, L, x[inner:], lower=1), lower=1, trans_a=1)
@@ -222,13 +229,13 @@ class _FrontFactor(NamedTuple):
     below: Floats
 
 
-def _empty_complements(region: Ints) -> _Complements:
+def _empty_list_of_schur_complements(region: Ints) -> _Complements:
     """An empty list of Schur complements for each region, and one more for the kept unknowns."""
     regions = int(region[-1]) + 1 if len(region) else 0
     return [[] for _ in range(regions + 1)]
 
 
-def _lower_triangle(A: Any) -> Any:
+def _lower_triangle_of_sparse_matrix(A: Any) -> Any:
     """The lower triangle of a sparse matrix in CSC format, with sorted row numbers."""
     # The import of scipy.sparse takes time, and condensed hp elements do without it.
     import scipy.sparse as sp  # noqa: PLC0415
@@ -238,7 +245,7 @@ def _lower_triangle(A: Any) -> Any:
     return lower
 
 
-def _factorised_fronts(
+def _factorise_front_of_each_region(
     lower: Any, region: Ints, complements: _Complements
 ) -> Iterator[_FrontFactor]:
     """Yield the factorised front of each region, in the order of elimination.
@@ -266,7 +273,7 @@ def _factorised_fronts(
         touched = np.unique(np.concatenate([rows, *(numbers for numbers, _ in complements[r])]))
         F = np.zeros((len(touched), len(touched)), order="F")
         F[np.searchsorted(touched, rows), columns] = data[span]
-        _add_complements(F, touched, complements, r)
+        _add_schur_complements_to_front(F, touched, complements, r)
 
         own = end - start
         later = touched[own:]
@@ -282,17 +289,21 @@ def _factorised_fronts(
         yield _FrontFactor(slice(start, end), later, L, below)
 
 
-def _kept_complement(lower: Any, inner: int, complements: _Complements) -> Floats:
+def _schur_complement_on_kept_unknowns(lower: Any, inner: int, complements: _Complements) -> Floats:
     """The lower triangle (k, k) of the Schur complement on the k unknowns that are kept.
 
     The kept unknowns follow the first `inner` unknowns of `lower`.
     """
     S: Floats = lower[inner:, inner:].toarray(order="F")
-    _add_complements(S, np.arange(inner, lower.shape[0]), complements, len(complements) - 1)
+    _add_schur_complements_to_front(
+        S, np.arange(inner, lower.shape[0]), complements, len(complements) - 1
+    )
     return S
 
 
-def _add_complements(F: Floats, touched: Ints, complements: _Complements, region: int) -> None:
+def _add_schur_complements_to_front(
+    F: Floats, touched: Ints, complements: _Complements, region: int
+) -> None:
     """Add waiting Schur complements of earlier fronts to the lower triangle of a region's front.
 
     `F` (n, n) is the front and `touched` (n,) are its unknowns.

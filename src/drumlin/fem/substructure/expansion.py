@@ -16,8 +16,11 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.elasticity import ElasticLayer
-from drumlin.fem.substructure.body import quadrature_points
-from drumlin.fem.substructure.elasticity import directions_through_layers, stresses_from_gradients
+from drumlin.fem.substructure.body import quadrature_points_of_elements
+from drumlin.fem.substructure.elasticity import (
+    stresses_from_displacement_gradients,
+    thickness_directions_of_layers,
+)
 
 Strains = Mapping[str, Floats]
 """Free strains (2,) along and through each layer that expands, by the layer's name.
@@ -27,16 +30,16 @@ rise.
 """
 
 
-def held_stress(layer: ElasticLayer, strain: Floats, points: Floats) -> Floats:
+def stress_belonging_to_free_strain(layer: ElasticLayer, strain: Floats, points: Floats) -> Floats:
     """The stress D eps_0 that belongs to the free strain of a layer, times the layer's width [N/m].
 
     The result is (2, 2, ...) at points (2, ...) [m]. `strain` (2,) is the free strain along and
     through the layer.
     """
     along = layer.directions(points)
-    through = directions_through_layers(along)
+    through = thickness_directions_of_layers(along)
     free_strain = strain[0] * along[:, None] * along + strain[1] * through[:, None] * through
-    return stresses_from_gradients(free_strain, layer.stiffness, along)
+    return stresses_from_displacement_gradients(free_strain, layer.stiffness, along)
 
 
 def expansion_forces(basis: Any, layers: Mapping[str, ElasticLayer], strains: Strains) -> Floats:
@@ -51,11 +54,11 @@ def expansion_forces(basis: Any, layers: Mapping[str, ElasticLayer], strains: St
     if hasattr(basis, "expansion_forces"):
         return np.asarray(basis.expansion_forces(layers, strains))
     gradients = np.array([psi[0].grad for psi in basis.basis])
-    points = quadrature_points(basis)
+    points = quadrature_points_of_elements(basis)
     forces = np.zeros((basis.N, 2))
     for name, strain in strains.items():
         members = basis.mesh.subdomains[name]
-        held = held_stress(layers[name], strain, points[:, members])
+        held = stress_belonging_to_free_strain(layers[name], strain, points[:, members])
         own = np.einsum("ijeq,ajeq,eq->aei", held, gradients[:, :, members], basis.dx[members])
         np.add.at(forces, basis.element_dofs[:, members], own)
     return forces.ravel()

@@ -20,10 +20,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Ints, angle_near
-from drumlin.fem.mesh.edges import nodes_along_edges
+from drumlin.base.arrays import Floats, Ints, polar_angles_near_given_angle
+from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.response.response import PressureOverWidth
-from drumlin.response.resultants import GAUSS, WEIGHTS, InnerPart, at_gauss, shape, slopes
+from drumlin.response.resultants import (
+    GAUSS,
+    WEIGHTS,
+    LiningWithoutEndZones,
+    lagrange_shape_function_derivatives,
+    lagrange_shape_function_values,
+    shape_functions_at_gauss_points,
+)
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]
 """A function from points (2, ...) [m] to the counterface's unit normals and unit tangents (2, ...).
@@ -52,27 +59,31 @@ class ContactLine:
     edge: float = field(default=0.0, kw_only=True)
 
     @property
-    def order(self) -> int:
+    def interpolation_degree(self) -> int:
         """Polynomial degree of the interpolation along an edge of the contact line."""
         return len(self.pieces) - 1
 
-    def couple_with_counterface(self, width: float, directions: Directions) -> "Coupling":
+    def couple_lining_with_counterface(self, width: float, directions: Directions) -> "Coupling":
         """The coupling of this line with the drum or the plane; `width` [m] is the lining's."""
-        return couple_with_counterface(self, width, directions)
+        return weak_coupling_of_contact_line(self, width, directions)
 
     @cached_property
-    def inside(self) -> InnerPart:
+    def inner_part_for_pressure_peak(self) -> LiningWithoutEndZones:
         """The part of the contact line in which a peak of the pressure is sought."""
-        return InnerPart(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
+        return LiningWithoutEndZones(
+            self.angles_and_mean_pressures(np.zeros(len(self.phi)))[0],
+            self.interpolation_degree,
+            self.edge,
+        )
 
-    def along(self, p: Floats) -> tuple[Floats, Floats]:
+    def angles_and_mean_pressures(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] of the contact nodes, and the pressure (n,) [Pa] there.
 
         On the contact face of a solid the pressure is the mean over the width.
         """
         return self.phi, p
 
-    def surface(self, p: Floats) -> PressureOverWidth | None:
+    def pressure_over_arc_and_width(self, p: Floats) -> PressureOverWidth | None:
         """The pressure over arc and width on the contact face of a solid; None on a line."""
         return None
 
@@ -100,7 +111,7 @@ class Coupling:
     lever: Floats
 
     @cached_property
-    def area(self) -> Floats:
+    def areas_of_contact_nodes(self) -> Floats:
         """The areas (n,) [m^2] of the friction surface that the contact nodes stand for."""
         return self.M.sum(axis=1)
 
@@ -132,12 +143,19 @@ def edge_quadrature_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEI
     at, weights : (q,) points and weights of the quadrature on [-1, 1]
     """
     order = xy.shape[1] - 1
-    psi, slope = at_gauss(order) if at is GAUSS else (shape(order, at), slopes(order, at))
+    psi, slope = (
+        shape_functions_at_gauss_points(order)
+        if at is GAUSS
+        else (
+            lagrange_shape_function_values(order, at),
+            lagrange_shape_function_derivatives(order, at),
+        )
+    )
     xy = xy.transpose(0, 2, 1)
     return EdgePoints(psi, xy @ psi, np.hypot(*(xy @ slope)) * weights)
 
 
-def unit_loads_on_end(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
+def nodal_forces_of_unit_loads_on_loaded_end(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     """Nodal forces (2 nodes, 3) of the unit loads on a loaded end, and the end's centre (2,) [m].
 
     The loads are unit force x, unit force y and a unit couple about the centre. The forces are
@@ -149,7 +167,7 @@ def unit_loads_on_end(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     basis : scalar basis of the mesh
     facets : facets of the loaded end
     """
-    nodes = nodes_along_edges(basis, facets)
+    nodes = nodes_along_element_edges(basis, facets)
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
     centre = (x * ds).sum(axis=(1, 2)) / ds.sum()
     arm = x - centre[:, None, None]
@@ -161,7 +179,7 @@ def unit_loads_on_end(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     return loads.reshape(-1, 3), centre
 
 
-def make_contact_line(
+def make_contact_line_of_lining(
     basis: Any, facets: Ints, middle: float, unit: float | None = None, edge: float = 0.0
 ) -> ContactLine:
     """The contact line on the friction surface of a mesh, with nodes and edges by growing angle.
@@ -174,10 +192,10 @@ def make_contact_line(
     unit : length [m] by which x is divided to give the "angle" on a plane; None on a drum
     edge : length [rad] of the zones at both ends in which no pressure peak is sought
     """
-    dofs = nodes_along_edges(basis, facets)
+    dofs = nodes_along_element_edges(basis, facets)
     nodes = np.unique(dofs)
     xy = basis.doflocs[:, nodes]
-    phi = angle_near(middle, xy) if unit is None else xy[0] / unit
+    phi = polar_angles_near_given_angle(middle, xy) if unit is None else xy[0] / unit
     by_angle = np.argsort(phi)
     nodes, phi = nodes[by_angle], phi[by_angle]
     position = np.empty(basis.N, dtype=np.int64)
@@ -189,27 +207,29 @@ def make_contact_line(
     return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces, edge=edge)
 
 
-def drum_directions(sign: int) -> Directions:
+def function_for_drum_normals_and_tangents(sign: int) -> Directions:
     """The function that gives unit normals, sign e_r, and unit tangents, e_phi, of a drum about O.
 
     `sign` is 1 for shoes inside the drum, and -1 for shoes outside.
     """
 
-    def directions(x: Floats) -> tuple[Floats, Floats]:
+    def drum_normals_and_tangents(x: Floats) -> tuple[Floats, Floats]:
         """Unit normals and unit tangents (2, ...) of the drum at points x (2, ...)."""
         r = np.hypot(*x)
         return sign * x / r, np.array([-x[1], x[0]]) / r
 
-    return directions
+    return drum_normals_and_tangents
 
 
-def plane_directions(x: Floats) -> tuple[Floats, Floats]:
+def plane_normals_and_tangents(x: Floats) -> tuple[Floats, Floats]:
     """The unit normals and tangents (2, ...) of the plane y = 0 under a lining, at points x."""
     ones, zeros = np.ones(x.shape[1:]), np.zeros(x.shape[1:])
     return np.array([zeros, -ones]), np.array([ones, zeros])
 
 
-def couple_with_counterface(line: ContactLine, width: float, directions: Directions) -> Coupling:
+def weak_coupling_of_contact_line(
+    line: ContactLine, width: float, directions: Directions
+) -> Coupling:
     """The weak coupling of a lining with the drum or the plane.
 
     Parameters
@@ -220,7 +240,7 @@ def couple_with_counterface(line: ContactLine, width: float, directions: Directi
     """
     n, m = len(line.nodes), line.pieces.shape[1]
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces])
-    r = np.ones(ds.shape) if directions is plane_directions else np.hypot(*x)
+    r = np.ones(ds.shape) if directions is plane_normals_and_tangents else np.hypot(*x)
     weight = width * ds
 
     # The five rows belong to M, to the two components of N and to the two components of T. Each row
@@ -229,14 +249,16 @@ def couple_with_counterface(line: ContactLine, width: float, directions: Directi
     products = (psi[:, None] * psi).reshape(len(psi) ** 2, -1)
     blocks = (factors @ products.T).reshape(len(factors), -1)
     at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()
-    M, *parts = (_sum_by_position(at, block, n * n).reshape(n, n) for block in blocks)
+    M, *parts = (
+        _sum_values_with_equal_position(at, block, n * n).reshape(n, n) for block in blocks
+    )
     # The x and y components of N, and those of T, are interleaved for each node.
     N = np.array(parts[:2]).transpose(1, 2, 0).reshape(n, 2 * n)
     T = np.array(parts[2:]).transpose(1, 2, 0).reshape(n, 2 * n)
-    lever = _sum_by_position(line.pieces.T.ravel(), (weight * r) @ psi.T, n)
+    lever = _sum_values_with_equal_position(line.pieces.T.ravel(), (weight * r) @ psi.T, n)
     return Coupling(M, N, T, lever)
 
 
-def _sum_by_position(at: Ints, values: Floats, count: int) -> Floats:
+def _sum_values_with_equal_position(at: Ints, values: Floats, count: int) -> Floats:
     """Sums (count,) of `values` over all entries that have the same position `at`."""
     return np.bincount(at, values.ravel(), count).astype(float, copy=False)

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, in_turn
+from drumlin.base.arrays import Floats, slices_of_consecutive_parts
 
 ACTUATION = "actuation"
 """Name of the unit loads of a shoe's actuation force on its body: force x, force y and couple."""
@@ -29,22 +29,24 @@ class LoadColumns:
     sizes: tuple[tuple[str, int], ...] = ()
 
     @classmethod
-    def of(cls, loads: Mapping[str, Floats]) -> "LoadColumns":
+    def load_columns_of_named_loads(cls, loads: Mapping[str, Floats]) -> "LoadColumns":
         """Make the load columns of unit loads (unknowns, k), given by name, with k columns each."""
         return cls(tuple((name, forces.shape[1]) for name, forces in loads.items()))
 
     @cached_property
-    def slices(self) -> dict[str, slice]:
+    def column_slice_of_each_load(self) -> dict[str, slice]:
         """The slice of all load columns that belongs to each load, by the load's name."""
         names = [name for name, _ in self.sizes]
-        return dict(zip(names, in_turn(size for _, size in self.sizes), strict=True))
+        return dict(
+            zip(names, slices_of_consecutive_parts(size for _, size in self.sizes), strict=True)
+        )
 
     @property
-    def count(self) -> int:
+    def number_of_load_columns(self) -> int:
         """Number of columns of all unit loads of the body together."""
         return sum(size for _, size in self.sizes)
 
-    def factors(self, acting: Mapping[str, Floats]) -> Floats:
+    def factors_of_all_load_columns(self, acting: Mapping[str, Floats]) -> Floats:
         """Factors (l,) of all load columns, zero for loads that do not act.
 
         Parameters
@@ -56,16 +58,16 @@ class LoadColumns:
         KeyError
             for an unknown name
         """
-        factors = np.zeros(self.count)
+        factors = np.zeros(self.number_of_load_columns)
         for name, own in acting.items():
-            factors[self.slices[name]] = own
+            factors[self.column_slice_of_each_load[name]] = own
         return factors
 
-    def factors_of(self, name: str, factors: Floats) -> Floats:
+    def factors_of_load_with_name(self, name: str, factors: Floats) -> Floats:
         """The factors (k, ...) of load `name`, selected from the factors (l, ...) of all loads."""
-        return factors[self.slices[name]]
+        return factors[self.column_slice_of_each_load[name]]
 
 
-def stack_loads(loads: Mapping[str, Floats], unknowns: int) -> Floats:
+def stack_load_columns(loads: Mapping[str, Floats], unknowns: int) -> Floats:
     """The columns (unknowns, l) of all loads side by side, in the order of the loads."""
     return np.concatenate([np.zeros((unknowns, 0)), *loads.values()], axis=1)

@@ -22,29 +22,34 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Ring, Section
-from drumlin.fem.mesh.edges import nodes_along_edges
+from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.grading import (
     EDGE_SIZE,
     element_ends_along_lining,
-    number_of_lining_layers,
+    number_of_element_layers_in_lining,
     points_graded_to_both_ends,
 )
 from drumlin.fem.substructure.body import (
     FRAME,
     CondensedBody,
-    body_constraints,
-    condense_body,
-    rigid_body_modes,
-    scalar_basis,
-    stiffness,
+    condense_body_to_contact_and_frame,
+    multi_point_constraints_of_body,
+    rigid_body_displacements_of_nodes,
+    scalar_finite_element_basis_of_mesh,
+    sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_ring
 from drumlin.fem.substructure.interface import (
     ContactLine,
     edge_quadrature_points,
-    make_contact_line,
+    make_contact_line_of_lining,
 )
-from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
+from drumlin.response.resultants import (
+    GAUSS,
+    WEIGHTS,
+    lagrange_shape_function_derivatives,
+    lagrange_shape_function_values,
+)
 
 RIM = "rim"
 """Name of the unit loads on the far edge of a free ring, which balance the forces of linings."""
@@ -79,7 +84,7 @@ class RingSubstructure:
     held: Ints
     rim_balance: "RimBalance | None"
 
-    def displacement(self, pressures: list[Floats], drag: float) -> Floats:
+    def displacement_of_ring_nodes(self, pressures: list[Floats], drag: float) -> Floats:
         """Displacement (2, nodes) [m] of all nodes of the ring under the pressures of the linings.
 
         Parameters
@@ -92,11 +97,17 @@ class RingSubstructure:
             nodal += N.T @ p - drag * (T.T @ p)
         frame = np.zeros(FRAME)
         if self.rim_balance is None:
-            return self.condensed.displacement(nodal, frame, self.condensed.columns.factors({}))
-        on_rim = self.condensed.columns.factors({RIM: -self.rim_balance.factors @ nodal})
-        u = self.condensed.displacement(nodal, frame, on_rim)
+            return self.condensed.nodal_displacements_in_one_case(
+                nodal, frame, self.condensed.columns.factors_of_all_load_columns({})
+            )
+        on_rim = self.condensed.columns.factors_of_all_load_columns(
+            {RIM: -self.rim_balance.factors @ nodal}
+        )
+        u = self.condensed.nodal_displacements_in_one_case(nodal, frame, on_rim)
         # A rigid-body motion is subtracted, so that the mean motion of the ring's far edge is zero.
-        modes_by_node = rigid_body_modes(self.basis.doflocs, np.zeros(2)).reshape(-1, 2, FRAME)
+        modes_by_node = rigid_body_displacements_of_nodes(self.basis.doflocs, np.zeros(2)).reshape(
+            -1, 2, FRAME
+        )
         modes = np.ascontiguousarray(modes_by_node.transpose(2, 1, 0))
         mean_of_modes = np.einsum("kci,cil->kl", modes, self.rim_balance.forces)
         mean = np.einsum("ci,cil->l", u, self.rim_balance.forces)
@@ -104,7 +115,7 @@ class RingSubstructure:
         return np.asarray(u - np.einsum("k,kci->ci", rigid_motion, modes))
 
 
-def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
+def mesh_of_drum_ring(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
     """Quadratic quadrilateral mesh of the whole ring, finer where linings end.
 
     The boundary "contact" is the friction surface of the ring, and "support" the far edge opposite
@@ -117,14 +128,20 @@ def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: i
     shoes : shoes whose linings press the ring
     elements : number of elements along each lining
     """
-    angles = _ring_angles(radius, shoes, elements)
+    angles = _angles_where_ring_elements_meet(radius, shoes, elements)
     depths = points_graded_to_both_ends(
-        0, ring.thickness, number_of_lining_layers(elements), ring.thickness / 2, EDGE_SIZE
+        0,
+        ring.thickness,
+        number_of_element_layers_in_lining(elements),
+        ring.thickness / 2,
+        EDGE_SIZE,
     )
-    return quadratic_ring_mesh(angles, depths, radius, shoes[0].sign, "drum")
+    return quadratic_mesh_of_closed_ring(angles, depths, radius, shoes[0].sign, "drum")
 
 
-def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Floats:
+def _angles_where_ring_elements_meet(
+    radius: float, shoes: tuple[Shoe, ...], elements: int
+) -> Floats:
     """Angles [rad] at which elements of a ring meet, equally spaced between linings.
 
     Parameters
@@ -153,7 +170,9 @@ def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Float
     return np.concatenate(filled)
 
 
-def quadratic_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: str) -> Any:
+def quadratic_mesh_of_closed_ring(
+    angles: Floats, depths: Floats, radius: float, sign: int, name: str
+) -> Any:
     """Quadratic quadrilateral mesh of a closed ring from `radius` to radius + sign depth [m].
 
     The boundary "contact" is the circle at depth 0, and "support" the circle at the largest depth.
@@ -196,7 +215,7 @@ def quadratic_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int
     )
 
 
-def condensed_ring_on_mesh(
+def condense_ring_on_mesh(
     brake: Brake, elements: int, linings: tuple[ContactLine, ...]
 ) -> RingSubstructure:
     """The ring of a brake on a mesh, condensed to its nodes under the linings.
@@ -207,32 +226,36 @@ def condensed_ring_on_mesh(
     elements : number of elements along each lining
     linings : contact line of each lining, in its shoe's frame
     """
-    # Every brake that `scene.reason_why_not_modelled` lets pass has a section here.
+    # Every brake that `scene.reason_why_brake_is_not_modelled` lets pass has a section here.
     ring = brake.ring
     assert ring is not None and ring.section is not None
-    mesh = ring_mesh(ring.section, brake.size, brake.shoes, elements)
-    basis = scalar_basis(mesh)
+    mesh = mesh_of_drum_ring(ring.section, brake.size, brake.shoes, elements)
+    basis = scalar_finite_element_basis_of_mesh(mesh)
     K = ring_stiffness(basis, ring)
     arcs = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
         angles = shoe.frame.theta(lining.phi)
         arcs.append((float(angles.min()), float(angles.max())))
     # Only nodes under the linings are contact nodes; the rest of the surface is condensed.
-    under = _facets_under_arcs(mesh, arcs)
-    line = make_contact_line(basis, under, math.pi)
+    under = _ring_facets_under_arcs(mesh, arcs)
+    line = make_contact_line_of_lining(basis, under, math.pi)
     n = 2 * len(line.nodes)
     far_edge = basis.get_dofs(mesh.boundaries["support"]).flatten()
-    held = nodes_held(ring, far_edge)
+    held = fixed_nodes_of_ring(ring, far_edge)
     if ring.support != "free":
-        constraints = body_constraints(basis, line.nodes, held, np.zeros(2))
-        condensed = condense_body(K, constraints, {}, n)
+        constraints = multi_point_constraints_of_body(basis, line.nodes, held, np.zeros(2))
+        condensed = condense_body_to_contact_and_frame(K, constraints, {}, n)
         rim_balance = None
     else:
-        determinate = statically_determinate_unknowns(basis, far_edge)
-        constraints = body_constraints(basis, line.nodes, held, np.zeros(2), determinate)
-        rim = rim_forces_like_rigid_modes(basis, mesh.boundaries["support"])
-        condensed = condense_body(K, constraints, {RIM: constraints.matrix.T @ rim}, n)
-        rim_balance = RimBalance.of(basis, rim, condensed, line)
+        determinate = unknowns_of_statically_determinate_support(basis, far_edge)
+        constraints = multi_point_constraints_of_body(
+            basis, line.nodes, held, np.zeros(2), determinate
+        )
+        rim = rim_forces_distributed_like_rigid_modes(basis, mesh.boundaries["support"])
+        condensed = condense_body_to_contact_and_frame(
+            K, constraints, {RIM: constraints.matrix.T @ rim}, n
+        )
+        rim_balance = RimBalance.force_balance_of_free_ring(basis, rim, condensed, line)
     return couple_ring_with_linings(brake, linings, mesh, basis, line, condensed, held, rim_balance)
 
 
@@ -249,10 +272,10 @@ def ring_stiffness(basis: Any, ring: Ring, *, precise: bool = False) -> Any:
     precise : whether to compute in long double
     """
     assert ring.section is not None
-    return stiffness(basis, elastic_layers_of_ring(ring.section), precise=precise)
+    return sparse_stiffness_of_body(basis, elastic_layers_of_ring(ring.section), precise=precise)
 
 
-def nodes_held(ring: Ring, far_edge: Ints) -> Ints:
+def fixed_nodes_of_ring(ring: Ring, far_edge: Ints) -> Ints:
     """The nodes of a ring that stand still: all of the far edge if it is fixed, otherwise none."""
     return far_edge if ring.support == "fixed" else far_edge[:0]
 
@@ -277,18 +300,20 @@ def couple_ring_with_linings(
     """
     matrices = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
-        in_brake = replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T)
-        matrices.append(ring_coupling_matrices(in_brake, line, shoe.lining.width, shoe.sign))
+        in_brake = replace(lining, xy=shoe.frame.convert_to_brake_frame(lining.xy.T).T)
+        matrices.append(
+            coupling_matrices_of_lining_and_ring(in_brake, line, shoe.lining.width, shoe.sign)
+        )
     return RingSubstructure(
         mesh,
         basis,
         line,
         condensed,
         normal_half_flexibilities=tuple(
-            _ring_half_flexibility(condensed, N.T, rim_balance) for N, _ in matrices
+            _square_root_of_work_of_ring_forces(condensed, N.T, rim_balance) for N, _ in matrices
         ),
         friction_half_flexibilities=tuple(
-            _ring_half_flexibility(condensed, -T.T, rim_balance) for _, T in matrices
+            _square_root_of_work_of_ring_forces(condensed, -T.T, rim_balance) for _, T in matrices
         ),
         coupling_matrices=tuple(matrices),
         held=held,
@@ -296,27 +321,27 @@ def couple_ring_with_linings(
     )
 
 
-def _facets_under_arcs(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
+def _ring_facets_under_arcs(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
     """Facets of the ring's friction surface that lie at least partly under any arc [rad]."""
     facets = mesh.boundaries["contact"]
     x, y = mesh.p[:, mesh.facets[:, facets]]
     first, second = np.arctan2(y, x)
-    half_facet = 0.5 * np.abs(_wrap_to_half_turn(second - first))
+    half_facet = 0.5 * np.abs(_angle_wrapped_to_half_turn(second - first))
     middle = np.arctan2(y.sum(axis=0), x.sum(axis=0))
     under = np.zeros(len(facets), dtype=bool)
     for start, end in arcs:
-        away = np.abs(_wrap_to_half_turn(middle - 0.5 * (start + end)))
+        away = np.abs(_angle_wrapped_to_half_turn(middle - 0.5 * (start + end)))
         half_arc = 0.5 * (end - start)
         under |= away < half_arc + half_facet * (1 - 1e-9)
     return facets[under]
 
 
-def _wrap_to_half_turn(angle: Floats) -> Floats:
+def _angle_wrapped_to_half_turn(angle: Floats) -> Floats:
     """The angles [rad] moved by whole turns to the interval from -pi to pi."""
     return np.asarray((angle + math.pi) % (2 * math.pi) - math.pi)
 
 
-def ring_coupling_matrices(
+def coupling_matrices_of_lining_and_ring(
     lining: ContactLine, ring: ContactLine, width: float, sign: int
 ) -> tuple[Floats, Floats]:
     """The coupling matrices N and T (n, 2 n_ring) [m^2] of a lining's pressure with the ring.
@@ -331,8 +356,8 @@ def ring_coupling_matrices(
     width : width of the lining [m]
     sign : 1 where the lining presses outwards, -1 where it presses inwards
     """
-    own, other = _edge_arcs(lining), _edge_arcs(ring)
-    overlaps = _edge_overlaps(own, other)
+    own, other = _edges_with_angles_of_their_ends(lining), _edges_with_angles_of_their_ends(ring)
+    overlaps = _overlaps_of_lining_and_ring_edges(own, other)
     own_nodes = own.pieces[:, overlaps.lining]
     ring_nodes = other.pieces[:, overlaps.ring]
     own_xy, ring_xy = lining.xy[:, own_nodes], ring.xy[:, ring_nodes]
@@ -341,12 +366,18 @@ def ring_coupling_matrices(
     # that on the ring's edge.
     length = (overlaps.end - overlaps.start)[:, None]
     angle = overlaps.start[:, None] + 0.5 * length * (1 + GAUSS)
-    xi = _edge_coordinates_on_rays(own_xy, angle)
-    eta = _edge_coordinates_on_rays(ring_xy, angle)
-    psi = shape(lining.order, xi.ravel()).reshape(-1, *xi.shape)
-    phi = shape(ring.order, eta.ravel()).reshape(-1, *eta.shape)
+    xi = _edge_coordinates_where_rays_cross(own_xy, angle)
+    eta = _edge_coordinates_where_rays_cross(ring_xy, angle)
+    psi = lagrange_shape_function_values(lining.interpolation_degree, xi.ravel()).reshape(
+        -1, *xi.shape
+    )
+    phi = lagrange_shape_function_values(ring.interpolation_degree, eta.ravel()).reshape(
+        -1, *eta.shape
+    )
     x = np.einsum("cki,kiq->ciq", own_xy, psi)
-    dx = np.einsum("cki,kiq->ciq", own_xy, slopes(lining.order, xi))
+    dx = np.einsum(
+        "cki,kiq->ciq", own_xy, lagrange_shape_function_derivatives(lining.interpolation_degree, xi)
+    )
     r = np.hypot(*x)
     angle_per_xi = np.abs(x[0] * dx[1] - x[1] * dx[0]) / r**2
     ds = np.hypot(*dx) / angle_per_xi * 0.5 * length * WEIGHTS * width
@@ -354,7 +385,7 @@ def ring_coupling_matrices(
     # The friction moves from the lining's arc to the ring's arc, by the vector `arm`. The couple of
     # this motion acts on the slopes of the ring's shape functions.
     r_ring = np.hypot(*np.einsum("cki,kiq->ciq", ring_xy, phi))
-    ring_slopes = slopes(ring.order, eta)
+    ring_slopes = lagrange_shape_function_derivatives(ring.interpolation_degree, eta)
     tau = np.einsum("cki,kiq->ciq", ring_xy, ring_slopes)
     tangent_length = np.hypot(*tau)
     arm = np.array([-tau[1], tau[0]]) / tangent_length * (r - r_ring)
@@ -383,7 +414,7 @@ class _Overlaps(NamedTuple):
     end: Floats
 
 
-def _edge_overlaps(lining: "_EdgeArcs", ring: "_EdgeArcs") -> _Overlaps:
+def _overlaps_of_lining_and_ring_edges(lining: "_EdgeArcs", ring: "_EdgeArcs") -> _Overlaps:
     """The overlaps of a lining's edges with the ring's edges; angles may differ by whole turns."""
     turns = np.subtract.outer(lining.start + lining.end, ring.start + ring.end)
     whole_turns = 2 * math.pi * np.round(0.5 * turns / (2 * math.pi))
@@ -406,7 +437,7 @@ class _EdgeArcs(NamedTuple):
     end: Floats
 
 
-def _edge_arcs(line: ContactLine) -> _EdgeArcs:
+def _edges_with_angles_of_their_ends(line: ContactLine) -> _EdgeArcs:
     """The nodes of each edge of a contact line by growing angle, and the angles of its two ends."""
     z = line.xy[0] + 1j * line.xy[1]
     first, last = z[line.pieces[0]], z[line.pieces[-1]]
@@ -416,7 +447,7 @@ def _edge_arcs(line: ContactLine) -> _EdgeArcs:
     return _EdgeArcs(pieces, start, start + np.abs(turn))
 
 
-def _edge_coordinates_on_rays(xy: Floats, angle: Floats) -> Floats:
+def _edge_coordinates_where_rays_cross(xy: Floats, angle: Floats) -> Floats:
     """Local coordinates xi (m, points) in [-1, 1] where edges cross rays from the drum's centre.
 
     `xy` (2, k, m) are the nodes of the edges, and `angle` (m, points) the angles of the rays [rad].
@@ -428,19 +459,21 @@ def _edge_coordinates_on_rays(xy: Floats, angle: Floats) -> Floats:
     xi = (side[0] + side[-1]) / (side[0] - side[-1])
     # Newton's iteration starts where the chord crosses the ray, which is exact on straight edges.
     for _ in range(8 if order > 1 else 0):
-        functions = shape(order, xi.ravel()).reshape(-1, *xi.shape)
+        functions = lagrange_shape_function_values(order, xi.ravel()).reshape(-1, *xi.shape)
         value = np.einsum("kiq,kiq->iq", functions, side)
-        xi = xi - value / np.einsum("kiq,kiq->iq", slopes(order, xi), side)
+        xi = xi - value / np.einsum(
+            "kiq,kiq->iq", lagrange_shape_function_derivatives(order, xi), side
+        )
     return np.clip(xi, -1.0, 1.0)
 
 
-def rim_forces_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
+def rim_forces_distributed_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
     """Nodal forces (2 nodes, 3) on a ring's far edge, distributed like its rigid-body modes.
 
     The work of these forces on a displacement is the mean rigid-body motion of the edge. `facets`
     are the facets of the far edge.
     """
-    nodes = nodes_along_edges(basis, facets)
+    nodes = nodes_along_element_edges(basis, facets)
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
     weight = ds / ds.sum()
     modes = np.array([[np.ones_like(ds), 0 * ds], [0 * ds, np.ones_like(ds)], [-x[1], x[0]]])
@@ -449,7 +482,7 @@ def rim_forces_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
     return loads.reshape(-1, FRAME)
 
 
-def statically_determinate_unknowns(basis: Any, support: Ints) -> Ints:
+def unknowns_of_statically_determinate_support(basis: Any, support: Ints) -> Ints:
     """Three displacements (3,) of far-edge nodes that hold a free ring against rigid-body motion.
 
     The result has the numbers of the unknowns. The support is statically determinate: it takes no
@@ -486,7 +519,7 @@ class RimBalance:
     root_of_work: Floats
 
     @classmethod
-    def of(
+    def force_balance_of_free_ring(
         cls, basis: Any, rim: Floats, condensed: CondensedBody, line: ContactLine
     ) -> "RimBalance":
         """The rim balance of a ring that is condensed with the rim forces B as its loads.
@@ -498,7 +531,7 @@ class RimBalance:
         condensed : the condensed ring
         line : contact line of the ring
         """
-        modes = rigid_body_modes(basis.doflocs, np.zeros(2))
+        modes = rigid_body_displacements_of_nodes(basis.doflocs, np.zeros(2))
         on_contact = modes.reshape(-1, 2, FRAME)[line.nodes].reshape(-1, FRAME).T
         factors = np.linalg.solve(modes.T @ rim, on_contact)
         # The import of scipy.linalg takes time, and brakes with a rigid drum do without it.
@@ -507,12 +540,12 @@ class RimBalance:
         return cls(
             forces=rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
             factors=np.asarray(factors),
-            half_flexibility=condensed.half_flexibility(condensed.load_on_contact),
+            half_flexibility=condensed.nodal_forces_over_cholesky_factor(condensed.load_on_contact),
             root_of_work=sqrtm(condensed.load_work).real,
         )
 
 
-def _ring_half_flexibility(
+def _square_root_of_work_of_ring_forces(
     condensed: CondensedBody, forces: Floats, rim_balance: RimBalance | None
 ) -> Floats:
     """The half flexibility W (m, k) of a drum ring under nodal forces on its contact nodes.
@@ -525,7 +558,7 @@ def _ring_half_flexibility(
     forces : (2n, k) nodal forces
     rim_balance : balance of a free ring; None where the far edge is fixed
     """
-    Y = condensed.half_flexibility(forces)
+    Y = condensed.nodal_forces_over_cholesky_factor(forces)
     if rim_balance is None:
         return Y
     rim_factors = rim_balance.factors @ forces

@@ -17,11 +17,15 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.fem.hp.arc import nodal_functions
+from drumlin.fem.hp.arc import nodal_functions_along_element_column
 from drumlin.fem.hp.columns import ColumnSubstructure
-from drumlin.fem.hp.element import schur_complements
+from drumlin.fem.hp.element import replace_each_by_schur_complement
 from drumlin.fem.width.functions import WidthFunctions, WidthIntegrals
-from drumlin.fem.width.integrals import SYMMETRIES, SectionIntegrals, fold_z
+from drumlin.fem.width.integrals import (
+    SYMMETRIES,
+    SectionIntegrals,
+    symmetry_matrix_of_forces_along_z,
+)
 
 
 class BackEdge(IntEnum):
@@ -63,28 +67,31 @@ class AlongRow(NamedTuple):
     right: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
 
     @property
-    def contact(self) -> tuple[int, ...]:
+    def contact_unknowns_along_row(self) -> tuple[int, ...]:
         """Numbers of all displacements in the section, in the order of the contact's unknowns."""
         return tuple(sorted((*self.left[0], *self.inside[0], *self.right[0])))
 
 
-def whole_row(p: int) -> AlongRow:
+def unknowns_along_whole_row(p: int) -> AlongRow:
     """The unknowns along a row of p + 1 nodes of a column, x and y of a node together."""
     inside = tuple(range(2, 2 * p)), tuple(range(1, p))
     return AlongRow(((0, 1), (0,)), inside, ((2 * p, 2 * p + 1), (p,)))
 
 
-def half_row(p: int, symmetry: int) -> AlongRow:
+def unknowns_along_half_row(p: int, symmetry: int) -> AlongRow:
     """The unknowns along a row of p + 1 nodes for displacements of one symmetry.
 
     `symmetry` is 0 for displacements that are symmetric about the column's middle, and 1 for
     antisymmetric ones.
     """
-    inside = tuple(range(2, p + 1)), tuple(range(1, len(fold_z(p, symmetry))))
+    inside = (
+        tuple(range(2, p + 1)),
+        tuple(range(1, len(symmetry_matrix_of_forces_along_z(p, symmetry)))),
+    )
     return AlongRow(((0, 1), (0,)), inside)
 
 
-class Stack(NamedTuple):
+class ColumnLayers(NamedTuple):
     """The layers of a column of elements, which determine the column's unknowns.
 
     Attributes
@@ -104,7 +111,7 @@ class Stack(NamedTuple):
     contact: bool
     back: BackEdge
 
-    def functions(self, row: int) -> tuple[int, int]:
+    def function_counts_of_node_row(self, row: int) -> tuple[int, int]:
         """Numbers of even and of odd functions across the width at a row of nodes."""
         layers = len(self.counts)
         if row == layers * self.p and self.back != BackEdge.FREE:
@@ -113,47 +120,53 @@ class Stack(NamedTuple):
         near = {(row - 1) // self.p, row // self.p} if row else {0}
         return max(self.counts[layer] for layer in near if layer < layers)
 
-    def unknowns_of_row(self, row: int) -> list[tuple[int, int]]:
+    def kind_and_function_of_row_unknowns(self, row: int) -> list[tuple[int, int]]:
         """The kind and the function of each displacement of a row, those of wide parts first.
 
         The kind is 1 for displacements along z and 0 for displacements in the section.
         """
-        even, odd = self.functions(row)
+        even, odd = self.function_counts_of_node_row(row)
         found = []
         for piece in range(max((*self.even, *self.odd)), -1, -1):
             found += [(0, f) for f in range(even) if self.even[f] == piece]
             found += [(1, f) for f in range(odd) if self.odd[f] == piece]
         return found
 
-    def row_of(
+    def row_unknowns_without_contact(
         self, row: int, along: tuple[tuple[int, ...], tuple[int, ...]]
     ) -> list[WidthUnknown]:
         """The unknowns of a row of nodes with the numbers `along` it without those of contact."""
         found = []
-        for z, function in self.unknowns_of_row(row):
+        for z, function in self.kind_and_function_of_row_unknowns(row):
             if not (self.contact and row == 0 and z == 0):
                 found += [WidthUnknown(z, a, row, function) for a in along[z]]
         return found
 
-    def line(self, along: tuple[tuple[int, ...], tuple[int, ...]]) -> list[WidthUnknown]:
+    def unknowns_of_side_line(
+        self, along: tuple[tuple[int, ...], tuple[int, ...]]
+    ) -> list[WidthUnknown]:
         """The unknowns of the left or the right line of a column, from the contact inwards.
 
         `along` are the numbers of this side in each row.
         """
         rows = range(len(self.counts) * self.p + 1)
-        return [unknown for row in rows for unknown in self.row_of(row, along)]
+        return [
+            unknown for row in rows for unknown in self.row_unknowns_without_contact(row, along)
+        ]
 
-    def on_contact(self, along: AlongRow) -> list[WidthUnknown]:
+    def unknowns_of_contact_nodes(self, along: AlongRow) -> list[WidthUnknown]:
         """The unknowns of the contact, by their number along the row and then by function."""
         if not self.contact:
             return []
         functions = range(self.counts[0][0])
-        return [WidthUnknown(0, a, 0, f) for a in along.contact for f in functions]
+        return [
+            WidthUnknown(0, a, 0, f) for a in along.contact_unknowns_along_row for f in functions
+        ]
 
 
-def stack_of(
+def column_layers_of_shoe(
     functions: WidthFunctions, halves: Sequence[float], p: int, *, contact: bool, back: BackEdge
-) -> Stack:
+) -> ColumnLayers:
     """The stack of given layers of a shoe with functions across its width.
 
     Parameters
@@ -164,17 +177,17 @@ def stack_of(
     contact : whether the outermost edge is in contact
     back : how the innermost edge moves
     """
-    return Stack(
+    return ColumnLayers(
         p,
-        tuple(functions.counts(half) for half in halves),
-        tuple(function.piece for function in functions.even),
-        tuple(function.piece for function in functions.odd),
+        tuple(functions.numbers_of_even_and_odd_functions(half) for half in halves),
+        tuple(function.piece for function in functions.even_functions),
+        tuple(function.piece for function in functions.odd_functions),
         contact,
         back,
     )
 
 
-Run = tuple[slice, slice]
+UnknownRun = tuple[slice, slice]
 """Two slices of the same unknowns: in the stiffness of a condensed element, and of its column."""
 
 
@@ -183,23 +196,24 @@ class LayerPlan(NamedTuple):
 
     Attributes
     ----------
-    outer, mixed, inner : positions, in the values of `_element_values`, of three blocks of an
-        element's stiffness: boundary unknowns, inner by boundary unknowns, and inner unknowns
+    outer, mixed, inner : positions, in the values of `_stiffness_entries_of_elements`, of three
+        blocks of an element's stiffness: boundary unknowns, inner by boundary unknowns, and inner
+        unknowns
     kept, rest : runs of boundary unknowns that the column keeps, and of those that it eliminates
     """
 
     outer: Ints
     mixed: Ints
     inner: Ints
-    kept: tuple[Run, ...]
-    rest: tuple[Run, ...]
+    kept: tuple[UnknownRun, ...]
+    rest: tuple[UnknownRun, ...]
 
 
 class ColumnPlan(NamedTuple):
     """How a column is condensed: the plan of each layer, and numbers of unknowns.
 
-    `kept` and `rest` are the numbers of kept and of eliminated unknowns, and `line` that of a side
-    line.
+    `kept` and `rest` are the numbers of kept and of eliminated unknowns, and
+    `unknowns_of_side_line` that of a side line.
     """
 
     layers: tuple[LayerPlan, ...]
@@ -209,47 +223,57 @@ class ColumnPlan(NamedTuple):
 
 
 @cache
-def column_plan(stack: Stack, along: AlongRow) -> ColumnPlan:
+def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnPlan:
     """The plan that condenses columns of a stack of layers.
 
     `along` are the unknowns along each row of nodes.
     """
     p, last = stack.p, len(stack.counts)
-    left, right = stack.line(along.left), stack.line(along.right)
-    stays = [*left, *stack.on_contact(along), *right]
+    left, right = stack.unknowns_of_side_line(along.left), stack.unknowns_of_side_line(along.right)
+    stays = [*left, *stack.unknowns_of_contact_nodes(along), *right]
     # The column keeps its two lines and its contact. It eliminates the inner nodes on the edges of
     # its layers.
-    edges = [stack.row_of(k * p, along.inside) for k in range(last + 1)]
+    edges = [stack.row_unknowns_without_contact(k * p, along.inside) for k in range(last + 1)]
     goes = [unknown for edge in edges for unknown in edge]
     kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (stays, goes))
     layers = []
     for k, counts in enumerate(stack.counts):
         rows = range(k * p, (k + 1) * p + 1)
-        mine = [u for u in (*stays, *edges[k], *edges[k + 1]) if _in_layer(u, rows, counts)]
+        mine = [
+            u for u in (*stays, *edges[k], *edges[k + 1]) if _is_unknown_of_layer(u, rows, counts)
+        ]
         # The unknowns inside an element are eliminated before the element is added to its column.
         within = []
         for row in rows[1:-1]:
-            own = [u for u in stack.row_of(row, along.inside) if _in_layer(u, rows, counts)]
+            own = [
+                u
+                for u in stack.row_unknowns_without_contact(row, along.inside)
+                if _is_unknown_of_layer(u, rows, counts)
+            ]
             within += own
-        place = partial(_positions, along=along, counts=counts, p=p, first=k * p)
+        place = partial(
+            _positions_in_element_stiffness, along=along, counts=counts, p=p, first=k * p
+        )
         layers.append(
             LayerPlan(
                 outer=place(mine, mine),
                 mixed=place(within, mine),
                 inner=place(within, within),
-                kept=_runs(mine, kept),
-                rest=_runs(mine, rest),
+                kept=_runs_of_consecutive_unknowns(mine, kept),
+                rest=_runs_of_consecutive_unknowns(mine, rest),
             )
         )
     return ColumnPlan(tuple(layers), len(stays), len(goes), len(left))
 
 
-def _in_layer(unknown: WidthUnknown, rows: range, counts: tuple[int, int]) -> bool:
+def _is_unknown_of_layer(unknown: WidthUnknown, rows: range, counts: tuple[int, int]) -> bool:
     """Whether an unknown belongs to the elements of a layer with these rows and function counts."""
     return unknown.row in rows and unknown.function < counts[unknown.z]
 
 
-def _runs(mine: list[WidthUnknown], numbers: dict[WidthUnknown, int]) -> tuple[Run, ...]:
+def _runs_of_consecutive_unknowns(
+    mine: list[WidthUnknown], numbers: dict[WidthUnknown, int]
+) -> tuple[UnknownRun, ...]:
     """The runs of unknowns that follow one another both in `mine` and by their `numbers`.
 
     A run is a slice in `mine` and a slice of numbers; unknowns without a number are left out.
@@ -266,7 +290,7 @@ def _runs(mine: list[WidthUnknown], numbers: dict[WidthUnknown, int]) -> tuple[R
     return tuple((slice(a, b), slice(c, d)) for a, b, c, d in found)
 
 
-def _positions(
+def _positions_in_element_stiffness(
     rows: list[WidthUnknown],
     columns: list[WidthUnknown],
     along: AlongRow,
@@ -274,7 +298,7 @@ def _positions(
     p: int,
     first: int,
 ) -> Ints:
-    """Positions (rows, columns) of a block of an element's stiffness in the `_element_values`.
+    """Positions (rows, columns) of a block of an element's stiffness among the flat entries.
 
     Parameters
     ----------
@@ -305,7 +329,7 @@ def _positions(
     return np.ascontiguousarray(start + number)
 
 
-def _element_values(section: SectionIntegrals, width: WidthIntegrals) -> Floats:
+def _stiffness_entries_of_elements(section: SectionIntegrals, width: WidthIntegrals) -> Floats:
     """The entries of the stiffness of elements, in one row (c, values) for each element.
 
     The entries of u_x and u_y by themselves come first, then those by u_z, then those of u_z by
@@ -318,14 +342,20 @@ def _element_values(section: SectionIntegrals, width: WidthIntegrals) -> Floats:
     """
     count = len(section.plane)
     parts = [
-        _spread([section.plane, section.shear], [width.even, width.even_slopes]),
-        _spread([section.coupled, section.sheared], [width.even_odd_slopes, width.even_slopes_odd]),
-        _spread([section.across, section.tilted], [width.odd_slopes, width.odd]),
+        _sum_of_section_times_width_integrals(
+            [section.plane, section.shear], [width.even, width.even_slopes]
+        ),
+        _sum_of_section_times_width_integrals(
+            [section.coupled, section.sheared], [width.even_odd_slopes, width.even_slopes_odd]
+        ),
+        _sum_of_section_times_width_integrals(
+            [section.across, section.tilted], [width.odd_slopes, width.odd]
+        ),
     ]
     return np.concatenate([part.reshape(count, -1) for part in parts], axis=1)
 
 
-def _spread(section: list[Floats], width: list[Floats]) -> Floats:
+def _sum_of_section_times_width_integrals(section: list[Floats], width: list[Floats]) -> Floats:
     """The sum of two products, each of an integral over the section and one over the width."""
     if width[0].size == 0:
         return np.zeros((len(section[0]), 0))
@@ -336,7 +366,7 @@ def _spread(section: list[Floats], width: list[Floats]) -> Floats:
     return found
 
 
-def _condensed(
+def _condensed_stiffness_of_columns(
     parts: Sequence[SectionIntegrals], widths: Sequence[WidthIntegrals], plan: ColumnPlan
 ) -> Floats:
     """The stiffness (c, kept, kept) of columns on the unknowns that their plan keeps.
@@ -353,19 +383,21 @@ def _condensed(
     inner = np.zeros((count, plan.rest, plan.rest))
     for part, width, layer in zip(parts, widths, plan.layers, strict=True):
         # The inner unknowns of each element are eliminated first.
-        values = _element_values(part, width)
+        values = _stiffness_entries_of_elements(part, width)
         own = values.take(layer.outer, axis=1)
         if layer.inner.size:
-            schur_complements(
+            replace_each_by_schur_complement(
                 own, values.take(layer.mixed, axis=1), values.take(layer.inner, axis=1)
             )
-        _add_runs(own, layer.kept, layer.kept, K)
-        _add_runs(own, layer.rest, layer.kept, C)
-        _add_runs(own, layer.rest, layer.rest, inner)
-    return schur_complements(K, C, inner) if plan.rest else K
+        _add_element_blocks_to_columns(own, layer.kept, layer.kept, K)
+        _add_element_blocks_to_columns(own, layer.rest, layer.kept, C)
+        _add_element_blocks_to_columns(own, layer.rest, layer.rest, inner)
+    return replace_each_by_schur_complement(K, C, inner) if plan.rest else K
 
 
-def _add_runs(part: Floats, rows: Sequence[Run], columns: Sequence[Run], target: Floats) -> None:
+def _add_element_blocks_to_columns(
+    part: Floats, rows: Sequence[UnknownRun], columns: Sequence[UnknownRun], target: Floats
+) -> None:
     """Add blocks of element stiffness `part` (c, m, m) to column stiffness `target` (c, n, n)."""
     for own, at in rows:
         for other, to in columns:
@@ -373,8 +405,8 @@ def _add_runs(part: Floats, rows: Sequence[Run], columns: Sequence[Run], target:
             view += part[:, own, other]
 
 
-def whole_columns(
-    parts: Sequence[SectionIntegrals], widths: Sequence[WidthIntegrals], stack: Stack
+def condense_columns_of_any_shape(
+    parts: Sequence[SectionIntegrals], widths: Sequence[WidthIntegrals], stack: ColumnLayers
 ) -> list[ColumnSubstructure]:
     """Condensed columns of elements of any shape, from integrals on the unknowns of all nodes.
 
@@ -384,15 +416,15 @@ def whole_columns(
     widths : integrals over the width of each layer
     stack : the layers of the columns
     """
-    plan = column_plan(stack, whole_row(stack.p))
-    order = _contact_by_nodes(stack, plan, 2)
-    columns = _condensed(parts, widths, plan)
+    plan = condensation_plan_of_column(stack, unknowns_along_whole_row(stack.p))
+    order = _unknown_order_with_contact_by_nodes(stack, plan, 2)
+    columns = _condensed_stiffness_of_columns(parts, widths, plan)
     if len(order):
         columns = columns[:, order[:, None], order]
     return [ColumnSubstructure(K, plan.line, plan.line) for K in columns]
 
 
-def _contact_by_nodes(stack: Stack, plan: ColumnPlan, sides: int) -> Ints:
+def _unknown_order_with_contact_by_nodes(stack: ColumnLayers, plan: ColumnPlan, sides: int) -> Ints:
     """The order (n,) of a column's unknowns that keeps x and y of a contact node together.
 
     The order is empty without contact. `sides` is 2 for a whole column and 1 for a half.
@@ -407,8 +439,10 @@ def _contact_by_nodes(stack: Stack, plan: ColumnPlan, sides: int) -> Ints:
     return np.concatenate([line, plan.line + contact.ravel(), right])
 
 
-def mirrored_columns(
-    parts: Sequence[Sequence[SectionIntegrals]], widths: Sequence[WidthIntegrals], stack: Stack
+def condense_mirror_symmetric_columns(
+    parts: Sequence[Sequence[SectionIntegrals]],
+    widths: Sequence[WidthIntegrals],
+    stack: ColumnLayers,
 ) -> list[ColumnSubstructure]:
     """Condensed columns that are their own mirror images, from integrals of both symmetries.
 
@@ -422,11 +456,19 @@ def mirrored_columns(
     widths : integrals over the width of each layer
     stack : the layers of the columns
     """
-    plans = [column_plan(stack, half_row(stack.p, symmetry)) for symmetry in SYMMETRIES]
-    halves = [_condensed(parts[i], widths, plans[i]) for i in SYMMETRIES]
+    plans = [
+        condensation_plan_of_column(stack, unknowns_along_half_row(stack.p, symmetry))
+        for symmetry in SYMMETRIES
+    ]
+    halves = [_condensed_stiffness_of_columns(parts[i], widths, plans[i]) for i in SYMMETRIES]
     line = plans[0].line
     own = [half[:, :line] for half in halves]
-    mirror = np.array([_mirror(unknown) for unknown in stack.line(half_row(stack.p, 0).left)])
+    mirror = np.array(
+        [
+            _sign_of_mirrored_unknown(unknown)
+            for unknown in stack.unknowns_of_side_line(unknowns_along_half_row(stack.p, 0).left)
+        ]
+    )
     n = 2 * (stack.p + 1) * stack.counts[0][0] if stack.contact else 0
     left, right = slice(line), slice(line + n, None)
     # Displacements of the left line alone are half symmetric and half antisymmetric. So the sum of
@@ -442,11 +484,11 @@ def mirrored_columns(
     np.multiply(whole[:, left, left], mirror, out=right_right)
     right_right *= mirror[:, None]
     if stack.contact:
-        _unfold_contact(halves, stack, mirror, whole)
+        _write_contact_rows_of_mirrored_columns(halves, stack, mirror, whole)
     return [ColumnSubstructure(K, line, line) for K in whole]
 
 
-def _mirror(unknown: WidthUnknown) -> float:
+def _sign_of_mirrored_unknown(unknown: WidthUnknown) -> float:
     """The sign by which a symmetric displacement on the left line is repeated on the right line.
 
     It is -1 for displacements around the drum, and +1 for all others.
@@ -454,7 +496,9 @@ def _mirror(unknown: WidthUnknown) -> float:
     return -1.0 if unknown.z == 0 and unknown.along == 1 else 1.0
 
 
-def _unfold_contact(halves: list[Floats], stack: Stack, mirror: Floats, whole: Floats) -> None:
+def _write_contact_rows_of_mirrored_columns(
+    halves: list[Floats], stack: ColumnLayers, mirror: Floats, whole: Floats
+) -> None:
     """Write the contact's rows and columns of the stiffness of mirrored columns into `whole`.
 
     Parameters
@@ -464,7 +508,7 @@ def _unfold_contact(halves: list[Floats], stack: Stack, mirror: Floats, whole: F
     mirror : (line,) signs of the right line's unknowns in symmetric displacements
     whole : (c, n, n) stiffness of the whole columns, which is changed in place
     """
-    functions, count = nodal_functions(stack.p), stack.counts[0][0]
+    functions, count = nodal_functions_along_element_column(stack.p), stack.counts[0][0]
     line = len(mirror)
     # `place` is the symmetric or antisymmetric unknown to which x or y of a contact node belongs,
     # for each function across the width, with x and y together.
@@ -485,7 +529,9 @@ def _unfold_contact(halves: list[Floats], stack: Stack, mirror: Floats, whole: F
     whole[:, line + len(place) :, middle] = whole[:, middle, line + len(place) :].transpose(0, 2, 1)
 
 
-def restrict_back(piece: ColumnSubstructure, stack: Stack, *, right: bool) -> ColumnSubstructure:
+def column_with_back_held_beside_grip(
+    piece: ColumnSubstructure, stack: ColumnLayers, *, right: bool
+) -> ColumnSubstructure:
     """A column beside a grip, with the innermost nodes of one of its sides free along z only.
 
     Parameters
@@ -495,8 +541,8 @@ def restrict_back(piece: ColumnSubstructure, stack: Stack, *, right: bool) -> Co
     right : whether the grip begins at the right line; otherwise it ends at the left line
     """
     last = len(stack.counts) * stack.p
-    side = half_row(stack.p, 0).left
-    held = [u.row == last and u.z == 0 for u in stack.line(side)]
+    side = unknowns_along_half_row(stack.p, 0).left
+    held = [u.row == last and u.z == 0 for u in stack.unknowns_of_side_line(side)]
     free = np.ones(len(piece.K), dtype=bool)
     place = slice(len(piece.K) - piece.right, None) if right else slice(piece.left)
     free[place] = ~np.array(held)

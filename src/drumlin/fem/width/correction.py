@@ -14,15 +14,28 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.texts import formatted
+from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.width.error import CoarseAnswers, coarse_answers, model_distance
-from drumlin.fem.width.prepare import width_why_not
-from drumlin.response.balance import loaded, shoe_balance, worst
-from drumlin.response.response import ModelError, Response, ShoeResponse, edge_zone
-from drumlin.response.resultants import InnerPart, contact_arcs
+from drumlin.fem.width.error import (
+    CoarseAnswers,
+    coarse_answers,
+    distance_of_plane_stress_from_widths,
+)
+from drumlin.fem.width.prepare import reason_against_width_model
+from drumlin.response.balance import (
+    brake_with_forces_of_response,
+    largest_imbalance_among_shoes,
+    relative_imbalance_of_shoe,
+)
+from drumlin.response.response import (
+    ModelError,
+    Response,
+    ShoeResponse,
+    length_of_edge_zone_without_peak,
+)
+from drumlin.response.resultants import LiningWithoutEndZones, contact_arcs_from_nodal_pressures
 
 REMAINING_SHARE: Mapping[str, float] = {"torque": 0.4, "pressure": 0.8, "reaction": 0.5}
 """Error that remains after the correction for the widths, as a fraction of the correction.
@@ -73,22 +86,24 @@ def correct_for_widths(
         answers = coarse_answers(brake, response, penalty=penalty, cache=cache)
     except NoAnswer as error:
         raise NoAnswer(f"--finite-width: the correction is not known: {error}") from error
-    change = model_distance(brake, *answers)
+    change = distance_of_plane_stress_from_widths(brake, *answers)
     if change.unknown:
         raise NoAnswer(f"--finite-width: the correction is not known: {change.unknown}")
     shoes = []
     for i in range(len(response.shoes)):
         shoes.append(corrected_shoe(brake, i, response.shoes[i], answers))
     corrected = replace(response, shoes=tuple(shoes), plane_stress_error=remaining_error(change))
-    under_forces = loaded(brake, corrected)
-    balance = worst([shoe_balance(under_forces, i, shoe) for i, shoe in enumerate(shoes)])
+    under_forces = brake_with_forces_of_response(brake, corrected)
+    balance = largest_imbalance_among_shoes(
+        [relative_imbalance_of_shoe(under_forces, i, shoe) for i, shoe in enumerate(shoes)]
+    )
     corrected = replace(corrected, balance=balance)
     return replace(corrected, notes=(*response.notes, correction_note(change, corrected)))
 
 
 def check_correctable(brake: Brake) -> None:
     """Raise BadInput where the model of the width does not apply to a brake."""
-    reason = width_why_not(brake)
+    reason = reason_against_width_model(brake)
     if reason is not None:
         raise BadInput(f"--finite-width: does not apply to this brake: {reason}")
 
@@ -119,12 +134,12 @@ def corrected_shoe(
     difference = pressure_in_contact(wide, theta) - pressure_in_contact(plane, theta)
     # Where only one of the answers is in contact, the sum may be a little below zero.
     pressure = np.maximum(fine.pressure + difference, 0.0)
-    zone = edge_zone(brake.shoes[index], brake.scale_factor)
+    zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
     return replace(
         fine,
         pressure=pressure,
-        peak_pressure=InnerPart(fine.theta, fine.order, zone).peak(pressure),
-        contact_arcs=contact_arcs(fine.theta, pressure, fine.order),
+        peak_pressure=LiningWithoutEndZones(fine.theta, fine.order, zone).peak(pressure),
+        contact_arcs=contact_arcs_from_nodal_pressures(fine.theta, pressure, fine.order),
         **values,
     )
 
@@ -153,7 +168,7 @@ def remaining_error(change: ModelError) -> ModelError:
 def correction_note(change: ModelError, corrected: Response) -> str:
     """The note of a corrected response: sizes of the correction, and the balance that is left."""
     torque, pressure, reaction = (
-        formatted(change.brake[name], ".2%") for name in ("torque", "pressure", "reaction")
+        number_as_text(change.brake[name], ".2%") for name in ("torque", "pressure", "reaction")
     )
     balance = corrected.balance
     return (

@@ -18,23 +18,23 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.levels import LEVEL_RULE, LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache, first_shoes_of_equal_shape
 from drumlin.fem.preparation.columns import PointsByShape
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.width.prepare import prepare_width, width_why_not
-from drumlin.response.norms import pressure_distance
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.width.prepare import prepare_brake_with_widths, reason_against_width_model
+from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import (
     ModelError,
     Response,
     ShoeResponse,
-    reaction_size,
-    singular_zone,
+    length_of_uncompared_edge_zone,
+    reference_force_of_reaction_errors,
 )
 
-WIDTH_LEVEL = replace(LEVEL_RULE.level(0), zone=1.0, edge=1.0, back=1.0, hinge=1.0)
+WIDTH_LEVEL = replace(LEVEL_RULE.level_with_number(0), zone=1.0, edge=1.0, back=1.0, hinge=1.0)
 """Division of the section on which the error of plane stress is estimated.
 
 By the rule of the levels it is one level coarser than the first level of a solve. The rule would
@@ -64,13 +64,13 @@ class CoarseSection(NamedTuple):
     plane: Response
 
 
-def coarse_section(
+def coarse_section_of_brake(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> CoarseSection:
     """The coarse section of a brake, with the answer of plane stress on it.
 
     Where the coarse section misses the contact, the first level of a solve takes its place. The
-    parameters are those of `plane_stress_error`.
+    parameters are those of `estimate_error_of_plane_stress`.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def coarse_section(
         coarse = answered(WIDTH_LEVEL)
     except NoAnswer:
         return answered(LEVELS[0])
-    error = model_distance(brake, coarse.plane, response)
+    error = distance_of_plane_stress_from_widths(brake, coarse.plane, response)
     if error.unknown or error.brake["pressure"] > COARSE_ENOUGH:
         return answered(LEVELS[0])
     return coarse
@@ -112,8 +112,10 @@ def section_of_level(
         where plane stress has no answer on the level
     """
     alike = first_shoes_of_equal_shape(brake)
-    points = singular_points_of(brake, response, alike, level.error)
-    scene = prepare(brake, level, points, alike=alike, cache=cache)
+    points = singular_points_of_all_linings(
+        brake, response, alike, level.pressure_error_by_column_ratio
+    )
+    scene = make_prepared_model(brake, level, points, alike=alike, cache=cache)
     plane = solve_prepared_model(scene, brake, penalty=penalty, start=response)
     return CoarseSection(level, points, plane)
 
@@ -130,7 +132,7 @@ def coarse_answers(
 ) -> CoarseAnswers:
     """The answers of plane stress and of the model of the width on a coarse section of a brake.
 
-    The parameters are those of `plane_stress_error`.
+    The parameters are those of `estimate_error_of_plane_stress`.
 
     Raises
     ------
@@ -138,15 +140,17 @@ def coarse_answers(
         where one of the answers is missing
     """
     try:
-        section = coarse_section(brake, response, penalty=penalty, cache=cache)
-        scene = prepare_width(brake, section.level, WIDTH_DEGREE, section.points, cache=cache)
+        section = coarse_section_of_brake(brake, response, penalty=penalty, cache=cache)
+        scene = prepare_brake_with_widths(
+            brake, section.level, WIDTH_DEGREE, section.points, cache=cache
+        )
         wide = solve_prepared_model(scene, brake, penalty=penalty, start=response)
     except (NoAnswer, np.linalg.LinAlgError) as error:
         raise NoAnswer(f"on a coarse section, with its width: {error}") from error
     return CoarseAnswers(section.plane, wide)
 
 
-def plane_stress_error(
+def estimate_error_of_plane_stress(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> ModelError:
     """The estimated error of plane stress, from two answers on a coarse division of the section.
@@ -158,17 +162,19 @@ def plane_stress_error(
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
     """
-    reason = width_why_not(brake)
+    reason = reason_against_width_model(brake)
     if reason is not None:
         return ModelError({}, unknown=reason)
     try:
         answers = coarse_answers(brake, response, penalty=penalty, cache=cache)
     except NoAnswer as error:
         return ModelError({}, unknown=str(error))
-    return model_distance(brake, *answers)
+    return distance_of_plane_stress_from_widths(brake, *answers)
 
 
-def model_distance(brake: Brake, plane: Response, wide: Response) -> ModelError:
+def distance_of_plane_stress_from_widths(
+    brake: Brake, plane: Response, wide: Response
+) -> ModelError:
     """The relative distance of the answer of plane stress from that of shoes with their widths.
 
     Parameters
@@ -178,7 +184,7 @@ def model_distance(brake: Brake, plane: Response, wide: Response) -> ModelError:
     wide : the answer with the widths, to whose values the distances are relative
     """
     pairs = zip(plane.shoes, wide.shoes, strict=True)
-    shoes = [shoe_distance(brake.unit, *pair) for pair in pairs]
+    shoes = [relative_distances_of_shoe_responses(brake.unit, *pair) for pair in pairs]
     for shoe, answer in zip(shoes, plane.shoes, strict=True):
         if not all(map(math.isfinite, shoe.values())):
             name = answer.name
@@ -189,17 +195,20 @@ def model_distance(brake: Brake, plane: Response, wide: Response) -> ModelError:
     return ModelError({"torque": torque, **worst}, tuple(shoes))
 
 
-def shoe_distance(unit: float, plane: ShoeResponse, wide: ShoeResponse) -> dict[str, float]:
+def relative_distances_of_shoe_responses(
+    unit: float, plane: ShoeResponse, wide: ShoeResponse
+) -> dict[str, float]:
     """The relative distances of torque, mean pressure (L2) and reaction of one shoe.
 
     The mean pressure is the mean over the width. `unit` is the coordinate of the surface per unit
     of phi, see `ShoeFrame`.
     """
-    zone = singular_zone(float(wide.theta[-1] - wide.theta[0]), unit)
+    zone = length_of_uncompared_edge_zone(float(wide.theta[-1] - wide.theta[0]), unit)
     moved = math.dist(plane.hinge_reaction, wide.hinge_reaction)
     total = wide.torque or plane.torque or 1.0
     return {
         "torque": abs(plane.torque - wide.torque) / total,
-        "pressure": pressure_distance(plane, wide, zone),
-        "reaction": moved / reaction_size(wide.hinge_reaction, wide.normal_force),
+        "pressure": relative_distance_of_pressures(plane, wide, zone),
+        "reaction": moved
+        / reference_force_of_reaction_errors(wide.hinge_reaction, wide.normal_force),
     }

@@ -16,9 +16,13 @@ from drumlin.fem.substructure.interface import (
     ContactLine,
     Coupling,
     Directions,
-    couple_with_counterface,
+    weak_coupling_of_contact_line,
 )
-from drumlin.fem.width.functions import WidthFunctions, nodes_to_functions, width_integrals
+from drumlin.fem.width.functions import (
+    WidthFunctions,
+    integrals_over_width_of_part,
+    matrix_from_nodes_to_functions,
+)
 from drumlin.response.response import PressureOverWidth
 
 FACE_STEPS = 8
@@ -51,66 +55,75 @@ class WidthFace(ContactLine):
     half: float
 
     @cached_property
-    def z(self) -> Floats:
+    def node_distances_from_mid_plane(self) -> Floats:
         """Distances (m,) [m] of the nodes across the width from the mid-plane."""
-        return self.functions.face_nodes(self.half)
+        return self.functions.node_distances_across_part(self.half)
 
     @cached_property
-    def across(self) -> Floats:
+    def mass_matrix_across_width(self) -> Floats:
         """The mass matrix Int zeta_k zeta_l dz (m, m) [m] over the whole width.
 
         zeta_k is the polynomial of z that is 1 at the node k across the width.
         """
-        to_functions = nodes_to_functions(self.functions, self.half)
-        even = width_integrals(self.functions, self.half).even
+        to_functions = matrix_from_nodes_to_functions(self.functions, self.half)
+        even = integrals_over_width_of_part(self.functions, self.half).even
         return np.asarray(to_functions.T @ even @ to_functions)
 
     @property
-    def shares(self) -> Floats:
+    def widths_of_nodes(self) -> Floats:
         """The width Int zeta_k dz (m,) [m] that each node across the width stands for.
 
         The sum of all is the whole width.
         """
-        return self.across.sum(axis=1)
+        return self.mass_matrix_across_width.sum(axis=1)
 
-    def couple_with_counterface(self, width: float, directions: Directions) -> Coupling:
+    def couple_lining_with_counterface(self, width: float, directions: Directions) -> Coupling:
         """The coupling of the face with the drum or the plane.
 
         The width is that of the face, and the argument `width` has no effect.
         """
-        line, m = couple_with_counterface(self.line, 1.0, directions), self.across
-        n, count = len(self.line.nodes), len(self.z)
+        line, m = (
+            weak_coupling_of_contact_line(self.line, 1.0, directions),
+            self.mass_matrix_across_width,
+        )
+        n, count = len(self.line.nodes), len(self.node_distances_from_mid_plane)
 
-        def spread(vectors: Floats) -> Floats:
+        def face_matrix_from_line_matrix(vectors: Floats) -> Floats:
             """The coupling matrix (n m, 2 n m) of the face from the matrix of its line (n, 2n)."""
             by_node = vectors.reshape(n, 1, n, 1, 2) * m[:, None, :, None]
             return np.asarray(by_node.reshape(n * count, -1))
 
         M = np.asarray(np.kron(line.M, m), dtype=float)
-        lever = np.asarray(np.kron(line.lever, self.shares), dtype=float)
-        return Coupling(M, spread(line.N), spread(line.T), lever)
+        lever = np.asarray(np.kron(line.lever, self.widths_of_nodes), dtype=float)
+        return Coupling(
+            M, face_matrix_from_line_matrix(line.N), face_matrix_from_line_matrix(line.T), lever
+        )
 
-    def along(self, p: Floats) -> tuple[Floats, Floats]:
+    def angles_and_mean_pressures(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] of the line's nodes, and their pressure (n,) [Pa], averaged over z."""
-        return self.line.phi, p.reshape(-1, len(self.z)) @ self.shares / self.shares.sum()
+        return self.line.phi, p.reshape(
+            -1, len(self.node_distances_from_mid_plane)
+        ) @ self.widths_of_nodes / self.widths_of_nodes.sum()
 
-    def surface(self, p: Floats) -> PressureOverWidth:
+    def pressure_over_arc_and_width(self, p: Floats) -> PressureOverWidth:
         """The pressure over arc and whole width of the lining, at even steps of z in each piece.
 
         z is the distance from the mid-plane, and a piece is a part of the half width between
         breaks.
         """
         ends = np.array(self.functions.breaks)
-        ends = ends[: self.functions.pieces_of(self.half) + 1]
+        ends = ends[: self.functions.number_of_pieces_in_part(self.half) + 1]
         if len(ends) == 1:
             ends = np.array([0.0, self.half])
         steps = np.arange(FACE_STEPS) / FACE_STEPS
         z = np.append((ends[:-1, None] + np.diff(ends)[:, None] * steps).ravel(), ends[-1])
         # The nodal pressures become factors of the even functions, which are evaluated at all z.
-        own = self.functions.even[: self.functions.counts(self.half)[0]]
-        values, _ = self.functions.values_and_slopes(own, z)
-        to_functions = nodes_to_functions(self.functions, self.half)
-        half = p.reshape(-1, len(self.z)) @ to_functions.T @ values
+        own = self.functions.even_functions[
+            : self.functions.numbers_of_even_and_odd_functions(self.half)[0]
+        ]
+        values, _ = self.functions.function_values_and_slopes(own, z)
+        to_functions = matrix_from_nodes_to_functions(self.functions, self.half)
+        half = p.reshape(-1, len(self.node_distances_from_mid_plane)) @ to_functions.T @ values
         # The pressure is symmetric about the mid-plane.
         both = np.concatenate([-z[:0:-1], z])
         return PressureOverWidth(both, np.hstack([half[:, :0:-1], half]))

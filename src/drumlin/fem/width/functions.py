@@ -27,8 +27,8 @@ from numpy.polynomial import legendre
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
-from drumlin.fem.preparation.meshes import materials_of_parts
-from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto
+from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
+from drumlin.response.resultants import GAUSS, WEIGHTS, gauss_lobatto_points
 
 SAME_SIDE = 1e-9
 """Relative difference of the half widths of two parts up to which their sides count as one side."""
@@ -83,16 +83,16 @@ class WidthFunctions:
     degree: int
 
     @cached_property
-    def even(self) -> tuple[WidthFunction, ...]:
+    def even_functions(self) -> tuple[WidthFunction, ...]:
         """The even functions, for the displacements u_x and u_y in the section."""
-        return self._of_parity(0)
+        return self._functions_of_parity(0)
 
     @cached_property
-    def odd(self) -> tuple[WidthFunction, ...]:
+    def odd_functions(self) -> tuple[WidthFunction, ...]:
         """The odd functions, for the displacement u_z; none in plane stress (degree 0)."""
-        return self._of_parity(1) if self.degree > 0 else ()
+        return self._functions_of_parity(1) if self.degree > 0 else ()
 
-    def _of_parity(self, first: int) -> tuple[WidthFunction, ...]:
+    def _functions_of_parity(self, first: int) -> tuple[WidthFunction, ...]:
         """The functions of one parity: even functions for `first` 0, odd functions for `first` 1.
 
         In the first piece their degrees are `first`, `first` + 2 and so on.
@@ -102,19 +102,19 @@ class WidthFunctions:
             found += [WidthFunction(piece, degree) for degree in range(1, self.degree + 1)]
         return tuple(found)
 
-    def pieces_of(self, half: float) -> int:
+    def number_of_pieces_in_part(self, half: float) -> int:
         """Number of pieces of the half width that lie within a part of half width `half` [m]."""
         within = np.array(self.breaks[1:]) <= half * (1 + SAME_SIDE)
         return int(np.count_nonzero(within))
 
-    def counts(self, half: float) -> tuple[int, int]:
+    def numbers_of_even_and_odd_functions(self, half: float) -> tuple[int, int]:
         """Numbers of even and of odd functions on a part of the shoe of half width `half` [m]."""
         # In plane stress all parts have the one function 1, however narrow they are.
-        pieces = max(self.pieces_of(half), 1)
-        even = sum(function.piece < pieces for function in self.even)
-        return even, sum(function.piece < pieces for function in self.odd)
+        pieces = max(self.number_of_pieces_in_part(half), 1)
+        even = sum(function.piece < pieces for function in self.even_functions)
+        return even, sum(function.piece < pieces for function in self.odd_functions)
 
-    def values_and_slopes(
+    def function_values_and_slopes(
         self, functions: tuple[WidthFunction, ...], z: Floats
     ) -> tuple[Floats, Floats]:
         """Values [1] and slopes [1/m] (n, points) of functions at distances z >= 0 (points,) [m].
@@ -135,7 +135,7 @@ class WidthFunctions:
             x = (z[here] - start) * to_unit - 1
             # Degrees from 2 on are integrated Legendre polynomials, degree 1 is a hat.
             if degree >= 2:
-                values[k, here], slope = _bubble(degree, x)
+                values[k, here], slope = _integrated_legendre_polynomial(degree, x)
                 slopes[k, here] = slope * to_unit
                 continue
             values[k, here], slopes[k, here] = 0.5 * (1 + x), 0.5 * to_unit
@@ -145,7 +145,7 @@ class WidthFunctions:
                 slopes[k, after] = -1 / length
         return values, slopes
 
-    def face_nodes(self, half: float) -> Floats:
+    def node_distances_across_part(self, half: float) -> Floats:
         """Distances z (n,) [m] of the contact nodes across half the width of a part.
 
         The n values of a field at these nodes determine its n even functions. The nodes are the
@@ -155,32 +155,32 @@ class WidthFunctions:
         if self.degree == 0:
             return np.zeros(1)
         highest = self.degree - self.degree % 2
-        inner = lobatto(highest) if highest else np.ones(1)
+        inner = gauss_lobatto_points(highest) if highest else np.ones(1)
         nodes = [self.breaks[1] * inner[inner >= 0]]
-        for start, end in pairwise(self.breaks[1 : self.pieces_of(half) + 1]):
-            nodes.append(start + (end - start) * (lobatto(self.degree)[1:] + 1) / 2)
+        for start, end in pairwise(self.breaks[1 : self.number_of_pieces_in_part(half) + 1]):
+            nodes.append(start + (end - start) * (gauss_lobatto_points(self.degree)[1:] + 1) / 2)
         return np.concatenate(nodes)
 
 
 @cache
-def width_integrals(functions: WidthFunctions, half: float) -> WidthIntegrals:
+def integrals_over_width_of_part(functions: WidthFunctions, half: float) -> WidthIntegrals:
     """The integrals of products of functions over the whole width of a part of the shoe.
 
     `half` is the half width of the part [m]. The Gauss rule is exact up to degree 11 of the
     functions.
     """
-    n, m = functions.counts(half)
+    n, m = functions.numbers_of_even_and_odd_functions(half)
     if functions.degree == 0:
         empty, none = np.zeros((0, 0)), np.zeros((1, 0))
         return WidthIntegrals(np.array([[2 * half]]), np.zeros((1, 1)), empty, empty, none, none)
-    starts = np.array(functions.breaks[: functions.pieces_of(half)])
+    starts = np.array(functions.breaks[: functions.number_of_pieces_in_part(half)])
     lengths = np.diff(functions.breaks)[: len(starts)]
     z = (starts[:, None] + lengths[:, None] * (GAUSS + 1) / 2).ravel()
     # The factor 1/2 of the Gauss weights for the length of a piece and the factor 2 for both sides
     # of the mid-plane cancel.
     weights = (lengths[:, None] * WEIGHTS).ravel()
-    e, e_slopes = functions.values_and_slopes(functions.even[:n], z)
-    o, o_slopes = functions.values_and_slopes(functions.odd[:m], z)
+    e, e_slopes = functions.function_values_and_slopes(functions.even_functions[:n], z)
+    o, o_slopes = functions.function_values_and_slopes(functions.odd_functions[:m], z)
     return WidthIntegrals(
         even=(e * weights) @ e.T,
         even_slopes=(e_slopes * weights) @ e_slopes.T,
@@ -192,17 +192,19 @@ def width_integrals(functions: WidthFunctions, half: float) -> WidthIntegrals:
 
 
 @cache
-def nodes_to_functions(functions: WidthFunctions, half: float) -> Floats:
-    """The matrix (functions, nodes) from values at `face_nodes` to factors of even functions.
+def matrix_from_nodes_to_functions(functions: WidthFunctions, half: float) -> Floats:
+    """The matrix (functions, nodes) from values at nodes across a part to even functions' factors.
 
     The even functions are those of a part of half width `half` [m].
     """
-    own = functions.even[: functions.counts(half)[0]]
-    values, _ = functions.values_and_slopes(own, functions.face_nodes(half))
+    own = functions.even_functions[: functions.numbers_of_even_and_odd_functions(half)[0]]
+    values, _ = functions.function_values_and_slopes(
+        own, functions.node_distances_across_part(half)
+    )
     return np.asarray(np.linalg.inv(values.T), dtype=float)
 
 
-def _bubble(degree: int, x: Floats) -> tuple[Floats, Floats]:
+def _integrated_legendre_polynomial(degree: int, x: Floats) -> tuple[Floats, Floats]:
     """The values and slopes of the integrated Legendre polynomial N_n at points x of [-1, 1].
 
     `degree` is n >= 2.
@@ -213,18 +215,20 @@ def _bubble(degree: int, x: Floats) -> tuple[Floats, Floats]:
     return value, norm * P[degree - 1]
 
 
-def half_widths_of(shoe: Shoe) -> dict[str, float]:
+def half_widths_of_parts(shoe: Shoe) -> dict[str, float]:
     """The half width [m] of each part of a shoe, by the part's name."""
-    return {name: width / 2 for name, (_, width) in materials_of_parts(shoe).items()}
+    return {
+        name: width / 2 for name, (_, width) in materials_and_widths_of_shoe_parts(shoe).items()
+    }
 
 
 def has_several_widths(shoe: Shoe) -> bool:
     """Whether the parts of a shoe have several widths."""
-    halves = half_widths_of(shoe).values()
+    halves = half_widths_of_parts(shoe).values()
     return max(halves) > min(halves) * (1 + SAME_SIDE)
 
 
-def breaks_of(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
+def breaks_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
     """The breaks (m + 1,) [m] of a shoe: the sides of its parts, and one break beside its web.
 
     Breaks divide the half width, from the mid-plane 0 outwards.
@@ -236,7 +240,7 @@ def breaks_of(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
         BESIDE_WEB of the lining's thickness from the side of this part; a small overhang has no
         such break
     """
-    halves = half_widths_of(shoe)
+    halves = half_widths_of_parts(shoe)
     places = sorted(halves.values())
     lining = halves["lining"]
     inner = [half for half in places if half < lining * (1 - SAME_SIDE)]
@@ -253,7 +257,7 @@ def breaks_of(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
     return tuple(breaks)
 
 
-def functions_of(shoe: Shoe, degree: int) -> WidthFunctions:
+def functions_across_width_of_shoe(shoe: Shoe, degree: int) -> WidthFunctions:
     """The functions across the width of a shoe up to a degree."""
-    breaks = breaks_of(shoe)
+    breaks = breaks_across_half_width_of_shoe(shoe)
     return WidthFunctions((0.0, breaks[-1]) if degree == 0 else breaks, degree)

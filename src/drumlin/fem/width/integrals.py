@@ -24,8 +24,14 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.fem.hp.arc import circle_at_gauss_points, nodal_functions
-from drumlin.fem.hp.element import reference_element, shape_function_gradients
+from drumlin.fem.hp.arc import (
+    circle_points_and_slopes_at_gauss_points,
+    nodal_functions_along_element_column,
+)
+from drumlin.fem.hp.element import (
+    reference_element_of_degree,
+    shape_function_gradients_and_gauss_areas,
+)
 
 SYMMETRIES = (0, 1)
 """Numbers of the two symmetries of a column's displacements: 0 symmetric, 1 antisymmetric."""
@@ -92,7 +98,7 @@ class AngularFactors(NamedTuple):
 
 
 @cache
-def fold_z(p: int, symmetry: int) -> Floats:
+def symmetry_matrix_of_forces_along_z(p: int, symmetry: int) -> Floats:
     """The matrix (B, p + 1) from forces along z on a row's nodes to forces on its B unknowns.
 
     The unknowns belong to displacements of one symmetry. The first unknown is that of the nodes on
@@ -108,7 +114,9 @@ def fold_z(p: int, symmetry: int) -> Floats:
     return fold
 
 
-def angular_factors(angles: Floats, p: int, symmetry: int, *, flat: bool = False) -> AngularFactors:
+def angular_factors_of_section_integrals(
+    angles: Floats, p: int, symmetry: int, *, flat: bool = False
+) -> AngularFactors:
     """The angular factors of the section's integrals over columns on an arc or a plane.
 
     Displacements of a node on a side of its column are measured along the radius there and across
@@ -122,8 +130,8 @@ def angular_factors(angles: Floats, p: int, symmetry: int, *, flat: bool = False
     symmetry : 0 for symmetric displacements, 1 for antisymmetric ones
     flat : whether the columns are on a plane
     """
-    functions, (count, n) = nodal_functions(p), angles.shape
-    at, by = circle_at_gauss_points(angles, p, flat=flat)
+    functions, (count, n) = nodal_functions_along_element_column(p), angles.shape
+    at, by = circle_points_and_slopes_at_gauss_points(angles, p, flat=flat)
     size = at[0] * by[1] - at[1] * by[0]
     root = np.sqrt(functions.weights / size)
     tangent, normal = np.array([-at[1], at[0]]) * root, np.array([by[1], -by[0]]) * root
@@ -151,7 +159,7 @@ def angular_factors(angles: Floats, p: int, symmetry: int, *, flat: bool = False
     moved[:, :, 1, 0], moved[:, :, 1, 1] = -s * value, c * value
 
     # The values of all nodes are combined to those of the unknowns of this symmetry.
-    fold, across = functions.fold[symmetry], fold_z(p, symmetry)
+    fold, across = functions.fold[symmetry], symmetry_matrix_of_forces_along_z(p, symmetry)
     A, B = len(fold), len(across)
     strain = (fold @ strain.reshape(count, 2, 2 * n, -1)).reshape(count, 2 * A, 3, -1)
     moved = (fold @ moved.reshape(count, 2 * n, -1)).reshape(count, A, -1)
@@ -161,29 +169,35 @@ def angular_factors(angles: Floats, p: int, symmetry: int, *, flat: bool = False
     # Products of every two unknowns are summed over the Gauss points of the angle.
     trace = strain[:, :, 0] + strain[:, :, 1]
     whole = np.sqrt(2) * strain.reshape(count, 2 * A, -1)
-    by_strains = np.stack([_products(trace, trace), _products(whole, whole)], axis=-1)
+    by_strains = np.stack(
+        [_scalar_products_of_rows(trace, trace), _scalar_products_of_rows(whole, whole)], axis=-1
+    )
     by_strains = by_strains.reshape(count, 2, A, 2, A, 2).transpose(0, 2, 4, 5, 1, 3)
-    by_slopes = _products(gradient.reshape(count, 2 * B, -1), gradient.reshape(count, 2 * B, -1))
+    by_slopes = _scalar_products_of_rows(
+        gradient.reshape(count, 2 * B, -1), gradient.reshape(count, 2 * B, -1)
+    )
     by_slopes = by_slopes.reshape(count, 2, B, 2, B).transpose(0, 2, 4, 1, 3)
-    traces_values = _products(trace, value).reshape(count, 2, A, B).transpose(0, 2, 3, 1)
-    moved_slopes = _products(moved, gradient.reshape(count, 2 * B, -1))
+    traces_values = (
+        _scalar_products_of_rows(trace, value).reshape(count, 2, A, B).transpose(0, 2, 3, 1)
+    )
+    moved_slopes = _scalar_products_of_rows(moved, gradient.reshape(count, 2 * B, -1))
     moved_slopes = moved_slopes.reshape(count, A, 2, B).transpose(0, 1, 3, 2)
     return AngularFactors(
         strains=np.ascontiguousarray(by_strains).reshape(count, A * A, 8),
-        values=_products(moved, moved).reshape(count, A * A, 1),
+        values=_scalar_products_of_rows(moved, moved).reshape(count, A * A, 1),
         traces_values=np.ascontiguousarray(traces_values).reshape(count, A * B, 2),
         values_slopes=np.ascontiguousarray(moved_slopes).reshape(count, A * B, 2),
-        values_z=_products(value, value).reshape(count, B * B, 1),
+        values_z=_scalar_products_of_rows(value, value).reshape(count, B * B, 1),
         slopes_z=np.ascontiguousarray(by_slopes).reshape(count, B * B, 4),
     )
 
 
-def _products(left: Floats, right: Floats) -> Floats:
+def _scalar_products_of_rows(left: Floats, right: Floats) -> Floats:
     """The scalar products (c, a, b) of the rows of (c, a, q) with the rows of (c, b, q)."""
     return np.asarray(left @ right.swapaxes(-1, -2))
 
 
-def arc_integrals(
+def section_integrals_between_circles(
     inner: float,
     outer: float,
     lame: LameConstants,
@@ -201,7 +215,7 @@ def arc_integrals(
     p : degree of the section
     plane : radius that divides the lengths of elements on a plane [m]; None on a drum
     """
-    functions, (lam, mu) = nodal_functions(p), lame
+    functions, (lam, mu) = nodal_functions_along_element_column(p), lame
     step = outer - inner
     size = abs(step)
     r = inner + step * functions.x if plane is None else np.full_like(functions.x, plane)
@@ -220,7 +234,7 @@ def arc_integrals(
     twice = B[:2, :2].reshape(4, -1)
     count = len(angular.values)
 
-    def product(factors: Floats, own: Floats) -> Floats:
+    def products_of_angular_and_radial_factors(factors: Floats, own: Floats) -> Floats:
         """The integrals (c, rows columns, n n) as sums of products of angular and radial factors.
 
         `factors` (c, rows columns, k) are the angular factors, and `own` (k, n n) the radial ones.
@@ -228,12 +242,14 @@ def arc_integrals(
         return np.asarray(factors @ own)
 
     found = [
-        product(angular.strains, np.concatenate([lam * twice, mu * twice])),
-        product(angular.values, mu * B[2, 2][None]),
-        product(angular.traces_values, lam * B[:2, 2]),
-        product(angular.values_slopes, mu * B[2, :2]),
-        product(angular.values_z, (lam + 2 * mu) * B[2, 2][None]),
-        product(angular.slopes_z, mu * twice),
+        products_of_angular_and_radial_factors(
+            angular.strains, np.concatenate([lam * twice, mu * twice])
+        ),
+        products_of_angular_and_radial_factors(angular.values, mu * B[2, 2][None]),
+        products_of_angular_and_radial_factors(angular.traces_values, lam * B[:2, 2]),
+        products_of_angular_and_radial_factors(angular.values_slopes, mu * B[2, :2]),
+        products_of_angular_and_radial_factors(angular.values_z, (lam + 2 * mu) * B[2, 2][None]),
+        products_of_angular_and_radial_factors(angular.slopes_z, mu * twice),
     ]
     b = round(np.sqrt(angular.values_z.shape[1]))
     a = angular.values_slopes.shape[1] // b
@@ -242,7 +258,7 @@ def arc_integrals(
     return SectionIntegrals(*each)
 
 
-def cell_integrals(xy: Floats, lame: LameConstants, p: int) -> SectionIntegrals:
+def section_integrals_of_any_shape(xy: Floats, lame: LameConstants, p: int) -> SectionIntegrals:
     """The section's integrals over elements of any shape, in the axes of the shoe's frame.
 
     Unknowns along a row are those of its nodes, x and y of a node together.
@@ -253,8 +269,8 @@ def cell_integrals(xy: Floats, lame: LameConstants, p: int) -> SectionIntegrals:
     lame : Lame constants of the layer
     p : degree of the section
     """
-    (lam, mu), reference, n = lame, reference_element(p), p + 1
-    G, areas = shape_function_gradients(xy, p)  # (c, 2, a, q), (c, q)
+    (lam, mu), reference, n = lame, reference_element_of_degree(p), p + 1
+    G, areas = shape_function_gradients_and_gauss_areas(xy, p)  # (c, 2, a, q), (c, q)
     count = len(xy)
     order = np.argsort(reference.order)
     root = np.sqrt(areas)[:, None]
@@ -263,9 +279,11 @@ def cell_integrals(xy: Floats, lame: LameConstants, p: int) -> SectionIntegrals:
     G = (G * root[:, None])[:, :, order]
     value = (reference.values * root)[:, order]
     flat = G.reshape(count, 2 * n * n, -1)
-    H = _products(flat, flat).reshape(count, 2, n, n, 2, n, n)  # c, x or y, row, along, ...
-    mixed = _products(flat, value).reshape(count, 2, n, n, n, n)
-    mass = _products(value, value).reshape(count, n, n, n, n)
+    H = _scalar_products_of_rows(flat, flat).reshape(
+        count, 2, n, n, 2, n, n
+    )  # c, x or y, row, along, ...
+    mixed = _scalar_products_of_rows(flat, value).reshape(count, 2, n, n, n, n)
+    mass = _scalar_products_of_rows(value, value).reshape(count, n, n, n, n)
     stretch = H[:, 0, :, :, 0] + H[:, 1, :, :, 1]
 
     plane = lam * H + mu * H.transpose(0, 4, 2, 3, 1, 5, 6)

@@ -27,7 +27,8 @@ For shoes of several widths the width's part holds and the section's part does n
 section converges more slowly than in plane stress. On one random brake ("free" 2000 of
 `drumlin_studies.solid_error`) the first two levels differ by 3.6 % of the pressure with degree 2
 across the width, and by 0.24 % in plane stress. The sum was stated at 0.3 of the true error of the
-pressure and at 0.07 of that of the torque. `solid.solve` refuses a tolerance for these shoes.
+pressure and at 0.07 of that of the torque. `drumlin solve --model solid`
+refuses a tolerance for these shoes.
 """
 
 from collections.abc import Iterator, Sequence
@@ -37,22 +38,22 @@ from typing import NamedTuple
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import Tolerance, solve_to_tolerance
+from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
 from drumlin.fem.error_control.estimate import QUANTITIES, Errors
-from drumlin.fem.error_control.levels import LEVELS, SolvedLevel, solved_levels
-from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.error_control.levels import LEVELS, SolvedLevel, solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.width.error import (
     WIDTH_DEGREE,
     CoarseSection,
-    coarse_section,
+    coarse_section_of_brake,
+    relative_distances_of_shoe_responses,
     section_of_level,
-    shoe_distance,
 )
 from drumlin.fem.width.functions import has_several_widths
-from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_width
+from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_brake_with_widths
 from drumlin.response.response import Response
 
 SLOWEST_FALL = 1.0
@@ -88,12 +89,12 @@ class SolidErrors(NamedTuple):
     torque: float
     shoes: tuple[dict[str, float], ...]
 
-    def meets(self, tolerance: Tolerance) -> bool:
+    def is_within_error_tolerance(self, tolerance: Tolerance) -> bool:
         """Whether the errors of all mean pressures and of the torque are within a tolerance."""
         pressure = max(shoe["pressure"] for shoe in self.shoes)
         return pressure <= tolerance.pressure and self.torque <= tolerance.torque
 
-    def plus(self, other: "SolidErrors") -> "SolidErrors":
+    def sum_with_other_errors(self, other: "SolidErrors") -> "SolidErrors":
         """The sum of these errors and of `other` errors.
 
         The error of a peak pressure is at most 1, which means that it is unknown.
@@ -104,7 +105,7 @@ class SolidErrors(NamedTuple):
             shoes.append(both | {"peak": min(both["peak"], 1.0)})
         return SolidErrors(self.torque + other.torque, tuple(shoes))
 
-    def times(self, factor: float) -> "SolidErrors":
+    def errors_times_factor(self, factor: float) -> "SolidErrors":
         """All errors multiplied by a factor."""
         shoes = [{name: factor * own for name, own in shoe.items()} for shoe in self.shoes]
         return SolidErrors(factor * self.torque, tuple(shoes))
@@ -125,7 +126,7 @@ class DegreeError(NamedTuple):
     error: SolidErrors
 
 
-def solve_with_widths(
+def solve_brake_with_widths_to_tolerance(
     brake: Brake,
     tolerance: Tolerance,
     *,
@@ -157,23 +158,36 @@ def solve_with_widths(
     answer, cache = partial(solve_prepared_model, penalty=penalty), cache or Cache()
     climbed: list[SolvedLevel] = []
 
-    def recorded() -> Iterator[SolvedLevel]:
+    def record_solved_levels() -> Iterator[SolvedLevel]:
         """Yield the levels of a solve by plane stress, and append each one to `climbed`."""
-        for step in solved_levels(brake, answer, cache):
+        for step in solve_on_finer_and_finer_levels(brake, answer, cache):
             climbed.append(step)
             yield step
 
-    plane = solve_to_tolerance(
-        brake, half, answer, must=False, cache=cache, levels=recorded()
+    plane = solve_brake_to_tolerance(
+        brake, half, answer, must=False, cache=cache, levels=record_solved_levels()
     ).response
     compared = width_section(brake, plane, penalty=penalty, cache=cache)
-    sections = _sections(brake, compared, climbed, plane)
-    width = chosen_degree(brake, plane, compared, half, penalty=penalty, cache=cache)
-    if must and not (width.error.meets(half) and sections[-1].error.meets(half)):
-        raise NoAnswer(_reached_text(tolerance, sections[-1].error.plus(width.error), width.degree))
-    section = next((each for each in sections if each.error.meets(half)), sections[-1])
-    points = singular_points_of(brake, plane, error=section.level.error)
-    scene = prepare_width(brake, section.level, width.degree, points, cache=cache)
+    sections = _solved_sections_with_errors(brake, compared, climbed, plane)
+    width = smallest_width_degree_within_tolerance(
+        brake, plane, compared, half, penalty=penalty, cache=cache
+    )
+    if must and not (
+        width.error.is_within_error_tolerance(half)
+        and sections[-1].error.is_within_error_tolerance(half)
+    ):
+        raise NoAnswer(
+            _text_on_unreached_tolerance(
+                tolerance, sections[-1].error.sum_with_other_errors(width.error), width.degree
+            )
+        )
+    section = next(
+        (each for each in sections if each.error.is_within_error_tolerance(half)), sections[-1]
+    )
+    points = singular_points_of_all_linings(
+        brake, plane, error=section.level.pressure_error_by_column_ratio
+    )
+    scene = prepare_brake_with_widths(brake, section.level, width.degree, points, cache=cache)
     response = answer(scene, brake, start=plane)
     warnings = [line for line in plane.notes if line.startswith("warning: tolerance")]
     unknowns = max(body.unknowns for body in scene.bodies)
@@ -181,18 +195,18 @@ def solve_with_widths(
         f"degree {width.degree} across the width on a section of degree {section.level.degree}, "
         f"with {unknowns} unknowns a shoe"
     )
-    found = section.error.plus(width.error)
+    found = section.error.sum_with_other_errors(width.error)
     return replace(
         response,
         shoes=tuple(
             replace(shoe, error=own) for shoe, own in zip(response.shoes, found.shoes, strict=True)
         ),
-        error=Errors.worst(found.torque, found.shoes).brake,
+        error=Errors.from_torque_and_shoes(found.torque, found.shoes).brake,
         notes=(*response.notes, *warnings, how),
     )
 
 
-def _sections(
+def _solved_sections_with_errors(
     brake: Brake, compared: CoarseSection, climbed: Sequence[SolvedLevel], last: Response
 ) -> list[_Section]:
     """The levels of the section by plane stress, from the coarsest on, each with its error.
@@ -208,17 +222,21 @@ def _sections(
         (last.error or {})["torque"], tuple(dict(s.error or {}) for s in last.shoes)
     )
     degrees = {level.degree: level for level in LEVELS}
-    error = _errors_from(brake, compared.plane, last).plus(stated)
+    error = _relative_distances_from_better_response(
+        brake, compared.plane, last
+    ).sum_with_other_errors(stated)
     found = [_Section(compared.level, compared.plane, error)]
     for step in climbed[:-1]:
-        level = degrees[step.scene.bodies[0].line.order]
-        error = _errors_from(brake, step.response, last).plus(stated)
+        level = degrees[step.scene.bodies[0].line.interpolation_degree]
+        error = _relative_distances_from_better_response(
+            brake, step.response, last
+        ).sum_with_other_errors(stated)
         found.append(_Section(level, step.response, error))
     final = degrees[last.shoes[0].order]
     return [*found, _Section(final, last, stated)]
 
 
-def _reached_text(tolerance: Tolerance, error: SolidErrors, degree: int) -> str:
+def _text_on_unreached_tolerance(tolerance: Tolerance, error: SolidErrors, degree: int) -> str:
     """The text on a tolerance that the finest section and the largest degree do not reach."""
     pressure = max(shoe["pressure"] for shoe in error.shoes)
     return (
@@ -249,10 +267,10 @@ def width_section(
     """
     if any(has_several_widths(shoe) for shoe in brake.shoes):
         return section_of_level(brake, plane, LEVELS[0], penalty=penalty, cache=cache)
-    return coarse_section(brake, plane, penalty=penalty, cache=cache)
+    return coarse_section_of_brake(brake, plane, penalty=penalty, cache=cache)
 
 
-def chosen_degree(
+def smallest_width_degree_within_tolerance(
     brake: Brake,
     plane: Response,
     section: CoarseSection,
@@ -279,29 +297,31 @@ def chosen_degree(
     def answer(degree: int) -> Response:
         """The answer of a degree across the width on the section."""
         if degree not in answers:
-            scene = prepare_width(brake, section.level, degree, section.points, cache=cache)
+            scene = prepare_brake_with_widths(
+                brake, section.level, degree, section.points, cache=cache
+            )
             answers[degree] = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
         return answers[degree]
 
     last = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD
     for degree in range(WIDTH_DEGREE, last + 1):
         further = [answer(degree + k) for k in range(1, LOOKED_AHEAD + 1)]
-        found = _degree_error(brake, degree, answer(degree), further)
-        if found.error.meets(tolerance):
+        found = _error_of_degree_across_width(brake, degree, answer(degree), further)
+        if found.error.is_within_error_tolerance(tolerance):
             return found
     return found
 
 
-def _degree_error(
+def _error_of_degree_across_width(
     brake: Brake, degree: int, response: Response, further: list[Response]
 ) -> DegreeError:
     """The width's part of the error of a degree, from its answer and those of further degrees."""
-    moved = [_errors_from(brake, response, other) for other in further]
+    moved = [_relative_distances_from_better_response(brake, response, other) for other in further]
     shoes = []
     for own in zip(*(each.shoes for each in moved), strict=True):
         shoes.append({name: max(each[name] for each in own) for name in QUANTITIES})
     largest = SolidErrors(max(each.torque for each in moved), tuple(shoes))
-    return DegreeError(degree, largest.times(_distance_factor(degree)))
+    return DegreeError(degree, largest.errors_times_factor(_distance_factor(degree)))
 
 
 def _distance_factor(degree: int) -> float:
@@ -310,12 +330,16 @@ def _distance_factor(degree: int) -> float:
     return WIDTH_SAFETY / (1 - left)
 
 
-def _errors_from(brake: Brake, response: Response, true: Response) -> SolidErrors:
+def _relative_distances_from_better_response(
+    brake: Brake, response: Response, true: Response
+) -> SolidErrors:
     """The relative distances of a response from a more exact response `true`."""
     shoes = []
     for shoe, better in zip(response.shoes, true.shoes, strict=True):
         peak = better.peak_pressure or shoe.peak_pressure or 1.0
         apart = abs(shoe.peak_pressure - better.peak_pressure) / peak
-        shoes.append({**shoe_distance(brake.unit, shoe, better), "peak": apart})
+        shoes.append(
+            {**relative_distances_of_shoe_responses(brake.unit, shoe, better), "peak": apart}
+        )
     total = true.torque or response.torque or 1.0
     return SolidErrors(abs(response.torque - true.torque) / total, tuple(shoes))

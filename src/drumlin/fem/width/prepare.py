@@ -10,24 +10,28 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
-from drumlin.brake.orthotropic import isotropic_only
-from drumlin.fem.hp.body import factorised_shoe, shoe_contact_line
-from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe
+from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
+from drumlin.fem.hp.body import condensed_body_with_cholesky_factor, contact_line_of_shoe
+from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe_into_hp_elements
 from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
-from drumlin.fem.preparation.cache import Cache, first_shoes_of_equal_shape, shoe_without_loads
+from drumlin.fem.preparation.cache import (
+    Cache,
+    first_shoes_of_equal_shape,
+    shoe_without_loads_and_clearances,
+)
 from drumlin.fem.preparation.columns import MOST_CONTACT_NODES, PointsByShape
 from drumlin.fem.preparation.scene import (
     PreparedModel,
     Seconds,
     add_elapsed_time,
-    lines_on_equal_shapes,
+    text_lines_on_shoes_of_equal_shape,
 )
-from drumlin.fem.preparation.scene import reason_why_not_modelled as plane_why_not
+from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled as plane_why_not
 from drumlin.fem.substructure.body import InnerSystem, InnerUnknowns
 from drumlin.fem.substructure.elimination import CondensedSystem
 from drumlin.fem.width.face import WidthFace
-from drumlin.fem.width.functions import WidthFunctions, functions_of
-from drumlin.fem.width.shoe import condense_width, width_layers
+from drumlin.fem.width.functions import WidthFunctions, functions_across_width_of_shoe
+from drumlin.fem.width.shoe import condense_shoe_with_width, layers_with_width_functions
 
 LARGEST_WIDTH_NU = 0.499
 """Largest Poisson's ratio that the model of the width allows.
@@ -59,36 +63,38 @@ class NodesOverWidth:
     N: int
 
 
-class NotRecovered:
+class UnrecoveredUnknowns:
     """The eliminated unknowns of a body with a width, in the place of `InnerUnknowns`.
 
     They are not recovered after condensation, so that each method raises NotImplementedError.
     """
 
-    def system(self) -> InnerSystem:
+    def equations_of_whole_body(self) -> InnerSystem:
         """Raise NotImplementedError instead of returning the body's equations on all nodes."""
         raise NotImplementedError(INTERIOR)
 
-    def eliminate_loads(self) -> CondensedSystem:
+    def condense_loads_and_stiffness(self) -> CondensedSystem:
         """Raise NotImplementedError instead of condensing the unit loads to contact and frame."""
         raise NotImplementedError(INTERIOR)
 
-    def with_forces(self, forces: Floats) -> InnerUnknowns:
+    def body_system_with_further_loads(self, forces: Floats) -> InnerUnknowns:
         """Raise NotImplementedError instead of adding unit loads to the unknowns."""
         raise NotImplementedError(INTERIOR)
 
-    def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+    def nodal_displacements_in_load_cases(
+        self, nodal: Floats, frame: Floats, loads: Floats
+    ) -> Floats:
         """Raise NotImplementedError instead of returning the displacements of all nodes."""
         raise NotImplementedError(INTERIOR)
 
 
-def width_why_not(brake: Brake) -> str | None:
+def reason_against_width_model(brake: Brake) -> str | None:
     """The reason why the model of the width does not apply to a brake; None where it applies."""
     on_ring = "its drum is an elastic ring, whose own width is not modelled"
-    return reason_against_widths(brake, "the model of the width", on_ring)
+    return reason_against_any_model_with_widths(brake, "the model of the width", on_ring)
 
 
-def reason_against_widths(brake: Brake, model: str, on_ring: str) -> str | None:
+def reason_against_any_model_with_widths(brake: Brake, model: str, on_ring: str) -> str | None:
     """The reason why no model of shoes with widths applies to a brake; None where one applies.
 
     Parameters
@@ -97,18 +103,18 @@ def reason_against_widths(brake: Brake, model: str, on_ring: str) -> str | None:
     model : name of the model, for the text of the reason
     on_ring : the reason that is given for a brake with an elastic drum ring
     """
-    if brake.unmeshable() is not None:
-        return brake.unmeshable()
+    if brake.reason_why_not_meshable() is not None:
+        return brake.reason_why_not_meshable()
     if brake.ring is not None:
         return on_ring
     for shoe in brake.shoes:
-        reason = _reason_against_widths_of_shoe(shoe)
+        reason = _reason_against_width_model_of_shoe(shoe)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
-    return isotropic_only(brake, model) or plane_why_not(brake)
+    return reason_if_any_part_is_orthotropic(brake, model) or plane_why_not(brake)
 
 
-def _reason_against_widths_of_shoe(shoe: Shoe) -> str | None:
+def _reason_against_width_model_of_shoe(shoe: Shoe) -> str | None:
     """The reason why no model of shoes with widths applies to a shoe; None where one applies."""
     if shoe.mesh is not None:
         return "a mesh of its own is a section without widths"
@@ -122,7 +128,7 @@ def _reason_against_widths_of_shoe(shoe: Shoe) -> str | None:
     return None
 
 
-def prepare_width(
+def prepare_brake_with_widths(
     brake: Brake,
     level: Level,
     degree: int | MakeFunctions,
@@ -150,12 +156,12 @@ def prepare_width(
     NoAnswer
         for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a contact face
     """
-    reason = width_why_not(brake)
+    reason = reason_against_width_model(brake)
     if reason is not None:
         raise BadInput(f"the model of the width does not apply to this brake: {reason}")
     if not callable(degree) and not 0 <= degree <= LARGEST_WIDTH_DEGREE:
         raise BadInput(f"--across = {degree}: must be from 0 to {LARGEST_WIDTH_DEGREE}")
-    make = degree if callable(degree) else partial(functions_of, degree=degree)
+    make = degree if callable(degree) else partial(functions_across_width_of_shoe, degree=degree)
     seconds: Seconds = {}
     cache = cache or Cache()
     alike = first_shoes_of_equal_shape(brake)
@@ -165,29 +171,46 @@ def prepare_width(
     for i in dict.fromkeys(alike):
         shoe = brake.shoes[i]
         functions = make(shoe)
-        division = divide_shoe(
+        division = divide_shoe_into_hp_elements(
             shoe, brake.size, level, (points or {}).get(i, ()), grades_loaded_end=tip
         )
-        nodes = division.contact_nodes * len(functions.face_nodes(shoe.lining.width / 2))
+        nodes = division.contact_nodes * len(
+            functions.node_distances_across_part(shoe.lining.width / 2)
+        )
         if nodes > MOST_CONTACT_NODES:
             raise NoAnswer(
                 f"its {nodes} contact nodes are more than the {MOST_CONTACT_NODES} that are allowed"
             )
         friction = brake.friction > 0
-        key = ("width", shoe_without_loads(shoe), brake.size, friction, division.key, functions)
-        body = partial(width_body, shoe, brake.size, division, functions, friction, seconds)
-        made[i] = cache.get(key, body, _size_of)
+        key = (
+            "width",
+            shoe_without_loads_and_clearances(shoe),
+            brake.size,
+            friction,
+            division.dictionary_key_of_division,
+            functions,
+        )
+        body = partial(
+            condense_and_couple_shoe_with_width,
+            shoe,
+            brake.size,
+            division,
+            functions,
+            friction,
+            seconds,
+        )
+        made[i] = cache.get(key, body, _memory_of_condensed_body)
     bodies = tuple(made[i] for i in alike)
-    left_out = (INTERIOR, OTHER_HALF, *lines_on_equal_shapes(brake, len(made)))
+    left_out = (INTERIOR, OTHER_HALF, *text_lines_on_shoes_of_equal_shape(brake, len(made)))
     return PreparedModel(brake, bodies, None, seconds, left_out, model="solid")
 
 
-def _size_of(body: ShoeSubstructure) -> int:
+def _memory_of_condensed_body(body: ShoeSubstructure) -> int:
     """The memory [bytes] of a condensed body, approximately: six matrices on its contact nodes."""
     return 8 * 6 * len(body.line.nodes) ** 2
 
 
-def width_body(
+def condense_and_couple_shoe_with_width(
     shoe: Shoe,
     radius: float,
     division: ShoeDivision,
@@ -212,23 +235,23 @@ def width_body(
         for a singular stiffness
     """
     with add_elapsed_time(seconds, "condensation"):
-        found = condense_width(shoe, radius, division, functions)
-        condensed = factorised_shoe(found, NotRecovered())
+        found = condense_shoe_with_width(shoe, radius, division, functions)
+        condensed = condensed_body_with_cholesky_factor(found, UnrecoveredUnknowns())
     with add_elapsed_time(seconds, "coupling"):
-        face = face_of(shoe, radius, division, functions)
-        basis = NodesOverWidth(unknowns_of(shoe, division, functions) // 2)
+        face = friction_surface_of_shoe_with_width(shoe, radius, division, functions)
+        basis = NodesOverWidth(number_of_displacements_of_shoe(shoe, division, functions) // 2)
         divided = DividedBody(basis, basis, face)
         return make_shoe_substructure(
             ShoeSubstructure, shoe, divided, condensed, found.centre, friction=friction
         )
 
 
-def face_of(
+def friction_surface_of_shoe_with_width(
     shoe: Shoe, radius: float, division: ShoeDivision, functions: WidthFunctions
 ) -> WidthFace:
     """The friction surface of a divided shoe with functions across the shoe's width."""
-    line, half = shoe_contact_line(shoe, radius, division), shoe.lining.width / 2
-    count = len(functions.face_nodes(half))
+    line, half = contact_line_of_shoe(shoe, radius, division), shoe.lining.width / 2
+    count = len(functions.node_distances_across_part(half))
     return WidthFace(
         nodes=np.arange(len(line.nodes) * count),
         xy=np.repeat(line.xy, count, axis=1),
@@ -241,7 +264,9 @@ def face_of(
     )
 
 
-def unknowns_of(shoe: Shoe, division: ShoeDivision, functions: WidthFunctions) -> int:
+def number_of_displacements_of_shoe(
+    shoe: Shoe, division: ShoeDivision, functions: WidthFunctions
+) -> int:
     """Number of displacements of a divided shoe with functions across the shoe's width.
 
     A row of nodes between two layers counts with the functions of the layer nearer to the contact.
@@ -249,9 +274,11 @@ def unknowns_of(shoe: Shoe, division: ShoeDivision, functions: WidthFunctions) -
     """
     p, beyond = division.degree, len(division.before) + len(division.after) - 2
     count = 0
-    layers = width_layers(shoe, division, functions)
+    layers = layers_with_width_functions(shoe, division, functions)
     for k, half in enumerate(layers.halves):
-        even, odd = functions.counts(half)
-        nodes = division.contact_nodes + (beyond * p if k >= division.first_body_layer else 0)
+        even, odd = functions.numbers_of_even_and_odd_functions(half)
+        nodes = division.contact_nodes + (
+            beyond * p if k >= division.index_of_first_body_layer else 0
+        )
         count += (2 * even + odd) * nodes * (p + (k == 0))
     return count

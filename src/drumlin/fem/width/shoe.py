@@ -14,52 +14,52 @@ from drumlin.brake.brake import Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_column_row,
-    eliminate_side_line,
-    rotate_matrix_components,
-    rotate_vector_components,
+    assemble_row_of_element_columns,
+    eliminate_nodes_on_column_side,
+    rotate_node_axes_of_matrix,
+    rotate_node_axes_of_vectors,
 )
 from drumlin.fem.hp.division import ShoeDivision
-from drumlin.fem.hp.element import schur_complement
+from drumlin.fem.hp.element import replace_by_schur_complement
 from drumlin.fem.hp.shoe import (
     CondensedShoe,
-    column_kinds,
-    condense_back_held_shoe,
-    condensed_shoe_in_balance,
-    element_nodes,
-    loaded_body_stiffness,
-    measuring_axis_angles,
-    node_positions_of_row,
-    point_map,
-    rotate_all_nodes,
-    rotations_to_shoe_frame,
-    unit_actuation_loads,
+    angles_of_displacement_axes,
+    condensed_shoe_with_balanced_loads,
+    condensed_shoe_with_held_back,
+    condensed_stiffness_of_loaded_body_part,
+    function_from_depth_and_angle_to_point,
+    kinds_of_equal_element_columns,
+    node_coordinates_of_layers_and_columns,
+    node_positions_of_element_row,
+    rotate_axes_of_all_nodes_by_one_angle,
+    rotation_angles_to_shoe_frame,
+    unit_actuation_loads_on_end_face,
 )
-from drumlin.fem.preparation.meshes import materials_of_parts
-from drumlin.fem.substructure.body import FRAME, rigid_body_modes
+from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
+from drumlin.fem.substructure.body import FRAME, rigid_body_displacements_of_nodes
 from drumlin.fem.width.columns import (
     BackEdge,
-    Stack,
-    half_row,
-    mirrored_columns,
-    restrict_back,
-    stack_of,
-    whole_columns,
+    ColumnLayers,
+    column_layers_of_shoe,
+    column_with_back_held_beside_grip,
+    condense_columns_of_any_shape,
+    condense_mirror_symmetric_columns,
+    unknowns_along_half_row,
 )
 from drumlin.fem.width.functions import (
     WidthFunctions,
     WidthIntegrals,
-    half_widths_of,
-    nodes_to_functions,
-    width_integrals,
+    half_widths_of_parts,
+    integrals_over_width_of_part,
+    matrix_from_nodes_to_functions,
 )
 from drumlin.fem.width.integrals import (
     SYMMETRIES,
     LameConstants,
     SectionIntegrals,
-    angular_factors,
-    arc_integrals,
-    cell_integrals,
+    angular_factors_of_section_integrals,
+    section_integrals_between_circles,
+    section_integrals_of_any_shape,
 )
 
 
@@ -77,23 +77,29 @@ class WidthLayers(NamedTuple):
     halves: tuple[float, ...]
     lame: tuple[LameConstants, ...]
 
-    def integrals(self, first: int) -> list[WidthIntegrals]:
+    def width_integrals_of_layers(self, first: int) -> list[WidthIntegrals]:
         """The integrals over the width, of each layer from number `first` inwards."""
-        return [width_integrals(self.functions, half) for half in self.halves[first:]]
+        return [integrals_over_width_of_part(self.functions, half) for half in self.halves[first:]]
 
-    def stack(self, p: int, first: int, *, contact: bool, back: BackEdge) -> Stack:
+    def column_layers_from_number(
+        self, p: int, first: int, *, contact: bool, back: BackEdge
+    ) -> ColumnLayers:
         """The unknowns of a column of the layers from number `first` inwards.
 
-        The other parameters are those of `stack_of`.
+        The other parameters are those of `column_layers_of_shoe`.
         """
-        return stack_of(self.functions, self.halves[first:], p, contact=contact, back=back)
+        return column_layers_of_shoe(
+            self.functions, self.halves[first:], p, contact=contact, back=back
+        )
 
-    def body_line(self, div: ShoeDivision) -> "BodyLine":
+    def unknowns_across_body_thickness(self, div: ShoeDivision) -> "BodyLine":
         """The unknowns across the body's thickness, of layers that continue beyond the lining."""
-        stack = self.stack(div.degree, div.first_body_layer, contact=False, back=BackEdge.FREE)
-        line = stack.line(half_row(div.degree, 0).left)
+        stack = self.column_layers_from_number(
+            div.degree, div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
+        )
+        line = stack.unknowns_of_side_line(unknowns_along_half_row(div.degree, 0).left)
         z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
-        return BodyLine(z, component, row, function, self.halves[div.first_body_layer])
+        return BodyLine(z, component, row, function, self.halves[div.index_of_first_body_layer])
 
 
 class BodyLine(NamedTuple):
@@ -114,7 +120,7 @@ class BodyLine(NamedTuple):
     function: Ints
     half: float
 
-    def spread(self, vectors: Floats, share: Floats) -> Floats:
+    def vectors_with_width_functions(self, vectors: Floats, share: Floats) -> Floats:
         """Vectors (n, m) on the unknowns of the line from vectors of the plane section (2 rows, m).
 
         Displacements or forces along z are zero. `share` (functions,) is the factor of each even
@@ -126,11 +132,13 @@ class BodyLine(NamedTuple):
         return np.asarray(spread)
 
 
-def width_layers(shoe: Shoe, div: ShoeDivision, functions: WidthFunctions) -> WidthLayers:
+def layers_with_width_functions(
+    shoe: Shoe, div: ShoeDivision, functions: WidthFunctions
+) -> WidthLayers:
     """The layers of a divided shoe of isotropic parts, with functions across the width."""
-    halves, lame = half_widths_of(shoe), {}
-    for name, (material, _) in materials_of_parts(shoe).items():
-        # `prepare.width_why_not` lets only brakes of isotropic materials pass.
+    halves, lame = half_widths_of_parts(shoe), {}
+    for name, (material, _) in materials_and_widths_of_shoe_parts(shoe).items():
+        # `prepare.reason_against_width_model` lets only brakes of isotropic materials pass.
         assert isinstance(material, Material)
         E, nu = material.E, material.nu
         # Degree 0 takes the lambda of plane stress, all other degrees that of the solid.
@@ -157,7 +165,7 @@ class _WidthColumns(NamedTuple):
     grip: tuple[int, int]
 
 
-ColumnsFrom = Callable[[Ints, int, Stack], list[ColumnSubstructure]]
+ColumnsFrom = Callable[[Ints, int, ColumnLayers], list[ColumnSubstructure]]
 """A function that makes the columns of elements of given kinds.
 
 A kind is a shape of column. The arguments are the kinds (c,), the number of the first layer and the
@@ -165,7 +173,7 @@ stack of layers.
 """
 
 
-def _column_maker(
+def _function_that_makes_columns(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
 ) -> tuple[ColumnsFrom, Ints]:
     """The function that makes the columns of a shoe's elements, and the kind of each column.
@@ -173,57 +181,78 @@ def _column_maker(
     Columns of one kind have equal shape and equal stiffness.
     """
     p = div.degree
-    kinds_of_columns = column_kinds(shoe, div, directed=False)
+    kinds_of_columns = kinds_of_equal_element_columns(shoe, div, directed=False)
     along = kinds_of_columns.along
     plane = radius if shoe.flat else None
     radii = radius - shoe.sign * div.depths
 
-    def on_arc(kinds: Ints, first: int, stack: Stack) -> list[ColumnSubstructure]:
+    def condense_columns_on_arc(
+        kinds: Ints, first: int, stack: ColumnLayers
+    ) -> list[ColumnSubstructure]:
         """Columns of elements between two circles, or between two planes.
 
         They are their own mirror images, so that symmetric and antisymmetric halves are condensed.
         """
         parts: list[list[SectionIntegrals]] = []
         for symmetry in SYMMETRIES:
-            angular = angular_factors(along[kinds], p, symmetry, flat=shoe.flat)
+            angular = angular_factors_of_section_integrals(
+                along[kinds], p, symmetry, flat=shoe.flat
+            )
             parts.append(
                 [
-                    arc_integrals(radii[k], radii[k + 1], layers.lame[k], angular, p, plane)
-                    for k in range(first, div.layers)
+                    section_integrals_between_circles(
+                        radii[k], radii[k + 1], layers.lame[k], angular, p, plane
+                    )
+                    for k in range(first, div.number_of_element_layers)
                 ]
             )
-        return mirrored_columns(parts, layers.integrals(first), stack)
+        return condense_mirror_symmetric_columns(
+            parts, layers.width_integrals_of_layers(first), stack
+        )
 
-    def of_cells(kinds: Ints, first: int, stack: Stack) -> list[ColumnSubstructure]:
+    def condense_columns_of_cells(
+        kinds: Ints, first: int, stack: ColumnLayers
+    ) -> list[ColumnSubstructure]:
         """Columns of elements of any shape, such as those of a block under a straight beam."""
-        xy = element_nodes(point_map(shoe, radius), div.depths[first:], along[kinds], p)
+        xy = node_coordinates_of_layers_and_columns(
+            function_from_depth_and_angle_to_point(shoe, radius),
+            div.depths[first:],
+            along[kinds],
+            p,
+        )
         lame = layers.lame[first:]
-        parts = [cell_integrals(own, each, p) for own, each in zip(xy, lame, strict=True)]
-        return whole_columns(parts, layers.integrals(first), stack)
+        parts = [
+            section_integrals_of_any_shape(own, each, p) for own, each in zip(xy, lame, strict=True)
+        ]
+        return condense_columns_of_any_shape(parts, layers.width_integrals_of_layers(first), stack)
 
-    made = of_cells if kinds_of_columns.angular is None else on_arc
+    made = (
+        condense_columns_of_cells if kinds_of_columns.angular is None else condense_columns_on_arc
+    )
     return made, kinds_of_columns.which
 
 
-def _width_columns(
+def _condensed_element_columns_of_shoe(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
 ) -> _WidthColumns:
-    """The condensed columns of elements of a shoe; the parameters are those of `condense_width`."""
+    """The condensed columns of elements of a shoe; parameters as of `condense_shoe_with_width`."""
     p = div.degree
-    make, which = _column_maker(shoe, radius, div, layers)
+    make, which = _function_that_makes_columns(shoe, radius, div, layers)
 
-    def columns_of(
+    def condensed_columns_of_row(
         row: Ints, first: int, *, contact: bool, back: BackEdge
     ) -> list[ColumnSubstructure]:
         """The condensed columns of a row of kinds, with the layers from number `first` inwards.
 
-        `contact` and `back` are attributes of `Stack`.
+        `contact` and `back` are attributes of `ColumnLayers`.
         """
         if not len(row):
             return []
         # Each kind of column is condensed once.
         kinds = np.flatnonzero(np.bincount(row))
-        columns = make(kinds, first, layers.stack(p, first, contact=contact, back=back))
+        columns = make(
+            kinds, first, layers.column_layers_from_number(p, first, contact=contact, back=back)
+        )
         made = dict(zip(kinds.tolist(), columns, strict=True))
         return [made[kind] for kind in row.tolist()]
 
@@ -231,22 +260,30 @@ def _width_columns(
     # A grip on the back of a shoe begins at column a and ends before column b.
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
-    back = BackEdge.BONDED if div.first_body_layer == div.layers else BackEdge.FREE
-    free = columns_of(np.concatenate([which[:a], which[b:under]]), 0, contact=True, back=back)
-    gripped = columns_of(which[a:b], 0, contact=True, back=BackEdge.GRIPPED)
-    rest = columns_of(which[under:], div.first_body_layer, contact=False, back=BackEdge.FREE)
+    back = (
+        BackEdge.BONDED
+        if div.index_of_first_body_layer == div.number_of_element_layers
+        else BackEdge.FREE
+    )
+    free = condensed_columns_of_row(
+        np.concatenate([which[:a], which[b:under]]), 0, contact=True, back=back
+    )
+    gripped = condensed_columns_of_row(which[a:b], 0, contact=True, back=BackEdge.GRIPPED)
+    rest = condensed_columns_of_row(
+        which[under:], div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
+    )
     row = [*free[:a], *gripped, *free[a:]]
     # A column beside the grip shares its side with a gripped column. The innermost nodes of this
     # side are held.
-    stack = layers.stack(p, 0, contact=True, back=BackEdge.FREE)
+    stack = layers.column_layers_from_number(p, 0, contact=True, back=BackEdge.FREE)
     if a < b and a > 0:
-        row[a - 1] = restrict_back(row[a - 1], stack, right=True)
+        row[a - 1] = column_with_back_held_beside_grip(row[a - 1], stack, right=True)
     if a < b < under:
-        row[b] = restrict_back(row[b], stack, right=False)
+        row[b] = column_with_back_held_beside_grip(row[b], stack, right=False)
     return _WidthColumns(row, rest[:before], rest[before:], (a, b))
 
 
-def condense_width(
+def condense_shoe_with_width(
     shoe: Shoe,
     radius: float,
     div: ShoeDivision,
@@ -255,7 +292,7 @@ def condense_width(
     """The shoe condensed to its frame and to the nodes of its contact face.
 
     The nodes of the face stand by growing angle, and at each angle from the mid-plane outwards, at
-    the distances `WidthFunctions.face_nodes`. x and y of a node stand together.
+    the distances `WidthFunctions.node_distances_across_part`. x and y of a node stand together.
 
     Parameters
     ----------
@@ -269,30 +306,36 @@ def condense_width(
     NoAnswer
         for a singular stiffness
     """
-    layers = width_layers(shoe, div, functions)
-    row = _width_columns(shoe, radius, div, layers)
-    count = layers.functions.counts(layers.halves[0])[0]
-    phi = node_positions_of_row(div.angles, div.degree)
-    xy = np.repeat(point_map(shoe, radius)(np.zeros(1), phi), count, axis=1)
-    R = rigid_body_modes(xy, shoe.own_pin)
-    if div.first_body_layer < div.layers and not any(row.grip):
-        return _hinged_width(shoe, radius, div, layers, row, R)
+    layers = layers_with_width_functions(shoe, div, functions)
+    row = _condensed_element_columns_of_shoe(shoe, radius, div, layers)
+    count = layers.functions.numbers_of_even_and_odd_functions(layers.halves[0])[0]
+    phi = node_positions_of_element_row(div.angles, div.degree)
+    xy = np.repeat(
+        function_from_depth_and_angle_to_point(shoe, radius)(np.zeros(1), phi), count, axis=1
+    )
+    R = rigid_body_displacements_of_nodes(xy, shoe.pin_in_shoe_frame)
+    if div.index_of_first_body_layer < div.number_of_element_layers and not any(row.grip):
+        return _condense_hinged_shoe_with_width(shoe, radius, div, layers, row, R)
     # Beside a grip the body's parts before and behind the lining bear no load. Each part is
     # condensed to the side at which it joins the columns under the lining.
     ends: list[Floats | None] = [None, None]
     if any(row.grip):
         before, after = row.before, row.after
         ends = [
-            eliminate_side_line(assemble_column_row(before, 0)).K if before else None,
-            eliminate_side_line(assemble_column_row(after, 0), right=True).K if after else None,
+            eliminate_nodes_on_column_side(assemble_row_of_element_columns(before, 0)).K
+            if before
+            else None,
+            eliminate_nodes_on_column_side(assemble_row_of_element_columns(after, 0), right=True).K
+            if after
+            else None,
         ]
     columns = row.under.copy()
     first, last = (0 if end is None else len(end) for end in ends)
-    columns[0] = eliminate_side_line(columns[0], ends[0], first)
-    columns[-1] = eliminate_side_line(columns[-1], ends[1], last, right=True)
-    S = assemble_column_row(columns, 2 * count).K
-    face = _FaceAxes.of(shoe, div, layers)
-    return condense_back_held_shoe(shoe, face.stiffness(S), R)
+    columns[0] = eliminate_nodes_on_column_side(columns[0], ends[0], first)
+    columns[-1] = eliminate_nodes_on_column_side(columns[-1], ends[1], last, right=True)
+    S = assemble_row_of_element_columns(columns, 2 * count).K
+    face = _FaceAxes.axes_of_contact_face(shoe, div, layers)
+    return condensed_shoe_with_held_back(shoe, face.stiffness_of_face_nodes(S), R)
 
 
 class _FaceAxes(NamedTuple):
@@ -312,36 +355,38 @@ class _FaceAxes(NamedTuple):
     inverse: Floats
 
     @classmethod
-    def of(cls, shoe: Shoe, div: ShoeDivision, layers: WidthLayers) -> "_FaceAxes":
+    def axes_of_contact_face(
+        cls, shoe: Shoe, div: ShoeDivision, layers: WidthLayers
+    ) -> "_FaceAxes":
         """The change of unknowns for the contact face of a divided shoe."""
-        inverse = nodes_to_functions(layers.functions, layers.halves[0])
-        angles = np.repeat(rotations_to_shoe_frame(shoe, div), len(inverse))
+        inverse = matrix_from_nodes_to_functions(layers.functions, layers.halves[0])
+        angles = np.repeat(rotation_angles_to_shoe_frame(shoe, div), len(inverse))
         return cls(angles, inverse)
 
-    def rows(self, V: Floats) -> Floats:
+    def forces_on_face_nodes(self, V: Floats) -> Floats:
         """Forces (m, 2 n nodes) on nodes in the shoe's frame from forces V (m, 2 n functions).
 
         The forces V belong to the functions across the width, in the axes of the columns.
         """
-        turned = rotate_vector_components(V, self.angles)
+        turned = rotate_node_axes_of_vectors(V, self.angles)
         count = len(self.inverse)
         if count == 1:
             return turned
         by_function = turned.reshape(len(V), -1, count, 2).swapaxes(2, 3)
         return np.ascontiguousarray((by_function @ self.inverse).swapaxes(2, 3)).reshape(len(V), -1)
 
-    def stiffness(self, S: Floats) -> Floats:
+    def stiffness_of_face_nodes(self, S: Floats) -> Floats:
         """The stiffness (2 n nodes, 2 n nodes) of the face's nodes in the shoe's frame.
 
         `S` (2 n functions, 2 n functions) is the stiffness on the unknowns of the columns.
         """
         S = np.ascontiguousarray(S)
         if len(self.inverse) == 1:
-            return rotate_matrix_components(S, self.angles)
-        return self.rows(np.ascontiguousarray(self.rows(S).T))
+            return rotate_node_axes_of_matrix(S, self.angles)
+        return self.forces_on_face_nodes(np.ascontiguousarray(self.forces_on_face_nodes(S).T))
 
 
-def _hinged_width(
+def _condense_hinged_shoe_with_width(
     shoe: Shoe,
     radius: float,
     div: ShoeDivision,
@@ -356,45 +401,62 @@ def _hinged_width(
 
     Parameters
     ----------
-    shoe, radius, div : as of `condense_width`
+    shoe, radius, div : as of `condense_shoe_with_width`
     layers : layers with functions across the width
     row : columns of the shoe
     R : (2n, 3) rigid-body modes of the face's nodes
     """
-    p, place, pin = div.degree, point_map(shoe, radius), shoe.own_pin
-    depths = node_positions_of_row(div.depths[div.first_body_layer :], p)
+    p, place, pin = (
+        div.degree,
+        function_from_depth_and_angle_to_point(shoe, radius),
+        shoe.pin_in_shoe_frame,
+    )
+    depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], p)
     near, far = div.before[-1], div.after[-1]
-    line = layers.body_line(div)
-    even = width_integrals(layers.functions, line.half).even
+    line = layers.unknowns_across_body_thickness(div)
+    even = integrals_over_width_of_part(layers.functions, line.half).even
     # A rigid-body motion is the function 1 alone. A load even over the width acts on each even
     # function in proportion to the function's integral over the width.
     only_first, evenly = np.zeros(len(even)), even[0] / even[0, 0]
     only_first[0] = 1.0
-    modes = rotate_all_nodes(
-        rigid_body_modes(place(depths, near), pin), measuring_axis_angles(shoe, near)
+    modes = rotate_axes_of_all_nodes_by_one_angle(
+        rigid_body_displacements_of_nodes(place(depths, near), pin),
+        angles_of_displacement_axes(shoe, near),
     )
-    end = unit_actuation_loads(place(depths, far), depths, p)
-    end_forces = line.spread(rotate_all_nodes(end.forces, measuring_axis_angles(shoe, far)), evenly)
+    end = unit_actuation_loads_on_end_face(place(depths, far), depths, p)
+    end_forces = line.vectors_with_width_functions(
+        rotate_axes_of_all_nodes_by_one_angle(end.forces, angles_of_displacement_axes(shoe, far)),
+        evenly,
+    )
 
     # The assembled columns have the unknowns [frame | face | loads].
     columns = row.under.copy()
-    tied, modes = np.flatnonzero(line.z == 0), line.spread(modes, only_first)[line.z == 0]
+    tied, modes = (
+        np.flatnonzero(line.z == 0),
+        line.vectors_with_width_functions(modes, only_first)[line.z == 0],
+    )
     if row.before:
-        held = _on_frame(row.before[0], tied, modes)
-        body = assemble_column_row([held, *row.before[1:]], 0)
-        columns[0] = eliminate_side_line(columns[0], body.K, len(line.z))
+        held = _column_with_left_side_tied_to_frame(row.before[0], tied, modes)
+        body = assemble_row_of_element_columns([held, *row.before[1:]], 0)
+        columns[0] = eliminate_nodes_on_column_side(columns[0], body.K, len(line.z))
     else:
         own = columns[0].left - len(line.z)
-        columns[0] = _on_frame(columns[0], own + tied, modes)._replace(left=0)
-    loaded = loaded_body_stiffness(row.after, end_forces)
-    columns[-1] = eliminate_side_line(columns[-1], loaded, len(end_forces), right=True)
-    count = layers.functions.counts(layers.halves[0])[0]
-    A = assemble_column_row(columns, 2 * count).K
-    face = _FaceAxes.of(shoe, div, layers)
-    return condensed_shoe_in_balance(A, end, R, pin, face.rows, face.stiffness)
+        columns[0] = _column_with_left_side_tied_to_frame(columns[0], own + tied, modes)._replace(
+            left=0
+        )
+    loaded = condensed_stiffness_of_loaded_body_part(row.after, end_forces)
+    columns[-1] = eliminate_nodes_on_column_side(columns[-1], loaded, len(end_forces), right=True)
+    count = layers.functions.numbers_of_even_and_odd_functions(layers.halves[0])[0]
+    A = assemble_row_of_element_columns(columns, 2 * count).K
+    face = _FaceAxes.axes_of_contact_face(shoe, div, layers)
+    return condensed_shoe_with_balanced_loads(
+        A, end, R, pin, face.forces_on_face_nodes, face.stiffness_of_face_nodes
+    )
 
 
-def _on_frame(piece: ColumnSubstructure, tied: Ints, modes: Floats) -> ColumnSubstructure:
+def _column_with_left_side_tied_to_frame(
+    piece: ColumnSubstructure, tied: Ints, modes: Floats
+) -> ColumnSubstructure:
     """A column of elements with its left side tied to the frame; its unknowns are [frame | others].
 
     Parameters
@@ -414,5 +476,5 @@ def _on_frame(piece: ColumnSubstructure, tied: Ints, modes: Floats) -> ColumnSub
     K = np.ascontiguousarray(T.T @ KT)
     if len(free):
         inner = np.ascontiguousarray(piece.K[np.ix_(free, free)])
-        schur_complement(K, np.ascontiguousarray(KT[free]), inner)
+        replace_by_schur_complement(K, np.ascontiguousarray(KT[free]), inner)
     return ColumnSubstructure(K, FRAME, piece.right)

@@ -11,8 +11,18 @@ full slip. The brake is solved on a sequence of meshes with more and smaller ele
 degree. The change of a quantity over the last meshes estimates its error.
 """
 
-from drumlin.verification.triangles.levels import TRIANGLE_LEVELS, solve, solve_sequence
+from drumlin.verification.triangles.levels import (
+    TRIANGLE_LEVELS,
+    solve_on_triangle_level,
+    solve_on_triangle_level_sequence,
+)
 from drumlin.verification.triangles.outline import TriangleLevel
 from drumlin.verification.triangles.solution import ShoeSolution
 
-__all__ = ["TRIANGLE_LEVELS", "ShoeSolution", "TriangleLevel", "solve", "solve_sequence"]
+__all__ = [
+    "TRIANGLE_LEVELS",
+    "ShoeSolution",
+    "TriangleLevel",
+    "solve_on_triangle_level",
+    "solve_on_triangle_level_sequence",
+]

@@ -13,26 +13,26 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.support import moved
+from drumlin.brake.support import displacements_in_rigid_body_motions
 from drumlin.verification.triangles.face import CondensedFace
 
 MOST_SETS_TRIED = 600
 """Largest number of contact sets that are tried before the solver raises NoAnswer.
 
 A contact set is the set of nodes that carry contact forces."""
-SPARE = 8
+SETS_WITHOUT_PROGRESS = 8
 """Number of contact sets in a row without fewer wrong nodes, until one node at a time changes.
 
 A node is wrong if it carries a tensile force or penetrates the drum. Changing all wrong nodes at
 once is faster, but may repeat the same sets for ever (Judice & Pires 1994)."""
-NOISE = 1e-13
+ACCEPTED_CONTACT_ERROR = 1e-13
 """Largest error of a contact set that is accepted, relative to the normal force.
 
 The error is the sum of the tensile forces and of the penetrations, scaled to forces. Errors below
 this limit come from round-off."""
-ACCEPTED_AFTER = 40
+SETS_UNTIL_LATE_ERROR = 40
 """Number of contact sets after which the larger limit NEARLY takes the place of NOISE."""
-NEARLY = 1e-9
+ACCEPTED_LATE_CONTACT_ERROR = 1e-9
 """Largest relative error of a contact set that is accepted if round-off keeps changing the set.
 
 The error is the sum of tensile forces and penetrations, relative to the normal force."""
@@ -66,7 +66,7 @@ class ContactForces(NamedTuple):
     active: Bools
 
 
-def solve_complementarity(
+def solve_contact_complementarity(
     A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, weight: Floats, first: Bools
 ) -> ContactForces:
     """Solve the contact problem w = q + A f + B y >= 0, f >= 0, w f = 0, C f = h for f and y.
@@ -94,7 +94,7 @@ def solve_complementarity(
     n, k = len(q), len(h)
     active = first.copy()
     scale = float(np.median(np.abs(np.diag(A)) * weight))
-    fewest, spare, least = n + 1, SPARE, math.inf
+    fewest, spare, least = n + 1, SETS_WITHOUT_PROGRESS, math.inf
     best: ContactForces | None = None
     for step in range(MOST_SETS_TRIED):
         # The active nodes have zero gap: their forces and the rigid-body motions are solved for.
@@ -120,12 +120,14 @@ def solve_complementarity(
         wrongness = -float(off[wrong].sum()) / size_of
         if wrongness < least:
             least, best = wrongness, ContactForces(f, y, active.copy())
-        if wrongness < NOISE or (step > ACCEPTED_AFTER and least < NEARLY):
+        if wrongness < ACCEPTED_CONTACT_ERROR or (
+            step > SETS_UNTIL_LATE_ERROR and least < ACCEPTED_LATE_CONTACT_ERROR
+        ):
             assert best is not None
             return best
         # While the number of wrong nodes falls, all of them change; later only the last one.
         if len(wrong) < fewest:
-            fewest, spare = len(wrong), SPARE
+            fewest, spare = len(wrong), SETS_WITHOUT_PROGRESS
         else:
             spare -= 1
         chosen = wrong if spare > 0 else wrong[-1:]
@@ -163,26 +165,28 @@ def solve_contact_forces(
     # Each combination of the senses of friction at the abutments is tried in turn.
     for chosen in product(*(shoe.senses for shoe in shoes)) if senses is None else [senses]:
         try:
-            found = _solve_for_friction_senses(brake, faces, shoes, rim, first, chosen)
+            found = _solve_for_abutment_friction_senses(brake, faces, shoes, rim, first, chosen)
         except NoAnswer as error:
             failure = failure or error
             continue
-        if all(_foot_stands(brake, *of) for of in zip(faces, shoes, found, chosen, strict=True)):
+        if all(
+            _is_foot_on_abutment(brake, *of) for of in zip(faces, shoes, found, chosen, strict=True)
+        ):
             return found
     raise failure or NoAnswer("a foot leaves its abutment")
 
 
-def _foot_stands(
+def _is_foot_on_abutment(
     brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
 ) -> bool:
     """Whether the foot of a shoe stays on its abutment with the assumed sense of friction there."""
     # `drum` is the force of the drum on the lining per unit of normal force, at each node.
-    drum = brake.friction * brake.spin * one.tangent - one.normal
-    reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.actuation.vector
+    drum = brake.friction * brake.sign_of_motion * one.tangent - one.normal
+    reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.actuation.force_vector
     return shoe.stands(reaction, sense, float(found.motions[-1]))
 
 
-def _solve_for_friction_senses(
+def _solve_for_abutment_friction_senses(
     brake: Brake,
     faces: list[CondensedFace],
     shoes: list[Shoe],
@@ -192,12 +196,12 @@ def _solve_for_friction_senses(
 ) -> list[ContactForces]:
     """The contact forces of each shoe, for an assumed sense of the friction at each abutment."""
     # Friction at full slip is `drag` times the normal force, along growing theta.
-    drag = brake.friction * brake.spin
+    drag = brake.friction * brake.sign_of_motion
     free = [shoe.freedoms(sense) for shoe, sense in zip(shoes, senses, strict=True)]
     begin = np.concatenate([[0], np.cumsum([len(face.theta) for face in faces])])
     rows = np.concatenate([[0], np.cumsum([len(own.work) for own in free])])
     n, k = int(begin[-1]), int(rows[-1])
-    # Each shoe has its own block of the matrices of `solve_complementarity`.
+    # Each shoe has its own block of the matrices of `solve_contact_complementarity`.
     A, B, C = np.zeros((n, n)), np.zeros((n, k)), np.zeros((k, n))
     q, h, weight = np.zeros(n), np.zeros(k), np.zeros(n)
     spread = []
@@ -211,7 +215,9 @@ def _solve_for_friction_senses(
             normal[np.arange(m), 2 * np.arange(m) + c] = one.normal[:, c]
             pull[2 * np.arange(m) + c, np.arange(m)] = -one.normal[:, c] + drag * one.tangent[:, c]
         by_motion, tested = (
-            moved(motions, one.xy.T).transpose(1, 0, 2).reshape(2 * m, -1)
+            displacements_in_rigid_body_motions(motions, one.xy.T)
+            .transpose(1, 0, 2)
+            .reshape(2 * m, -1)
             for motions in (own.motions, own.tests)
         )
         A[part, part] = -normal @ one.compliance @ pull
@@ -228,20 +234,20 @@ def _solve_for_friction_senses(
             A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= (
                 spread[i][0] @ rim.compliance[np.ix_(on, under)] @ spread[j][1]
             )
-    found = solve_complementarity(A, q, B, C, h, weight, np.concatenate(first))
+    found = solve_contact_complementarity(A, q, B, C, h, weight, np.concatenate(first))
     return [
         ContactForces(found.force[a:b], found.motions[c:d], found.active[a:b])
         for (a, b), (c, d) in zip(pairwise(begin), pairwise(rows), strict=True)
     ]
 
 
-def tip_displacement(
+def tip_displacement_along_force(
     brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
 ) -> float:
     """Displacement [m] of the point where the actuation force F > 0 acts, along this force.
 
     It is the work of F divided by F: the elastic part and the part of the rigid-body motion.
     """
-    drum = brake.friction * brake.spin * one.tangent - one.normal
-    elastic = float(one.loaded @ (found.force[:, None] * drum).ravel()) + one.yields
+    drum = brake.friction * brake.sign_of_motion * one.tangent - one.normal
+    elastic = float(one.loaded @ (found.force[:, None] * drum).ravel()) + one.elastic_actuation_work
     return elastic / shoe.actuation.force + float(shoe.freedoms(sense).tip @ found.motions)

@@ -39,10 +39,10 @@ class MeshedBody(NamedTuple):
     degree: int
 
 
-def mesh_body(shape: Outline, mesh: Triangles, degree: int) -> MeshedBody:
+def body_with_nodes_and_stiffness(shape: Outline, mesh: Triangles, degree: int) -> MeshedBody:
     """The body of outline `shape` with the nodes and the stiffness matrices of its triangles."""
-    nodes = lagrange.make_nodes(mesh, shape.place, degree)
-    K = lagrange.triangle_stiffnesses(mesh, nodes, shape.layers, degree)
+    nodes = lagrange.make_triangle_nodes(mesh, shape.place, degree)
+    K = lagrange.triangle_stiffness_matrices(mesh, nodes, shape.layers, degree)
     surface = np.flatnonzero(nodes.at[:, 1] == 0)
     return MeshedBody(shape, mesh, nodes, K, surface[np.argsort(nodes.at[surface, 0])], degree)
 
@@ -73,13 +73,13 @@ class CondensedFace:
     mass: Floats
     compliance: Floats
     loaded: Floats
-    yields: float
+    elastic_actuation_work: float
     gap: Floats
     degree: int
     unknowns: int
 
 
-def edge_nodes(nodes: Nodes, tri: Ints, edge: Ints, degree: int) -> Ints:
+def node_numbers_along_edges(nodes: Nodes, tri: Ints, edge: Ints, degree: int) -> Ints:
     """Numbers (k, degree + 1) of the nodes along one edge of each of k triangles.
 
     `tri` (k,) are the numbers of the triangles, `edge` (k,) the numbers 0 to 2 of their edges.
@@ -89,13 +89,13 @@ def edge_nodes(nodes: Nodes, tri: Ints, edge: Ints, degree: int) -> Ints:
     return nodes.of[tri[:, None], local]
 
 
-def edge_polynomials(degree: int, at: Floats) -> tuple[Floats, Floats]:
+def edge_shape_functions(degree: int, at: Floats) -> tuple[Floats, Floats]:
     """Values and derivatives (degree + 1, q) of the shape functions of an edge at q points.
 
     The shape functions are Lagrange polynomials on the Gauss-Lobatto nodes of the edge. The points
     `at` (q,) lie in [0, 1] along the edge.
     """
-    nodes = lagrange.lobatto_points(degree)
+    nodes = lagrange.lobatto_points_on_unit_interval(degree)
     V = np.linalg.inv(legendre.legvander(2 * nodes - 1, degree))
     value = legendre.legvander(2 * at - 1, degree)
     unit = np.eye(degree + 1)
@@ -103,19 +103,19 @@ def edge_polynomials(degree: int, at: Floats) -> tuple[Floats, Floats]:
     return (value @ V).T, (slope @ V).T
 
 
-def edge_quadrature(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
+def gauss_rule_on_curved_edges(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
     """The Gauss rule on k curved edges: shape functions, points and lengths at its q points.
 
     The nodes of the edges are xy (k, degree + 1, 2) [m]. Returned are the values (degree + 1, q) of
     the shape functions, the points (k, q, 2) [m], and the lengths ds (k, q) [m], which include the
     weights of the rule.
     """
-    psi, slope = edge_polynomials(degree, 0.5 + 0.5 * FACE_GAUSS)
+    psi, slope = edge_shape_functions(degree, 0.5 + 0.5 * FACE_GAUSS)
     x, dx = (np.einsum("kac,aq->kqc", xy, values) for values in (psi, slope))
     return psi, x, np.hypot(dx[..., 0], dx[..., 1]) * 0.5 * FACE_WEIGHTS
 
 
-def _nodal_end_load(body: MeshedBody, force: Floats, point: Floats) -> Floats:
+def _nodal_forces_on_loaded_end(body: MeshedBody, force: Floats, point: Floats) -> Floats:
     """Nodal forces (2N,) [N] on the loaded end of a shoe that equal a force through a point.
 
     The force (2,) [N] is spread evenly over the loaded end. Tractions that grow linearly from the
@@ -125,10 +125,12 @@ def _nodal_end_load(body: MeshedBody, force: Floats, point: Floats) -> Floats:
     # The edges of triangles on the loaded end of the body behind the lining.
     at = body.mesh.at
     assert body.shape.loaded is not None
-    on = (np.abs(at[..., 0] - body.shape.loaded) < 1e-12) & (at[..., 1] >= body.shape.front - 1e-12)
+    on = (np.abs(at[..., 0] - body.shape.loaded) < 1e-12) & (
+        at[..., 1] >= body.shape.first_layer_of_body - 1e-12
+    )
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
-    of = edge_nodes(body.nodes, tri, edge, body.degree)
-    psi, x, ds = edge_quadrature(body.nodes.xy[of], body.degree)
+    of = node_numbers_along_edges(body.nodes, tri, edge, body.degree)
+    psi, x, ds = gauss_rule_on_curved_edges(body.nodes.xy[of], body.degree)
     centre = np.einsum("kqc,kq->c", x, ds) / ds.sum()
     arm = x - centre
     lever = point - centre
@@ -144,7 +146,7 @@ def _nodal_end_load(body: MeshedBody, force: Floats, point: Floats) -> Floats:
     return loads.ravel()
 
 
-def condense_to_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> CondensedFace:
+def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> CondensedFace:
     """A meshed shoe, statically condensed to the nodes of its lining's face."""
     shape, nodes, kept = body.shape, body.nodes, body.surface
     # A shoe without a hinged end is fixed at its back; other shoes are fixed at the hinged end and
@@ -157,19 +159,23 @@ def condense_to_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> CondensedFac
         loads = np.zeros((2 * len(nodes.xy), 1))
     else:
         fixed = (np.abs(nodes.at[:, 0] - shape.held) < 1e-12) & (
-            nodes.at[:, 1] > shape.front - 1e-12
+            nodes.at[:, 1] > shape.first_layer_of_body - 1e-12
         )
-        loads = _nodal_end_load(body, shoe.actuation.vector, shoe.actuation.point.xy)[:, None]
+        loads = _nodal_forces_on_loaded_end(
+            body, shoe.actuation.force_vector, shoe.actuation.point.xy
+        )[:, None]
     # The nodes of the face are put in the order of growing theta.
     theta = shape.origin + shape.turn * nodes.at[kept, 0]
     kept, theta = kept[:: shape.turn], theta[:: shape.turn]
-    compliance = lagrange.condense_body(body.K, nodes, np.repeat(fixed, 2), kept, loads)
+    compliance = lagrange.condense_body_to_kept_nodes(
+        body.K, nodes, np.repeat(fixed, 2), kept, loads
+    )
     er = np.stack([np.cos(theta), np.sin(theta)], axis=1)
     # The mass matrix of the face turns nodal forces into a pressure.
     place = np.empty(len(nodes.xy), dtype=np.int64)
     place[kept] = np.arange(len(kept))
-    of = place[edge_nodes(nodes, *body.mesh.surface, body.degree)]
-    psi, _, ds = edge_quadrature(nodes.xy[kept][of], body.degree)
+    of = place[node_numbers_along_edges(nodes, *body.mesh.edges_on_surface, body.degree)]
+    psi, _, ds = gauss_rule_on_curved_edges(nodes.xy[kept][of], body.degree)
     mass = np.zeros((len(kept), len(kept)))
     np.add.at(
         mass,
@@ -184,8 +190,8 @@ def condense_to_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> CondensedFac
         mass=mass,
         compliance=compliance.of,
         loaded=compliance.loaded[:, 0],
-        yields=float(compliance.work[0, 0]),
-        gap=clearance.gap(brake, shoe, theta),
+        elastic_actuation_work=float(compliance.work[0, 0]),
+        gap=clearance.unloaded_gap_of_shoe(brake, shoe, theta),
         degree=body.degree,
         unknowns=2 * len(nodes.xy),
     )

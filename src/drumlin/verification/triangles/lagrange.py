@@ -17,7 +17,7 @@ from skfem.quadrature import get_quadrature_tri
 
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
-from drumlin.brake.elasticity import ElasticLayer, has_directions
+from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
 from drumlin.verification.triangles.triangulation import (
     PointMap,
     TriangleLayer,
@@ -32,20 +32,20 @@ Smaller parts need more calls, larger parts need more arithmetic."""
 
 
 @cache
-def lobatto_points(degree: int) -> Floats:
+def lobatto_points_on_unit_interval(degree: int) -> Floats:
     """The Gauss-Lobatto points (degree + 1,) on [0, 1]."""
     inner = legendre.Legendre.basis(degree).deriv().roots() if degree > 1 else np.zeros(0)
     return 0.5 + 0.5 * np.concatenate([[-1.0], np.sort(np.real(inner)), [1.0]])
 
 
 @cache
-def reference_nodes(degree: int) -> Floats:
+def nodes_of_reference_triangle(degree: int) -> Floats:
     """Barycentric coordinates (n, 3) of the nodes of a triangle.
 
     The nodes of the corners 0, 1, 2 come first, then those of the edges 01, 12, 20, each from its
     first to its second corner, then those inside the triangle.
     """
-    x = lobatto_points(degree)[1:-1]
+    x = lobatto_points_on_unit_interval(degree)[1:-1]
     zero = 0 * x
     edges = [
         np.stack([1 - x, x, zero], 1),
@@ -53,7 +53,7 @@ def reference_nodes(degree: int) -> Floats:
         np.stack([x, zero, 1 - x], 1),
     ]
     # The nodes inside come from three Gauss-Lobatto points, scaled so that their sum is 1.
-    full = lobatto_points(degree)
+    full = lobatto_points_on_unit_interval(degree)
     inside = [
         (full[i], full[j], full[k])
         for i in range(1, degree)
@@ -64,7 +64,9 @@ def reference_nodes(degree: int) -> Floats:
     return np.concatenate([np.eye(3), *edges, inner / inner.sum(axis=1, keepdims=True)])
 
 
-def _legendre_products(degree: int, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
+def _legendre_products_and_slopes(
+    degree: int, x: Floats, y: Floats
+) -> tuple[Floats, Floats, Floats]:
     """Products P_i(x) P_j(y) of Legendre polynomials with i + j <= degree, and their derivatives.
 
     Returned are three arrays (n, points): the n products, their derivatives by x, and by y. The
@@ -89,16 +91,16 @@ def _legendre_products(degree: int, x: Floats, y: Floats) -> tuple[Floats, Float
 
 
 @cache
-def shape_functions(degree: int) -> tuple[Floats, Floats, Floats]:
+def triangle_shape_functions(degree: int) -> tuple[Floats, Floats, Floats]:
     """Shape functions of the reference triangle at the q points of a quadrature rule.
 
     Returned are the values (n, q), the gradients (n, 2, q) and the weights (q,) of the rule. The
     rule is exact for polynomials of twice the degree.
     """
-    nodes = reference_nodes(degree)
+    nodes = nodes_of_reference_triangle(degree)
     X, W = get_quadrature_tri(2 * degree)
-    at_nodes, _, _ = _legendre_products(degree, nodes[:, 1], nodes[:, 2])
-    value, dx, dy = _legendre_products(degree, X[0], X[1])
+    at_nodes, _, _ = _legendre_products_and_slopes(degree, nodes[:, 1], nodes[:, 2])
+    value, dx, dy = _legendre_products_and_slopes(degree, X[0], X[1])
     inverse = np.linalg.inv(at_nodes)
     return inverse @ value, np.stack([inverse @ dx, inverse @ dy], axis=1), W
 
@@ -120,7 +122,7 @@ class Nodes:
     xy: Floats
 
 
-def make_nodes(mesh: Triangles, place: PointMap, degree: int) -> Nodes:
+def make_triangle_nodes(mesh: Triangles, place: PointMap, degree: int) -> Nodes:
     """The nodes of a mesh of triangles of a polynomial degree: at corners, on edges and inside."""
     edges, of_edge = mesh_edges(mesh)
     corners = int(mesh.vertices.max()) + 1
@@ -139,20 +141,20 @@ def make_nodes(mesh: Triangles, place: PointMap, degree: int) -> Nodes:
     used, of = np.unique(of, return_inverse=True)
     of = of.reshape(m, n)
     at = np.zeros((len(used), 2))
-    at[of] = np.einsum("nk,mkc->mnc", reference_nodes(degree), mesh.at)
+    at[of] = np.einsum("nk,mkc->mnc", nodes_of_reference_triangle(degree), mesh.at)
     return Nodes(of, at, place(at[:, 0], at[:, 1]))
 
 
-def triangle_stiffnesses(
+def triangle_stiffness_matrices(
     mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int
 ) -> Floats:
     """The plane-stress stiffness matrices (m, 2n, 2n) of m triangles of n nodes [N/m].
 
     Unknown 2 i + c of a triangle is component c of the displacement of its node i.
     """
-    values, slopes, weights = shape_functions(degree)
+    values, slopes, weights = triangle_shape_functions(degree)
     matrices = np.array([layer.elastic.stiffness for layer in layers])
-    directed = has_directions(matrices)
+    directed = is_elasticity_matrix_orthotropic(matrices)
     n = slopes.shape[0]
     found = np.empty((len(mesh.layer), 2 * n, 2 * n))
     # Some 2000 triangles are integrated at once, which bounds the memory.
@@ -181,11 +183,15 @@ def triangle_stiffnesses(
             own = np.flatnonzero(mesh.layer[part] == number)
             points = np.einsum("mnc,nq->cmq", x[own], values)
             area = np.abs(det[own]) * weights
-            found[part[own]] = _directed_stiffness(G[own], area, layers[number].elastic, points)
+            found[part[own]] = _orthotropic_triangle_stiffness(
+                G[own], area, layers[number].elastic, points
+            )
     return found
 
 
-def _directed_stiffness(G: Floats, area: Floats, layer: ElasticLayer, points: Floats) -> Floats:
+def _orthotropic_triangle_stiffness(
+    G: Floats, area: Floats, layer: ElasticLayer, points: Floats
+) -> Floats:
     """Stiffness matrices (m, 2n, 2n) of triangles in an orthotropic layer [N/m].
 
     The stiffness is the integral of B^T Q^T D Q B. The matrix Q takes strains in x and y to strains
@@ -248,7 +254,9 @@ class PartialSchurComplement(NamedTuple):
     work: Floats
 
 
-def condense_body(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) -> Compliance:
+def condense_body_to_kept_nodes(
+    K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats
+) -> Compliance:
     """Condense a body statically to the nodes `kept`; returns their compliance.
 
     The set of triangles is halved across its longer side, and its halves again. The parts are
@@ -277,7 +285,7 @@ def condense_body(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Float
     loads = np.where(held[:, None], 0.0, loads)
     columns = loads.shape[1]
 
-    def assembled(parts: list[PartialSchurComplement]) -> PartialSchurComplement:
+    def assemble_and_eliminate(parts: list[PartialSchurComplement]) -> PartialSchurComplement:
         """Assemble parts of the body and eliminate the unknowns that no other part shares."""
         # An unknown can be eliminated if all of its triangles are in these parts.
         all_dofs, where = np.unique(
@@ -311,13 +319,13 @@ def condense_body(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Float
             work + own.T @ own,
         )
 
-    def front_of(members: Ints) -> PartialSchurComplement:
+    def schur_complement_of_triangles(members: Ints) -> PartialSchurComplement:
         """The Schur complement of the part of the body with the triangles numbered `members`."""
         # A small part is assembled from its triangles, a larger one from its two halves.
         if len(members) <= LEAF_TRIANGLES:
             free = ~held[dofs[members]]
             none = np.zeros((columns, columns))
-            return assembled(
+            return assemble_and_eliminate(
                 [
                     PartialSchurComplement(
                         d[on],
@@ -331,9 +339,14 @@ def condense_body(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Float
             )
         x = centres[members]
         order = members[np.argsort(x[:, int(np.argmax(np.ptp(x, axis=0)))], kind="stable")]
-        return assembled([front_of(order[: len(order) // 2]), front_of(order[len(order) // 2 :])])
+        return assemble_and_eliminate(
+            [
+                schur_complement_of_triangles(order[: len(order) // 2]),
+                schur_complement_of_triangles(order[len(order) // 2 :]),
+            ]
+        )
 
-    whole = front_of(np.arange(len(centres)))
+    whole = schur_complement_of_triangles(np.arange(len(centres)))
     order = (2 * kept[:, None] + np.arange(2)).ravel()
     # The unknowns that are left are the kept ones, in growing order.
     at = np.searchsorted(whole.dofs, order)

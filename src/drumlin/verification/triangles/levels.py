@@ -11,21 +11,25 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.brake.ring_support import plain_ring_only
+from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
 from drumlin.verification.triangles.contact import solve_contact_forces
-from drumlin.verification.triangles.face import CondensedFace, condense_to_face, mesh_body
+from drumlin.verification.triangles.face import (
+    CondensedFace,
+    body_with_nodes_and_stiffness,
+    condense_shoe_to_lining_face,
+)
 from drumlin.verification.triangles.outline import (
     Outline,
     SingularPlaces,
     TriangleLevel,
-    draft_mesh,
-    make_outline,
+    make_graded_shoe_mesh,
+    make_shoe_outline,
 )
-from drumlin.verification.triangles.ring import condense_ring, mesh_linings_and_ring
+from drumlin.verification.triangles.ring import condense_ring_to_lining_nodes, mesh_linings_and_ring
 from drumlin.verification.triangles.shared import solve_shoes_that_share_forces
-from drumlin.verification.triangles.solution import ShoeSolution, shoe_solution
+from drumlin.verification.triangles.solution import ShoeSolution, solution_from_contact_forces
 
-ENDS = 13
+MOST_HALVINGS_AT_CONTACT_ENDS = 13
 """Largest number of times that triangles are halved towards an end of the contact.
 
 The pressure p is small there, so that smaller triangles change nothing. The number also holds at a
@@ -33,16 +37,16 @@ kink of the gap that does not point to the drum."""
 END_SLACK = 1e-9
 """Distance from an end of the lining, relative to the lining's length, within which a kink or an
 end of the contact counts as lying at the end of the lining."""
-NARROWEST = 1e-4
+NARROWEST_CONTACT = 1e-4
 """Width of a contact, relative to `Outline.least`, below which its triangles become no smaller."""
 
-FINDING = TriangleLevel(3, 8, 1.4, 1.0)
+CONTACT_FINDING_LEVEL = TriangleLevel(3, 8, 1.4, 1.0)
 """Degree and grading of the coarse meshes on which the ends of the contact are found."""
-PASSES = 6
+MOST_FINDING_PASSES = 6
 """Largest number of times that the brake is solved on coarse meshes to find the contact's ends.
 
 Each of these meshes is graded to the ends of the contact in the solution before."""
-LESS = (0.0, 0.5)
+FIRST_FRICTION_FRACTIONS = (0.0, 0.5)
 """Fractions of the coefficient of friction for which the brake is solved first.
 
 With much friction a brake may have several solutions. The one sought is the one that is reached
@@ -55,10 +59,10 @@ TRIANGLE_LEVELS = (
     TriangleLevel(4, 13, 0.7, 0.8),
     TriangleLevel(5, 15, 0.7, 0.8),
 )
-"""Degree and grading of the meshes on which `solve_sequence` solves a brake, coarse to fine."""
+"""Degree and grading of the meshes of `solve_on_triangle_level_sequence`, from coarse to fine."""
 
 
-def pressed_shoes(brake: Brake) -> list[int]:
+def numbers_of_pressed_shoes(brake: Brake) -> list[int]:
     """Numbers of the shoes that the actuation presses on the drum.
 
     A shoe on a hinge is pressed if the moment of its actuation closes the gap at some angle. Shoes
@@ -66,25 +70,27 @@ def pressed_shoes(brake: Brake) -> list[int]:
     """
     found = []
     for i, shoe in enumerate(brake.shoes):
-        if shoe.held_by != "hinge" or brake.shares:
+        if shoe.kind_of_support != "hinge" or brake.shares:
             found.append(i)
             continue
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 41)
         e = np.stack([np.cos(theta), np.sin(theta)], axis=1)
         arm = brake.size * e - shoe.pin.xy
         closing = shoe.sign * (-arm[:, 1] * e[:, 0] + arm[:, 0] * e[:, 1])
-        if (closing * shoe.actuation.moment_about(shoe.pin) > 0).any():
+        if (closing * shoe.actuation.moment_of_force_about_point(shoe.pin) > 0).any():
             found.append(i)
     return found
 
 
-def _shortest_wavelength(brake: Brake) -> float:
+def _shortest_wavelength_of_drum(brake: Brake) -> float:
     """Shortest wavelength [m] of the drum's out-of-roundness; of a round drum the circumference."""
-    highest = max((part.order for part in brake.lobes if part.amplitude), default=0)
+    highest = max(
+        (part.order for part in brake.out_of_round_harmonics if part.amplitude), default=0
+    )
     return 2 * math.pi * brake.size / max(highest, 1)
 
 
-def solve(
+def solve_on_triangle_level(
     brake: Brake, level: TriangleLevel, before: Sequence[ShoeSolution] | None = None
 ) -> list[ShoeSolution]:
     """Solve a brake on triangles of one degree and grading; returns the solution of each shoe.
@@ -103,20 +109,23 @@ def solve(
     NoAnswer
         If a shoe does not touch the drum or no contact set solves the equations.
     """
-    refusal = plain_ring_only(brake, "the verification by triangles")
+    refusal = reason_if_ring_support_is_not_plain(brake, "the verification by triangles")
     if refusal is not None:
         raise BadInput(refusal)
     shoes = list(brake.shoes)
-    if len(pressed_shoes(brake)) < len(shoes):
+    if len(numbers_of_pressed_shoes(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")
     earlier = [None] * len(shoes) if before is None else list(before)
     # Each shoe gets a mesh that is graded to its corners and to the ends of its contact.
     drafts = []
     for shoe, its in zip(shoes, earlier, strict=True):
-        shape = make_outline(shoe, brake.size)
+        shape = make_shoe_outline(shoe, brake.size)
         drafts.append(
-            draft_mesh(
-                shape, _singular_places(shoe, shape, its, level), level, _shortest_wavelength(brake)
+            make_graded_shoe_mesh(
+                shape,
+                _gap_kinks_and_contact_ends(shoe, shape, its, level),
+                level,
+                _shortest_wavelength_of_drum(brake),
             )
         )
     meshes, opposite = [one.mesh for one in drafts], None
@@ -124,21 +133,23 @@ def solve(
         meshes, opposite = mesh_linings_and_ring(brake, drafts, level)
     # Shoes that share forces are condensed under a unit force, which is scaled later.
     faces = [
-        condense_to_face(
+        condense_shoe_to_lining_face(
             brake,
             shoe.under(1.0) if brake.shares else shoe,
-            mesh_body(one.shape, mesh, level.degree),
+            body_with_nodes_and_stiffness(one.shape, mesh, level.degree),
         )
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
     ]
-    firsts = [_initial_contact(one, its) for one, its in zip(faces, earlier, strict=True)]
+    firsts = [
+        _is_node_in_contact_at_start(one, its) for one, its in zip(faces, earlier, strict=True)
+    ]
     if brake.shares:
         if opposite is not None:
             raise BadInput(f"{brake.shares}, on an elastic ring")
         shoes, found = solve_shoes_that_share_forces(brake, faces, firsts)
     elif opposite is not None:
         found = solve_contact_forces(
-            brake, faces, shoes, condense_ring(brake, opposite, faces), firsts
+            brake, faces, shoes, condense_ring_to_lining_nodes(brake, opposite, faces), firsts
         )
     else:
         found = [
@@ -146,12 +157,12 @@ def solve(
             for i in range(len(shoes))
         ]
     return [
-        shoe_solution(brake, shoe, one, its)
+        solution_from_contact_forces(brake, shoe, one, its)
         for shoe, one, its in zip(shoes, faces, found, strict=True)
     ]
 
 
-def _singular_places(
+def _gap_kinks_and_contact_ends(
     shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel
 ) -> SingularPlaces:
     """The places on a lining's face where p is not smooth, with the triangles' lengths there.
@@ -159,24 +170,29 @@ def _singular_places(
     These places are the kinks of the gap and the ends of the contact inside the lining. Shorter
     contacts get shorter triangles at their ends.
     """
-    lining, tips = shoe.lining, {angle for angle, _ in clearance.tips(shoe.lining)}
-    most = min(ENDS, level.halvings)
+    lining, tips = (
+        shoe.lining,
+        {angle for angle, _ in clearance.gap_kinks_that_point_to_drum(shoe.lining)},
+    )
+    most = min(MOST_HALVINGS_AT_CONTACT_ENDS, level.halvings)
     # Under a tip of the lining that points to the drum p has no bound: triangles are smaller.
     beyond = 0.5 ** (level.halvings - most)
     places = [
-        (angle, shape.least * (beyond if angle in tips else 1.0))
-        for angle in clearance.kinks(lining)
+        (angle, shape.unhalved_triangle_length * (beyond if angle in tips else 1.0))
+        for angle in clearance.coordinates_of_gap_kinks(lining)
     ]
     for arc in [] if before is None else before.arcs:
-        width = max((arc[1] - arc[0]) * shape.length, NARROWEST * shape.least)
-        places += [(float(end), min(shape.least, width / 4)) for end in arc]
+        width = max(
+            (arc[1] - arc[0]) * shape.length, NARROWEST_CONTACT * shape.unhalved_triangle_length
+        )
+        places += [(float(end), min(shape.unhalved_triangle_length, width / 4)) for end in arc]
     slack = END_SLACK * (lining.end - lining.start)
     inside = [one for one in places if lining.start + slack < one[0] < lining.end - slack]
     angle, length = np.reshape(inside, (-1, 2)).T
     return SingularPlaces((angle - shape.origin) * shape.turn, length * 0.5**most)
 
 
-def _initial_contact(one: CondensedFace, before: ShoeSolution | None) -> Bools:
+def _is_node_in_contact_at_start(one: CondensedFace, before: ShoeSolution | None) -> Bools:
     """Whether each node (n,) of a lining's face is in contact when the contact solver starts.
 
     The nodes in contact are those of the earlier solution `before`, or all nodes if it is None.
@@ -187,7 +203,7 @@ def _initial_contact(one: CondensedFace, before: ShoeSolution | None) -> Bools:
     return np.any(inside, axis=0)
 
 
-def solve_sequence(
+def solve_on_triangle_level_sequence(
     brake: Brake, levels: Sequence[TriangleLevel] = TRIANGLE_LEVELS
 ) -> list[list[ShoeSolution]]:
     """Solve a brake on a sequence of meshes; returns for each mesh the solutions of all shoes.
@@ -197,16 +213,18 @@ def solve_sequence(
     coefficient of friction: with much friction a brake may have several solutions, and the one
     sought is reached when friction grows from zero.
 
-    Raises BadInput and NoAnswer as `solve` does.
+    Raises BadInput and NoAnswer as `solve_on_triangle_level` does.
     """
     before = None
     # A failed solution at lower friction only means a worse start.
-    for part in LESS:
+    for part in FIRST_FRICTION_FRACTIONS:
         with suppress(NoAnswer):
-            before = solve(vary(brake, {"friction": part * brake.friction}), FINDING, before)
+            before = solve_on_triangle_level(
+                vary(brake, {"friction": part * brake.friction}), CONTACT_FINDING_LEVEL, before
+            )
     # The coarse mesh is graded again until the ends of the contact stay in their places.
-    for _ in range(PASSES):
-        after = solve(brake, FINDING, before)
+    for _ in range(MOST_FINDING_PASSES):
+        after = solve_on_triangle_level(brake, CONTACT_FINDING_LEVEL, before)
         same = before is not None and all(
             _have_same_contact_arcs(a.arcs, b.arcs) for a, b in zip(before, after, strict=True)
         )
@@ -215,7 +233,7 @@ def solve_sequence(
             break
     found: list[list[ShoeSolution]] = []
     for level in levels:
-        found.append(solve(brake, level, found[-1] if found else before))
+        found.append(solve_on_triangle_level(brake, level, found[-1] if found else before))
     return found
 
 

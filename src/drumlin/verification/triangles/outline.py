@@ -9,7 +9,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
-from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.elasticity import ElasticLayer
@@ -17,12 +17,12 @@ from drumlin.verification.triangles.triangulation import (
     PointMap,
     TriangleLayer,
     Triangles,
-    graded_mesh,
-    initial_mesh,
-    spaced_points,
+    grade_mesh_towards_points,
+    points_with_variable_spacing,
+    triangulate_grid,
 )
 
-SLENDER = 12.0
+LONGEST_TRIANGLE_RATIO = 12.0
 """Largest length of triangles far from all corners, relative to the thickness of the thinnest
 layer."""
 
@@ -92,18 +92,18 @@ class Outline:
     plates: int = 1
 
     @property
-    def front(self) -> int:
+    def first_layer_of_body(self) -> int:
         """The coordinate d at which the shoe's body begins, behind lining and backing."""
         return len(self.layers) - self.plates
 
     @property
-    def least(self) -> float:
+    def unhalved_triangle_length(self) -> float:
         """Length of a triangle before its first halving towards a corner [m]."""
         arc = (self.layers[0].end - self.layers[0].start) * self.length
         return min(float(self.thickness.min()), arc / 4)
 
 
-def make_outline(shoe: Shoe, R: float) -> Outline:
+def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     """The outline of a shoe on a drum of radius R [m].
 
     Raises BadInput for a shoe that has a mesh of its own or a beam without a constant section.
@@ -112,7 +112,7 @@ def make_outline(shoe: Shoe, R: float) -> Outline:
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
     if isinstance(body, Beam):
-        return _beam_outline(shoe, R)
+        return _outline_of_beam_shoe(shoe, R)
     parts = [(lining.thickness, lining.material)] + (
         [(backing.thickness, backing.material)] if backing else []
     )
@@ -150,18 +150,33 @@ def make_outline(shoe: Shoe, R: float) -> Outline:
             corners += [(end, float(len(layers))) for end in grip]
     depths = np.concatenate([[0.0], np.cumsum(thickness)])
 
-    def place(s: Floats, d: Floats) -> Floats:
+    def points_in_shoe_outline(s: Floats, d: Floats) -> Floats:
         """Points (..., 2) [m] of the shoe at the angles s and the layer coordinates d."""
         r = R - shoe.sign * np.interp(d, np.arange(len(depths)), depths)
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
-    ends, points, plates = _sorted_distinct(s), np.unique(corners, axis=0), len(layers) - len(parts)
+    ends, points, plates = (
+        _sorted_distinct_values(s),
+        np.unique(corners, axis=0),
+        len(layers) - len(parts),
+    )
     return Outline(
-        place, layers, np.array(thickness), ends, points, held, loaded, 0.0, 1, R, grip, plates
+        points_in_shoe_outline,
+        layers,
+        np.array(thickness),
+        ends,
+        points,
+        held,
+        loaded,
+        0.0,
+        1,
+        R,
+        grip,
+        plates,
     )
 
 
-def _beam_outline(shoe: Shoe, R: float) -> Outline:
+def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
     """The outline of a straight beam that carries its lining on a rectangular block.
 
     The coordinate s is the angle of a point on the lining's back, seen from the drum's centre.
@@ -175,14 +190,14 @@ def _beam_outline(shoe: Shoe, R: float) -> Outline:
             f"shoe {shoe.name!r}: its beam has no constant section, or nothing before it"
         )
     # s of the lining's ends (first, last) and of the beam's ends (low, high).
-    axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
+    axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     first, last = np.sort(axis.angle(np.array([lining.start, lining.end]))).tolist()
     t, back = lining.thickness, R + lining.thickness
     low = first - (axis.foot + back * math.sin(first)) / back
     high = last + (axis.length - axis.foot - back * math.sin(last)) / back
     face = section.thickness / 2
 
-    def place(s: Floats, d: Floats) -> Floats:
+    def points_of_beam_shoe(s: Floats, d: Floats) -> Floats:
         """Points (..., 2) [m] of lining (d < 1), block (d < 2) and beam, in the brake's frame."""
         inside = np.clip(s, first, last)
         along = axis.foot + back * (np.sin(inside) + (s - inside))
@@ -191,7 +206,7 @@ def _beam_outline(shoe: Shoe, R: float) -> Outline:
         y = axis.distance - r * np.cos(inside)
         y = y + np.clip(d - 1, 0, 1) * (face - y)
         y = np.where(d >= 2, face - (d - 2) * section.thickness, y)
-        return axis.to_brake(x, y)
+        return axis.convert_to_brake_frame(x, y)
 
     block = axis.distance - face - back * min(math.cos(first), math.cos(last))
     layers = [
@@ -204,19 +219,28 @@ def _beam_outline(shoe: Shoe, R: float) -> Outline:
     ]
     thickness = np.array([t, block, section.thickness])
     origin = lining.middle - axis.sense * float(axis.angle(np.array(lining.middle)))
-    s = _sorted_distinct([low, first, last, high])
+    s = _sorted_distinct_values([low, first, last, high])
     return Outline(
-        place, layers, thickness, s, np.unique(corners, axis=0), low, high, origin, axis.sense, back
+        points_of_beam_shoe,
+        layers,
+        thickness,
+        s,
+        np.unique(corners, axis=0),
+        low,
+        high,
+        origin,
+        axis.sense,
+        back,
     )
 
 
-def _sorted_distinct(values: Sequence[float]) -> Floats:
+def _sorted_distinct_values(values: Sequence[float]) -> Floats:
     """The values in growing order; of values that differ by less than 1e-9 only the first."""
     grown = np.unique(values)
     return grown[np.append(True, np.diff(grown) > 1e-9)]
 
 
-def grid_lines(
+def initial_grid_lines_of_body(
     shape: Outline, size: float, wavelength: float, points: Sequence[float]
 ) -> tuple[Floats, list[Floats]]:
     """The grid lines of a body's first mesh: their s, and for each layer their d.
@@ -240,27 +264,30 @@ def grid_lines(
         ].min()
     )
     least = min(thinnest, arc / 4) * size
-    most = max(least, min(SLENDER * float(shape.thickness.min()), arc / 8, wavelength / 4) * size)
+    most = max(
+        least,
+        min(LONGEST_TRIANGLE_RATIO * float(shape.thickness.min()), arc / 8, wavelength / 4) * size,
+    )
     dense = np.concatenate([shape.s, points])
     ends = (dense > face.start - 1e-9) & (dense < face.end + 1e-9)
     near = np.where(ends, least, max(least, float(shape.thickness[-1]) / 4 * size))
 
-    def step_along(s: float) -> float:
+    def grid_step_along_body(s: float) -> float:
         """The distance in s between two grid lines near s."""
         return (
             min(most, float((near + 0.5 * shape.length * np.abs(dense - s)).min())) / shape.length
         )
 
-    s = spaced_points(shape.s, step_along)
+    s = points_with_variable_spacing(shape.s, grid_step_along_body)
     d = []
     for j, t in enumerate(shape.thickness.tolist()):
         coarsest = t * (1.0 if j == 0 else 0.5) * min(1.0, 1.25 * size)
 
-        def step_across(x: float, t: float = t, coarsest: float = coarsest) -> float:
+        def grid_step_across_layer(x: float, t: float = t, coarsest: float = coarsest) -> float:
             """The distance of two grid lines at the relative depth x of a layer, relative to t."""
             return min(coarsest / t, least / t + min(x, 1 - x))
 
-        d.append(j + spaced_points(np.array([0.0, 1.0]), step_across))
+        d.append(j + points_with_variable_spacing(np.array([0.0, 1.0]), grid_step_across_layer))
     return s, d
 
 
@@ -281,7 +308,7 @@ class Draft(NamedTuple):
     mesh: Triangles
 
 
-def draft_mesh(
+def make_graded_shoe_mesh(
     shape: Outline, sharp: SingularPlaces, level: TriangleLevel, wavelength: float
 ) -> Draft:
     """Mesh a shoe by triangles that shrink towards its corners and the places `sharp` on its face.
@@ -293,15 +320,20 @@ def draft_mesh(
     level : grading of the triangles
     wavelength : shortest wavelength of the gap between lining and drum [m]
     """
-    s, d = grid_lines(shape, level.size, wavelength, sharp.s.tolist())
+    s, d = initial_grid_lines_of_body(shape, level.size, wavelength, sharp.s.tolist())
     points = np.concatenate([shape.corners, np.stack([sharp.s, 0 * sharp.s], axis=1)])
     smallest = np.concatenate(
-        [np.full(len(shape.corners), shape.least * 0.5**level.halvings), sharp.smallest]
+        [
+            np.full(len(shape.corners), shape.unhalved_triangle_length * 0.5**level.halvings),
+            sharp.smallest,
+        ]
     )
     at = shape.place(points[:, 0], points[:, 1])
     return Draft(
         shape,
         s,
         sharp,
-        graded_mesh(initial_mesh(s, d, shape.layers), shape.place, at, smallest, level.steep),
+        grade_mesh_towards_points(
+            triangulate_grid(s, d, shape.layers), shape.place, at, smallest, level.steep
+        ),
     )

@@ -17,23 +17,23 @@ from drumlin.verification.triangles.contact import CondensedRing
 from drumlin.verification.triangles.face import (
     CondensedFace,
     MeshedBody,
-    edge_nodes,
-    edge_quadrature,
-    mesh_body,
+    body_with_nodes_and_stiffness,
+    gauss_rule_on_curved_edges,
+    node_numbers_along_edges,
 )
 from drumlin.verification.triangles.outline import Draft, Outline, TriangleLevel
 from drumlin.verification.triangles.triangulation import (
     TriangleLayer,
     Triangles,
-    graded_mesh,
-    initial_mesh,
-    matched_mesh,
-    spaced_points,
+    grade_mesh_towards_points,
+    points_with_variable_spacing,
+    split_surface_edges_at_breaks,
+    triangulate_grid,
 )
 
 ANGLE_SLACK = 1e-12
 """Difference [rad] up to which two angles count as equal. Round-off is some 1e-15."""
-ROUNDS = 20
+MOST_MATCHING_ROUNDS = 20
 """Largest number of rounds in which edges of ring and linings are halved until their ends match."""
 WHOLE_TURN = 2 * math.pi
 """The angle of a full circle [rad]."""
@@ -61,17 +61,17 @@ def mesh_linings_and_ring(
         for shoe in brake.shoes
     ]
 
-    def ring_angles(i: int, s: Floats) -> Floats:
+    def angles_on_ring(i: int, s: Floats) -> Floats:
         """Angles on the ring [rad] of the places s on the face of shoe i."""
         shape = drafts[i].shape
         return shape.origin + shape.turn * s - turns[i]
 
-    def face_places(i: int, theta: Floats) -> Floats:
+    def places_on_lining_face(i: int, theta: Floats) -> Floats:
         """Places s on the face of shoe i, growing, at angles theta on the ring [rad]."""
         shape = drafts[i].shape
         return np.sort((theta + turns[i] - shape.origin) * shape.turn)
 
-    def place(s: Floats, d: Floats) -> Floats:
+    def points_of_ring(s: Floats, d: Floats) -> Floats:
         """Points (..., 2) [m] of the ring at the angles s and the fractions d of its thickness."""
         r = R + sign * section.thickness * d
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
@@ -81,12 +81,12 @@ def mesh_linings_and_ring(
     for i, one in enumerate(drafts):
         face = one.shape.layers[0]
         within = (one.s > face.start - ANGLE_SLACK) & (one.s < face.end + ANGLE_SLACK)
-        under.append(np.sort(ring_angles(i, one.s[within])))
-    least = min(*(one.shape.least for one in drafts), section.thickness)
+        under.append(np.sort(angles_on_ring(i, one.s[within])))
+    least = min(*(one.shape.unhalved_triangle_length for one in drafts), section.thickness)
     s, d = _ring_grid_lines(under, section, R, least, level.size)
     layer = TriangleLayer(-math.inf, math.inf, ElasticLayer.of(section.material, section.width))
     shape = Outline(
-        place,
+        points_of_ring,
         [layer],
         np.array([section.thickness]),
         s[[0, -1]],
@@ -100,26 +100,34 @@ def mesh_linings_and_ring(
     # The ring's mesh is graded to the points below the linings' ends and below the places where
     # the pressure is not smooth.
     ends = np.concatenate([part[[0, -1]] for part in under])
-    sharp = np.concatenate([ring_angles(i, one.sharp.s) for i, one in enumerate(drafts)])
+    sharp = np.concatenate([angles_on_ring(i, one.sharp.s) for i, one in enumerate(drafts)])
     smallest = np.concatenate(
         [np.full(len(ends), least * 0.5**level.halvings), *(one.sharp.smallest for one in drafts)]
     )
     at = np.concatenate([ends, sharp])
-    mesh = graded_mesh(
-        initial_mesh(s, [d], [layer], WHOLE_TURN), place, place(at, 0 * at), smallest, level.steep
+    mesh = grade_mesh_towards_points(
+        triangulate_grid(s, [d], [layer], WHOLE_TURN),
+        points_of_ring,
+        points_of_ring(at, 0 * at),
+        smallest,
+        level.steep,
     )
     meshes = [one.mesh for one in drafts]
     # Halving an edge may halve others: ring and linings are halved until neither changes.
-    for _ in range(ROUNDS):
+    for _ in range(MOST_MATCHING_ROUNDS):
         before = len(mesh.layer), [len(one.layer) for one in meshes]
-        above = [ring_angles(i, np.unique(one.surface_spans())) for i, one in enumerate(meshes)]
-        mesh = matched_mesh(mesh, np.unique(np.concatenate(above)), ANGLE_SLACK)
-        breaks = np.unique(mesh.surface_spans())
+        above = [
+            angles_on_ring(i, np.unique(one.spans_of_surface_edges()))
+            for i, one in enumerate(meshes)
+        ]
+        mesh = split_surface_edges_at_breaks(mesh, np.unique(np.concatenate(above)), ANGLE_SLACK)
+        breaks = np.unique(mesh.spans_of_surface_edges())
         meshes = [
-            matched_mesh(one, face_places(i, breaks), ANGLE_SLACK) for i, one in enumerate(meshes)
+            split_surface_edges_at_breaks(one, places_on_lining_face(i, breaks), ANGLE_SLACK)
+            for i, one in enumerate(meshes)
         ]
         if before == (len(mesh.layer), [len(one.layer) for one in meshes]):
-            return meshes, mesh_body(shape, mesh, level.degree)
+            return meshes, body_with_nodes_and_stiffness(shape, mesh, level.degree)
     raise AssertionError("ring and linings do not match")
 
 
@@ -142,18 +150,20 @@ def _ring_grid_lines(
     for part, after in zip(parts, [*parts[1:], parts[0] + WHOLE_TURN], strict=True):
         gap = np.array([part[-1], after[0]])
 
-        def relative_step(x: float, gap: Floats = gap) -> float:
+        def angle_step_between_linings(x: float, gap: Floats = gap) -> float:
             """The angle [rad] between two grid lines near the angle x, between two linings."""
             return min(2.5 * t * size / R, least * size / R + 0.5 * float(np.abs(gap - x).min()))
 
-        lines += [part, spaced_points(gap, relative_step)[1:-1]]
-    across = spaced_points(
+        lines += [part, points_with_variable_spacing(gap, angle_step_between_linings)[1:-1]]
+    across = points_with_variable_spacing(
         np.array([0.0, 1.0]), lambda x: min(0.5, least * size / t + min(x, 1 - x))
     )
     return np.concatenate([*lines, [parts[0][0] + WHOLE_TURN]]), across
 
 
-def condense_ring(brake: Brake, ring: MeshedBody, faces: list[CondensedFace]) -> CondensedRing:
+def condense_ring_to_lining_nodes(
+    brake: Brake, ring: MeshedBody, faces: list[CondensedFace]
+) -> CondensedRing:
     """A meshed ring, statically condensed to the nodes opposite to those of the linings.
 
     A ring is fixed at its rim or free. On the rim of a free ring, tractions balance the contact
@@ -161,14 +171,14 @@ def condense_ring(brake: Brake, ring: MeshedBody, faces: list[CondensedFace]) ->
     motion of the rim is zero.
     """
     nodes = ring.nodes
-    chosen, of = _opposite_nodes(brake, ring, faces)
+    chosen, of = _ring_nodes_opposite_linings(brake, ring, faces)
     outer = np.flatnonzero(nodes.at[:, 1] > 1 - ANGLE_SLACK)
     held = np.zeros((len(nodes.xy), 2), dtype=bool)
     assert brake.ring is not None
     if brake.ring.support == "fixed":
         held[outer] = True
         return CondensedRing(
-            lagrange.condense_body(
+            lagrange.condense_body_to_kept_nodes(
                 ring.K, nodes, held.ravel(), chosen, np.zeros((held.size, 0))
             ).of,
             of,
@@ -176,16 +186,20 @@ def condense_ring(brake: Brake, ring: MeshedBody, faces: list[CondensedFace]) ->
     # Three loads on the rim, with tractions in the shape of the three rigid-body modes.
     on = ring.mesh.at[..., 1] > 1 - ANGLE_SLACK
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
-    edges = edge_nodes(nodes, tri, edge, ring.degree)
-    psi, x, ds = edge_quadrature(nodes.xy[edges], ring.degree)
+    edges = node_numbers_along_edges(nodes, tri, edge, ring.degree)
+    psi, x, ds = gauss_rule_on_curved_edges(nodes.xy[edges], ring.degree)
     spread = np.zeros((len(nodes.xy), 2, 3))
-    np.add.at(spread, edges, np.einsum("aq,kqcl,kq->kacl", psi, _rigid_motions(x), ds / ds.sum()))
+    np.add.at(
+        spread,
+        edges,
+        np.einsum("aq,kqcl,kq->kacl", psi, _rigid_body_displacements(x), ds / ds.sum()),
+    )
     loads = spread.reshape(-1, 3)
-    rigid = _rigid_motions(nodes.xy).reshape(-1, 3)
+    rigid = _rigid_body_displacements(nodes.xy).reshape(-1, 3)
     # Three displacements are fixed for the condensation; the mean motion is corrected below.
     right, left = (outer[which(nodes.xy[outer, 0])] for which in (np.argmax, np.argmin))
     held[right] = held[left, 1] = True
-    found = lagrange.condense_body(ring.K, nodes, held.ravel(), chosen, loads)
+    found = lagrange.condense_body_to_kept_nodes(ring.K, nodes, held.ravel(), chosen, loads)
     own = rigid[(2 * chosen[:, None] + np.arange(2)).ravel()]
     # Contact forces f are balanced by the tractions -loads l with l = (rigid^T loads)^-1 own^T f.
     # After that the mean motion of the rim is subtracted.
@@ -195,7 +209,7 @@ def condense_ring(brake: Brake, ring: MeshedBody, faces: list[CondensedFace]) ->
     return CondensedRing(moved - own @ np.linalg.solve(loads.T @ rigid, mean), of)
 
 
-def _rigid_motions(xy: Floats) -> Floats:
+def _rigid_body_displacements(xy: Floats) -> Floats:
     """Displacements (..., 2, 3) of points (..., 2) by the three rigid-body modes.
 
     The modes are a unit displacement along x, one along y, and a unit rotation about the origin.
@@ -207,7 +221,7 @@ def _rigid_motions(xy: Floats) -> Floats:
     )
 
 
-def _opposite_nodes(
+def _ring_nodes_opposite_linings(
     brake: Brake, ring: MeshedBody, faces: list[CondensedFace]
 ) -> tuple[Ints, list[Ints]]:
     """The ring's nodes opposite to those of the linings' faces.

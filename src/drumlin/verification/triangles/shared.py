@@ -15,7 +15,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles.contact import (
     ContactForces,
     solve_contact_forces,
-    tip_displacement,
+    tip_displacement_along_force,
 )
 from drumlin.verification.triangles.face import CondensedFace
 
@@ -43,14 +43,18 @@ def solve_shoes_that_share_forces(
     names = [shoe.name for shoe in brake.shoes]
     shoes, found = list(brake.shoes), dict[int, ContactForces]()
 
-    def solve_under(i: int, force: float) -> float:
+    def solve_shoe_under_force(i: int, force: float) -> float:
         """Solve shoe i under a force [N]; returns the displacement [m] of its tip along the force.
 
         The solved shoe and its contact forces are stored in `shoes` and `found`.
         """
         # The elastic response to the actuation is in proportion to the force.
         one, shoe = faces[i], shoes[i].under(force)
-        one = replace(one, loaded=force * one.loaded, yields=force**2 * one.yields)
+        one = replace(
+            one,
+            loaded=force * one.loaded,
+            elastic_actuation_work=force**2 * one.elastic_actuation_work,
+        )
         failure: NoAnswer | None = None
         for sense in shoe.senses:
             try:
@@ -59,7 +63,7 @@ def solve_shoes_that_share_forces(
                 failure = failure or error
                 continue
             shoes[i] = shoe
-            return tip_displacement(brake, one, shoe, found[i], sense)
+            return tip_displacement_along_force(brake, one, shoe, found[i], sense)
         assert failure is not None
         raise failure
 
@@ -69,21 +73,23 @@ def solve_shoes_that_share_forces(
     if brake.actuation is not None and brake.actuation.is_cam:
         a, b, total = free[0], free[1], brake.actuation.total
         brentq(
-            lambda force: solve_under(a, force) - solve_under(b, total - force),
+            lambda force: (
+                solve_shoe_under_force(a, force) - solve_shoe_under_force(b, total - force)
+            ),
             1e-3 * total,
             0.999 * total,
             xtol=1e-12 * total,
         )
     else:
         for i in free:
-            solve_under(i, shoes[i].actuation.force)
+            solve_shoe_under_force(i, shoes[i].actuation.force)
     left = list(brake.links)
     # Struts form a chain from shoe to shoe: the next strut is one whose first shoe is solved.
     while left:
         link = next(one for one in left if names.index(one.source) in found)
         left.remove(link)
         i = names.index(link.source)
-        drum = brake.friction * brake.spin * faces[i].tangent - faces[i].normal
-        reaction = -(found[i].force[:, None] * drum).sum(axis=0) - shoes[i].actuation.vector
-        solve_under(names.index(link.to), float(np.hypot(*reaction)))
+        drum = brake.friction * brake.sign_of_motion * faces[i].tangent - faces[i].normal
+        reaction = -(found[i].force[:, None] * drum).sum(axis=0) - shoes[i].actuation.force_vector
+        solve_shoe_under_force(names.index(link.to), float(np.hypot(*reaction)))
     return shoes, [found[i] for i in range(len(names))]

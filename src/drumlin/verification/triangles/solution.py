@@ -13,7 +13,7 @@ from drumlin.verification.triangles.face import (
     FACE_GAUSS,
     FACE_WEIGHTS,
     CondensedFace,
-    edge_polynomials,
+    edge_shape_functions,
 )
 
 
@@ -45,9 +45,9 @@ class ShoeSolution:
     unknowns: int
 
     @cached_property
-    def _barycentric(self) -> Floats:
+    def _barycentric_weights(self) -> Floats:
         """Weights (order + 1,) of the barycentric formula of Lagrange interpolation on a piece."""
-        x = lagrange.lobatto_points(self.order)
+        x = lagrange.lobatto_points_on_unit_interval(self.order)
         return np.array([1 / np.prod([a - b for b in x if b != a]) for a in x])
 
     def pressure_at(self, theta: Floats) -> Floats:
@@ -59,7 +59,7 @@ class ShoeSolution:
         nodes = piece[..., None] * self.order + np.arange(self.order + 1)
         off = at[..., None] - self.theta[nodes]
         with np.errstate(divide="ignore", invalid="ignore"):
-            weight = self._barycentric / off
+            weight = self._barycentric_weights / off
             value = (weight * self.pressure[nodes]).sum(axis=-1) / weight.sum(axis=-1)
         # At a node the formula would divide by zero; p is that of the node.
         hit = np.abs(off) < 1e-15
@@ -67,7 +67,7 @@ class ShoeSolution:
         return np.where((at >= ends[0]) & (at <= ends[-1]), value, 0.0)
 
 
-def shoe_solution(
+def solution_from_contact_forces(
     brake: Brake, shoe: Shoe, one: CondensedFace, found: ContactForces
 ) -> ShoeSolution:
     """The solution of a shoe, computed from its nodal contact forces.
@@ -78,7 +78,7 @@ def shoe_solution(
     a = np.flatnonzero(found.active)
     p = np.zeros(len(one.theta))
     p[a] = np.linalg.solve(one.mass[np.ix_(a, a)], found.force[a])
-    drag = brake.friction * brake.spin
+    drag = brake.friction * brake.sign_of_motion
     on_normal = -(found.force[:, None] * one.normal).sum(axis=0)
     on_tangent = drag * (found.force[:, None] * one.tangent).sum(axis=0)
     return ShoeSolution(
@@ -87,13 +87,15 @@ def shoe_solution(
         order=one.degree,
         torque=brake.friction * brake.size * float(found.force.sum()),
         normal_force=float(np.hypot(*on_normal)),
-        hinge_reaction=-(on_normal + on_tangent + shoe.actuation.vector),
-        arcs=_contact_arcs(one.theta, p, found.active, one.degree),
+        hinge_reaction=-(on_normal + on_tangent + shoe.actuation.force_vector),
+        arcs=_first_and_last_angles_of_contacts(one.theta, p, found.active, one.degree),
         unknowns=one.unknowns,
     )
 
 
-def _contact_arcs(theta: Floats, p: Floats, active: Bools, degree: int) -> Floats:
+def _first_and_last_angles_of_contacts(
+    theta: Floats, p: Floats, active: Bools, degree: int
+) -> Floats:
     """First and last angle (k, 2) [rad] of each part of the lining in contact.
 
     An end of the contact inside the lining is extrapolated. The pressure rises there as the square
@@ -108,15 +110,15 @@ def _contact_arcs(theta: Floats, p: Floats, active: Bools, degree: int) -> Float
     return np.array(
         [
             (
-                _contact_start(theta, p, i, degree),
-                -_contact_start(-theta[::-1], p[::-1], last - j, degree),
+                _angle_of_contact_start(theta, p, i, degree),
+                -_angle_of_contact_start(-theta[::-1], p[::-1], last - j, degree),
             )
             for i, j in zip(firsts.tolist(), lasts.tolist(), strict=True)
         ]
     ).reshape(-1, 2)
 
 
-def _contact_start(theta: Floats, p: Floats, node: int, degree: int) -> float:
+def _angle_of_contact_start(theta: Floats, p: Floats, node: int, degree: int) -> float:
     """The angle [rad] at which a contact begins; `node` is its first node in contact."""
     if node == 0:
         return float(theta[0])
@@ -126,7 +128,7 @@ def _contact_start(theta: Floats, p: Floats, node: int, degree: int) -> float:
     far = near + degree
     if far >= len(theta):
         return float(theta[node])
-    psi, _ = edge_polynomials(degree, 0.5 + 0.5 * FACE_GAUSS)
+    psi, _ = edge_shape_functions(degree, 0.5 + 0.5 * FACE_GAUSS)
     weight = psi @ (0.5 * FACE_WEIGHTS)
     # The forces from the beginning of the contact up to these two nodes, per width.
     F = np.cumsum(

@@ -17,7 +17,7 @@ from drumlin.brake.elasticity import ElasticLayer
 
 PointMap = Callable[[Floats, Floats], Floats]
 """A function that returns the points (..., 2) [m] of a body for given s (...) and d (...)."""
-MOST_ROUNDS = 200
+MOST_BISECTION_ROUNDS = 200
 """Largest number of rounds of bisection, above which the refinement counts as endless.
 
 Two rounds halve the lengths of the triangles, and the finest meshes need some 26 halvings."""
@@ -54,7 +54,7 @@ class Triangles:
     layer: Ints
 
     @property
-    def surface(self) -> tuple[Ints, Ints]:
+    def edges_on_surface(self) -> tuple[Ints, Ints]:
         """Numbers (k,) of the triangles with an edge on the surface d = 0, and of these edges.
 
         Edge 0 goes from corner 0 to 1, edge 1 from 1 to 2, edge 2 from 2 to 0.
@@ -63,15 +63,15 @@ class Triangles:
         tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
         return tri, edge
 
-    def surface_spans(self) -> Floats:
+    def spans_of_surface_edges(self) -> Floats:
         """The coordinates s (k, 2) of both ends of each edge on the surface d = 0, growing."""
-        tri, edge = self.surface
+        tri, edge = self.edges_on_surface
         return np.sort(
             np.stack([self.at[tri, edge, 0], self.at[tri, (edge + 1) % 3, 0]], axis=1), axis=1
         )
 
 
-def initial_mesh(
+def triangulate_grid(
     s: Floats, d: Sequence[Floats], layers: Sequence[TriangleLayer], period: float | None = None
 ) -> Triangles:
     """Mesh a layered body by a grid, each cell of which is cut into two triangles.
@@ -97,7 +97,7 @@ def initial_mesh(
     there = (middle > ends[layer, 0]) & (middle < ends[layer, 1])
     i, j, layer = i[there], j[there], layer[there]
 
-    def corner_of_cells(a: int, b: int) -> tuple[Ints, Floats]:
+    def numbers_and_coordinates_of_corner(a: int, b: int) -> tuple[Ints, Floats]:
         """Numbers (n,) and coordinates s, d (n, 2) of the corner (i + a, j + b) of all cells."""
         at = np.stack([s[i + a], depths[j + b]], axis=1)
         return ((i + a) % count) * len(depths) + j + b, at
@@ -105,10 +105,10 @@ def initial_mesh(
     # Neighbouring cells are cut along opposite diagonals, so that the mesh has no slant.
     flip = (i + j) % 2 == 1
     quads = [
-        corner_of_cells(0, 0),
-        corner_of_cells(1, 0),
-        corner_of_cells(1, 1),
-        corner_of_cells(0, 1),
+        numbers_and_coordinates_of_corner(0, 0),
+        numbers_and_coordinates_of_corner(1, 0),
+        numbers_and_coordinates_of_corner(1, 1),
+        numbers_and_coordinates_of_corner(0, 1),
     ]
     numbers = np.stack([number for number, _ in quads], axis=1)
     places = np.stack([at for _, at in quads], axis=1)
@@ -173,7 +173,7 @@ def bisect_triangles(mesh: Triangles, marked: Bools) -> Triangles:
     return Triangles(*(np.concatenate([part[k] for part in parts]) for k in range(3)))
 
 
-def graded_mesh(
+def grade_mesh_towards_points(
     mesh: Triangles, place: PointMap, points: Floats, smallest: Floats, steep: float
 ) -> Triangles:
     """Halve the triangles of a mesh until they are short in relation to their distance from points.
@@ -186,7 +186,7 @@ def graded_mesh(
     smallest : (k,) length of the smallest triangles at each point [m]
     steep : largest length of a triangle, relative to the distance of its centre from a point
     """
-    for _ in range(MOST_ROUNDS):
+    for _ in range(MOST_BISECTION_ROUNDS):
         # A triangle is marked if its longest edge exceeds the length allowed at its centre.
         corners = place(mesh.at[..., 0], mesh.at[..., 1])
         size = np.hypot(*np.moveaxis(corners - np.roll(corners, -1, axis=1), 2, 0)).max(axis=1)
@@ -203,7 +203,7 @@ def graded_mesh(
     raise AssertionError("the triangulation does not end")
 
 
-def matched_mesh(first: Triangles, breaks: Floats, slack: float) -> Triangles:
+def split_surface_edges_at_breaks(first: Triangles, breaks: Floats, slack: float) -> Triangles:
     """Halve the edges of a mesh on the surface d = 0 until no edge has a break inside.
 
     Breaks are places where edges of an opposite mesh end, so that the edges of both meshes match.
@@ -214,9 +214,9 @@ def matched_mesh(first: Triangles, breaks: Floats, slack: float) -> Triangles:
     breaks : (k,) growing coordinates s of the breaks
     slack : distance in s from an end of an edge within which a break counts as lying on this end
     """
-    for _ in range(MOST_ROUNDS):
-        tri, _ = first.surface
-        spans = first.surface_spans()
+    for _ in range(MOST_BISECTION_ROUNDS):
+        tri, _ = first.edges_on_surface
+        spans = first.spans_of_surface_edges()
         within = np.searchsorted(breaks, spans[:, 1] - slack) > np.searchsorted(
             breaks, spans[:, 0] + slack
         )
@@ -228,7 +228,7 @@ def matched_mesh(first: Triangles, breaks: Floats, slack: float) -> Triangles:
     raise AssertionError("the surfaces do not match")
 
 
-def spaced_points(breaks: Floats, size: Callable[[float], float]) -> Floats:
+def points_with_variable_spacing(breaks: Floats, size: Callable[[float], float]) -> Floats:
     """Points from the first to the last of the growing `breaks`, with steps of about size(x).
 
     Every break is one of the points.
