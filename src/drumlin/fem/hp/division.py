@@ -234,14 +234,6 @@ class ShoeDivision:
         """Number of nodes on the lining's face."""
         return (len(self.angles) - 1) * self.degree + 1
 
-    @property
-    def number_of_degrees_of_freedom(self) -> int:
-        """Number of degrees of freedom of the whole shoe, two at each node."""
-        p, beyond = self.degree, self.number_of_element_layers - self.index_of_first_body_layer
-        under = (self.number_of_element_layers * p + 1) * self.contact_nodes
-        over = (beyond * p + 1) * p * (len(self.before) + len(self.after) - 2) if beyond else 0
-        return 2 * (under + over)
-
 
 def piece_sizes_small_at_both_ends(
     length: float,

@@ -101,11 +101,6 @@ class Placement:
         return xyz @ self.turn.T + self.shift
 
     @property
-    def has_translation_or_rotation(self) -> bool:
-        """Whether the placement moves or turns the part at all."""
-        return bool(np.any(self.turn != np.eye(3)) or np.any(self.shift))
-
-    @property
     def has_rotation(self) -> bool:
         """Whether the placement turns the part's axes."""
         return bool(np.any(self.turn != np.eye(3)))
