@@ -111,7 +111,7 @@ def test_every_quantity_has_a_test():
 
 def test_worn_long_enough_the_brake_is_the_laws(explorer):
     worn = explorer.answer(turned(explorer, wear=50.0))
-    scene = explorer.scene(explorer.brake)
+    scene = explorer.prepared_model_of_brake(explorer.brake)
     goal = solve_prepared_model(scene, brake_with_worn_in_clearances(scene, explorer.brake))
     assert worn.found.torque == pytest.approx(goal.torque, rel=2e-3)
     assert worn.found.torque == pytest.approx(worn.law.torque, rel=2e-3)
@@ -250,7 +250,7 @@ def test_how_far_the_fixed_division_is_off_is_said(explorer):
     data = json.loads(reply_to_address(explorer, "/locking?friction=0.4", "b").text)
     answer = explorer.answer(turned(explorer, friction=0.4))
     solved = drumlin.solve(answer.brake)
-    stated = explorer.stated(answer)
+    stated = explorer.difference_from_accurate_answer(answer)
     assert stated.torque == pytest.approx(abs(answer.found.torque / solved.torque - 1), rel=1e-6)
     assert stated.own == pytest.approx(solved.error)
     assert 0 < stated.torque < 1e-3 and 1e-6 < stated.pressure < 0.02

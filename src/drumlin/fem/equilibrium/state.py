@@ -124,7 +124,8 @@ class GroupState:
         """
         if not self.friction_senses and self.has_abutment_with_friction:
             raise RuntimeError(
-                f"{self.shoe_names}: friction at the abutment has no sense yet, ask for `solve_contact`"
+                f"{self.shoe_names}: friction at the abutment has no sense yet, "
+                "ask for `solve_contact`"
             )
         return self.friction_senses or (1,) * len(self.members)
 
