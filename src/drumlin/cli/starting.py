@@ -17,7 +17,7 @@ def init(
     name: Annotated[
         str | None,
         typer.Argument(
-            metavar="[NAME]", help="an text_of_example_brake; without one they are listed"
+            metavar="[NAME]", help="an example; without one they are listed"
         ),
     ] = None,
 ) -> None:
