@@ -16,7 +16,7 @@ from drumlin.fem.analysis.holding import (
     states_of_holding_brake_at_rotations,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
-from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from picking import picked
 
@@ -137,7 +137,7 @@ def test_elastic_blocks_balance_and_thin_linings_bear_by_the_law(spin: int) -> N
 
 def test_slopes_and_full_slip_of_a_chain() -> None:
     brake = band(thickness=5e-3)
-    scene = prepared_model_of_finest_division(brake, elements=20)
+    scene = prepared_model_with_finest_elements(brake, elements=20)
     torque = [
         drumlin.solve(vary(brake, {"friction": mu}), elements=20).torque
         for mu in (0.35, 0.3501, 0.3499)

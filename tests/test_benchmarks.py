@@ -51,12 +51,17 @@ def test_a_ratio_is_the_median_of_neighbours():
     """A slow phase of the machine doubles both times of a repeat, and the ratio stays."""
     timed = iter([2.0, 4.0, 2.0, 9.0, 2.0])
     compared = iter([1.0, 2.0, 1.0, 1.0, 1.0])
-    assert benchmarks.median_time_ratio(lambda: next(timed), lambda: next(compared), 5) == 2.0
+    assert (
+        benchmarks.median_ratio_of_two_measured_times(
+            lambda: next(timed), lambda: next(compared), 5
+        )
+        == 2.0
+    )
 
 
 def test_a_changed_source_is_marked(monkeypatch):
     answers = {"status": " M src/drumlin/door.py", "rev-parse": "1234567"}
-    monkeypatch.setattr(benchmarks, "git_output", lambda *words: answers[words[0]])
+    monkeypatch.setattr(benchmarks, "output_of_git_command", lambda *words: answers[words[0]])
     assert benchmarks.short_commit_hash() == "1234567+"
     answers["status"] = ""
     assert benchmarks.short_commit_hash() == "1234567"

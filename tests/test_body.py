@@ -53,7 +53,9 @@ def whole(mesh):
 def test_stiffness_equals_skfems_own_form(kind):
     mesh = whole(KINDS[kind]())
     basis = scalar_finite_element_basis_of_mesh(mesh)
-    K = sparse_stiffness_of_body(basis, {"shoe": ElasticLayer.of(STEEL, 0.04)})
+    K = sparse_stiffness_of_body(
+        basis, {"shoe": ElasticLayer.make_layer_in_plane_stress(STEEL, 0.04)}
+    )
     vector = basis.with_element(skfem.ElementVector(basis.elem))
     theirs = 0.04 * linear_elasticity(*plane_stress(STEEL.E, STEEL.nu)).assemble(vector)
     # Node numbers of drumlin are 2 node + component.
@@ -70,7 +72,7 @@ def test_uniaxial_plane_stress(kind):
     mesh = whole(KINDS[kind]())
     basis = scalar_finite_element_basis_of_mesh(mesh)
     b, strain = 0.04, 1e-3
-    K = sparse_stiffness_of_body(basis, {"shoe": ElasticLayer.of(STEEL, b)})
+    K = sparse_stiffness_of_body(basis, {"shoe": ElasticLayer.make_layer_in_plane_stress(STEEL, b)})
     x, y = basis.doflocs
     u = np.column_stack([strain * x, -STEEL.nu * strain * y]).ravel()
     force = (K @ u).reshape(-1, 2)
@@ -101,7 +103,7 @@ def test_curved_cantilever_under_end_shear():
         mesh = whole(skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t))
         basis = scalar_finite_element_basis_of_mesh(mesh)
         K = sparse_stiffness_of_body(
-            basis, {"shoe": ElasticLayer.of(Material(E=1e4, nu=0.25), 1.0)}
+            basis, {"shoe": ElasticLayer.make_layer_in_plane_stress(Material(E=1e4, nu=0.25), 1.0)}
         )
         x, y = basis.doflocs
         u = np.zeros(2 * basis.N)

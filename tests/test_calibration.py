@@ -23,10 +23,10 @@ from drumlin_studies.calibration import (
     LevelRecord,
     Provenance,
     draw_calibration_brake,
-    error_samples_of_quantity,
-    errors_and_estimates_of_levels,
     fit_safety_factors,
     safety_factors_as_json_text,
+    true_and_estimated_errors_of_quantity,
+    true_errors_and_estimates_on_each_mesh,
 )
 from drumlin_studies.stated_true import RELEVANT
 from drumlin_studies.stored_truth import solve_brake_by_finer_hp_meshes
@@ -64,7 +64,9 @@ def test_the_fit_finds_the_factors_that_cover_all_but_the_share_that_may_be_miss
     for value, most in ((found.pressure, 0.5), (found.peak, 0.9), (found.force, 0.7)):
         assert 0.99 * STATED_QUANTILE * most <= value <= 1.05 * most
     for name, factor in (("pressure", found.pressure), ("peak", found.peak)):
-        ratios = error_samples_of_quantity(levels, name).stated_over_true_errors(factor, 0.0)
+        ratios = true_and_estimated_errors_of_quantity(levels, name).stated_over_true_errors(
+            factor, 0.0
+        )
         assert np.mean(ratios < 1) <= 1 - STATED_QUANTILE
 
 
@@ -89,7 +91,7 @@ def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel(
             )
         )
     found = fit_safety_factors(levels)
-    torque = error_samples_of_quantity(levels, "torque")
+    torque = true_and_estimated_errors_of_quantity(levels, "torque")
     assert (
         np.mean(torque.stated_over_true_errors(found.force, found.cancelled / found.force) < 1)
         <= 1 - STATED_QUANTILE
@@ -103,7 +105,7 @@ def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
         true={**level.true, "peak": math.nan, "torque": 0.5 * RELEVANT, "pressure": 1e-3}
     )
     assert [
-        len(error_samples_of_quantity([unknown], name).true)
+        len(true_and_estimated_errors_of_quantity([unknown], name).true)
         for name in ("pressure", "torque", "peak")
     ] == [
         1,
@@ -111,7 +113,7 @@ def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
         0,
     ]
     assert [
-        error_samples_of_quantity([unknown], name).is_true_error_usable.tolist()
+        true_and_estimated_errors_of_quantity([unknown], name).is_true_error_usable.tolist()
         for name in ("pressure", "torque")
     ] == [
         [True],
@@ -141,7 +143,7 @@ def test_the_file_that_the_code_reads_was_written_by_the_command():
 @pytest.fixture(scope="module")
 def seen():
     _, brake = draw_calibration_brake(300_001)
-    return brake, errors_and_estimates_of_levels(
+    return brake, true_errors_and_estimates_on_each_mesh(
         brake,
         solve_brake_by_finer_hp_meshes(brake),
         solve_on_finer_and_finer_levels(brake, solve_prepared_model),

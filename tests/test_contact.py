@@ -478,10 +478,10 @@ def test_pairs_of_nodes_that_carry_no_two_motions_are_passed_over_in_silence():
     B = np.array([[1.0, 0.0], [1.0, 0.5], [2.0, 0.0], [1.0, 1.0]])
     for h in ([1.0, 0.3], [1.0, -0.1]):
         with pytest.raises(NoAnswer, match="cannot balance"):
-            active_set._find_nodes_that_balance_load_on_modes(
+            active_set._find_touching_nodes_that_balance_shoe_load(
                 np.full(4, 0.1), B, -B.T, np.array(h), np.ones(4, dtype=bool)
             )
-    first = active_set._find_nodes_that_balance_load_on_modes(
+    first = active_set._find_touching_nodes_that_balance_shoe_load(
         np.full(4, 0.1), B, -B.T, np.array([-1.0, -0.3]), np.ones(4, dtype=bool)
     )
     assert len(set(first)) == 2

@@ -264,7 +264,7 @@ def test_what_the_manual_and_the_notebooks_import_is_public(root):
             "drumlin.fem.self_locking",
             "drumlin.fem.analysis.self_locking",
             "limits",
-            "self_locking_limits_of_shoe_groups",
+            "self_locking_friction_of_shoe_groups",
         ),
         (
             "drumlin.fem.sensitivity",

@@ -23,7 +23,7 @@ from drumlin.fem.hp.arc import (
 )
 from drumlin.fem.hp.columns import (
     condensed_element_column_stiffness,
-    order_of_element_column_unknowns,
+    numbering_of_element_column_unknowns,
     rotate_node_axes_of_matrix,
 )
 from drumlin.fem.hp.shoe import node_coordinates_of_layers_and_columns
@@ -32,13 +32,16 @@ from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import (
-    isotropic_and_directional_constants,
+    isotropic_and_orthotropic_elastic_constants,
     stresses_from_displacement_gradients,
     thickness_directions_of_layers,
 )
 from drumlin.response.resultants import gauss_lobatto_points
 from drumlin.verification.triangles import lagrange
-from drumlin.verification.triangles.triangulation import TriangleLayer, triangulate_grid
+from drumlin.verification.triangles.triangulation import (
+    TriangleLayer,
+    triangulate_grid_of_layered_body,
+)
 from picking import picked
 
 DIRECTED = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]]) * 1e8
@@ -199,7 +202,7 @@ def test_elements_of_high_degree_have_the_rotated_stiffness_of_every_point(p, na
     K = hp.plane_stress_stiffness_of_elements(xy, matrices, p, along_at(layer, xy, p))
     gradients, area = hp.shape_function_gradients_and_gauss_areas(xy, p)
     points = np.moveaxis(hp.gauss_points_of_elements(xy, p), 1, 0)
-    theirs = lagrange._orthotropic_triangle_stiffness(
+    theirs = lagrange._stiffness_matrices_of_orthotropic_triangles(
         gradients.transpose(0, 2, 1, 3), area, layer, points
     )
     size = np.abs(K).max()
@@ -267,7 +270,7 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
 
     xy = node_coordinates_of_layers_and_columns(place, depths, angles, p)
     along = np.array([along_at(layer, own, p) for layer, own in zip(layers, xy, strict=True)])
-    of = order_of_element_column_unknowns(p, 3, contact=contact, held=held)
+    of = numbering_of_element_column_unknowns(p, 3, contact=contact, held=held)
     theirs = condensed_element_column_stiffness(
         hp.condensed_element_stiffness(xy, matrices, p, along), of
     )
@@ -287,7 +290,7 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
 
 
 def test_split_and_put_together_a_matrix_is_the_same():
-    lam, mu, a, b = isotropic_and_directional_constants(DIRECTED)
+    lam, mu, a, b = isotropic_and_orthotropic_elastic_constants(DIRECTED)
     assert np.array(
         [[lam + 2 * mu + a, lam, 0], [lam, lam + 2 * mu + b, 0], [0, 0, mu]]
     ) == pytest.approx(DIRECTED)
@@ -296,7 +299,7 @@ def test_split_and_put_together_a_matrix_is_the_same():
 def test_triangles_of_the_second_solver_carry_an_even_strain():
     """A straight layer of triangles under u = H x has the nodal forces of its even stress."""
     layer = LAYERS["straight"]
-    mesh = triangulate_grid(
+    mesh = triangulate_grid_of_layered_body(
         np.linspace(0, 0.2, 4), [np.linspace(0, 1, 3)], [TriangleLayer(-1, 1, layer)]
     )
 
@@ -304,7 +307,7 @@ def test_triangles_of_the_second_solver_carry_an_even_strain():
         return np.stack([s, 0.02 * d + 0.1 * s], axis=-1)
 
     degree = 3
-    nodes = lagrange.make_triangle_nodes(mesh, place, degree)
+    nodes = lagrange.nodes_of_triangle_mesh_of_given_degree(mesh, place, degree)
     K = lagrange.triangle_stiffness_matrices(mesh, nodes, [TriangleLayer(-1, 1, layer)], degree)
     H = np.array([[1e-3, 4e-4], [-2e-4, 5e-4]])
     u = nodes.xy @ H.T

@@ -22,7 +22,7 @@ from drumlin_studies.work_precision import (
     ERROR_KEYS,
     Method,
     measure_call_time_over_unit_workload,
-    measure_own_method_on_brake,
+    measure_drumlin_method_on_brake,
     uncertainty_of_reference_responses,
 )
 from picking import having, picked, saying
@@ -190,10 +190,10 @@ def test_report(outcome, tmp_path):
 
 def test_methods_that_do_not_apply_are_rows(brake):
     rows = [
-        measure_own_method_on_brake(
+        measure_drumlin_method_on_brake(
             brake, Method("foundation", "f", {"model": "foundation"}), None, lambda: None
         ),
-        measure_own_method_on_brake(
+        measure_drumlin_method_on_brake(
             brake, Method("weak penalty", "w", {"elements": 4, "penalty": -1.0}), None, lambda: None
         ),
     ]

@@ -27,10 +27,10 @@ from drumlin.explore.knobs import (
     setting_at_brake_file_values,
     setting_from_link_query,
 )
-from drumlin.explore.page import reply_to_address
+from drumlin.explore.page import http_reply_to_requested_address
 from drumlin.explore.picture import (
     highest_pressure_of_scale,
-    picture_of_answer,
+    picture_of_brake_at_slider_setting,
     pressure_curve_as_whole_numbers,
 )
 from drumlin.fem.model import solve_prepared_model
@@ -95,7 +95,7 @@ CHANGES = {
 @pytest.mark.parametrize("name", CHANGES)
 def test_a_knob_does_what_a_changed_file_does(explorer, name):
     value, changes = CHANGES[name]
-    answer = explorer.answer(turned(explorer, **{name: value}))
+    answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, **{name: value}))
     brake = vary(explorer.brake, changes)
     expected = drumlin.solve(brake)
     assert answer.found.torque == pytest.approx(expected.torque, rel=5e-4)
@@ -110,12 +110,12 @@ def test_every_quantity_has_a_test():
 
 
 def test_worn_long_enough_the_brake_is_the_laws(explorer):
-    worn = explorer.answer(turned(explorer, wear=50.0))
+    worn = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, wear=50.0))
     scene = explorer.prepared_model_of_brake(explorer.brake)
     goal = solve_prepared_model(scene, brake_with_worn_in_clearances(scene, explorer.brake))
     assert worn.found.torque == pytest.approx(goal.torque, rel=2e-3)
     assert worn.found.torque == pytest.approx(worn.law.torque, rel=2e-3)
-    new = explorer.answer(turned(explorer))
+    new = explorer.fem_and_law_answer_at_slider_setting(turned(explorer))
     assert abs(new.found.torque / new.law.torque - 1) > 0.02
     # The lining of t = 8 mm wears at the rate k E.
     assert worn.distance == pytest.approx(50 * 8e-3 / (1e-14 * 300e6))
@@ -127,7 +127,7 @@ def test_a_lining_is_not_worn_beyond_its_thickness():
         {"shoe.lining.thickness": "0.2 mm", "shoe.lining.material.E": 3e6},
     )
     explorer = Explorer(thin)
-    answer = explorer.answer(turned(explorer, wear=50.0))
+    answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, wear=50.0))
     assert answer.found is None
     assert "worn out" in answer.failure
 
@@ -141,7 +141,10 @@ def test_what_is_kept_changes_no_answer(explorer):
         setting_at_brake_file_values(brake),
     ]
     for setting in [*path, *reversed(path)]:
-        assert explorer.answer(setting).found.torque == Explorer(brake).answer(setting).found.torque
+        assert (
+            explorer.fem_and_law_answer_at_slider_setting(setting).found.torque
+            == Explorer(brake).fem_and_law_answer_at_slider_setting(setting).found.torque
+        )
 
 
 @pytest.mark.slow
@@ -155,30 +158,38 @@ def test_a_setting_that_keeps_the_bodies_costs_a_fraction_of_a_solve(explorer):
         return median(times)
 
     brake = explorer.brake
-    explorer.answer(setting_at_brake_file_values(brake))
-    kept = spent(lambda k: reply_to_address(explorer, f"/picture?friction={0.2 + 0.01 * k}", "b"))
-    anew = spent(lambda k: reply_to_address(explorer, f"/picture?shoe={100 + k}", "b"))
+    explorer.fem_and_law_answer_at_slider_setting(setting_at_brake_file_values(brake))
+    kept = spent(
+        lambda k: http_reply_to_requested_address(
+            explorer, f"/picture?friction={0.2 + 0.01 * k}", "b"
+        )
+    )
+    anew = spent(
+        lambda k: http_reply_to_requested_address(explorer, f"/picture?shoe={100 + k}", "b")
+    )
     solved = spent(lambda k: drumlin.solve(vary(brake, {"friction": 0.2 + 0.01 * k})))
     assert kept < 0.4 * solved
     assert anew < 1.5 * solved
 
 
 def test_self_locking_is_said_and_its_distance(explorer):
-    answer = explorer.answer(setting_at_brake_file_values(explorer.brake))
+    answer = explorer.fem_and_law_answer_at_slider_setting(
+        setting_at_brake_file_values(explorer.brake)
+    )
     limit = min(explorer.locking_friction_of_groups(answer.brake).values())
     # The limit comes from the condensed matrices on 80 elements.
     assert limit == pytest.approx(1.1812, rel=1e-3)
     assert answer.law_locking == pytest.approx(0.8231, rel=1e-3)
     locked = Explorer(vary(explorer.brake, {"friction": 0.9}))
-    beyond = locked.answer(turned(locked, friction=1.3))
+    beyond = locked.fem_and_law_answer_at_slider_setting(turned(locked, friction=1.3))
     assert "self-locking" in beyond.failure
     assert "self-locking" in beyond.law_failure
     assert beyond.found is None
 
 
 def test_a_picture_shows_the_pressure_it_is_of(explorer):
-    answer = explorer.answer(turned(explorer, force=6.0))
-    picture = picture_of_answer(answer, explorer.brake)
+    answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, force=6.0))
+    picture = picture_of_brake_at_slider_setting(answer, explorer.brake)
     assert picture.scale == 5
     for shoe, curve in zip(answer.found.shoes, picture.fem, strict=True):
         area = integral_of_piecewise_polynomial(
@@ -211,14 +222,16 @@ def test_a_brake_on_a_plane_is_explored_too():
         "wear",
         "misfit",
     } & names
-    answer = explorer.answer(setting_at_brake_file_values(brake))
+    answer = explorer.fem_and_law_answer_at_slider_setting(setting_at_brake_file_values(brake))
     solved = drumlin.solve(brake)
     assert not answer.failure
     assert answer.found.effect == pytest.approx(solved.effect, rel=1e-3)
     other = knob(explorer, "friction")
     changed = turned(explorer, friction=0.5 * other.start)
     expected = drumlin.solve(vary(brake, {"friction": 0.5 * other.start}))
-    assert explorer.answer(changed).found.effect == pytest.approx(expected.effect, rel=1e-3)
+    assert explorer.fem_and_law_answer_at_slider_setting(changed).found.effect == pytest.approx(
+        expected.effect, rel=1e-3
+    )
     back = brake.opposite_direction_of_motion
     setting, lines = setting_from_link_query(explorer.knobs, brake, {"sliding": back})
     assert (
@@ -227,8 +240,10 @@ def test_a_brake_on_a_plane_is_explored_too():
         == f"sliding={back.replace('+', '%2B')}"
     )
     expected = drumlin.solve(vary(brake, {"plane.sliding": back}))
-    assert explorer.answer(setting).found.effect == pytest.approx(expected.effect, rel=1e-3)
-    picture = picture_of_answer(answer, brake)
+    assert explorer.fem_and_law_answer_at_slider_setting(setting).found.effect == pytest.approx(
+        expected.effect, rel=1e-3
+    )
+    picture = picture_of_brake_at_slider_setting(answer, brake)
     for shoe, curve in zip(solved.shoes, picture.fem, strict=True):
         assert np.trapezoid(curve.p, curve.at * 1e-3) * 1e6 == pytest.approx(
             integral_of_piecewise_polynomial(shoe.theta, shoe.pressure, shoe.order), rel=5e-3
@@ -238,24 +253,29 @@ def test_a_brake_on_a_plane_is_explored_too():
         and "-0.0 %" not in picture.head
     )
     for address in ("/", "/picture", "/locking", "/brake.toml?friction=0.2"):
-        assert reply_to_address(explorer, address, "b").status == 200
+        assert http_reply_to_requested_address(explorer, address, "b").status == 200
     assert (
-        read_any(path, reply_to_address(explorer, "/brake.toml?friction=0.2", "b").text).friction
+        read_any(
+            path, http_reply_to_requested_address(explorer, "/brake.toml?friction=0.2", "b").text
+        ).friction
         == 0.2
     )
 
 
 def test_how_far_the_fixed_division_is_off_is_said(explorer):
     """The page states the distance from `solve`, whose own estimate stands beside it."""
-    data = json.loads(reply_to_address(explorer, "/locking?friction=0.4", "b").text)
-    answer = explorer.answer(turned(explorer, friction=0.4))
+    data = json.loads(http_reply_to_requested_address(explorer, "/locking?friction=0.4", "b").text)
+    answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, friction=0.4))
     solved = drumlin.solve(answer.brake)
     stated = explorer.difference_from_accurate_answer(answer)
     assert stated.torque == pytest.approx(abs(answer.found.torque / solved.torque - 1), rel=1e-6)
     assert stated.own == pytest.approx(solved.error)
     assert 0 < stated.torque < 1e-3 and 1e-6 < stated.pressure < 0.02
     assert f"torque {stated.torque:.1e}, p {stated.pressure:.1e}" in data["error"]
-    assert "fixed division" in json.loads(reply_to_address(explorer, "/picture", "b").text)["error"]
+    assert (
+        "fixed division"
+        in json.loads(http_reply_to_requested_address(explorer, "/picture", "b").text)["error"]
+    )
 
 
 def test_the_scale_is_round_and_holds_the_peak():
@@ -301,13 +321,18 @@ def test_a_link_leads_back_to_its_setting(explorer):
     ],
 )
 def test_what_a_link_cannot_mean_is_said(explorer, query, said):
-    page = reply_to_address(explorer, f"/?{query}", "b")
+    page = http_reply_to_requested_address(explorer, f"/?{query}", "b")
     assert page.status == 200
     # The page has no script but its own.
     assert page.text.count("<script>") == 1
     line = next(text for text in page.text.splitlines() if 'id="head"' in text)
     assert said in line.replace("&#39;", "'")
-    assert json.loads(reply_to_address(explorer, f"/picture?{query}", "b").text)["torque"] >= 0
+    assert (
+        json.loads(http_reply_to_requested_address(explorer, f"/picture?{query}", "b").text)[
+            "torque"
+        ]
+        >= 0
+    )
 
 
 @given(
@@ -317,25 +342,29 @@ def test_what_a_link_cannot_mean_is_said(explorer, query, said):
 def test_no_address_breaks_the_page(explorer, junk, query):
     words = "&".join(f"{key}={text}" for key, text in query.items())
     for address in (junk, f"/?{junk}", f"/?{words}"):
-        assert reply_to_address(explorer, address, "b").status in {200, 404}
+        assert http_reply_to_requested_address(explorer, address, "b").status in {200, 404}
 
 
 def test_a_title_with_tags_stays_a_text():
     explorer = Explorer(vary(read_brake(STUDY / "brake.toml"), {"title": "<b>x</b>"}))
-    assert "<b>x</b>" not in reply_to_address(explorer, "/", "b").text
+    assert "<b>x</b>" not in http_reply_to_requested_address(explorer, "/", "b").text
 
 
 def test_the_saved_file_is_the_brake_that_is_solved(explorer, tmp_path):
-    saved = reply_to_address(explorer, "/brake.toml?friction=0.4&wear=2&turn=5", "mine")
+    saved = http_reply_to_requested_address(
+        explorer, "/brake.toml?friction=0.4&wear=2&turn=5", "mine"
+    )
     assert saved.file == "mine_explored.toml"
     brake = read_any(tmp_path / "b.toml", saved.text)
-    answer = explorer.answer(turned(explorer, friction=0.4, wear=2.0, turn=5.0))
+    answer = explorer.fem_and_law_answer_at_slider_setting(
+        turned(explorer, friction=0.4, wear=2.0, turn=5.0)
+    )
     assert brake == answer.brake
     assert drumlin.solve(brake, elements=80).torque == pytest.approx(answer.found.torque, rel=1e-3)
 
 
 def test_a_setting_without_answer_saves_nothing(explorer):
-    locked = reply_to_address(
+    locked = http_reply_to_requested_address(
         Explorer(vary(explorer.brake, {"friction": 0.9})), "/brake.toml?friction=1.5", "b"
     )
     assert locked.status == 422
@@ -353,24 +382,24 @@ BRAKES = [
 def test_every_example_can_be_explored(path):
     brake = read_brake(path)
     explorer = Explorer(brake)
-    answer = explorer.answer(setting_at_brake_file_values(brake))
+    answer = explorer.fem_and_law_answer_at_slider_setting(setting_at_brake_file_values(brake))
     assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
-    assert reply_to_address(explorer, "/", "b").status == 200
+    assert http_reply_to_requested_address(explorer, "/", "b").status == 200
 
 
 @pytest.mark.parametrize("brake", [cam_brake(body=0.01), servo(body=0.01)], ids=["cam", "servo"])
 def test_shoes_that_share_a_force_are_explored_by_it(brake):
     explorer = Explorer(brake)
-    answer = explorer.answer(setting_at_brake_file_values(brake))
+    answer = explorer.fem_and_law_answer_at_slider_setting(setting_at_brake_file_values(brake))
     assert not answer.failure
     assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     force = knob(explorer, "force")
-    twice = explorer.answer(turned(explorer, force=2 * force.start))
+    twice = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, force=2 * force.start))
     # Without a clearance pressures are proportional to the force.
     assert twice.found.torque == pytest.approx(2 * answer.found.torque, rel=1e-6)
     assert (
-        reply_to_address(explorer, "/", "b").status
-        == reply_to_address(explorer, "/picture", "b").status
+        http_reply_to_requested_address(explorer, "/", "b").status
+        == http_reply_to_requested_address(explorer, "/picture", "b").status
         == 200
     )
 
@@ -379,9 +408,9 @@ def test_shoes_that_share_a_force_are_explored_by_it(brake):
 def test_a_browser_moves_a_slider_and_reads_the_torque_of_solve(tmp_path, explorer):
     with served() as address, browser(tmp_path) as page:
         link = play(page, address)
-        scale = json.loads(reply_to_address(explorer, "/picture?" + link.split("?")[1], "b").text)[
-            "scale"
-        ]
+        scale = json.loads(
+            http_reply_to_requested_address(explorer, "/picture?" + link.split("?")[1], "b").text
+        )["scale"]
         drawn = page.execute_script(DRAWN)
         assert max(p for _, p in drawn["fem"]) * 1e-4 * scale > 0.5
         radii = list(starmap(math.hypot, drawn["drum-area"]))

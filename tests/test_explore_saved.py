@@ -14,7 +14,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.writing import brake_file_text
 from drumlin.explore.answers import Explorer
-from drumlin.explore.page import reply_to_address
+from drumlin.explore.page import http_reply_to_requested_address
 from drumlin.explore.serve import _Server
 from picking import picked
 
@@ -43,7 +43,7 @@ def explorer():
 
 @pytest.mark.parametrize("name", NAMES, ids=ascii)
 def test_the_saved_file_is_the_same_brake_whatever_the_file_was_called(explorer, tmp_path, name):
-    saved = reply_to_address(explorer, "/brake.toml?friction=0.4", name)
+    saved = http_reply_to_requested_address(explorer, "/brake.toml?friction=0.4", name)
     assert (
         saved.status == 200 and saved.file.isprintable() and not set(saved.file) & set('/\\:*?"<>|')
     )
@@ -91,7 +91,7 @@ def test_mesh_files_are_found_from_any_folder(tmp_path, monkeypatch, name):
     copied(tmp_path / name)
     monkeypatch.chdir(tmp_path)
     brake = read_any(Path(name) / "double_shoe.toml")
-    saved = reply_to_address(Explorer(brake), "/brake.toml", "b")
+    saved = http_reply_to_requested_address(Explorer(brake), "/brake.toml", "b")
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "elsewhere" / saved.file).write_text(saved.text, encoding="utf-8")
     monkeypatch.chdir("/")
@@ -108,5 +108,5 @@ def test_a_mesh_that_no_brake_file_can_name_is_refused_in_a_line(tmp_path):
     brake = read_any(copied(tmp_path / os.fsdecode(b"fol\xffder")))
     with pytest.raises(BadInput, match="has bytes that are no UTF-8"):
         brake_file_text(brake)
-    saved = reply_to_address(Explorer(brake), "/brake.toml", "b")
+    saved = http_reply_to_requested_address(Explorer(brake), "/brake.toml", "b")
     assert saved.status == 422 and "no UTF-8" in saved.text and not saved.file

@@ -25,13 +25,13 @@ from drumlin_studies.fuzzing.broken_meshes import (
 )
 from drumlin_studies.fuzzing.endings import (
     describe_fault_of_run,
-    run_input_in_subprocess,
+    run_command_of_input_in_new_process,
     run_input_in_this_process,
 )
 from drumlin_studies.fuzzing.faults import (
     command_line_as_text,
     content_of_reference_file,
-    csv_table_of_pressures,
+    csv_table_of_pressure_over_angle,
 )
 from drumlin_studies.fuzzing.inputs import BrokenInput, content_of_brake_file
 from judged_endings import BAD, GIVEN, GOOD, REFUSED
@@ -77,8 +77,8 @@ def test_each_generator_repeats_itself_and_varies():
 
 @pytest.mark.parametrize("generator", ["sizes", "tables"])
 def test_a_process_of_its_own_ends_alike(generator):
-    given = trials.make_numbered_input(generator, 0)
-    one, other = run_input_in_this_process(given), run_input_in_subprocess(given)
+    given = trials.make_input_of_generator_with_number(generator, 0)
+    one, other = run_input_in_this_process(given), run_command_of_input_in_new_process(given)
     assert (one.status, one.err) == (other.status, other.err)
 
 
@@ -88,11 +88,15 @@ def test_words_that_no_process_can_be_given_are_tried_in_this_one():
         n
         for n in range(60)
         if not all(
-            map(trials.can_be_process_argument, trials.make_numbered_input("words", n).words)
+            map(
+                trials.can_be_process_argument,
+                trials.make_input_of_generator_with_number("words", n).words,
+            )
         )
     ]
     assert {True, False} == {
-        bool(saying(trials.make_numbered_input("words", n).words, "\0")) for n in numbers
+        bool(saying(trials.make_input_of_generator_with_number("words", n).words, "\0"))
+        for n in numbers
     }
     assert [trials.run_and_judge_input("words", n, apart=True).status for n in numbers[:6]] == [
         2
@@ -258,7 +262,7 @@ def test_the_sound_files_are_sound():
     files = {
         "b.toml": content_of_brake_file(BRAKE),
         "ref.json": content_of_reference_file(),
-        "r.csv": csv_table_of_pressures(),
+        "r.csv": csv_table_of_pressure_over_angle(),
     }
     given = BrokenInput("x", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"])
     end = run_input_in_this_process(given)

@@ -93,10 +93,12 @@ def test_every_model_has_a_look_of_its_own():
 
 def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_beside_them(brake):
     fem, sine = solve(brake, elements=30), solve(brake, "sine")
-    few = figures.draw_pressure_panels([("right", {"fem": fem.shoes[0], "sine": sine.shoes[0]})])
+    few = figures.draw_pressure_along_lining_of_each_shoe(
+        [("right", {"fem": fem.shoes[0], "sine": sine.shoes[0]})]
+    )
     axes = few.axes[0]
     assert set(texts_of(axes.texts)) == {"finite elements", "sine law"}
-    theta, p = figures.smooth_pressure_curve(fem.shoes[0])
+    theta, p = figures.evenly_spaced_pressure_curve_of_shoe(fem.shoes[0])
     top = axes.get_ylim()[1]
     cut = [line for line in axes.lines if line.get_marker() == "^"]
     assert bool(p.max() * 1e-6 > top) is bool(cut)
@@ -108,7 +110,7 @@ def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_be
     ) and lower.lines
     # A legend must not lie over the data.
     assert not any(axes.get_legend() for axes in few.axes)
-    many = figures.draw_pressure_panels(
+    many = figures.draw_pressure_along_lining_of_each_shoe(
         [("right", {name: solve(brake, name).shoes[0] for name in ("sine", "cosine", "uniform")})]
     )
     assert set(texts_of(many.legends[0].get_texts())) >= {
@@ -183,10 +185,14 @@ def test_panels_of_other_angles_say_their_own(root, brake):
     """Panels of blocks at other angles have an axis each; both rotations of a shoe share one."""
     band = read_any(root / "studies/brakes/band.toml")
     blocks = [(shoe.name, {"rigid": shoe}) for shoe in solve(band, "rigid").shoes]
-    shown = [axes for axes in figures.draw_pressure_panels(blocks).axes if axes.get_visible()]
+    shown = [
+        axes
+        for axes in figures.draw_pressure_along_lining_of_each_shoe(blocks).axes
+        if axes.get_visible()
+    ]
     assert labelled(shown) == [True] * 5
     both = [(shoe.name, {"sine": shoe}) for _ in range(2) for shoe in solve(brake, "sine").shoes]
-    assert labelled(figures.draw_pressure_panels(both).axes) == [
+    assert labelled(figures.draw_pressure_along_lining_of_each_shoe(both).axes) == [
         False,
         False,
         True,

@@ -16,11 +16,17 @@ from drumlin.fem.error_control.singular_points import singular_points_of_all_lin
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.width import error
-from drumlin.fem.width.correction import corrected_shoe, pressure_in_contact
-from drumlin.fem.width.error import coarse_answers, distance_of_plane_stress_from_widths
+from drumlin.fem.width.correction import (
+    pressure_of_shoe_zero_outside_contact,
+    shoe_response_corrected_for_widths,
+)
+from drumlin.fem.width.error import (
+    coarse_solutions_with_and_without_widths,
+    distance_of_plane_stress_from_widths,
+)
 from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin.response.balance import relative_imbalance_of_shoe
-from drumlin.sweeps.cases import results_or_failure_of_case
+from drumlin.sweeps.cases import solve_case_and_return_results_or_failure
 from drumlin.sweeps.file import sweep_from_file_data
 from sections import t_section
 
@@ -49,9 +55,9 @@ def test_without_contraction_one_width_is_not_corrected(flexible):
 
 def test_on_equal_sections_it_is_the_answer_with_the_widths(flexible):
     brake = t_section(flexible)
-    answers = coarse_answers(brake, solve(brake, elements=12))
+    answers = coarse_solutions_with_and_without_widths(brake, solve(brake, elements=12))
     for i, (plane, wide) in enumerate(zip(*(each.shoes for each in answers), strict=True)):
-        found = corrected_shoe(brake, i, plane, answers)
+        found = shoe_response_corrected_for_widths(brake, i, plane, answers)
         assert plane.torque != pytest.approx(wide.torque, rel=1e-3)
         assert found.pressure == pytest.approx(wide.pressure, abs=1e-12 * wide.peak_pressure)
         for name in ("torque", "normal_force", "hinge_reaction", "peak_pressure"):
@@ -61,13 +67,17 @@ def test_on_equal_sections_it_is_the_answer_with_the_widths(flexible):
 
 def test_beyond_the_contact_the_coarse_pressure_is_zero(flexible):
     """The polynomials of the coarse section oscillate beyond the end of the contact."""
-    wide = coarse_answers(flexible, solve(flexible, elements=12)).wide.shoes[1]
+    wide = coarse_solutions_with_and_without_widths(
+        flexible, solve(flexible, elements=12)
+    ).wide.shoes[1]
     end = wide.contact_arcs[-1][1]
     beyond = np.linspace(end, wide.theta[-1], 50)[1:]
     assert np.abs(wide.pressure_at(beyond)).max() > 0
-    assert not pressure_in_contact(wide, beyond).any()
+    assert not pressure_of_shoe_zero_outside_contact(wide, beyond).any()
     inside = np.linspace(wide.theta[0], 0.5 * (wide.theta[0] + end), 50)
-    assert pressure_in_contact(wide, inside) == pytest.approx(wide.pressure_at(inside))
+    assert pressure_of_shoe_zero_outside_contact(wide, inside) == pytest.approx(
+        wide.pressure_at(inside)
+    )
 
 
 @pytest.mark.slow
@@ -200,7 +210,7 @@ def test_a_sweep_takes_the_option_and_states_what_remains(root, flexible):
     (case,) = sweep_from_file_data(
         {"brake": file, "model": {"fem": options}, "vary": {"friction": [0.2]}}
     ).cases
-    row = results_or_failure_of_case(case)
+    row = solve_case_and_return_results_or_failure(case)
     want = solve(vary(flexible, {"friction": 0.2}), elements=8, finite_width=True)
     assert row["torque"] == pytest.approx(want.torque, rel=1e-12)
     left = want.plane_stress_error.brake["torque"]

@@ -565,6 +565,6 @@ def test_a_worn_in_lining_bears_by_the_sine_law_however_elastic_the_brake_is(lif
             c.pressure_at(b.theta), rel=2e-3, abs=1e-5 * c.peak_pressure
         )
         assert np.abs(a.pressure - c.pressure_at(a.theta)).max() > 0.1 * c.peak_pressure
-        gap = shoe.lining.clearance_at_coordinates(b.theta)
+        gap = shoe.lining.clearance_at_surface_coordinates(b.theta)
         assert gap.min() == pytest.approx(0, abs=1e-9)
         assert gap.max() > 1e-4

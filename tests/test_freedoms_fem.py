@@ -14,7 +14,7 @@ from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import refine_group_solution
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from held_shoes import BODY, KINDS, THIN, brake_of
 
@@ -98,7 +98,7 @@ def test_the_whole_system_refined_is_the_same_answer() -> None:
         (group,) = divide_pressed_shoes_into_groups(
             make_prepared_model(brake, LEVELS[1]), brake, 1e6
         )
-        group, found = group.solve_contact()
+        group, found = group.solve_contact_and_abutment_friction()
         for order in ("COLAMD", "MMD_AT_PLUS_A"):
             refined = refine_group_solution(group, found.active, order)
             np.testing.assert_allclose(refined.p[0], found.p, atol=1e-8 * found.p.max())
@@ -162,7 +162,7 @@ def test_the_displacements_inside_are_those_of_the_answer(name: str, root: Path)
     On pressed nodes the radial displacement vanishes.
     """
     brake = drumlin.read_brake(root / f"studies/brakes/{name}.toml")
-    scene = prepared_model_of_finest_division(brake, elements=20)
+    scene = prepared_model_with_finest_elements(brake, elements=20)
     response = drumlin.solve(brake, elements=20)
     for i in range(len(brake.shoes)):
         found = stress_and_displacement_fields_of_shoe(scene, brake, response, i)

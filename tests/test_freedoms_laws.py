@@ -407,7 +407,7 @@ def test_forces_moments_and_what_holds_the_shoe_balance(brake: Brake) -> None:
         if data.abutment is not None:
             c, s = cos(data.abutment.direction), sin(data.abutment.direction)
             assert abs(-s * x + c * y) <= data.abutment.friction * (c * x + s * y) + 1e-9 * size
-        if data.pivot is not None and not under.surface.straight:
+        if data.pivot is not None and not under.surface.is_plane_and_not_drum:
             force, g = resultant_of_contact_on_shoe(under, i, shoe), data.pivot.xy
             assert (
                 abs(force.moment - (g[0] * force.force[1] - g[1] * force.force[0]))
@@ -477,7 +477,7 @@ def test_torque_grows_without_bound_towards_locking(brake: Brake) -> None:
     shoe = brake.shoes[0]
     assume(len(brake.shoes) == 1 and not (shoe.abutment and shoe.abutment.friction))
     mu_lock = rigid.self_locking_friction_of_rigid_shoe(brake, shoe)
-    assume(mu_lock < 5 and not brake.surface.straight)
+    assume(mu_lock < 5 and not brake.surface.is_plane_and_not_drum)
     free = shoe.freedoms()
     face, ends = (
         rigid.friction_surface_of_shoe(brake, shoe),

@@ -17,7 +17,7 @@ from drumlin.fem.analysis.holding import (
     find_full_slip_rotation,
     states_of_holding_brake_at_rotations,
 )
-from drumlin.fem.analysis.self_locking import self_locking_limits_of_shoe_groups
+from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
 from drumlin.fem.equilibrium.group import divide_shoes_into_groups
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -48,7 +48,9 @@ def any_brake(seed):
             brake, {"shoe[0].lining.misfit": {"radius": R * (1 + rng.uniform(-2e-3, 2e-3))}}
         )
     scene = make_prepared_model(brake, elements=ELEMENTS)
-    locks = min(picked(self_locking_limits_of_shoe_groups(scene, brake, 2.0).values(), "friction"))
+    locks = min(
+        picked(self_locking_friction_of_shoe_groups(scene, brake, 2.0).values(), "friction")
+    )
     return vary(brake, {"friction": rng.uniform(0.1, 0.95) * min(locks, 0.9)}), scene
 
 
@@ -168,7 +170,7 @@ def test_every_increment_obeys_contact_and_friction():
     "left",
     [
         ("_find_stick_and_slip_by_newton",),
-        ("_find_stick_and_slip_by_newton", "_find_stick_and_slip_from_balanced_load"),
+        ("_find_stick_and_slip_by_newton", "_find_stick_slip_states_from_balanced_load"),
     ],
 )
 def test_both_paths_lead_to_the_answer_of_newtons_method(seed, monkeypatch, left):
@@ -239,7 +241,7 @@ def test_self_locking_is_refused_with_its_limit(rotation):
     both = read_brake(STUDY / "flexible.toml")
     brake = vary(both.model_copy(update={"shoes": both.shoes[:1]}), {"rotation": rotation})
     scene = make_prepared_model(brake, elements=ELEMENTS)
-    locks = self_locking_limits_of_shoe_groups(scene, brake)[0,].friction
+    locks = self_locking_friction_of_shoe_groups(scene, brake)[0,].friction
     if math.isinf(locks):
         strong = vary(brake, {"friction": 1.5})
         assert find_full_slip_rotation(scene, strong) > 0

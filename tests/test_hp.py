@@ -41,14 +41,14 @@ from drumlin.fem.hp.columns import (
     assemble_two_element_columns,
     condensed_element_column_stiffness,
     eliminate_nodes_on_column_side,
-    order_of_element_column_unknowns,
+    numbering_of_element_column_unknowns,
     rotate_node_axes_of_matrix,
 )
 from drumlin.fem.hp.division import (
     Singularity,
     SingularPoint,
     divide_shoe_into_hp_elements,
-    piece_sizes_small_at_both_ends,
+    element_sizes_growing_from_both_ends,
 )
 from drumlin.fem.hp.element import (
     condensed_element_stiffness,
@@ -64,7 +64,7 @@ from drumlin.fem.model import PENALTY, refine_group_solution, solve_prepared_mod
 from drumlin.fem.preparation.bodies import load_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solve import prepared_model_of_finest_division, solve
+from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 from drumlin.fem.substructure.body import (
     FRAME,
     condense_body_to_contact_and_frame,
@@ -79,7 +79,7 @@ from drumlin.response.resultants import (
     gauss_lobatto_points,
     largest_value_of_piecewise_polynomial,
 )
-from drumlin.sweeps.cases import results_or_failure_of_case
+from drumlin.sweeps.cases import solve_case_and_return_results_or_failure
 from drumlin_studies.random_brake import draw_random_brake
 from picking import picked
 from shared_parts import drum_ring, friction_cases
@@ -192,7 +192,7 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
     K = condensed_element_stiffness(
         xy, np.tile(plane_stress_elasticity_matrix(Material(E=1.0, nu=0.3)), (layers, 1, 1)), p
     )
-    of = order_of_element_column_unknowns(p, layers, contact=True, held=False)
+    of = numbering_of_element_column_unknowns(p, layers, contact=True, held=False)
     parts = [
         ColumnSubstructure(part, of.line, of.line)
         for part in condensed_element_column_stiffness(K, of)
@@ -239,7 +239,7 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
     def place(depth, phi):
         return np.array([(0.14 - depth) * np.cos(phi), (0.14 - depth) * np.sin(phi)])
 
-    of = order_of_element_column_unknowns(p, 3, contact=contact, held=held)
+    of = numbering_of_element_column_unknowns(p, 3, contact=contact, held=held)
     theirs = condensed_element_column_stiffness(
         condensed_element_stiffness(
             node_coordinates_of_layers_and_columns(place, depths, angles, p), matrices, p
@@ -359,7 +359,7 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
         solve_on_finer_and_finer_levels(brake, solve_prepared_model, levels=LEVELS[: level + 1])
     )[-1]
     (group, *_) = divide_pressed_shoes_into_groups(made, brake, PENALTY)
-    group, found = group.solve_contact(None)
+    group, found = group.solve_contact_and_abutment_friction(None)
     refined = refine_group_solution(group, found.active)
     p, error = (
         found.p[group.contact_node_slices_of_shoes[0]],
@@ -506,7 +506,7 @@ def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     found = next(solve_on_finer_and_finer_levels(brake, solve_prepared_model))
     line, shoe = found.scene.bodies[0].line, found.response.shoes[0]
     first, last = shoe.contact_arcs[0]
-    ends = brake.shoes[0].frame.theta(line.phi[:: line.interpolation_degree])
+    ends = brake.shoes[0].frame.theta(line.phi[:: line.interpolation_degree_along_contact_line])
     assert max(np.abs(ends - first).min(), np.abs(ends - last).min()) <= 0.02 * (last - first)
 
 
@@ -642,12 +642,12 @@ def test_what_a_level_cannot_reach_is_said(brake):
 
 
 def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
-    sizes = piece_sizes_small_at_both_ends(1.0, 1e-4, 1e-3, 0.4, 0.2)
+    sizes = element_sizes_growing_from_both_ends(1.0, 1e-4, 1e-3, 0.4, 0.2)
     assert math.fsum(sizes) == pytest.approx(1.0)
     # Neighbours differ in size by at most a factor of 2.6.
     assert np.abs(np.diff(np.log(sizes))).max() < np.log(2.6)
     assert sizes[0] == 1e-4 and sizes[-1] == pytest.approx(1e-3)
-    apart = piece_sizes_small_at_both_ends(1.0, 1e-4, 1e-3, 0.4, 0.2, 0.25)
+    apart = element_sizes_growing_from_both_ends(1.0, 1e-4, 1e-3, 0.4, 0.2, 0.25)
     assert apart[1] / apart[0] == pytest.approx(2.5) and apart[-2] / apart[-1] == pytest.approx(4.0)
     shoe = brake.shoes[0]
     (start, _), t = shoe.arc, shoe.lining.thickness / brake.drum.radius
@@ -880,7 +880,7 @@ def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_ce
     found = np.einsum(
         "ian,ajnq->ijnq",
         u[:, grid.element_dofs],
-        grid.shape_gradients_at_nodes_of_elements(elements),
+        grid.shape_function_gradients_at_element_nodes(elements),
     )
     wanted = np.array([[1.0, 2.0], [-3.0, 0.5]])[:, :, None, None]
     np.testing.assert_allclose(found, np.broadcast_to(wanted, found.shape), atol=1e-9)
@@ -900,7 +900,7 @@ def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake,
     whole = vary(brake, drum_ring(0.02, "free")) if part == "free ring" else brake
     found = []
     for made in (
-        prepared_model_of_finest_division(whole),
+        prepared_model_with_finest_elements(whole),
         make_prepared_model(whole, elements=160),
     ):
         response = solve_prepared_model(made, whole)
@@ -920,7 +920,7 @@ def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake,
 
 
 def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brake):
-    made, answer = prepared_model_of_finest_division(brake), solve(brake)
+    made, answer = prepared_model_with_finest_elements(brake), solve(brake)
     theta = picked(made.bodies, "line.phi")
     assert list(map(len, theta)) == list(map(len, picked(answer.shoes, "theta")))
     end = find_full_slip_rotation(made, brake)
@@ -934,15 +934,19 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
 
 def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
     cases = friction_cases(brake, (0.3, 0.3001, 0.3002), "fem")
-    rows = [results_or_failure_of_case(case, cache) for cache in [Cache()] for case in cases]
+    rows = [
+        solve_case_and_return_results_or_failure(case, cache)
+        for cache in [Cache()]
+        for case in cases
+    ]
     for row in rows:
         assert (
             0 < row["error_pressure"] <= DEFAULT_TOLERANCE.pressure
             and row["error_torque"] <= DEFAULT_TOLERANCE.torque
         )
     # A row of a sweep must depend on its case alone.
-    assert rows == list(map(results_or_failure_of_case, cases))
-    meshed = results_or_failure_of_case(cases[0]._replace(options={"elements": 20}))
+    assert rows == list(map(solve_case_and_return_results_or_failure, cases))
+    meshed = solve_case_and_return_results_or_failure(cases[0]._replace(options={"elements": 20}))
     assert "error_pressure" not in meshed
     assert meshed["torque"] == pytest.approx(rows[0]["torque"], rel=1e-4)
 
@@ -995,7 +999,9 @@ def test_a_brake_that_locks_is_divided_too(brake):
     with pytest.raises(NoAnswer):
         solve(locked)
     assert (
-        prepared_model_of_finest_division(locked).bodies[0].line.interpolation_degree
+        prepared_model_with_finest_elements(locked)
+        .bodies[0]
+        .line.interpolation_degree_along_contact_line
         == LEVELS[1].degree
     )
 

@@ -19,7 +19,7 @@ from browsing import browser, play, served
 from command_line import drumlin
 from conftest import ROOT, STUDY
 from drumlin.brake.plane_brake import read_any
-from drumlin.brake.schema import brake_schema
+from drumlin.brake.schema import json_schema_of_brake_file
 from drumlin.studies import paths_of_example_brakes
 from drumlin.sweeps.schema import json_schema_of_sweep_file
 from picking import picked
@@ -79,7 +79,8 @@ def faults(schema, data):
 
 
 @pytest.mark.parametrize(
-    ("kind", "made"), (("brake", brake_schema()), ("sweep", json_schema_of_sweep_file()))
+    ("kind", "made"),
+    (("brake", json_schema_of_brake_file()), ("sweep", json_schema_of_sweep_file())),
 )
 def test_the_schemas_beside_the_examples_are_those_of_the_classes(kind, made):
     Draft202012Validator.check_schema(made)
@@ -89,7 +90,7 @@ def test_the_schemas_beside_the_examples_are_those_of_the_classes(kind, made):
 
 def test_every_example_keeps_to_its_schema_and_names_it():
     for schema, paths in (
-        (brake_schema(), paths_of_example_brakes().values()),
+        (json_schema_of_brake_file(), paths_of_example_brakes().values()),
         (json_schema_of_sweep_file(), SWEEPS),
     ):
         for path in paths:
@@ -119,7 +120,7 @@ def test_every_example_keeps_to_its_schema_and_names_it():
 def test_what_the_reader_refuses_the_schema_refuses(old, new):
     text = (STUDY / "brake.toml").read_text()
     assert old in text
-    assert faults(brake_schema(), tomllib.loads(text.replace(old, new, 1)))
+    assert faults(json_schema_of_brake_file(), tomllib.loads(text.replace(old, new, 1)))
 
 
 def test_tables_and_sweeps_are_in_the_schemas():
@@ -128,7 +129,7 @@ def test_tables_and_sweeps_are_in_the_schemas():
         "clearance": [["-70 deg", "0 mm"], ["55 deg", "0.1 mm"]],
         "misfit": {"blocks": [["0 deg", "0.1 mm"]]},
     }
-    assert faults(brake_schema(), data) == []
+    assert faults(json_schema_of_brake_file(), data) == []
     sweep = tomllib.loads(SWEEPS[0].read_text())
     assert faults(json_schema_of_sweep_file(), sweep | {"pressure": "psi"})
     # A single value has no deviation.

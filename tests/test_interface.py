@@ -100,7 +100,7 @@ def test_patch_test_on_the_arc(sign):
             )
             for angles, depth, way in ((circle(inside), 5, -1), (circle(outside) + 0.01, 6, 1))
         ]
-        both = pair.BodyPair.from_bodies(*rings[::sign], sign=sign)
+        both = pair.BodyPair.couple_two_bodies_at_contact_nodes(*rings[::sign], sign=sign)
         found = active_set.solve_contact_problem(
             both.frictionless_contact_problem(np.full(len(both.contact_node_angles), -interference))
         )
@@ -197,7 +197,7 @@ def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
     M = np.zeros((len(y), len(y)))
     for first, length in ((0, 2.0), (order, 1.0)):
         M[first : first + order + 1, first : first + order + 1] += 0.5 * length * STRAIGHT[order]
-    assert line.interpolation_degree == order
+    assert line.interpolation_degree_along_contact_line == order
     assert pytest.approx(M, abs=1e-15) == found.M
     assert found.areas_of_contact_nodes == pytest.approx(M.sum(axis=1), abs=1e-15)
     for matrix, (a, b) in ((found.N, (0.6, 0.8)), (found.T, (-0.8, 0.6))):
@@ -223,7 +223,7 @@ def test_the_nodes_of_a_contact_line_follow_one_another_wherever_it_lies(kind, t
     facets = np.random.default_rng(0).permutation(mesh.boundaries["contact"])
     line = make_contact_line_of_lining(basis, facets, turned + 0.1)
     order = 2 if kind == "quad2" else 1
-    assert line.interpolation_degree == order
+    assert line.interpolation_degree_along_contact_line == order
     assert line.phi == pytest.approx(np.linspace(angles[0], angles[-1], 5 * order + 1), abs=1e-12)
     assert line.xy == pytest.approx(basis.doflocs[:, line.nodes])
     assert line.pieces == pytest.approx(np.arange(order + 1)[:, None] + order * np.arange(5))

@@ -30,10 +30,10 @@ from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
     compute_checks_of_wear_run,
-    run_brake_linings_in,
-    unit_of_sliding_distance,
+    sliding_distance_of_e_fold_pressure_change,
+    wear_brake_linings_until_worn_in,
 )
-from drumlin.models import model_by_name
+from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.verification import triangles
 from drumlin.verification.check import (
@@ -92,7 +92,7 @@ def solved(at: Posed) -> None:
         for s, r in zip(whole.shoes, response.shoes, strict=True)
         if s.name not in feet
     ]
-    if response.bearing_load is not None and not at.brake.surface.straight:
+    if response.bearing_load is not None and not at.brake.surface.is_plane_and_not_drum:
         total = np.sum([*outer, -response.bearing_load], axis=0)
         assert np.linalg.norm(total) < 1e-9 * np.abs(outer).max()
 
@@ -109,7 +109,7 @@ def with_clearance(at: Posed) -> None:
 
 
 def radius(brake: Brake) -> float:
-    return 0.1 if brake.surface.straight else brake.size
+    return 0.1 if brake.surface.is_plane_and_not_drum else brake.size
 
 
 def with_misfit(at: Posed) -> None:
@@ -161,7 +161,9 @@ def worn_in(at: Posed) -> None:
 def wears(at: Posed) -> None:
     own, rule = at.brake, WearLaw(DEFAULT_WEAR_COEFFICIENT)
     setup = wear_setup_by_finite_elements(make_prepared_model(own, elements=ELEMENTS), own)
-    states = run_brake_linings_in(setup, rule, distance=0.3 * unit_of_sliding_distance(setup, rule))
+    states = wear_brake_linings_until_worn_in(
+        setup, rule, distance=0.3 * sliding_distance_of_e_fold_pressure_change(setup, rule)
+    )
     found = compute_checks_of_wear_run(setup, states, rule)
     assert states[-1].removed > 0
     assert found.volume < 1e-9
@@ -282,7 +284,7 @@ def offered(model: str) -> Callable[[Posed], None]:
     """Whether a model answers the brake, without its answer, which its own tests judge."""
 
     def use(at: Posed) -> None:
-        model_by_name(model, at.brake)
+        model_with_name_that_applies_to_brake(model, at.brake)
 
     return use
 
@@ -329,7 +331,10 @@ def flat(brake: Brake) -> bool:
 
 
 def unhinged(brake: Brake) -> bool:
-    return not brake.surface.straight and brake.reason_why_not_all_shoes_hinged() is not None
+    return (
+        not brake.surface.is_plane_and_not_drum
+        and brake.reason_why_not_all_shoes_hinged() is not None
+    )
 
 
 HINGED = "takes shoes on hinges under forces of their own only: "

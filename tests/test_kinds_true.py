@@ -27,7 +27,7 @@ QUICK = triangles.TRIANGLE_LEVELS[:1]
 
 def brake_of(seed: int, kind: str) -> Brake:
     brake = draw_brake_of_support_kind(seed, kind)
-    assert not brake.surface.straight
+    assert not brake.surface.is_plane_and_not_drum
     return brake
 
 

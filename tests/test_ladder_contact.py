@@ -59,7 +59,7 @@ def half_planes():
 @pytest.fixture(scope="module")
 def hertz(half_planes):
     """Pressed along x, free along it."""
-    return BodyPair.from_bodies(*half_planes, motions="x")
+    return BodyPair.couple_two_bodies_at_contact_nodes(*half_planes, motions="x")
 
 
 def hertz_load(rho, E):
@@ -104,7 +104,7 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     touching = active_set.solve_contact_problem(
         problem, first_contact_set_from_coarse_problem(problem)
     ).active
-    hertz = BodyPair.from_bodies(*half_planes, motions="xy")
+    hertz = BodyPair.couple_two_bodies_at_contact_nodes(*half_planes, motions="xy")
     rest = stick_slip.SlipHistory(np.zeros(len(s)), np.zeros(len(s)))
     start = np.where(touching, stick_slip.STICK, stick_slip.OPEN)
     first = stick_slip.solve_load_increment(
@@ -168,7 +168,7 @@ def disc_in_hole(eps, count=50):
         ),
         LADDER_STEEL,
     )
-    return BodyPair.from_bodies(disc, plate, motions="x")
+    return BodyPair.couple_two_bodies_at_contact_nodes(disc, plate, motions="x")
 
 
 @pytest.mark.parametrize("half_angle", [20, 40, 60, 75, 85])
@@ -219,7 +219,10 @@ def ring_pair(count=48, other=60):
 def test_swapping_sides_changes_nothing_beyond_discretisation():
     """The pressure carried by the inner or by the outer ring's nodes: the same field."""
     inner, outer = ring_pair(120, 97)
-    one, two = BodyPair.from_bodies(inner, outer), BodyPair.from_bodies(outer, inner, sign=-1)
+    one, two = (
+        BodyPair.couple_two_bodies_at_contact_nodes(inner, outer),
+        BodyPair.couple_two_bodies_at_contact_nodes(outer, inner, sign=-1),
+    )
 
     def gap(angle):
         return 1e-4 * (np.cos(angle) - 0.3)
@@ -256,7 +259,7 @@ def wavy(mean_share, m=40):
         )
         for sign in (-1, 1)
     )
-    pair = BodyPair.from_bodies(inner, outer)
+    pair = BodyPair.couple_two_bodies_at_contact_nodes(inner, outer)
     soft = sum(
         abs(
             closed_forms.ring_displacement_per_harmonic_pressure(
@@ -311,7 +314,7 @@ def test_lame_ring_under_inner_pressure():
     )
     basis = scalar_finite_element_basis_of_mesh(mesh)
     K = sparse_stiffness_of_body(
-        basis, {"body": ElasticLayer.of(Material(E=200e9, nu=0.3), 0.02)}
+        basis, {"body": ElasticLayer.make_layer_in_plane_stress(Material(E=200e9, nu=0.3), 0.02)}
     ).tolil()
     line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], 0.0)
     coupling = weak_coupling_of_contact_line(line, 0.02, function_for_drum_normals_and_tangents(1))

@@ -61,7 +61,9 @@ def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
             mesh = raise_.from_mesh(mesh)
         mesh = mesh.with_subdomains({"shoe": np.arange(mesh.nelements)})
         basis = scalar_finite_element_basis_of_mesh(mesh)
-        K = sparse_stiffness_of_body(basis, {"shoe": ElasticLayer.of(Material(E=E, nu=nu), 1.0)})
+        K = sparse_stiffness_of_body(
+            basis, {"shoe": ElasticLayer.make_layer_in_plane_stress(Material(E=E, nu=nu), 1.0)}
+        )
         points = np.asarray(basis.global_coordinates())
         f = np.zeros((basis.N, 2))
         for psi, dofs in zip(basis.basis, basis.element_dofs, strict=True):
@@ -93,7 +95,7 @@ def strip():
     thickness, half = 0.05, 0.1
     fine = points_with_steps_growing_to_end(1e-8, 1.35, half)
     angles = np.concatenate([-half + fine, (half - fine)[::-1][1:]])
-    return thickness, BodyPair.from_bodies(
+    return thickness, BodyPair.couple_two_bodies_at_contact_nodes(
         condense_body_to_contact_nodes(
             plane_mesh_of_ring_sector(
                 angles, points_with_steps_growing_to_end(1e-8, 1.35, thickness), 1.0, -1

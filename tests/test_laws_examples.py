@@ -23,7 +23,7 @@ from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
 from drumlin.response.merit import (
     brake_scaled_to_peak_pressure,
-    sign_of_friction_moment_double_delta,
+    sign_of_friction_moment_about_hinge,
     torque_sensitivity_by_differences,
 )
 from drumlin_studies.textbook_brakes import (
@@ -333,7 +333,7 @@ def test_uwa_short_rotational_shoe_in_the_general_form(side: str, spin: int) -> 
     # The lining lies counter-clockwise of the hinge.
     dragged_away = spin > 0
     dD = 1 if dragged_away == (side == "external") else -1
-    assert sign_of_friction_moment_double_delta(brake, brake.shoes[0]) == dD
+    assert sign_of_friction_moment_about_hinge(brake, brake.shoes[0]) == dD
     response = solve("short", brake)
     (shoe,), (merit,) = response.shoes, response.merits
     assert shoe.normal_force == approx(M / (mu * r * (m - dD * n)), rel=1e-12)

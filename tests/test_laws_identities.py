@@ -20,7 +20,7 @@ from drumlin.models import MODELS
 from drumlin.response.balance import relative_imbalance_of_shoe
 from drumlin.response.merit import (
     barecki_shoe_factor,
-    sign_of_friction_moment_double_delta,
+    sign_of_friction_moment_about_hinge,
     torque_sensitivity_by_differences,
 )
 from drumlin.response.response import ShoeResponse
@@ -157,7 +157,7 @@ def test_sensitivity_is_the_derivative_of_the_mechanical_advantage(
     assume(mu < 0.9 * law.self_locking_friction(arc))
     eta = [float(law.torque_over_actuation_moment(mu * (1 + k * h), arc)) for k in (-1, 0, 1)]
     slope = (eta[2] - eta[0]) / (2 * h * eta[1])
-    assert law.sensitivity_to_friction(mu, arc) == approx(slope, rel=1e-6)
+    assert law.sensitivity_of_braking_effect_to_friction(mu, arc) == approx(slope, rel=1e-6)
 
 
 @many
@@ -171,13 +171,13 @@ def test_merits_of_a_response_are_those_of_the_formula(brake: Brake, name: str) 
         float(law.torque_over_actuation_moment(brake.friction, arc)), rel=1e-8
     )
     assert merit.sensitivity_at_fixed_shape == approx(
-        float(law.sensitivity_to_friction(brake.friction, arc)), rel=1e-8
+        float(law.sensitivity_of_braking_effect_to_friction(brake.friction, arc)), rel=1e-8
     )
     assert merit.mechanical_advantage == approx(
         1 / (merit.m - merit.double_delta * merit.n), rel=1e-6
     )
     assert torque_sensitivity_by_differences(brake, MODELS[name].solve) == approx(
-        float(law.sensitivity_to_friction(brake.friction, arc)), rel=1e-2
+        float(law.sensitivity_of_braking_effect_to_friction(brake.friction, arc)), rel=1e-2
     )
 
 
@@ -242,9 +242,9 @@ def test_external_is_internal_with_all_forces_reversed(brake: Brake, name: str) 
     scale = np.linalg.norm(inside.hinge_reaction) + shoe.actuation.force
     assert np.linalg.norm(outside.hinge_reaction + inside.hinge_reaction) < 1e-9 * scale
     assert outside.self_energising == inside.self_energising
-    assert sign_of_friction_moment_double_delta(
+    assert sign_of_friction_moment_about_hinge(
         other, other.shoes[0]
-    ) == sign_of_friction_moment_double_delta(brake, shoe)
+    ) == sign_of_friction_moment_about_hinge(brake, shoe)
 
 
 @many
@@ -501,7 +501,7 @@ def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(
     step = 1e-5
     F = [float(law.braking_force(1.0, mu * (1 + k * step), strip)) for k in (-1, 0, 1)]
     slope = (F[2] - F[0]) / (2 * step * F[1])
-    assert law.sensitivity_to_friction(mu, strip) == approx(slope, rel=1e-6)
+    assert law.sensitivity_of_braking_effect_to_friction(mu, strip) == approx(slope, rel=1e-6)
     assert merit.sensitivity_at_fixed_shape == approx(slope, rel=1e-6)
 
 

@@ -12,7 +12,7 @@ from drumlin import BadInput, NoAnswer, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli import main
 from drumlin.laws.simscape import DoubleShoe
-from drumlin.models import MODELS, model_by_name
+from drumlin.models import MODELS, model_with_name_that_applies_to_brake
 from drumlin_studies.textbook_brakes import brake_with_one_hinged_shoe
 from picking import picked
 
@@ -50,7 +50,7 @@ def test_every_brake_file_is_answered_by_the_laws_that_apply_and_the_others_say_
             assert max(response.balance.force, response.balance.moment) < 1e-9
         else:
             with pytest.raises(BadInput) as refusal:
-                model_by_name(name, brake)
+                model_with_name_that_applies_to_brake(name, brake)
             line = str(refusal.value)
             assert line.startswith(f"--model = {name!r}: does not apply to this brake: ")
             assert "\n" not in line

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from drumlin.brake.plane_brake import read_any
 from drumlin.report.drawing import draw_brake
 from drumlin.studies import import_study
-from drumlin_studies.law_table import shoe_factor_rows
+from drumlin_studies.law_table import rows_of_shoe_factors_of_post_brake
 from drumlin_studies.worked_examples import row_of_printed_and_computed_number
 from picking import having, picked
 
@@ -51,7 +51,7 @@ def test_a_wrong_number_would_be_seen() -> None:
 
 
 def test_barecki_leading_post_has_the_smaller_shoe_factor_where_n_is_negative() -> None:
-    rows = shoe_factor_rows(read_any(STUDIES / "post_brake/brake.toml"))
+    rows = rows_of_shoe_factors_of_post_brake(read_any(STUDIES / "post_brake/brake.toml"))
     assert len(rows) == 8
     for leading, trailing in zip(rows[::2], rows[1::2], strict=True):
         assert (leading["word"], trailing["word"]) == ("leading", "trailing")
@@ -99,7 +99,7 @@ def test_every_brake_is_drawn_with_its_pins_inside_the_picture(path: Path) -> No
     axes = Figure().subplots()
     draw_brake(axes, brake)
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    if not brake.surface.straight:
+    if not brake.surface.is_plane_and_not_drum:
         assert min(-left, right, -low, high) > brake.size * 1e3
     for shoe in brake.shoes:
         x, y = shoe.hinge.xy * 1e3

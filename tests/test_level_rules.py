@@ -9,9 +9,9 @@ from drumlin.fem.error_control.levels import LEVEL_RULE
 from drumlin_studies.calibration import LevelRecord
 from drumlin_studies.level_rules import (
     LevelsOfRule,
-    find_stopping_level,
-    level_rule_with_changes,
-    report_text_of_level_rule,
+    find_mesh_at_which_refinement_stops,
+    refinement_rule_with_changed_numbers,
+    report_text_on_refinement_rule,
 )
 
 FACTORS = Factors(pressure=0.5, force=0.5, cancelled=0.1, peak=1.0)
@@ -36,12 +36,12 @@ BRAKE = LevelsOfRule([level(1e-2), level(1e-3), level(1e-4)], [1.0, 2.0, 4.0, 8.
     [(1e-2, 3.0, True), (1e-3, 7.0, True), (1e-4, 15.0, True), (1e-5, 15.0, False)],
 )
 def test_a_solve_stops_at_the_first_level_that_suffices(tolerance, seconds, reached):
-    found = find_stopping_level(BRAKE, FACTORS, tolerance, tolerance)
+    found = find_mesh_at_which_refinement_stops(BRAKE, FACTORS, tolerance, tolerance)
     assert (found.seconds, found.reached) == (seconds, reached)
 
 
 def test_errors_are_stated_by_the_factors_of_the_estimate():
-    found = find_stopping_level(
+    found = find_mesh_at_which_refinement_stops(
         LevelsOfRule([level(1e-2, chance=1e-2)], [1.0, 1.0]), FACTORS, 1.0, 1.0
     ).stated
     assert found["peak"] == pytest.approx(1e-2 + 1e-6)
@@ -51,15 +51,15 @@ def test_errors_are_stated_by_the_factors_of_the_estimate():
 
 def test_a_rule_is_reported_by_what_a_user_would_see():
     brakes = [LevelsOfRule([level(1e-2, true=2e-3), level(1e-3, true=2e-4)], [1.0, 1.0, 2.0])] * 4
-    text = report_text_of_level_rule(brakes)
+    text = report_text_on_refinement_rule(brakes)
     assert "default: 16.0 s, 0.0 % reached" in text
     assert "1e-3: 16.0 s, 100.0 % reached" in text
     assert "pressure: median 1.0, 0 of 4 too small" in text
 
 
 def test_words_change_numbers_of_the_rule():
-    rule = level_rule_with_changes(["fall=6", "first_degree=4"])
+    rule = refinement_rule_with_changed_numbers(["fall=6", "first_degree=4"])
     assert (rule.fall, rule.first_degree, rule.sizes) == (6.0, 4, LEVEL_RULE.sizes)
-    assert math.isclose(rule.level_with_number(2).degree, 5)
+    assert math.isclose(rule.refinement_level_with_number(2).degree, 5)
     with pytest.raises(ValueError, match="fal"):
-        level_rule_with_changes(["fal=6"])
+        refinement_rule_with_changed_numbers(["fal=6"])

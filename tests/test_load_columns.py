@@ -212,7 +212,7 @@ def test_a_free_strain_in_the_linings_is_solved_and_refined_alike(brake, level, 
         return make_shoe_substructure(kind, shoe, division, loaded, centre, friction=friction)
 
     def with_heat(body, shoe, force):
-        heat = body.load_columns.factors_of_all_load_columns({HEAT: np.ones(1)})
+        heat = body.unit_load_vectors_by_name.factors_of_all_load_columns({HEAT: np.ones(1)})
         return load_factors_under_actuation_force(body, shoe, force) + heat
 
     cold = solve_prepared_model(make_prepared_model(brake, level, elements=24), brake)

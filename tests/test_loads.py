@@ -62,7 +62,7 @@ def test_factors_name_the_loads_that_act():
 
 def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, further):
     shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[1]).bodies[0]
-    assert body.load_columns == TWO
+    assert body.unit_load_vectors_by_name == TWO
     assert body.closure_by_load.shape == (len(body.line.nodes), 4)
     assert body.load_motion_by_load.shape == (4, 4)
     _, ties, loads = body.condensed.assemble_equations_of_whole_body()

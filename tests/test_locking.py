@@ -13,7 +13,7 @@ from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.self_locking import FrictionDependentProblem, find_friction_limit_of_contact
 from drumlin.fem.analysis.self_locking import (
-    self_locking_limits_of_shoe_groups,
+    self_locking_friction_of_shoe_groups,
     shoe_torques_at_friction_coefficients,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
@@ -46,7 +46,9 @@ def test_the_limit_of_one_node_on_a_hinge_is_that_of_its_lever(lever):
 
 def test_a_path_that_stands_on_the_singular_friction_ends_there():
     """A step of the path may meet 1/lever exactly, where the equations have no solution."""
-    below = active_set.solve_contact_problem(one_node().contact_problem_with_friction(1.0))
+    below = active_set.solve_contact_problem(
+        one_node().contact_problem_at_friction_coefficient(1.0)
+    )
     end = self_locking.find_friction_limit_of_contact(one_node(), known_answer=(2.0, below))
     assert end.friction == 2.0 and not end.pressure_stays_finite
 
@@ -67,20 +69,20 @@ def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes
     assert end.pressure_stays_finite
     assert end.friction == pytest.approx(0.5, rel=1e-10)
     both = active_set.solve_contact_problem(
-        problems.contact_problem_with_friction(0.45), np.array([True, True])
+        problems.contact_problem_at_friction_coefficient(0.45), np.array([True, True])
     )
     # The other answer, which meets the first one at 0.5.
     assert not both.stable and both.p[1] > 0
     assert (
-        self_locking.compare_solutions_from_first_contact_sets(
-            problems.contact_problem_with_friction(0.45),
+        self_locking.compare_solutions_from_starting_contact_sets(
+            problems.contact_problem_at_friction_coefficient(0.45),
             self_locking.find_friction_limit_of_contact(problems, 0.45).last_contact,
             [both.active],
         ).unstable
         == 1
     )
     with pytest.raises(NoAnswer):
-        active_set.solve_contact_problem(problems.contact_problem_with_friction(0.51))
+        active_set.solve_contact_problem(problems.contact_problem_at_friction_coefficient(0.51))
 
 
 @pytest.mark.parametrize("changes", ({}, {"rotation": "clockwise"}, RING))
@@ -89,13 +91,13 @@ def test_the_eigenvalue_is_exact_where_halving_was_not(changes, brake):
     changed = vary(brake, changes)
     scene = make_prepared_model(changed, elements=20)
     group, end = min(
-        self_locking_limits_of_shoe_groups(scene, changed, 3.0).items(),
+        self_locking_friction_of_shoe_groups(scene, changed, 3.0).items(),
         key=lambda item: item[1].friction,
     )
     problems = ShoeGroup(scene, changed, group).contact_problem_as_function_of_friction
     near = [
         active_set.solve_contact_problem(
-            problems.contact_problem_with_friction(end.friction * (1 - gap)),
+            problems.contact_problem_at_friction_coefficient(end.friction * (1 - gap)),
             end.last_contact.active,
         ).p.max()
         * gap
@@ -105,7 +107,7 @@ def test_the_eigenvalue_is_exact_where_halving_was_not(changes, brake):
     for start in (None, end.last_contact.active, ~end.last_contact.active):
         with pytest.raises(NoAnswer):
             active_set.solve_contact_problem(
-                problems.contact_problem_with_friction(end.friction * (1 + 1e-9)), start
+                problems.contact_problem_at_friction_coefficient(end.friction * (1 + 1e-9)), start
             )
     with pytest.raises(NoAnswer, match=rf"mu_lock = {end.friction:.4g} .rigid-shoe law: 0.8231"):
         solve_prepared_model(scene, vary(changed, {"friction": end.friction * 1.01}))
@@ -117,7 +119,7 @@ def test_both_hands_lock_alike_and_the_other_shoe_never(brake):
         turning = vary(brake, {"rotation": rotation})
         found.append(
             picked(
-                self_locking_limits_of_shoe_groups(
+                self_locking_friction_of_shoe_groups(
                     make_prepared_model(turning, elements=20), turning
                 ).values(),
                 "friction",
@@ -129,9 +131,9 @@ def test_both_hands_lock_alike_and_the_other_shoe_never(brake):
 
 def test_the_limit_knows_neither_force_nor_clearance(brake):
     plain, other = (
-        self_locking_limits_of_shoe_groups(make_prepared_model(changed, elements=20), changed, 3.0)[
-            (1,)
-        ].friction
+        self_locking_friction_of_shoe_groups(
+            make_prepared_model(changed, elements=20), changed, 3.0
+        )[(1,)].friction
         for changed in (
             brake,
             vary(brake, {"shoe.actuation.force": 50.0, "shoe.lining.clearance": 2e-4}),
@@ -146,9 +148,9 @@ def test_rigid_shoes_tend_to_the_law_as_their_linings_become_thin(brake):
     for t in (8e-3, 4e-3, 2e-3):
         rigid = vary(brake, {"shoe.body": None, "shoe.lining.thickness": t})
         off.append(
-            self_locking_limits_of_shoe_groups(make_prepared_model(rigid, elements=60), rigid, 3.0)[
-                (1,)
-            ].friction
+            self_locking_friction_of_shoe_groups(
+                make_prepared_model(rigid, elements=60), rigid, 3.0
+            )[(1,)].friction
             / law
             - 1
         )
@@ -160,7 +162,7 @@ def test_rigid_shoes_tend_to_the_law_as_their_linings_become_thin(brake):
 
 def test_torque_has_a_simple_pole_at_the_limit(brake):
     scene = make_prepared_model(brake, elements=20)
-    end = self_locking_limits_of_shoe_groups(scene, brake, 3.0)[(1,)].friction
+    end = self_locking_friction_of_shoe_groups(scene, brake, 3.0)[(1,)].friction
     gaps = np.array([1e-4, 1e-6])
     T = shoe_torques_at_friction_coefficients(scene, brake, list(end * (1 - gaps)))[:, 1]
     assert T[1] * gaps[1] == pytest.approx(T[0] * gaps[0], rel=1e-3)
@@ -179,8 +181,8 @@ def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(se
     n = len(problems.frictionless.q)
     starts = [np.ones(n, bool), np.zeros(n, bool), *(rng.random(n) < 0.5 for _ in range(5))]
     mu = 0.5 * min(end.friction, 0.6)
-    found = self_locking.compare_solutions_from_first_contact_sets(
-        problems.contact_problem_with_friction(mu),
+    found = self_locking.compare_solutions_from_starting_contact_sets(
+        problems.contact_problem_at_friction_coefficient(mu),
         self_locking.find_friction_limit_of_contact(problems, mu).last_contact,
         starts,
     )
@@ -216,11 +218,14 @@ def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
     assert max(ends) < 1.01 * min(ends)
     for beyond in (0.84, 1.0, 2.54):
         assert active_set.solve_contact_by_block_pivoting(
-            problems.contact_problem_with_friction(beyond)
+            problems.contact_problem_at_friction_coefficient(beyond)
         ).stable
         with pytest.raises(NoAnswer, match=f"up to mu_lock = {end.friction:.4g}"):
             self_locking.solve_contact_reached_from_zero_friction(
-                problems.contact_problem_with_friction, beyond, rigid_law_limit=1.18, brake_words=""
+                problems.contact_problem_at_friction_coefficient,
+                beyond,
+                rigid_law_limit=1.18,
+                brake_words="",
             )
 
 
@@ -235,14 +240,19 @@ def test_beyond_the_limit_of_the_rigid_shoe_a_quiet_answer_is_not_taken_unfollow
     problems, mu = group.contact_problem_as_function_of_friction, 2 * law
     end = self_locking.find_friction_limit_of_contact(problems).friction
     assert end < mu
-    found = active_set.solve_contact_by_block_pivoting(problems.contact_problem_with_friction(mu))
+    found = active_set.solve_contact_by_block_pivoting(
+        problems.contact_problem_at_friction_coefficient(mu)
+    )
     half = active_set.solve_contact_by_block_pivoting(
-        problems.contact_problem_with_friction(0.5 * mu), found.active
+        problems.contact_problem_at_friction_coefficient(0.5 * mu), found.active
     )
     assert found.stable and half.stable and found.p.sum() < 1.5 * half.p.sum()
     with pytest.raises(NoAnswer, match=f"up to mu_lock = {end:.4g}"):
         self_locking.solve_contact_reached_from_zero_friction(
-            problems.contact_problem_with_friction, mu, rigid_law_limit=law, brake_words="now"
+            problems.contact_problem_at_friction_coefficient,
+            mu,
+            rigid_law_limit=law,
+            brake_words="now",
         )
 
 
@@ -266,7 +276,7 @@ def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexibl
                 try:
                     answers.append(
                         self_locking.solve_contact_reached_from_zero_friction(
-                            problems.contact_problem_with_friction,
+                            problems.contact_problem_at_friction_coefficient,
                             mu,
                             rigid_law_limit=1e3,
                             brake_words="",
@@ -331,7 +341,7 @@ def test_below_the_first_singular_set_every_load_has_one_answer(brake):
     )
     assert 0 < first <= self_locking.find_friction_limit_of_contact(problems).friction
     rng = np.random.default_rng(0)
-    below = problems.contact_problem_with_friction(0.99 * first)
+    below = problems.contact_problem_at_friction_coefficient(0.99 * first)
     scale = np.abs(below.A).max()
     for _ in range(20):
         changed = below._replace(q=scale * rng.normal(size=n) * 10 ** rng.uniform(-3, 3))
@@ -363,7 +373,7 @@ def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, m
     followed = (
         brake.friction
         * group.largest_actuation_force
-        * float((group.torque_per_pressure.T @ end.last_contact.p)[0])
+        * float((group.torque_of_each_shoe_per_nodal_pressure.T @ end.last_contact.p)[0])
     )
     assert math.isinf(end.friction) and 480 < followed < 590
     assert solve(brake, elements=elements, penalty=1e6).torque == pytest.approx(followed, rel=1e-6)
@@ -396,7 +406,10 @@ def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(
     monkeypatch.setattr(self_locking, "find_friction_limit_of_contact", noted)
     try:
         found = self_locking.solve_contact_reached_from_zero_friction(
-            problems.contact_problem_with_friction, mu, rigid_law_limit=math.inf, brake_words="now"
+            problems.contact_problem_at_friction_coefficient,
+            mu,
+            rigid_law_limit=math.inf,
+            brake_words="now",
         )
         np.testing.assert_allclose(
             found.p,

@@ -17,8 +17,8 @@ from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
 from drumlin.fem.mesh.file import read_shoe_mesh_from_file, write_shoe_mesh_to_file
 from drumlin.fem.mesh.inp import read_mesh_from_inp_text
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solve import require_division_options_have_effect, solve
-from drumlin.models import model_by_name
+from drumlin.fem.solve import require_element_options_have_effect, solve
+from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.norms import relative_distance_of_pressures
 
 ELEMENTS = 16
@@ -61,13 +61,13 @@ def test_what_no_part_is_divided_by_is_refused(tmp_path, brake):
     partly = vary(brake, {"shoe[0].mesh": str(written.shoes[0].mesh)})
     for option in ({"elements": 8}, {"kind": "tri2"}):
         with pytest.raises(BadInput, match=r"--\w+ = \w+: all shoes have mesh files"):
-            require_division_options_have_effect(written, **option)
-        require_division_options_have_effect(partly, **option)
-    require_division_options_have_effect(ringed, elements=8)
+            require_element_options_have_effect(written, **option)
+        require_element_options_have_effect(partly, **option)
+    require_element_options_have_effect(ringed, elements=8)
     coarse, fine = (make_prepared_model(ringed, elements=n).ring.mesh.nelements for n in (8, 16))
     assert coarse < fine
     with pytest.raises(BadInput, match="--kind = tri2"):
-        require_division_options_have_effect(ringed, elements=8, kind="tri2")
+        require_element_options_have_effect(ringed, elements=8, kind="tri2")
 
 
 @pytest.mark.parametrize("options", [("gmsh22", False), ("gmsh22", True)])
@@ -492,7 +492,7 @@ def test_the_web_shoe_solves_balances_and_keeps_near_the_sine_law():
     web = read_brake(WEB)
     response = solve(web)
     assert max(response.balance.force, response.balance.moment) < 1e-9
-    law = model_by_name("sine", web).solve(web)
+    law = model_with_name_that_applies_to_brake("sine", web).solve(web)
     for a, b in zip(response.shoes, law.shoes, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=0.15)
         assert a.self_energising == b.self_energising

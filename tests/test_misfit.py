@@ -399,7 +399,7 @@ def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
     off = vary(BRAKE, {f"{MISFIT}.radius": R + 5e-5, f"{MISFIT}.taper": -3e-5})
     setup = wear_setup_by_finite_elements(SCENE, off)
     goal = run_in.end_of_wear_by_rigid_shoe_law(setup)
-    states = run_in.run_brake_linings_in(
+    states = run_in.wear_brake_linings_until_worn_in(
         setup, until=run_in.make_test_for_end_of_wear(setup, goal, 1e-4)
     )
     ended, limit = (

@@ -19,15 +19,15 @@ from drumlin.fem.solve import solve
 from drumlin.response.norms import relative_distance_of_pressures
 from drumlin_studies.omission import (
     brake_without_neglected_parts,
-    change_of_answer_by_omission,
-    predict_change_of_answer_by_omission,
+    predict_response_change_by_omitting_parts,
     prepared_model_without_parts,
+    relative_change_from_whole_to_simpler_brake,
 )
 from drumlin_studies.omission_table import (
     predicted_over_true_changes,
     row_of_largest_straight_edge_effect,
-    rows_of_omissions_for_brake,
     saved_time_ranges_by_omission,
+    table_rows_for_each_part_omitted_from_brake,
 )
 from drumlin_studies.reduced import (
     HALF_PLANE_WAVE,
@@ -63,7 +63,10 @@ def alone(brake):
 
 def test_what_is_left_out_exactly_changes_nothing_but_round_off():
     for brake, count in ((BRAKE, 2), (vary(BRAKE, {"friction": 0.0}), 3)):
-        exact = having(rows_of_omissions_for_brake(brake, "b", elements=16, repeats=0), exact="yes")
+        exact = having(
+            table_rows_for_each_part_omitted_from_brake(brake, "b", elements=16, repeats=0),
+            exact="yes",
+        )
         assert len(exact) == count
         for row in exact:
             assert max(row["torque"], row["pressure"], row["reaction"]) < 1e-9
@@ -158,8 +161,8 @@ def test_predictions_are_within_a_factor_two_of_the_truth(case):
     def make(spec):
         return make_prepared_model(spec, elements=48)
 
-    predicted = predict_change_of_answer_by_omission(brake, [part], solve_prepared_model)
-    true = change_of_answer_by_omission(
+    predicted = predict_response_change_by_omitting_parts(brake, [part], solve_prepared_model)
+    true = relative_change_from_whole_to_simpler_brake(
         solve_prepared_model(*prepared_model_without_parts(brake, [part], make)),
         solve_prepared_model(make(brake), brake),
     )
@@ -200,7 +203,7 @@ def test_a_tolerance_leaves_neither_ring_nor_shoe_out_and_holds(case):
     truth = solve_brake_to_tolerance(brake, Tolerance(2e-4, 5e-6), solve_prepared_model).response
     for tolerance in (1e-1, 1e-2, 1e-3):
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
-        true = change_of_answer_by_omission(response, truth)
+        true = relative_change_from_whole_to_simpler_brake(response, truth)
         assert max(true.pressure, true.torque) <= tolerance
         assert max(response.error["pressure"], response.error["torque"]) <= tolerance
         assert true.torque <= response.error["torque"] + 1e-6
@@ -221,7 +224,9 @@ def test_a_change_is_that_of_the_shoe_that_changes_most():
             )
             for f, shoe in zip(factors, whole.shoes, strict=True)
         ]
-        found = change_of_answer_by_omission(replace(whole, shoes=tuple(shoes)), whole)
+        found = relative_change_from_whole_to_simpler_brake(
+            replace(whole, shoes=tuple(shoes)), whole
+        )
         assert [found.pressure, found.peak, found.each, found.reaction] == pytest.approx([0.1] * 4)
 
 
@@ -258,7 +263,10 @@ def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
 def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining():
     """Under a load that keeps all of it in contact; half as much on twice as many elements."""
     brake = alone(vary(BRAKE, RIGID | {"shoe.actuation.force": 1e5}))
-    rows = [rows_of_omissions_for_brake(brake, "b", elements=n, repeats=0)[1:] for n in (36, 72)]
+    rows = [
+        table_rows_for_each_part_omitted_from_brake(brake, "b", elements=n, repeats=0)[1:]
+        for n in (36, 72)
+    ]
     coarse, fine = (having(found, part="curvature")[0] for found in rows)
     for row in (coarse, fine):
         assert row["pressure"] < 0.3
@@ -267,8 +275,10 @@ def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining(
 
 
 def test_rows_are_summed_up_and_a_case_without_answer_stays():
-    rows = rows_of_omissions_for_brake(vary(BRAKE, RIGID), "b", elements=8, repeats=1)
-    locked = rows_of_omissions_for_brake(
+    rows = table_rows_for_each_part_omitted_from_brake(
+        vary(BRAKE, RIGID), "b", elements=8, repeats=1
+    )
+    locked = table_rows_for_each_part_omitted_from_brake(
         vary(BRAKE, {"friction": 1.1}), "locked when rigid", elements=8, repeats=0
     )
     failed = [

@@ -17,7 +17,7 @@ from drumlin.brake.elasticity import ElasticLayer, plane_stress_elasticity_matri
 from drumlin.brake.fields import Material, Orthotropic
 from drumlin.brake.file import make_drum_brake_from_data, make_validated_part, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.brake.schema import brake_schema
+from drumlin.brake.schema import json_schema_of_brake_file
 from drumlin.brake.writing import brake_file_text
 from drumlin.comparison import compare
 from drumlin.explore.knobs import knobs_for_brake
@@ -32,18 +32,23 @@ from drumlin.fem.hp.corner import (
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solve import prepared_model_of_finest_division, solve
+from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 from drumlin.fem.substructure.body import (
     scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
-from drumlin.models import MODELS, applicable_models, model_by_name, reasons_why_models_do_not_apply
+from drumlin.models import (
+    MODELS,
+    applicable_models,
+    model_with_name_that_applies_to_brake,
+    reasons_why_models_do_not_apply,
+)
 from drumlin.peers import calculix, getfem, install_hint_if_missing
 from drumlin_studies.consistency_slopes import (
     ALLOWED_SLOPE_DIFFERENCE,
     DivisionForSlopes,
+    all_torque_sensitivities_printed_for_brake,
     largest_difference_from_central_slopes,
-    printed_torque_slopes,
 )
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_kinds import draw_brake_of_support_kind, mirror_turn_and_shift_brake
@@ -167,7 +172,7 @@ def test_a_file_with_units_is_read_written_and_described(tmp_path):
     assert again.shoes[1] == brake.shoes[1]
     softer = vary(brake, {"shoe.lining.material.E_through": "100 MPa"})
     assert softer.shoes[0].lining.material.E_through == pytest.approx(1e8)
-    keys = brake_schema()["$defs"]["Orthotropic"]
+    keys = json_schema_of_brake_file()["$defs"]["Orthotropic"]
     assert set(keys["properties"]) == set(LINING | ACROSS) and set(keys["required"]) == set(LINING)
 
 
@@ -219,7 +224,9 @@ def test_an_isotropic_material_has_the_same_in_all_directions():
     material, other = Material(E=3e8, nu=0.25), Orthotropic(**alike(Material(E=3e8, nu=0.25)))
     for key in ("E_along", "E_through", "G_along_through", "nu_along_through"):
         assert getattr(material, key) == getattr(other, key)
-    assert other.E_half_plane == pytest.approx(material.E_half_plane, rel=1e-14)
+    assert other.young_modulus_of_equivalent_half_plane == pytest.approx(
+        material.young_modulus_of_equivalent_half_plane, rel=1e-14
+    )
     assert plane_stress_elasticity_matrix(other) == pytest.approx(
         plane_stress_elasticity_matrix(material), rel=1e-14
     )
@@ -322,7 +329,9 @@ def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, 
     mesh = type(mesh)(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t)
     mesh = mesh.with_subdomains({"ring": np.arange(mesh.nelements)})
     basis = scalar_finite_element_basis_of_mesh(mesh)
-    K = sparse_stiffness_of_body(basis, {"ring": ElasticLayer.of(material, width)})
+    K = sparse_stiffness_of_body(
+        basis, {"ring": ElasticLayer.make_layer_in_plane_stress(material, width)}
+    )
     inside = mesh.facets_satisfying(lambda x: np.abs(np.hypot(*x) - a) < 2e-4, boundaries_only=True)
     boundary = skfem.FacetBasis(mesh, basis.elem, facets=inside)
     f = np.zeros((basis.N, 2))
@@ -366,7 +375,9 @@ def test_the_half_plane_modulus_is_that_of_its_waves():
     normal = through * -s * V + coupled * 1j * U
     tangential = shear * (-s * U + 1j * V)
     factors = np.linalg.solve(np.array([normal, tangential]), np.array([-1.0, 0.0]))
-    assert float(np.real(factors @ V)) == pytest.approx(2 / material.E_half_plane, rel=1e-12)
+    assert float(np.real(factors @ V)) == pytest.approx(
+        2 / material.young_modulus_of_equivalent_half_plane, rel=1e-12
+    )
 
 
 def test_columns_and_meshes_of_either_shape_agree():
@@ -489,7 +500,7 @@ def test_foundation_solid_and_width_refuse_directions_in_a_line():
     with pytest.raises(
         BadInput, match=rf"backing\.material is orthotropic; the foundation model takes {only}"
     ):
-        model_by_name("foundation", backing)
+        model_with_name_that_applies_to_brake("foundation", backing)
     rim = {"thickness": 0.02, "width": 0.05, "material": LINING}
     ring = vary(read_any(ROOT / "studies/laws/block.toml"), {"drum.ring": rim})
     assert (
@@ -499,7 +510,7 @@ def test_foundation_solid_and_width_refuse_directions_in_a_line():
     with pytest.raises(
         BadInput, match=rf"lining\.material is orthotropic; the solid model takes {only}"
     ):
-        model_by_name("solid", with_lining(MAIN))
+        model_with_name_that_applies_to_brake("solid", with_lining(MAIN))
     with pytest.raises(
         BadInput,
         match=r"--finite-width: .*lining\.material is orthotropic; the model of the width takes",
@@ -522,15 +533,20 @@ def test_slopes_are_those_of_differences(name, elements):
     """
     brake = orthotropic(FLEXIBLE if name == "arcs" else vary(POST, {"drum.ring": None}), 3)
     divided = DivisionForSlopes(elements, Cache())
-    base, found = divided.solve_for_torque(brake), divided.compute_torque_slopes(brake)
-    for slope in printed_torque_slopes(brake, found):
+    base, found = (
+        divided.solve_brake_for_torque(brake),
+        divided.compute_derivatives_of_brake_torque(brake),
+    )
+    for slope in all_torque_sensitivities_printed_for_brake(brake, found):
         off = largest_difference_from_central_slopes(brake, slope, divided, base)
         assert off is None or off < 0.1 * ALLOWED_SLOPE_DIFFERENCE, slope.what
 
 
 def test_slopes_by_moduli_are_said_to_be_by_one_factor_on_all():
     brake = with_lining(MAIN)
-    found = compute_torque_sensitivity(prepared_model_of_finest_division(brake, elements=20), brake)
+    found = compute_torque_sensitivity(
+        prepared_model_with_finest_elements(brake, elements=20), brake
+    )
     lines = sensitivity_as_text_lines(found, brake)
     assert lines[-1] == (
         "  d ln T/d ln E of shoe 'right': lining.material, shoe 'left': lining.material: by "
@@ -554,7 +570,7 @@ def test_stresses_are_those_of_the_layers_directions():
     )
     for scene in (
         make_prepared_model(brake, LEVELS[2]),
-        prepared_model_of_finest_division(brake, elements=60),
+        prepared_model_with_finest_elements(brake, elements=60),
     ):
         found = stress_and_displacement_fields_of_shoe(
             scene, brake, solve_prepared_model(scene, brake), index=1
@@ -590,7 +606,7 @@ def test_a_deck_for_calculix_has_the_nine_constants_and_the_layers_directions(tm
             "shoe.lining.material": LINING,
         },
     )
-    paths, _ = calculix.export_calculix_decks(post, tmp_path, "post", elements=6)
+    paths, _ = calculix.export_calculix_deck_of_each_shoe(post, tmp_path, "post", elements=6)
     text = paths[0].read_text()
     lines = (
         r"NAME=BACKING\n\*ELASTIC, TYPE=ENGINEERING CONSTANTS\n(.*),\n(.*)\n\*ORIENTATION, "
@@ -621,7 +637,10 @@ SWAPPED = {"E_along": 7e10, "E_through": 2e11, "G_along_through": 5e10, "nu_alon
 )
 def test_calculix_agrees():
     brake = vary(FLEXIBLE, {"shoe.lining.material": LINING, "shoe.body.material": SWAPPED})
-    own, peer = solve(brake, elements=20), calculix.solve_by_calculix(brake, elements=20).response
+    own, peer = (
+        solve(brake, elements=20),
+        calculix.solve_brake_by_calculix(brake, elements=20).response,
+    )
     for a, b in zip(own.shoes, peer.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=2e-3)
 
@@ -635,7 +654,10 @@ def test_getfem_agrees(name):
     brake = (
         arcs if name == "arcs" else vary(POST, {"drum.ring": None, "shoe.backing.material": LINING})
     )
-    own, peer = solve(brake, elements=20), getfem.solve_by_getfem(brake, elements=20).response
+    own, peer = (
+        solve(brake, elements=20),
+        getfem.solve_brake_in_getfem_process(brake, elements=20).response,
+    )
     for a, b in zip(own.shoes, peer.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=1e-4 if name == "arcs" else 1e-3)
 
@@ -644,7 +666,7 @@ def test_a_pad_on_a_plane_has_straight_layers():
     clamp = orthotropic(read_any(ROOT / "studies/brakes/rail_clamp.toml"), 2)
     scenes = (
         make_prepared_model(clamp, LEVELS[2]),
-        prepared_model_of_finest_division(clamp, elements=60),
+        prepared_model_with_finest_elements(clamp, elements=60),
     )
     by_columns, by_mesh = (solve_prepared_model(scene, clamp) for scene in scenes)
     for a, b in zip(by_columns.shoes, by_mesh.shoes, strict=True):

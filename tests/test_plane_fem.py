@@ -18,15 +18,15 @@ from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.lining_wear.archard import WearLaw
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
     brake_with_worn_linings,
-    run_brake_linings_in,
-    unit_of_sliding_distance,
+    sliding_distance_of_e_fold_pressure_change,
+    wear_brake_linings_until_worn_in,
 )
 from drumlin_studies.ladder_pads import brake_with_pad_on_guide
 from drumlin_studies.random_kinds import mirror_turn_and_shift_brake
@@ -254,9 +254,9 @@ def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
     )
     made, rule = make_prepared_model(own, elements=20), WearLaw(DEFAULT_WEAR_COEFFICIENT)
     setup = wear_setup_by_finite_elements(made, own)
-    last = run_brake_linings_in(setup, rule, distance=0.3 * unit_of_sliding_distance(setup, rule))[
-        -1
-    ]
+    last = wear_brake_linings_until_worn_in(
+        setup, rule, distance=0.3 * sliding_distance_of_e_fold_pressure_change(setup, rule)
+    )[-1]
     (shoe,) = solve_prepared_model(
         made, brake_with_worn_linings(setup, last), penalty=math.inf
     ).shoes
@@ -278,7 +278,7 @@ def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: 
     brake = mirror_turn_and_shift_brake(
         pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4
     )
-    made = prepared_model_of_finest_division(brake)
+    made = prepared_model_with_finest_elements(brake)
     found = stress_and_displacement_fields_of_shoe(
         made, brake, solve_prepared_model(made, brake, penalty=math.inf), 0
     )

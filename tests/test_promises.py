@@ -30,12 +30,14 @@ def test_the_short_fault_study_finds_no_fault_and_shows_one(tmp_path):
     assert "commit 17da584" in page and "several lines" in page
     result.within["words"][0] = trials.InputVerdict(0, 1, 0.1, "x: a traceback")
     assert "1 faults" in module.report(result, tmp_path).read_text(encoding="utf-8")
-    assert trials.verdict_summary_rows(result.within)[-1]["faults"] == 1
+    assert trials.rows_of_verdict_counts_by_generator(result.within)[-1]["faults"] == 1
 
 
 def test_a_wrong_table_is_a_fault(monkeypatch):
     """Of a damaged journal: the judge knows the right table."""
-    wrong = trials.make_numbered_input("journals", 0)._replace(right={"t.csv": b"case,\n"})
+    wrong = trials.make_input_of_generator_with_number("journals", 0)._replace(
+        right={"t.csv": b"case,\n"}
+    )
     monkeypatch.setitem(trials.GENERATORS, "journals", (lambda _: wrong, ""))
     assert "not the right t.csv" in trials.run_and_judge_input("journals", 0).fault
 

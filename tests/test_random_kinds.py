@@ -15,8 +15,8 @@ from conftest import partly
 from drumlin import Brake, NoAnswer, Response, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.writing import brake_file_text
-from drumlin.fem.analysis.self_locking import self_locking_limits_of_shoe_groups
-from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
+from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.response.balance import brake_with_forces_of_response, resultant_of_contact_on_shoe
 from drumlin.response.resultants import planar_cross_product
@@ -51,14 +51,14 @@ def whole_balance(brake: Brake, found: Response) -> None:
         assert to.actuation.force == pytest.approx(np.linalg.norm(source.hinge_reaction), rel=1e-9)
     if brake.actuation is not None and brake.actuation.is_cam:
         assert sum(own.force or 0.0 for own in found.shoes) == pytest.approx(
-            brake.actuation.total, rel=1e-9
+            brake.actuation.force_of_cylinder_or_sum_of_cam_forces, rel=1e-9
         )
     for shoe, own in shoes.values():
         reaction = own.hinge_reaction
         if shoe.abutment is not None and own.contact_arcs:
             bearing, along = (
-                reaction @ shoe.bearing,
-                abs(planar_cross_product(shoe.bearing, reaction)),
+                reaction @ shoe.unit_vector_of_abutment_force_on_foot,
+                abs(planar_cross_product(shoe.unit_vector_of_abutment_force_on_foot, reaction)),
             )
             assert bearing > 0
             assert along <= shoe.abutment.friction * bearing + 1e-8 * bearing
@@ -236,8 +236,8 @@ def locked(seed: int, kind: str, most: float = 1.2) -> int:
         if end is None:
             continue
         own = vary(brake, {"friction": 0.97 * end})
-        found = self_locking_limits_of_shoe_groups(
-            prepared_model_of_finest_division(own, elements=24), own, 2.0, 1e6
+        found = self_locking_friction_of_shoe_groups(
+            prepared_model_with_finest_elements(own, elements=24), own, 2.0, 1e6
         )
         assert min(picked(found.values(), "friction")) == pytest.approx(end, rel=1e-2), (
             brake,

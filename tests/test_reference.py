@@ -23,7 +23,7 @@ from drumlin.verification.check import (
     compare_curves_with_reference,
     pressure_curves_as_csv,
     read_pressure_curves,
-    verdict_text_lines,
+    text_lines_on_errors_of_pressure_table,
 )
 from drumlin.verification.reference import (
     Refinement,
@@ -144,7 +144,9 @@ def test_check_tells_good_curves_from_bad_ones(brake, known, tmp_path):
     path.write_text(table(solve_brake_by_sine_law(brake)))
     law = compare_curves_with_reference(brake, known, read_pressure_curves(path, brake))
     assert not are_verdicts_within_tolerance(law, 0.05)
-    assert verdict_text_lines(law, 0.05)[-1] == "NOT within 0.05 of the reference"
+    assert (
+        text_lines_on_errors_of_pressure_table(law, 0.05)[-1] == "NOT within 0.05 of the reference"
+    )
     # whole turns, radians, Pa and the order of lines change nothing
     heading, *rows = table(response).splitlines()
     turned = [heading.replace("[deg]", "[rad]").replace("[MPa]", "[Pa]")]

@@ -12,7 +12,9 @@ from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
-from drumlin.verification.triangles.levels import solve_on_triangle_level as solve_by_triangles
+from drumlin.verification.triangles.levels import (
+    solve_brake_on_one_triangle_mesh as solve_by_triangles,
+)
 from drumlin_studies.reduced import make_function_that_prepares_surrogates
 
 SECTION = {"thickness": 0.015, "width": 0.06, "material": {"E": 1.1e11, "nu": 0.26}}

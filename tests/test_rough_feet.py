@@ -20,7 +20,7 @@ from drumlin.fem.analysis.holding import (
     states_of_holding_brake_at_rotations,
 )
 from drumlin.fem.analysis.self_locking import (
-    self_locking_limits_of_shoe_groups,
+    self_locking_friction_of_shoe_groups,
     shoe_torques_at_friction_coefficients,
 )
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
@@ -224,9 +224,9 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
                 start,
             )
             assert STICK not in at.state[:n]
-            _, found = group.solve_contact()
-            assert group.torque_per_pressure.T @ at.p[:n] == pytest.approx(
-                group.torque_per_pressure.T @ found.p, rel=1e-6
+            _, found = group.solve_contact_and_abutment_friction()
+            assert group.torque_of_each_shoe_per_nodal_pressure.T @ at.p[:n] == pytest.approx(
+                group.torque_of_each_shoe_per_nodal_pressure.T @ found.p, rel=1e-6
             )
 
 
@@ -253,9 +253,11 @@ def test_the_problem_of_a_rough_foot_is_not_there_before_its_friction_is_known()
     (group,) = divide_pressed_shoes_into_groups(
         make_prepared_model(brake, elements=ELEMENTS), brake, PENALTY
     )
-    with pytest.raises(RuntimeError, match="no sense yet, ask for `settled`"):
+    with pytest.raises(
+        RuntimeError, match="no sense yet, ask for `solve_contact_and_abutment_friction`"
+    ):
         _ = group.contact_problem_of_group
-    at, found = group.solve_contact()
+    at, found = group.solve_contact_and_abutment_friction()
     assert at.contact_problem_of_group.C @ found.p == pytest.approx(at.contact_problem_of_group.h)
 
 
@@ -270,7 +272,8 @@ def test_the_limit_of_rough_feet_is_where_solves_at_growing_friction_end(count: 
         scene = make_prepared_model(brake, elements=ELEMENTS)
         lock = min(
             picked(
-                self_locking_limits_of_shoe_groups(scene, brake, 2.5, PENALTY).values(), "friction"
+                self_locking_friction_of_shoe_groups(scene, brake, 2.5, PENALTY).values(),
+                "friction",
             )
         )
         last = 0.97 * min(lock, 2.5)
@@ -304,7 +307,7 @@ def test_the_limit_of_thin_linings_is_that_of_the_law() -> None:
     seen = 0
     for seed in range(8):
         brake = draw_brake_of_support_kind(seed, "rough abutment", rigid=True)
-        lock = self_locking_limits_of_shoe_groups(
+        lock = self_locking_friction_of_shoe_groups(
             make_prepared_model(brake, elements=40), brake, 3.0
         )[0,].friction
         if math.isinf(lock):

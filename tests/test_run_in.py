@@ -12,7 +12,11 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.laws import hinged, rigid
-from drumlin.lining_wear.archard import WearLaw, checkerboard_amplitude, wear_linings_in_given_steps
+from drumlin.lining_wear.archard import (
+    WearLaw,
+    amplitude_of_node_to_node_pressure_ripple,
+    wear_linings_in_given_steps,
+)
 from drumlin.lining_wear.linings import (
     brake_with_shoes_on_guides,
     wear_setup_by_finite_elements,
@@ -24,9 +28,9 @@ from drumlin.lining_wear.run_in import (
     compute_checks_of_wear_run,
     compute_life_of_linings,
     end_of_wear_by_rigid_shoe_law,
-    relative_distance_from_end_of_wear,
-    run_brake_linings_in,
-    unit_of_sliding_distance,
+    relative_difference_from_end_of_wear,
+    sliding_distance_of_e_fold_pressure_change,
+    wear_brake_linings_until_worn_in,
 )
 from drumlin.response.norms import relative_distance_of_pressures
 from picking import picked
@@ -50,13 +54,13 @@ def setup(scene, brake):
 
 @pytest.fixture(scope="module")
 def states(setup):
-    return run_brake_linings_in(setup)
+    return wear_brake_linings_until_worn_in(setup)
 
 
 def holds(setup, states, law_torque):
     """What must hold after run-in, in one place."""
     assert (
-        relative_distance_from_end_of_wear(
+        relative_difference_from_end_of_wear(
             setup, states[-1], end_of_wear_by_rigid_shoe_law(setup)
         ).pressure
         <= 0.01
@@ -66,24 +70,29 @@ def holds(setup, states, law_torque):
     assert found.volume < 1e-8
     assert found.energy < 1e-6
     for s in setup.surfaces:
-        assert checkerboard_amplitude(s.own_values_by_growing_angle(states[-1].pressure)) < 1e-3
+        assert (
+            amplitude_of_node_to_node_pressure_ripple(
+                s.own_values_by_growing_angle(states[-1].pressure)
+            )
+            < 1e-3
+        )
 
 
 def test_the_main_brake_comes_to_the_sine_law_and_stays(brake, setup, states):
     law = hinged.solve_brake_by_sine_law(brake)
     holds(setup, states, law.torque)
     assert (
-        relative_distance_from_end_of_wear(
+        relative_difference_from_end_of_wear(
             setup, states[0], end_of_wear_by_rigid_shoe_law(setup)
         ).pressure
         > 0.5
     )
-    long = run_brake_linings_in(setup, distance=10 * states[-1].s)
+    long = wear_brake_linings_until_worn_in(setup, distance=10 * states[-1].s)
     assert (
         max(
             map(
                 abs,
-                relative_distance_from_end_of_wear(
+                relative_difference_from_end_of_wear(
                     setup, long[-1], end_of_wear_by_rigid_shoe_law(setup)
                 ),
             )
@@ -131,14 +140,16 @@ def test_half_the_step_gives_the_same_answer(setup, states):
 def test_linings_soft_and_stiff_come_to_the_law(brake, ratio):
     changed = vary(brake, {"shoe.lining.material.E": 210e9 * ratio})
     setup = wear_setup_by_finite_elements(make_prepared_model(changed, elements=40), changed)
-    holds(setup, run_brake_linings_in(setup), hinged.solve_brake_by_sine_law(brake).torque)
+    holds(
+        setup, wear_brake_linings_until_worn_in(setup), hinged.solve_brake_by_sine_law(brake).torque
+    )
 
 
 def test_a_pivoted_shoe_comes_to_its_two_term_law():
     brake = of("laws/pivoted_block", **{"shoe.pivot": {"x": 0.27, "y": 0.02}})
     setup = wear_setup_by_finite_elements(make_prepared_model(brake, elements=40), brake)
     law = rigid.solve_brake_by_rigid_shoe_law(brake)
-    holds(setup, run_brake_linings_in(setup), law.torque)
+    holds(setup, wear_brake_linings_until_worn_in(setup), law.torque)
     (surface,) = setup.surfaces
     np.testing.assert_allclose(
         surface.own_values_by_growing_angle(end_of_wear_by_rigid_shoe_law(setup).pressure),
@@ -153,7 +164,11 @@ def test_a_guided_shoe_comes_to_the_cosine_law():
         make_prepared_model(brake_with_shoes_on_guides(brake), elements=40),
         brake_with_shoes_on_guides(brake),
     )
-    holds(setup, run_brake_linings_in(setup), hinged.torque_of_brake_with_guided_shoes(brake))
+    holds(
+        setup,
+        wear_brake_linings_until_worn_in(setup),
+        hinged.torque_of_brake_with_guided_shoes(brake),
+    )
     (surface,) = setup.surfaces
     p = surface.own_values_by_growing_angle(end_of_wear_by_rigid_shoe_law(setup).pressure)
     cosine = np.cos(surface.angles_in_growing_order - math.pi / 2)
@@ -163,7 +178,9 @@ def test_a_guided_shoe_comes_to_the_cosine_law():
 def test_a_post_comes_to_the_sine_law_on_the_foundation_once_it_may_tilt():
     brake = of("post_brake/brake")
     setup = wear_setup_by_foundation_model(brake, sections=180, lift=("tilt",))
-    holds(setup, run_brake_linings_in(setup), hinged.solve_brake_by_sine_law(brake).torque)
+    holds(
+        setup, wear_brake_linings_until_worn_in(setup), hinged.solve_brake_by_sine_law(brake).torque
+    )
     published = end_of_wear_by_rigid_shoe_law(
         wear_setup_by_foundation_model(brake, sections=180)
     ).torque
@@ -175,23 +192,28 @@ def test_shoes_that_meet_through_a_ring_wear_together():
     brake = of("post_brake/brake")
     setup = wear_setup_by_finite_elements(make_prepared_model(brake, elements=24), brake)
     assert len(setup.interfaces) == 1 and len(setup.surfaces) == 2
-    holds(setup, run_brake_linings_in(setup), hinged.solve_brake_by_sine_law(brake).torque)
+    holds(
+        setup, wear_brake_linings_until_worn_in(setup), hinged.solve_brake_by_sine_law(brake).torque
+    )
 
 
 def test_a_square_law_of_wear_tends_to_the_root_of_the_sine(setup):
     law = WearLaw(DEFAULT_WEAR_COEFFICIENT, 2.0)
-    states, goal = run_brake_linings_in(setup, law), end_of_wear_by_rigid_shoe_law(setup, law)
+    states, goal = (
+        wear_brake_linings_until_worn_in(setup, law),
+        end_of_wear_by_rigid_shoe_law(setup, law),
+    )
     for surface in setup.surfaces:
         phi = setup.brake.shoes[surface.shoe].frame.phi(surface.angles_in_growing_order)
         p = surface.own_values_by_growing_angle(goal.pressure)
         np.testing.assert_allclose(
             p / p.max(), np.sqrt(np.sin(phi) / np.sin(phi)[p.argmax()]), rtol=1e-5
         )
-    assert max(map(abs, relative_distance_from_end_of_wear(setup, states[-1], goal))) < 1e-3
+    assert max(map(abs, relative_difference_from_end_of_wear(setup, states[-1], goal))) < 1e-3
 
 
 def test_constant_torque_needs_the_force_that_the_worn_brake_needs(scene, brake, setup):
-    states = run_brake_linings_in(setup, torque=450.0)
+    states = wear_brake_linings_until_worn_in(setup, torque=450.0)
     # Both shoes share one force of the cam.
     assert len(setup.interfaces) == 2
     for state in states[:: len(states) // 3]:
@@ -207,36 +229,36 @@ def test_constant_torque_needs_the_force_that_the_worn_brake_needs(scene, brake,
 def test_a_reversal_undoes_the_law_until_the_lining_has_run_in_anew(scene, brake, setup, states):
     other = wear_setup_by_finite_elements(scene, vary(brake, {"rotation": "clockwise"}))
     every = states[-1].s
-    run = run_brake_linings_in(setup, backward=other, reverse=every, distance=2 * every)
+    run = wear_brake_linings_until_worn_in(setup, backward=other, reverse=every, distance=2 * every)
     (turn,) = [i for i, (a, b) in enumerate(pairwise(run)) if a.forward != b.forward]
     before, after = run[turn], run[turn + 1]
     assert before.s == after.s == every
     assert (before.depth == after.depth).all()
     assert (
-        relative_distance_from_end_of_wear(
+        relative_difference_from_end_of_wear(
             setup, before, end_of_wear_by_rigid_shoe_law(setup)
         ).pressure
         < 2e-3
     )
     assert (
-        relative_distance_from_end_of_wear(
+        relative_difference_from_end_of_wear(
             other, after, end_of_wear_by_rigid_shoe_law(other)
         ).pressure
         > 0.3
     )
     assert (
-        relative_distance_from_end_of_wear(
+        relative_difference_from_end_of_wear(
             other, run[-1], end_of_wear_by_rigid_shoe_law(other)
         ).pressure
         < 0.01
     )
-    third = run_brake_linings_in(
+    third = wear_brake_linings_until_worn_in(
         setup, backward=other, reverse=every / 3, distance=3.0 * (every / 3), tolerance=5e-3
     )
     # The run does not turn back at its very end.
     assert sum(a.forward != b.forward for a, b in pairwise(third)) == 2
     with pytest.raises(BadInput, match="distance must be given"):
-        run_brake_linings_in(setup, backward=other, reverse=every)
+        wear_brake_linings_until_worn_in(setup, backward=other, reverse=every)
 
 
 def test_the_part_of_life_does_not_depend_on_the_wear_coefficient_and_grows_with_the_force(
@@ -245,15 +267,18 @@ def test_the_part_of_life_does_not_depend_on_the_wear_coefficient_and_grows_with
     mine = compute_life_of_linings(setup, states, end_of_wear_by_rigid_shoe_law(setup), LAW)
     faster = WearLaw(7 * DEFAULT_WEAR_COEFFICIENT)
     again = compute_life_of_linings(
-        setup, run_brake_linings_in(setup, faster), end_of_wear_by_rigid_shoe_law(setup), faster
+        setup,
+        wear_brake_linings_until_worn_in(setup, faster),
+        end_of_wear_by_rigid_shoe_law(setup),
+        faster,
     )
     assert again.pressure == pytest.approx(mine.pressure, rel=1e-6)
-    assert unit_of_sliding_distance(setup, faster) == pytest.approx(
-        unit_of_sliding_distance(setup, LAW) / 7
+    assert sliding_distance_of_e_fold_pressure_change(setup, faster) == pytest.approx(
+        sliding_distance_of_e_fold_pressure_change(setup, LAW) / 7
     )
     heavy = wear_setup_by_finite_elements(scene, vary(brake, {"shoe.actuation.force": 4e3}))
     assert compute_life_of_linings(
-        heavy, run_brake_linings_in(heavy), end_of_wear_by_rigid_shoe_law(heavy), LAW
+        heavy, wear_brake_linings_until_worn_in(heavy), end_of_wear_by_rigid_shoe_law(heavy), LAW
     ).pressure == pytest.approx(2 * mine.pressure, rel=2e-3)
     assert 0.1 < mine.pressure < 0.2 and 0.03 < mine.torque < 0.06
 

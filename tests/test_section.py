@@ -20,7 +20,7 @@ from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solid.mesh import solid_mesh
+from drumlin.fem.solid.mesh import mesh_of_half_solid_shoe
 from drumlin.verification.triangles.outline import make_shoe_outline
 from drumlin_studies.reduced import make_function_that_prepares_surrogates
 from held_shoes import BODY, brake_of
@@ -202,7 +202,7 @@ def test_the_plates_of_a_t_section_have_their_widths_in_solids(flexible: Brake) 
         flexible, {"shoe.body.table": {"thickness": 3e-3, "width": 0.04}, "shoe.body.width": 5e-3}
     )
     shoe, R = brake.shoes[0], brake.size
-    solid = solid_mesh(shoe, R, 8, 2)
+    solid = mesh_of_half_solid_shoe(shoe, R, 8, 2)
     volumes = solid.basis.dx.sum(axis=1)
     far = R - shoe.lining.thickness
     for name, t, b in (("table", 3e-3, 0.04), ("shoe", shoe.body.thickness, 5e-3)):  # type: ignore[union-attr]

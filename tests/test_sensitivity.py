@@ -13,7 +13,7 @@ from conftest import STUDY
 from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake.file import vary
 from drumlin.fem.analysis.sensitivity import (
-    compare_slopes_with_differences_of_solves,
+    compare_torque_slopes_with_solve_differences,
     compute_torque_sensitivity,
 )
 from drumlin.fem.model import solve_prepared_model
@@ -29,7 +29,7 @@ RING = drum_ring(0.015, "free")
     "changes", [RING, {"rotation": "clockwise", "shoe.lining.clearance": 1e-5}], ids=["ring", "gap"]
 )
 def test_every_slope_agrees_with_differences_of_solves_from_the_mesh_up(brake, changes):
-    for row in compare_slopes_with_differences_of_solves(vary(brake, changes), 1, elements=8)[1]:
+    for row in compare_torque_slopes_with_solve_differences(vary(brake, changes), 1, elements=8)[1]:
         assert row["difference"] < 2e-6, row
 
 

@@ -48,7 +48,7 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
     tips = []
     for i, group in enumerate(divide_pressed_shoes_into_groups(scene, alone, 1e6)):
         found = group.solve_contact_for_known_friction_senses()
-        own = group.effects_of_actuation_forces(group.brake.friction)[0]
+        own = group.contact_effects_of_actuation_force_per_shoe(group.brake.friction)[0]
         tip = group.largest_actuation_force * (
             own.tip_travel_by_pressure @ found.p
             + own.tip_travel_by_force
@@ -96,7 +96,7 @@ def test_the_tip_moves_as_the_energy_says() -> None:
     (group, _) = divide_pressed_shoes_into_groups(scene, brake, math.inf)
     found, own = (
         group.solve_contact_for_known_friction_senses(),
-        group.effects_of_actuation_forces(group.brake.friction)[0],
+        group.contact_effects_of_actuation_force_per_shoe(group.brake.friction)[0],
     )
     tip = (
         own.tip_travel_by_pressure @ found.p

@@ -18,7 +18,10 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer, plane_stress_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
-from drumlin.fem.analysis.mutual_work import mutual_work_by_part, mutual_work_change_by_node_motions
+from drumlin.fem.analysis.mutual_work import (
+    mutual_elastic_work_in_each_part_of_body,
+    mutual_work_change_by_node_motions,
+)
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity, sensitivity_as_text_lines
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.grid import ColumnGrid
@@ -26,7 +29,7 @@ from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solve import prepared_model_of_finest_division, solve
+from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 from drumlin.fem.substructure.body import (
     FRAME,
     scalar_finite_element_basis_of_mesh,
@@ -35,8 +38,8 @@ from drumlin.fem.substructure.body import (
 from drumlin_studies import consistency_slopes
 from drumlin_studies.consistency_slopes import (
     DivisionForSlopes,
+    all_torque_sensitivities_printed_for_brake,
     largest_difference_from_central_slopes,
-    printed_torque_slopes,
 )
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_kinds import draw_brake_of_support_kind
@@ -149,7 +152,7 @@ def test_a_slope_along_a_point_is_that_of_solves_whose_body_moves_with_it(draw, 
 def test_slopes_of_the_studies_are_those_of_solves_by_default(name):
     brake = read_brake(ROOT / "studies" / name)
     for i, own in enumerate(
-        compute_torque_sensitivity(prepared_model_of_finest_division(brake), brake).shoes
+        compute_torque_sensitivity(prepared_model_with_finest_elements(brake), brake).shoes
     ):
         for key, value in own.held.items():
             for way, exact in enumerate(value):
@@ -221,10 +224,12 @@ def largest(brake: Brake, elements: int | None, key: str = "") -> float:
     Differences over three steps are the reference.
     """
     divided = DivisionForSlopes(elements, consistency_slopes.Cache())
-    base = divided.solve_for_torque(brake)
+    base = divided.solve_brake_for_torque(brake)
     table = [
         slope
-        for slope in printed_torque_slopes(brake, divided.compute_torque_slopes(brake))
+        for slope in all_torque_sensitivities_printed_for_brake(
+            brake, divided.compute_derivatives_of_brake_torque(brake)
+        )
         if slope.what.startswith(key)
     ]
     apart = [largest_difference_from_central_slopes(brake, slope, divided, base) for slope in table]
@@ -346,7 +351,9 @@ def test_the_mutual_work_is_that_of_the_assembled_stiffness_and_so_is_its_change
     u, v = np.random.default_rng(0).standard_normal((2, 2 * basis.N))
     layers = some_layers(body.mesh.subdomains, directed=directed)
     whole = v @ (sparse_stiffness_of_body(basis, layers) @ u)
-    assert sum(mutual_work_by_part(basis, layers, u, v).values()) == pytest.approx(whole, rel=1e-9)
+    assert sum(
+        mutual_elastic_work_in_each_part_of_body(basis, layers, u, v).values()
+    ) == pytest.approx(whole, rel=1e-9)
     h = 1e-6 * size
     ahead, behind = (v @ (sparse_stiffness_of_body(moved(basis, s), layers) @ u) for s in (h, -h))
     moves = at_nodes(basis.doflocs).T.reshape(1, -1)

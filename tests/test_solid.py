@@ -20,14 +20,14 @@ from drumlin.contact import self_locking
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solid import model
-from drumlin.fem.solid.body import friction_face
-from drumlin.fem.solid.face import width_matrix
-from drumlin.fem.solid.fields import recover
-from drumlin.fem.solid.mesh import solid_mesh, width_levels
+from drumlin.fem.solid.body import friction_surface_of_solid_shoe
+from drumlin.fem.solid.face import integrals_of_products_of_width_functions
+from drumlin.fem.solid.fields import recover_fields_in_solid_shoe
+from drumlin.fem.solid.mesh import element_end_positions_over_half_width, mesh_of_half_solid_shoe
 from drumlin.fem.solve import solve
 from drumlin.response.balance import resultant_of_contact_on_shoe
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
-from drumlin.sweeps.cases import solve_cases
+from drumlin.sweeps.cases import solve_all_cases_of_sweep
 from drumlin.sweeps.file import sweep_from_file_data
 from drumlin.verification.cost import solid_shoe_cost_table_lines
 from drumlin_studies import solid_forms
@@ -48,7 +48,7 @@ def solid_and_plane(brake, elements):
     """The answers of the solid shoe and of plane stress on as many elements."""
     return [
         solve_prepared_model(make(brake, elements=elements), brake)
-        for make in (model.prepare, make_prepared_model)
+        for make in (model.prepare_model_of_solid_shoes, make_prepared_model)
     ]
 
 
@@ -68,7 +68,7 @@ def test_a_post_of_one_width_is_plane_stress_too(root):
     post = read_brake(root / "studies" / "post_brake" / "brake.toml")
     rigid_drum = vary(post, {"drum.ring": None})
     with pytest.raises(BadInput, match="its bending_stiffness is not that of a section"):
-        model.prepare(rigid_drum)
+        model.prepare_model_of_solid_shoes(rigid_drum)
     none = NO_CONTRACTION | {"shoe.backing.material.nu": 0.0}
     width = post.shoes[0].lining.width
     brake = vary(rigid_drum, none | {"shoe.body.width": width, "shoe.body.bending_stiffness": None})
@@ -118,11 +118,11 @@ def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, na
 @pytest.mark.parametrize("name", KINDS)
 def test_every_kind_of_solid_shoe_balances_and_meets_the_drum(root, name):
     brake = of_kind(root, name)
-    scene = model.prepare(brake, elements=8)
+    scene = model.prepare_model_of_solid_shoes(brake, elements=8)
     response = solve_prepared_model(scene, brake)
     assert max(response.balance.force, response.balance.moment) < 1e-9
     for i in range(len(brake.shoes)):
-        found = recover(scene, brake, response, i)
+        found = recover_fields_in_solid_shoe(scene, brake, response, i)
         r = found.points[:, :2] / np.hypot(*found.points[:, :2].T)[:, None]
         on = found.pressure > 0
         moved = np.einsum("nc,nc->n", r, found.displacement[:, :2])[on]
@@ -140,7 +140,9 @@ def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(root, name, wi
     brake = read_brake(root / "studies" / "double_shoe" / f"{name}.toml")
     narrow = one_width(brake, brake.shoes[0].lining.thickness / 10)
     solid, plane = (
-        solve_prepared_model(model.prepare(narrow, elements=96, across=1), narrow),
+        solve_prepared_model(
+            model.prepare_model_of_solid_shoes(narrow, elements=96, across=1), narrow
+        ),
         solve(narrow),
     )
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
@@ -161,7 +163,7 @@ def test_what_is_left_of_a_narrow_shoe_is_its_mesh(brake):
         both = (
             solve_prepared_model(make(narrow), narrow)
             for make in (
-                partial(model.prepare, elements=elements, across=1),
+                partial(model.prepare_model_of_solid_shoes, elements=elements, across=1),
                 partial(make_prepared_model, elements=elements),
             )
         )
@@ -258,7 +260,7 @@ def test_hertz_point_contact():
 )
 def test_elements_end_at_every_side(sides, across, zone):
     half = {"lining": sides[0], **{str(i): side for i, side in enumerate(sides[1:])}}
-    z = width_levels(half, across, zone)
+    z = element_end_positions_over_half_width(half, across, zone)
     assert z[0] == 0 and (np.diff(z) > 0).all()
     for side in sides:
         assert np.abs(z - side).min() < 1e-6 * side
@@ -268,7 +270,7 @@ def test_elements_end_at_every_side(sides, across, zone):
 def test_weights_over_the_width_are_positive_and_add_up(steps):
     ends = np.concatenate([[0.0], np.cumsum(steps)])
     z = np.sort(np.concatenate([ends, (ends[1:] + ends[:-1]) / 2]))
-    weights = width_matrix(z).sum(axis=1)
+    weights = integrals_of_products_of_width_functions(z).sum(axis=1)
     assert (weights > 0).all()
     assert weights.sum() == pytest.approx(2 * ends[-1])
     assert weights @ z**2 == pytest.approx(2 / 3 * ends[-1] ** 3)
@@ -276,7 +278,7 @@ def test_weights_over_the_width_are_positive_and_add_up(steps):
 
 def test_the_mesh_has_the_volume_of_its_parts(flexible):
     shoe, R = t_section(flexible).shoes[0], flexible.drum.radius
-    solid = solid_mesh(shoe, R, 16, 3)
+    solid = mesh_of_half_solid_shoe(shoe, R, 16, 3)
     lining, backing, web = shoe.lining, shoe.backing, shoe.body
     outer = R
     for name, part, width, arc in (
@@ -288,13 +290,13 @@ def test_the_mesh_has_the_volume_of_its_parts(flexible):
         volume = float(solid.basis.dx[solid.mesh.subdomains[name]].sum())
         assert 2 * volume == pytest.approx(arc * (outer**2 - inner**2) / 2 * width, rel=3e-6)
         outer = inner
-    face = friction_face(solid, shoe, R)
+    face = friction_surface_of_solid_shoe(solid, shoe, R)
     assert face.width.sum() == pytest.approx(lining.width)
 
 
 def test_condensed_it_yields_as_the_whole_system_does(flexible):
     """The flexibility by elimination against a sparse solve of the whole system, a few loads."""
-    scene = model.prepare(t_section(flexible), elements=8, across=2)
+    scene = model.prepare_model_of_solid_shoes(t_section(flexible), elements=8, across=2)
     body = scene.bodies[0]
     n = 2 * len(body.line.nodes)
     random = np.random.default_rng(1)
@@ -322,7 +324,7 @@ REFUSED = {
 @pytest.mark.parametrize("said", REFUSED)
 def test_what_it_does_not_cover_it_refuses(flexible, said):
     with pytest.raises(BadInput, match=said):
-        model.prepare(vary(flexible, REFUSED[said]))
+        model.prepare_model_of_solid_shoes(vary(flexible, REFUSED[said]))
 
 
 @pytest.mark.parametrize(
@@ -365,10 +367,10 @@ def test_the_command_writes_the_surface(root, tmp_path):
 def test_the_fields_are_those_of_the_contact(flexible):
     """Fields of a solid shoe: its pressed surface moves to the drum by the penalty's own amount."""
     brake = t_section(flexible)
-    scene = model.prepare(brake, elements=8, across=2)
+    scene = model.prepare_model_of_solid_shoes(brake, elements=8, across=2)
     response = solve_prepared_model(scene, brake)
     for i, shoe in enumerate(brake.shoes):
-        found = recover(scene, brake, response, i)
+        found = recover_fields_in_solid_shoe(scene, brake, response, i)
         r = found.points[:, :2] / np.hypot(*found.points[:, :2].T)[:, None]
         on = found.pressure > 0
         moved = np.einsum("nc,nc->n", r, found.displacement[:, :2])
@@ -383,7 +385,7 @@ def test_the_fields_are_those_of_the_contact(flexible):
 @pytest.mark.slow
 def test_a_hundred_thousand_unknowns_in_a_minute(flexible):
     start = time.process_time()
-    scene = model.prepare(flexible, elements=72, across=6)
+    scene = model.prepare_model_of_solid_shoes(flexible, elements=72, across=6)
     first = solve_prepared_model(scene, flexible)
     cold = time.process_time() - start
     assert scene.bodies[0].unknowns > 95_000
@@ -407,7 +409,7 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
     node by node, but not in their work.
     """
     brake = t_section(flexible)
-    scene = model.prepare(brake, elements=10, across=5)
+    scene = model.prepare_model_of_solid_shoes(brake, elements=10, across=5)
     wanted = solve_prepared_model(scene, brake)
     monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", 60)
     sizes = settled_sizes(monkeypatch)
@@ -427,7 +429,9 @@ def test_the_cost_table_has_a_row_a_size(flexible):
     heading, *rows = solid_shoe_cost_table_lines(flexible, (6, 12))
     assert heading.split()[0] == "unknowns"
     unknowns, seconds = ([float(row.split()[k]) for row in rows] for k in (0, 2))
-    assert unknowns == [model.prepare(flexible, elements=n).bodies[0].unknowns for n in (6, 12)]
+    assert unknowns == [
+        model.prepare_model_of_solid_shoes(flexible, elements=n).bodies[0].unknowns for n in (6, 12)
+    ]
     assert min(seconds) > 0
 
 
@@ -438,15 +442,17 @@ def test_the_cost_of_a_model_that_has_none(root):
 
 def test_a_sweep_of_solid_shoes_makes_each_body_once(root, flexible, monkeypatch):
     made, file = [], str(root / "studies" / "double_shoe" / "flexible.toml")
-    make = model.solid_body
-    monkeypatch.setattr(model, "solid_body", lambda *of: made.append(of[2:4]) or make(*of))
+    make = model.condensed_body_of_solid_shoe
+    monkeypatch.setattr(
+        model, "condensed_body_of_solid_shoe", lambda *of: made.append(of[2:4]) or make(*of)
+    )
     options = {"elements": 6, "across": 2}
     sweep = {
         "brake": file,
         "model": {"solid": options, "sine": {}},
         "vary": {"friction": [0.2, 0.25, 0.3]},
     }
-    rows = solve_cases(sweep_from_file_data(sweep).cases)
+    rows = solve_all_cases_of_sweep(sweep_from_file_data(sweep).cases)
     assert made == [(6, 2)]
     torques = [
         model.solve(vary(flexible, {"friction": mu}), **options).torque for mu in (0.2, 0.25, 0.3)

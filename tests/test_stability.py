@@ -41,7 +41,10 @@ STUDY_NAME = "stability"
 def solved(case):
     brake = case.brake()
     scene = make_prepared_model(
-        brake, elements=case.elements, kind=case.kind, mesher=case.mesher_of_aspect_ratio()
+        brake,
+        elements=case.elements,
+        kind=case.kind,
+        mesher=case.function_to_mesh_shoe_with_aspect_ratio(),
     )
     return scene, brake, solve_prepared_model(scene, brake, penalty=case.penalty)
 

@@ -8,7 +8,7 @@ from drumlin.base.errors import LostDigits, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
-from drumlin.fem.analysis.self_locking import self_locking_limits_of_shoe_groups
+from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
 from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -119,7 +119,7 @@ def test_true_self_locking_is_still_refused_with_its_limit(seed):
     brake = draw_random_brake(seed, "locking")
     end = min(
         picked(
-            self_locking_limits_of_shoe_groups(
+            self_locking_friction_of_shoe_groups(
                 make_prepared_model(brake, elements=160), brake
             ).values(),
             "friction",

@@ -515,7 +515,9 @@ def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, un
     highest = float(lower.max())
     lower[first if at_start else last_column] = part * highest
     lowered = replace(shoe, pressure=lower, peak_pressure=highest)
-    nothing = Errors.from_torque_and_shoes(0.0, [dict.fromkeys(JUDGED_QUANTITIES, 0.0)])
+    nothing = Errors.brake_errors_from_torque_and_shoe_errors(
+        0.0, [dict.fromkeys(JUDGED_QUANTITIES, 0.0)]
+    )
     error, _ = errors_with_singular_points_included(
         nothing, brake, replace(last.response, shoes=(lowered,))
     )

@@ -251,7 +251,9 @@ def test_flat_patch_whole_and_inclined(turned):
     normal = np.array([s, -c])
     top = basis.get_dofs(mesh.boundaries["support"]).flatten()
     # nu = 0 and a rigid top: pressing by a distance strains the strip evenly
-    K = sparse_stiffness_of_body(basis, {"body": ElasticLayer.of(Material(E=2e6, nu=0.0), 1.0)})
+    K = sparse_stiffness_of_body(
+        basis, {"body": ElasticLayer.make_layer_in_plane_stress(Material(E=2e6, nu=0.0), 1.0)}
+    )
     condensed = condense_body_to_contact_and_frame(
         K,
         multi_point_constraints_of_body(basis, line.nodes, top, np.zeros(2)),
@@ -351,8 +353,8 @@ def test_a_ring_takes_part_in_holding():
 @pytest.mark.parametrize(
     "way",
     [
-        stick_slip._find_stick_and_slip_from_balanced_load,
-        stick_slip._find_stick_and_slip_from_wide_gaps,
+        stick_slip._find_stick_slip_states_from_balanced_load,
+        stick_slip._find_stick_slip_states_from_widened_gaps,
     ],
 )
 def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
@@ -362,8 +364,8 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
     it falls.
     """
     monkeypatch.setattr(stick_slip, "_find_stick_and_slip_by_newton", way)
-    monkeypatch.setattr(stick_slip, "_find_stick_and_slip_from_balanced_load", way)
-    monkeypatch.setattr(stick_slip, "_find_stick_and_slip_from_wide_gaps", way)
+    monkeypatch.setattr(stick_slip, "_find_stick_slip_states_from_balanced_load", way)
+    monkeypatch.setattr(stick_slip, "_find_stick_slip_states_from_widened_gaps", way)
     n, none = 4, np.zeros(0)
     for seed in range(100):
         rng = np.random.default_rng(seed)

@@ -11,10 +11,10 @@ import pytest
 
 from drumlin_studies.sharpness import (
     describe_faults_of_stated_errors,
-    describe_losses_of_accuracy_and_cost,
+    describe_worsened_accuracies_and_costs,
     list_stored_truth_files,
     quickly_solved_brakes,
-    read_sharpness_file,
+    read_stored_spreads_of_stated_errors,
     rows_with_scaled_stated_errors,
     stated_and_true_errors_of_folder,
 )
@@ -43,7 +43,7 @@ def quick_rows(written):
 
 @pytest.fixture(scope="module")
 def written():
-    return read_sharpness_file(FOLDER)
+    return read_stored_spreads_of_stated_errors(FOLDER)
 
 
 def test_stated_errors_of_quick_brakes_are_large_enough_and_no_larger_than_they_were(
@@ -76,7 +76,7 @@ def test_stated_errors_are_large_enough_and_no_larger_than_they_were(rows, writt
 
 @pytest.mark.slow
 def test_answers_are_as_exact_and_as_cheap_as_they_were(rows, written):
-    assert describe_losses_of_accuracy_and_cost(rows, written.worths) == []
+    assert describe_worsened_accuracies_and_costs(rows, written.worths) == []
 
 
 @pytest.mark.slow
@@ -91,7 +91,7 @@ def test_answers_are_as_exact_and_as_cheap_as_they_were(rows, written):
 def test_answers_that_are_less_exact_or_cost_more_are_noticed(rows, written, change, said):
     assert any(
         said in line
-        for line in describe_losses_of_accuracy_and_cost(
+        for line in describe_worsened_accuracies_and_costs(
             [change(one) for one in rows], written.worths
         )
     )
@@ -105,7 +105,7 @@ def test_one_brake_that_takes_far_more_unknowns_is_noticed(rows, written):
     ]
     assert any(
         "short_contact takes" in line
-        for line in describe_losses_of_accuracy_and_cost(slow, written.worths)
+        for line in describe_worsened_accuracies_and_costs(slow, written.worths)
     )
 
 

@@ -14,9 +14,9 @@ from drumlin_studies.brake_kinds import (
     brake_and_reversed_brake,
     brake_factor_of_cam_brake,
     error_rows_of_other_models,
-    law_error_row,
+    row_of_errors_of_rigid_shoe_law,
+    sentence_on_whether_law_can_be_trusted,
     solve_brake_by_all_models,
-    verdict_sentence_on_law,
 )
 from picking import having, keyed, picked
 
@@ -46,7 +46,7 @@ def test_every_file_has_its_law_both_ways(path: Path) -> None:
 def test_the_elastic_cam_brake_wears_in_to_equal_torques() -> None:
     (path,) = having(FILES, stem="s_cam")
     brake = read_any(path)
-    assert not brake.surface.straight
+    assert not brake.surface.is_plane_and_not_drum
     found = solve_brake_by_all_models("s_cam", brake, 24)
     new, worn = found.new.shoes, found.worn.shoes
     assert abs(new[0].torque / new[1].torque - 1) > 0.2
@@ -56,7 +56,7 @@ def test_the_elastic_cam_brake_wears_in_to_equal_torques() -> None:
         for i in range(2)
     )
     assert brake_factor_of_cam_brake(brake) == pytest.approx(4 * one * two / (one + two), rel=1e-12)
-    row: dict[str, Any] = law_error_row(found, None)
+    row: dict[str, Any] = row_of_errors_of_rigid_shoe_law(found, None)
     assert row["factor_worn"] == pytest.approx(brake_factor_of_cam_brake(brake), rel=1e-3)
     assert abs(row["factor"] / row["factor_worn"] - 1) > 0.01
     assert row["balance"] < 1e-9
@@ -88,7 +88,7 @@ def test_a_strut_is_no_actuation() -> None:
     """The brake factor of a duo-servo brake counts the force of its cylinder."""
     (path,) = having(FILES, stem="duo_servo")
     brake = read_any(path)
-    assert not brake.surface.straight
+    assert not brake.surface.is_plane_and_not_drum
     response = solve_brake_by_its_rigid_shoe_law(brake)
     force = 0.96 * 3e6 * math.pi * 0.02222**2 / 4
     assert brake_factor(brake, response) == pytest.approx(
@@ -128,4 +128,4 @@ def test_a_strut_is_no_actuation() -> None:
 )
 def test_a_verdict_is_that_of_the_worse_sense_of_motion(new: float, p: float, said: str) -> None:
     row = {"unit": "N m", "law": "sine", "new": new, "p": p, "worn": 0.0, "p_worn": 0.0}
-    assert said in verdict_sentence_on_law([row, row | {"new": 0.0, "p": 0.0}])
+    assert said in sentence_on_whether_law_can_be_trusted([row, row | {"new": 0.0, "p": 0.0}])

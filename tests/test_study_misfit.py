@@ -7,7 +7,7 @@ import independent
 from conftest import STUDY
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake
-from drumlin_studies.misfit_rows import rows_of_quantity_distributions
+from drumlin_studies.misfit_rows import rows_with_mean_and_percentiles_of_quantities
 from picking import keyed, picked
 
 pytestmark = pytest.mark.slow
@@ -77,7 +77,7 @@ def test_a_second_run_computes_no_case_again(result, module, journal, monkeypatc
         lambda *_, **__: pytest.fail("computed again"),
     )
     monkeypatch.setattr(
-        "drumlin.sweeps.cases.results_or_failure_of_case",
+        "drumlin.sweeps.cases.solve_case_and_return_results_or_failure",
         lambda *_, **__: pytest.fail("computed again"),
     )
     again = module.study(short=True, journal=journal)
@@ -94,7 +94,9 @@ def test_the_report_says_it_in_numbers(result, module, tmp_path):
     )
     assert page.count("data:image/svg+xml") == 6
     assert (tmp_path / "cases_new.csv").read_text().count("\n") == 1 + len(result.rows["new"])
-    quantities = keyed(rows_of_quantity_distributions(result.drawn), ("quantity", "state"))
+    quantities = keyed(
+        rows_with_mean_and_percentiles_of_quantities(result.drawn), ("quantity", "state")
+    )
     new, worn, law = (
         quantities["torque [N m]", state]["relative"] for state in ("new", "worn in", "sine law")
     )

@@ -14,7 +14,7 @@ from command_line import drumlin
 from conftest import ROOT, STUDY
 from drumlin.brake.file import read_brake
 from drumlin.cli.commands import app
-from drumlin_studies.run_in_limits import row_of_run_in
+from drumlin_studies.run_in_limits import table_row_of_wear_run_until_settled
 from picking import keyed, picked
 
 pytestmark = pytest.mark.slow
@@ -49,7 +49,10 @@ def test_steps_do_not_matter_but_their_kind_does(result):
 
 
 def test_new_and_worn_in_are_told_apart(result):
-    stiff, soft = row_of_run_in(result.main), row_of_run_in(result.flexible)
+    stiff, soft = (
+        table_row_of_wear_run_until_settled(result.main),
+        table_row_of_wear_run_until_settled(result.flexible),
+    )
     for row, file in ((stiff, "brake"), (soft, "flexible")):
         expected = independent.torque(f"double_shoe/{file}") / independent.SINE_LAW - 1
         assert row["new_torque"] == pytest.approx(expected, abs=2e-4)

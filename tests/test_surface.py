@@ -78,7 +78,11 @@ def test_levers_are_the_moments_of_normal_and_tangent(
     surface: drumlin.brake.surface.FrictionSurface,
 ) -> None:
     q, size = np.array([-0.4, 0.2, 1.3]), 0.3
-    x, y = np.array([q, 0 * q]) if surface.straight else size * np.array([np.cos(q), np.sin(q)])
+    x, y = (
+        np.array([q, 0 * q])
+        if surface.is_plane_and_not_drum
+        else size * np.array([np.cos(q), np.sin(q)])
+    )
     for along, lever in zip(
         (surface.unit_normals_into_surface(q), surface.along(q)),
         surface.moments_of_unit_forces_on_surface(q, size),
@@ -88,8 +92,10 @@ def test_levers_are_the_moments_of_normal_and_tangent(
 
 
 def test_a_surface_says_where_a_place_is_nearest_and_what_it_is_not() -> None:
-    assert DRUM.nearest(0.1 + 4 * math.pi, 0.0) == pytest.approx(0.1)
-    assert PLANE.nearest(7.0, 0.0) == 7.0
+    assert DRUM.coordinate_plus_turns_nearest_to_middle(0.1 + 4 * math.pi, 0.0) == pytest.approx(
+        0.1
+    )
+    assert PLANE.coordinate_plus_turns_nearest_to_middle(7.0, 0.0) == 7.0
     assert (
         DRUM.reason_why_not_on_surface(DRUM) is None
         and PLANE.reason_why_not_on_surface(PLANE) is None

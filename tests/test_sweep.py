@@ -16,8 +16,12 @@ from drumlin.fem.preparation import meshes
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solve import solve
 from drumlin.sweeps import file as sweep_file
-from drumlin.sweeps.cases import SweepCase, results_or_failure_of_case, solve_cases
-from drumlin.sweeps.file import read_sweep, sweep_from_file_data
+from drumlin.sweeps.cases import (
+    SweepCase,
+    solve_all_cases_of_sweep,
+    solve_case_and_return_results_or_failure,
+)
+from drumlin.sweeps.file import read_sweep_from_toml_file, sweep_from_file_data
 from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from picking import picked
 from shared_parts import friction_cases
@@ -44,7 +48,7 @@ def refusal(vary_, **more):
 
 @pytest.mark.parametrize("name", ["grid", "loads", "tolerances"])
 def test_the_examples_can_be_read(name):
-    assert len(read_sweep(ROOT / "studies" / "sweeps" / f"{name}.toml").cases) >= 300
+    assert len(read_sweep_from_toml_file(ROOT / "studies" / "sweeps" / f"{name}.toml").cases) >= 300
 
 
 def test_grid_zip_and_models():
@@ -240,7 +244,7 @@ def test_units_of_keys(brake):
 
 def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
     cases = friction_cases(brake, (0.3, 0.9, -1.0))
-    good, locked, bad = solve_cases(cases)
+    good, locked, bad = solve_all_cases_of_sweep(cases)
     assert good["status"] == "solved" and good["torque"] > 0
     assert (
         "self-locking" in locked["status"]
@@ -249,7 +253,7 @@ def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
     )
     monkeypatch.setattr("drumlin.sweeps.cases.results_of_response_by_name", lambda *_: 1 / 0)
     assert (
-        results_or_failure_of_case(cases[0])["status"]
+        solve_case_and_return_results_or_failure(cases[0])["status"]
         == "failed: unexpected ZeroDivisionError: division by zero"
     )
 
@@ -264,11 +268,15 @@ def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
         {"shoe[1].lining.clearance": 1e-4, "shoe.actuation.direction": 0.1},
         {"shoe[0].actuation.point.y": 0.09},
     ]
-    solve_cases([SweepCase(brake, change, "fem", {"elements": 10}) for change in loads])
+    solve_all_cases_of_sweep(
+        [SweepCase(brake, change, "fem", {"elements": 10}) for change in loads]
+    )
     # Both shoes share one body.
     assert len(made) == 1
     softer = [{"shoe[0].lining.material.E": 2e8, "friction": mu} for mu in (0.2, 0.3)]
-    solve_cases([SweepCase(brake, change, "fem", {"elements": 10}) for change in softer])
+    solve_all_cases_of_sweep(
+        [SweepCase(brake, change, "fem", {"elements": 10}) for change in softer]
+    )
     assert len(made) == 3
 
 
@@ -286,8 +294,14 @@ def test_shared_bodies_change_no_digit(brake, flexible):
         for base in (brake, flexible)
     ]
     cache = Cache()
-    shared = [results_or_failure_of_case(case, cache) for case in reversed(cases)][::-1]
-    assert shared == list(map(results_or_failure_of_case, cases)) == solve_cases(cases)
+    shared = [solve_case_and_return_results_or_failure(case, cache) for case in reversed(cases)][
+        ::-1
+    ]
+    assert (
+        shared
+        == list(map(solve_case_and_return_results_or_failure, cases))
+        == solve_all_cases_of_sweep(cases)
+    )
     assert set(picked(shared, "status")) == {"solved"}
     own = [solve(vary(case.brake, case.changes), elements=8).torque for case in cases]
     assert picked(shared, "torque") == own
@@ -307,18 +321,18 @@ def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
     cases = friction_cases(brake, np.linspace(0.1, 0.9, 41))
     told = []
     with ThreadPoolExecutor(count) as executor, Journal(tmp_path / "journal") as journal:
-        rows = solve_cases(
+        rows = solve_all_cases_of_sweep(
             cases,
             executor=executor,
             workers=count,
             journal=journal,
             done=lambda *at: told.append(at),
         )
-    assert rows == solve_cases(cases) and told == [(n, 41) for n in range(42)]
+    assert rows == solve_all_cases_of_sweep(cases) and told == [(n, 41) for n in range(42)]
     # All cases are in the journal; four more are asked for.
     with Journal(tmp_path / "journal") as journal:
         more = cases + friction_cases(brake, (0.11, 0.12, 0.13, 0.11))
-        solve_cases(more, journal=journal, done=lambda *at: told.append(at))
+        solve_all_cases_of_sweep(more, journal=journal, done=lambda *at: told.append(at))
         # The doubled case is not solved twice.
         assert told[42] == (42, 45)
         assert told[-1] == (45, 45) and len(journal) == 44
@@ -336,7 +350,7 @@ def test_tables(brake, tmp_path):
             "sine",
         )
     )
-    lines = table_lines_of_cases(cases, solve_cases(cases))
+    lines = table_lines_of_cases(cases, solve_all_cases_of_sweep(cases))
     assert list(lines[0])[:6] == [
         "case",
         "shoe.lining.clearance [m]",
@@ -371,10 +385,12 @@ def test_cases_that_share_bodies_cost_a_fraction_of_others():
         do()
         return time.process_time() - start
 
-    loads = read_sweep(ROOT / "studies" / "sweeps" / "loads.toml")
-    rows = solve_cases(loads.cases[:1])
-    shared = spent(lambda: rows.extend(solve_cases(loads.cases[:12]))) / 12
-    alone = sorted(spent(lambda case=case: solve_cases([case])) for case in loads.cases[:3])[1]
+    loads = read_sweep_from_toml_file(ROOT / "studies" / "sweeps" / "loads.toml")
+    rows = solve_all_cases_of_sweep(loads.cases[:1])
+    shared = spent(lambda: rows.extend(solve_all_cases_of_sweep(loads.cases[:12]))) / 12
+    alone = sorted(
+        spent(lambda case=case: solve_all_cases_of_sweep([case])) for case in loads.cases[:3]
+    )[1]
     assert shared < 0.5 * alone
     for row in rows:
         assert row["status"] == "solved" and row["balance"] < 1e-9

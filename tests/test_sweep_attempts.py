@@ -18,11 +18,11 @@ from drumlin.sweeps import workers
 from drumlin.sweeps.cases import (
     SweepCase,
     journal_keys_of_cases,
-    results_or_failure_of_case,
-    solve_cases,
+    solve_all_cases_of_sweep,
+    solve_case_and_return_results_or_failure,
     solve_chunk_of_cases,
 )
-from drumlin.sweeps.file import read_sweep
+from drumlin.sweeps.file import read_sweep_from_toml_file
 from drumlin.sweeps.table import table_lines_of_cases
 from picking import picked
 from shared_parts import friction_cases
@@ -44,7 +44,7 @@ def workers_of(pool, count):
 
 def failing(monkeypatch, error, times):
     """Let the case with friction 0.3 fail so many times; returns the list of attempts."""
-    respond, tried = sweeps.brake_and_response_of_case, []
+    respond, tried = sweeps.solve_case_and_return_brake_and_response, []
 
     def at_times(case, cache=None):
         tried.append(case.changes["friction"])
@@ -52,7 +52,7 @@ def failing(monkeypatch, error, times):
             raise error
         return respond(case, cache)
 
-    monkeypatch.setattr(sweeps, "brake_and_response_of_case", at_times)
+    monkeypatch.setattr(sweeps, "solve_case_and_return_brake_and_response", at_times)
     return tried
 
 
@@ -81,7 +81,7 @@ def test_only_answers_and_refusals_of_the_case_itself_are_kept(
     with monkeypatch.context() as patched, Journal(tmp_path / "j", "a") as journal:
         tried = failing(patched, error, 9)
         told = []
-        rows = solve_cases(cases, journal=journal, done=lambda *at: told.append(at))
+        rows = solve_all_cases_of_sweep(cases, journal=journal, done=lambda *at: told.append(at))
         assert (
             tried.count(0.3) == tries
             and tried.count(0.2) == 1
@@ -93,15 +93,15 @@ def test_only_answers_and_refusals_of_the_case_itself_are_kept(
         )
     with Journal(tmp_path / "j", "a") as journal:
         assert len(journal) == 2 + kept
-        again = solve_cases(cases, journal=journal)
-    assert (again[1] == rows[1]) if kept else (again == solve_cases(cases))
+        again = solve_all_cases_of_sweep(cases, journal=journal)
+    assert (again[1] == rows[1]) if kept else (again == solve_all_cases_of_sweep(cases))
 
 
 def test_a_passing_failure_is_tried_again(brake, monkeypatch):
     cases = friction_cases(brake, (0.2, 0.3, 0.4))
-    expected = solve_cases(cases)
+    expected = solve_all_cases_of_sweep(cases)
     failing(monkeypatch, MemoryError(), 2)
-    assert solve_cases(cases) == expected
+    assert solve_all_cases_of_sweep(cases) == expected
 
 
 @pytest.fixture
@@ -119,9 +119,9 @@ def meshed(tmp_path):
 
 def test_mesh_paths_count_from_the_sweep_file(meshed, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    made = read_sweep(meshed.relative_to(tmp_path))
+    made = read_sweep_from_toml_file(meshed.relative_to(tmp_path))
     monkeypatch.chdir("/")
-    rows = solve_cases(made.cases)
+    rows = solve_all_cases_of_sweep(made.cases)
     for row in rows:
         assert "no such file" not in row["status"]
     lines = table_lines_of_cases(made.cases, rows, meshed.parent)
@@ -129,7 +129,7 @@ def test_mesh_paths_count_from_the_sweep_file(meshed, monkeypatch, tmp_path):
 
 
 def test_what_is_in_a_mesh_file_tells_cases_apart_not_its_name(meshed):
-    cases = read_sweep(meshed).cases
+    cases = read_sweep_from_toml_file(meshed).cases
     first, second = journal_keys_of_cases(cases)
     assert first != second
     mesh = meshed.parent / "mesh.msh"
@@ -151,25 +151,30 @@ def test_bodies_in_the_cache_follow_their_mesh_file(tmp_path):
     shutil.copy(brake.shoes[left].mesh, mesh)
     case = SweepCase(brake, {f"shoe[{left}].mesh": str(mesh)})
     cache = Cache()
-    assert results_or_failure_of_case(case, cache)["status"] == "solved"
+    assert solve_case_and_return_results_or_failure(case, cache)["status"] == "solved"
     mesh.write_text("no mesh")
-    assert "is not a mesh that can be read" in results_or_failure_of_case(case, cache)["status"]
+    assert (
+        "is not a mesh that can be read"
+        in solve_case_and_return_results_or_failure(case, cache)["status"]
+    )
 
 
 def test_a_mesh_file_that_is_gone_is_no_answer_of_the_brake(meshed, tmp_path):
-    made = read_sweep(meshed)
+    made = read_sweep_from_toml_file(meshed)
     mesh = meshed.parent / "mesh.msh"
     data = mesh.read_bytes()
     mesh.unlink()
     with pytest.raises(BadInput, match=r"mesh = .*mesh\.msh'*: cannot be read"):
-        read_sweep(meshed)
+        read_sweep_from_toml_file(meshed)
     with Journal(tmp_path / "j", "a") as journal:
         assert (
-            "no such file" in solve_cases(made.cases[:1], journal=journal)[0]["status"]
+            "no such file" in solve_all_cases_of_sweep(made.cases[:1], journal=journal)[0]["status"]
             and len(journal) == 0
         )
         mesh.write_bytes(data)
-        assert solve_cases(made.cases[:1], journal=journal) == solve_cases(made.cases[:1])
+        assert solve_all_cases_of_sweep(
+            made.cases[:1], journal=journal
+        ) == solve_all_cases_of_sweep(made.cases[:1])
 
 
 class Deadly(Executor):
@@ -190,10 +195,10 @@ class Deadly(Executor):
 
 def test_a_case_that_kills_its_workers_is_a_failed_row_and_the_rest_goes_on(brake, tmp_path):
     cases = friction_cases(brake, (0.1, 0.2, 0.3, 0.4, 0.5))
-    expected = solve_cases(cases)
+    expected = solve_all_cases_of_sweep(cases)
     deadly = Deadly()
     with Journal(tmp_path / "j", "a") as journal:
-        rows = solve_cases(cases, executor=deadly, workers=2, journal=journal)
+        rows = solve_all_cases_of_sweep(cases, executor=deadly, workers=2, journal=journal)
         assert len(journal) == 4
     assert rows[:2] + rows[3:] == expected[:2] + expected[3:]
     assert rows[2] == {"status": "failed: its worker was lost (BrokenExecutor: its process died)"}
@@ -207,7 +212,7 @@ def environment(name):
 
 def test_a_process_that_dies_takes_its_own_work_alone_and_threads_are_one(monkeypatch):
     monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
-    with workers.provide_workers(2) as (pool, _):
+    with workers.provide_workers_for_cases_of_sweep(2) as (pool, _):
         ids = workers_of(pool, 2)
         with pytest.raises(BrokenExecutor):
             pool.submit(os._exit, 3).result(60)
@@ -225,7 +230,7 @@ def test_processes_that_die_as_they_start_are_one_line(monkeypatch):
 
     monkeypatch.setattr("multiprocessing.context.SpawnProcess.start", never)
     with (
-        workers.provide_workers(2) as (pool, _),
+        workers.provide_workers_for_cases_of_sweep(2) as (pool, _),
         pytest.raises(NoAnswer, match="worker processes cannot be started"),
     ):
         pool.submit(os.getpid).result(60)
@@ -239,7 +244,7 @@ def die_while_answering():
 
 @pytest.mark.slow
 def test_a_process_that_dies_while_it_sends_its_answer_costs_that_answer_alone():
-    with workers.provide_workers(2) as (pool, _):
+    with workers.provide_workers_for_cases_of_sweep(2) as (pool, _):
         with pytest.raises(BrokenExecutor):
             pool.submit(die_while_answering).result(60)
         assert workers_of(pool, 4)
@@ -249,7 +254,7 @@ def test_a_process_that_dies_while_it_sends_its_answer_costs_that_answer_alone()
 def test_jobs_have_bounds(jobs):
     with (
         pytest.raises(BadInput, match=f"--jobs = {jobs}: must be from 1 to 1000"),
-        workers.provide_workers(jobs),
+        workers.provide_workers_for_cases_of_sweep(jobs),
     ):
         pass
 
@@ -266,7 +271,9 @@ def test_waiting_is_said_once(brake, monkeypatch):
             return future
 
     said = []
-    solve_cases([SweepCase(brake, {"friction": 0.3}, "sine")], executor=Slow(), say=said.append)
+    solve_all_cases_of_sweep(
+        [SweepCase(brake, {"friction": 0.3}, "sine")], executor=Slow(), say=said.append
+    )
     assert len(said) == 1 and said[0].startswith("waiting for workers since ")
 
 

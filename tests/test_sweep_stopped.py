@@ -18,8 +18,8 @@ from pathlib import Path
 import pytest
 
 from conftest import STUDY
-from drumlin.sweeps.cases import solve_cases
-from drumlin.sweeps.file import read_sweep
+from drumlin.sweeps.cases import solve_all_cases_of_sweep
+from drumlin.sweeps.file import read_sweep_from_toml_file
 from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from picking import picked, saying
 
@@ -54,8 +54,8 @@ def sweep_file(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def undisturbed(sweep_file):
-    sweep = read_sweep(sweep_file)
-    rows = solve_cases(sweep.cases)
+    sweep = read_sweep_from_toml_file(sweep_file)
+    rows = solve_all_cases_of_sweep(sweep.cases)
     assert 0 < len(saying(picked(rows, "status"), "self-locking")) < 100
     path = sweep_file.with_name("undisturbed.csv")
     write_table_file(table_lines_of_cases(sweep.cases, rows), path)

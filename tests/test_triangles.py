@@ -28,10 +28,10 @@ from drumlin.verification.triangles.face import (
 from drumlin.verification.triangles.outline import Outline
 from drumlin.verification.triangles.triangulation import (
     TriangleLayer,
-    bisect_triangles,
+    bisect_marked_triangles_without_hanging_nodes,
+    edges_of_mesh_and_of_each_triangle,
     grade_mesh_towards_points,
-    mesh_edges,
-    triangulate_grid,
+    triangulate_grid_of_layered_body,
 )
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.stated_true import relative_pressure_error_of_shoe
@@ -43,8 +43,8 @@ SMALL = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(5, 7, 1.2, 1.0))
 
 def block(a, b):
     """A grid of a rectangle in a plane in which s and d are lengths."""
-    elastic = ElasticLayer.of(Material(E=1.0, nu=0.0), 1.0)
-    return triangulate_grid(
+    elastic = ElasticLayer.make_layer_in_plane_stress(Material(E=1.0, nu=0.0), 1.0)
+    return triangulate_grid_of_layered_body(
         np.linspace(0, a, 4), [np.linspace(0, 1, 3)], [TriangleLayer(0.0, a, elastic)]
     )
 
@@ -59,14 +59,16 @@ def area(mesh):
 def test_bisection_keeps_area_and_fits(seed):
     rng, mesh = np.random.default_rng(seed), block(2.0, 1.0)
     for _ in range(5):
-        mesh = bisect_triangles(mesh, rng.random(len(mesh.layer)) < 0.2)
+        mesh = bisect_marked_triangles_without_hanging_nodes(
+            mesh, rng.random(len(mesh.layer)) < 0.2
+        )
     assert area(mesh).sum() == pytest.approx(2.0, rel=1e-12)
     places = {}
     for number, at in zip(mesh.vertices.ravel(), mesh.at.reshape(-1, 2), strict=True):
         # A corner of several triangles has one place.
         assert places.setdefault(int(number), tuple(at)) == tuple(at)
     assert len(set(places.values())) == len(places)
-    edges, of = mesh_edges(mesh)
+    edges, of = edges_of_mesh_and_of_each_triangle(mesh)
     once = np.flatnonzero(np.bincount(of.ravel()) == 1)
     ends = np.array([[places[int(a)], places[int(b)]] for a, b in edges[once]])
     on_border = (ends == np.array([0.0, 0.0])) | (ends == np.array([2.0, 1.0]))
@@ -112,7 +114,9 @@ def test_ring_under_even_pressure_is_lames():
     B/b = 0.
     """
     a, b, E, nu, width, p = 0.1, 0.13, 2e11, 0.3, 0.04, 1e6
-    layer = TriangleLayer(-math.inf, math.inf, ElasticLayer.of(Material(E=E, nu=nu), width))
+    layer = TriangleLayer(
+        -math.inf, math.inf, ElasticLayer.make_layer_in_plane_stress(Material(E=E, nu=nu), width)
+    )
 
     def place(s, d):
         r = a + (b - a) * d
@@ -121,12 +125,12 @@ def test_ring_under_even_pressure_is_lames():
     shape = Outline(
         place, [layer], np.array([b - a]), np.zeros(2), np.zeros((0, 2)), None, None, 0.0, 1, a
     )
-    mesh = triangulate_grid(
+    mesh = triangulate_grid_of_layered_body(
         np.linspace(0, 2 * math.pi, 25), [np.linspace(0, 1, 3)], [layer], 2 * math.pi
     )
     body = body_with_nodes_and_stiffness(shape, mesh, 4)
     nodes, kept = body.nodes, body.surface
-    tri, edge = mesh.edges_on_surface
+    tri, edge = mesh.indices_of_triangle_edges_on_friction_surface
     edges = node_numbers_along_edges(nodes, tri, edge, 4)
     psi, x, ds = gauss_rule_on_curved_edges(nodes.xy[edges], 4)
     loads = np.zeros_like(nodes.xy)
@@ -210,7 +214,7 @@ def test_of_two_answers_triangles_find_the_one_that_grows_from_no_friction():
     brake = draw_random_brake(5820)
     *_, (found,) = solve_on_triangle_level_sequence(brake, SMALL[:1])
     assert found.torque == pytest.approx(solve(brake, tolerance=1e-3).torque, rel=1e-3)
-    (other,) = levels.solve_on_triangle_level(brake, levels.CONTACT_FINDING_LEVEL)
+    (other,) = levels.solve_brake_on_one_triangle_mesh(brake, levels.CONTACT_FINDING_LEVEL)
     assert other.torque > 3 * found.torque
 
 
@@ -257,7 +261,9 @@ def test_moments_and_forces_of_a_solution_are_in_equilibrium(brake):
 
 def test_a_shoe_that_is_pulled_off_has_no_solution(brake):
     with pytest.raises(NoAnswer, match="towards"):
-        levels.solve_on_triangle_level(vary(brake, {"shoe[0].actuation.force": -10.0}), SMALL[0])
+        levels.solve_brake_on_one_triangle_mesh(
+            vary(brake, {"shoe[0].actuation.force": -10.0}), SMALL[0]
+        )
 
 
 RING = {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9, "nu": 0.25}}
@@ -293,7 +299,7 @@ def test_a_post_and_its_mirror_image_are_the_same(root):
         read_brake(root / "studies" / "post_brake" / "brake.toml"),
         {"drum.ring": None, "friction": 0.0},
     )
-    right, left = levels.solve_on_triangle_level(two, SMALL[0])
+    right, left = levels.solve_brake_on_one_triangle_mesh(two, SMALL[0])
     assert left.normal_force == pytest.approx(right.normal_force, rel=1e-9)
     assert left.hinge_reaction == pytest.approx(right.hinge_reaction * [-1, 1], rel=1e-6)
     theirs = solve(two, tolerance=1e-2).shoes[0]

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drumlin_studies.uncertainty import (
-    compare_simulation_with_data,
+    compare_simulated_value_with_reference_value,
     grid_convergence_index_of_three_values,
 )
 
@@ -55,13 +55,15 @@ def test_without_an_order_there_is_no_index(values):
 
 
 def test_the_comparison_error_and_its_uncertainty():
-    found = compare_simulation_with_data(103.0, 100.0, numerical=0.3, inputs=1.2, of_data=0.4)
+    found = compare_simulated_value_with_reference_value(
+        103.0, 100.0, numerical=0.3, inputs=1.2, of_data=0.4
+    )
     assert found.error == 3.0
     assert found.uncertainty == pytest.approx(1.3)
     assert found.model_error_interval == pytest.approx((1.7, 4.3))
     assert (
         found.is_model_error_detected
-        and not compare_simulation_with_data(
+        and not compare_simulated_value_with_reference_value(
             101.0, 100.0, numerical=0.3, inputs=1.2, of_data=0.4
         ).is_model_error_detected
     )

@@ -5,7 +5,7 @@ from itertools import chain
 import pytest
 
 from drumlin.studies import import_study
-from drumlin_studies.consistency import Check, count_comparison_outcomes
+from drumlin_studies.consistency import Check, counts_of_comparison_outcomes_by_check
 from picking import having, picked
 
 WAYS = import_study("stability")[0].ways.PATH_CHECKS
@@ -39,5 +39,5 @@ def test_a_difference_beyond_what_is_allowed_counts_unless_it_is_said():
         "refused",
         "agrees",
     ]
-    (count,) = count_comparison_outcomes([row, said, refused, near, near])
+    (count,) = counts_of_comparison_outcomes_by_check([row, said, refused, near, near])
     assert count == ("holding", 4, 2, 1, 1, 1, 0.5)

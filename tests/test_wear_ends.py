@@ -11,7 +11,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.lining_wear.archard import (
     WearLaw,
@@ -24,10 +24,10 @@ from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
     brake_with_worn_linings,
     end_of_wear_by_rigid_shoe_law,
-    end_of_wear_on_mesh,
-    relative_distance_from_end_of_wear,
+    final_pressure_and_torque_of_wear_on_mesh,
+    relative_difference_from_end_of_wear,
     report_lines_of_wear_run,
-    run_brake_linings_in,
+    wear_brake_linings_until_worn_in,
 )
 from drumlin.lining_wear.worn_in import brake_with_worn_in_clearances
 from drumlin_studies import consistency_wear
@@ -141,7 +141,7 @@ def test_wear_begins_where_only_a_soft_lining_shows_the_contact() -> None:
     """`solve` begins each level with the contact of the one before; here there is none before."""
     brake = drawn("cam", 30564)
     (first,) = wear_linings_in_given_steps(
-        wear_setup_by_finite_elements(prepared_model_of_finest_division(brake), brake).interfaces,
+        wear_setup_by_finite_elements(prepared_model_with_finest_elements(brake), brake).interfaces,
         ARCHARD,
         [],
     )
@@ -161,7 +161,7 @@ def test_wear_begins_where_the_answer_is_followed_from_no_friction() -> None:
     )
     assert first.torque == pytest.approx(2820.99, rel=1e-4)
     (first,) = wear_linings_in_given_steps(
-        wear_setup_by_finite_elements(prepared_model_of_finest_division(brake), brake).interfaces,
+        wear_setup_by_finite_elements(prepared_model_with_finest_elements(brake), brake).interfaces,
         ARCHARD,
         [],
     )
@@ -177,13 +177,13 @@ def test_wear_without_a_distance_ends_where_its_mesh_ends_and_says_how_far_that_
     brake = drawn(kind, seed)
     setup = wear_setup_by_finite_elements(make_prepared_model(brake, elements=20), brake)
     states, goal, own = (
-        run_brake_linings_in(setup),
+        wear_brake_linings_until_worn_in(setup),
         end_of_wear_by_rigid_shoe_law(setup),
-        end_of_wear_on_mesh(setup),
+        final_pressure_and_torque_of_wear_on_mesh(setup),
     )
     assert math.isfinite(states[-1].s) and len(states) < 200
-    assert max(map(abs, relative_distance_from_end_of_wear(setup, states[-1], own))) <= 1e-3
-    assert 1e-3 < relative_distance_from_end_of_wear(setup, states[-1], goal).pressure < 1e-2
+    assert max(map(abs, relative_difference_from_end_of_wear(setup, states[-1], own))) <= 1e-3
+    assert 1e-3 < relative_difference_from_end_of_wear(setup, states[-1], goal).pressure < 1e-2
     assert states[-1].torque == pytest.approx(
         solve_brake_by_its_rigid_shoe_law(brake).torque, rel=1e-3
     )
@@ -198,7 +198,7 @@ def test_feet_slide_otherwise_as_the_linings_wear_and_each_state_is_an_answer() 
     brake = drawn("rough abutment", 60177)
     scene = make_prepared_model(brake, elements=10)
     setup = wear_setup_by_finite_elements(scene, brake)
-    states = run_brake_linings_in(setup)
+    states = wear_brake_linings_until_worn_in(setup)
     (interface,) = setup.interfaces
     assert interface.settle is not None
     footings = [interface.settle(state.depth)[0] for state in states[::10]]
@@ -214,7 +214,7 @@ def test_a_held_torque_finds_the_feet_too() -> None:
     brake = read_brake(ROOT / "studies" / "brakes" / "simplex_abutted.toml")
     scene = make_prepared_model(brake, elements=10)
     setup = wear_setup_by_finite_elements(scene, brake)
-    states = run_brake_linings_in(setup, torque=200.0, distance=1e5)
+    states = wear_brake_linings_until_worn_in(setup, torque=200.0, distance=1e5)
     for state in states[:: len(states) // 2]:
         force = {
             f"shoe[{i}].actuation.force": state.force * shoe.actuation.force

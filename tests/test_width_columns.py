@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drumlin.fem.hp.element import reference_element_of_degree
-from drumlin.fem.hp.shoe import node_positions_of_elements
+from drumlin.fem.hp.shoe import node_positions_in_each_element_of_row
 from drumlin.fem.width.columns import (
     BackEdge,
     column_layers_of_shoe,
@@ -31,7 +31,7 @@ HALVES = (1.1, 0.4)
 
 def cells(along, depths, p):
     """Nodes (layers, columns, 2, a) of elements on an arc that is bent by a quadratic map."""
-    r = 5.0 - node_positions_of_elements(depths, p)[:, None, :, None]
+    r = 5.0 - node_positions_in_each_element_of_row(depths, p)[:, None, :, None]
     phi = along[:, None, :]
     r, phi = np.broadcast_arrays(r, phi)
     xy = np.array([r * np.cos(phi), r * np.sin(phi)])
@@ -46,9 +46,9 @@ def unknown_values(stack, along, xy_of, field, p):
     """
     found = []
     kept = [
-        *stack.unknowns_of_side_line(along.left),
+        *stack.unknowns_on_left_or_right_side_of_column(along.left),
         *stack.unknowns_of_contact_nodes(along),
-        *stack.unknowns_of_side_line(along.right),
+        *stack.unknowns_on_left_or_right_side_of_column(along.right),
     ]
     for unknown in kept:
         node = unknown.along if unknown.z else unknown.along // 2
@@ -56,7 +56,7 @@ def unknown_values(stack, along, xy_of, field, p):
         value = odd[unknown.function] if unknown.z else even[unknown.function, unknown.along % 2]
         found.append(value)
     # At the contact the unknowns of a column stand by nodes, x and y together.
-    line = len(stack.unknowns_of_side_line(along.left))
+    line = len(stack.unknowns_on_left_or_right_side_of_column(along.left))
     count = stack.counts[0][0] if stack.contact else 0
     contact = np.array(found[line : len(found) - line]).reshape(-1, 2, max(count, 1))
     values = np.array(found)
@@ -69,7 +69,7 @@ def columns_on_arc(p, q, *, contact=True, back=BackEdge.FREE):
     functions = WidthFunctions(BREAKS, q)
     depths, along = (
         np.array([0.0, 0.5, 1.2]),
-        0.3 * node_positions_of_elements(np.array([-1.0, 1.0]), p),
+        0.3 * node_positions_in_each_element_of_row(np.array([-1.0, 1.0]), p),
     )
     stack = column_layers_of_shoe(functions, HALVES, p, contact=contact, back=back)
     widths = [integrals_over_width_of_part(functions, half) for half in HALVES]
@@ -99,18 +99,18 @@ def test_a_column_by_its_symmetries_is_that_of_its_nodes(p, q, contact, back):
     assert (
         whole.left
         == half.left
-        == len(stack.unknowns_of_side_line(unknowns_along_half_row(p, 0).left))
+        == len(stack.unknowns_on_left_or_right_side_of_column(unknowns_along_half_row(p, 0).left))
     )
     assert whole.K.shape == half.K.shape
     # The sides of a half are measured along their own radius, the contact's inside as its middle.
     turn = np.eye(len(whole.K))
     row = unknowns_along_whole_row(p)
     kept = [
-        *stack.unknowns_of_side_line(row.left),
+        *stack.unknowns_on_left_or_right_side_of_column(row.left),
         *stack.unknowns_of_contact_nodes(row),
-        *stack.unknowns_of_side_line(row.right),
+        *stack.unknowns_on_left_or_right_side_of_column(row.right),
     ]
-    contact_start = len(stack.unknowns_of_side_line(row.left))
+    contact_start = len(stack.unknowns_on_left_or_right_side_of_column(row.left))
     for start, stop in ((0, contact_start), (len(kept) - contact_start, len(kept))):
         for i in range(start, stop):
             if kept[i].z == 0 and kept[i].along % 2 == 0:
@@ -170,8 +170,10 @@ def test_the_patch_test_holds_with_a_width(p, q):
     functions = WidthFunctions((0.0, half), q)
     stack = column_layers_of_shoe(functions, (half, half), p, contact=True, back=BackEdge.FREE)
     widths = [integrals_over_width_of_part(functions, half)] * 2
-    along = node_positions_of_elements(np.array([0.0, 2.0]), p)
-    rows = np.append(node_positions_of_elements(np.array([0.0, 0.6, 1.0]), p)[:, :-1].ravel(), 1.0)
+    along = node_positions_in_each_element_of_row(np.array([0.0, 2.0]), p)
+    rows = np.append(
+        node_positions_in_each_element_of_row(np.array([0.0, 0.6, 1.0]), p)[:, :-1].ravel(), 1.0
+    )
     # The back at y = 1 is straight, all other edges are curved.
     x, y = np.meshgrid(along[0], rows)
     bent = np.array([x + 0.1 * np.sin(3 * y) * (x + 1), y + 0.2 * (1 - y) * np.cos(2 * x)])
@@ -198,7 +200,7 @@ def test_the_patch_test_holds_with_a_width(p, q):
 
 def _places(along, depths, p):
     """From a row of nodes and a node along it to the point."""
-    rows = np.append(node_positions_of_elements(depths, p)[:, :-1].ravel(), depths[-1])
+    rows = np.append(node_positions_in_each_element_of_row(depths, p)[:, :-1].ravel(), depths[-1])
 
     def place(row, node):
         r, phi = 5.0 - rows[row], along[0, node]

@@ -23,7 +23,7 @@ def sampled(functions, z):
     """Values of the even and of the odd functions."""
     return [
         functions.function_values_and_slopes(own, z)[0]
-        for own in (functions.even_functions, functions.odd_functions)
+        for own in (functions.even_functions_across_width, functions.odd_functions_across_width)
     ]
 
 
@@ -52,10 +52,16 @@ def test_even_and_odd_ones_start_flat_and_at_zero(degree):
     functions = WidthFunctions(BREAKS, degree)
     at = np.array([0.0])
     assert (
-        np.abs(functions.function_values_and_slopes(functions.even_functions, at)[1]).max() < 1e-14
+        np.abs(
+            functions.function_values_and_slopes(functions.even_functions_across_width, at)[1]
+        ).max()
+        < 1e-14
     )
     assert (
-        np.abs(functions.function_values_and_slopes(functions.odd_functions, at)[0]).max() < 1e-14
+        np.abs(
+            functions.function_values_and_slopes(functions.odd_functions_across_width, at)[0]
+        ).max()
+        < 1e-14
     )
 
 
@@ -64,7 +70,7 @@ def test_they_are_continuous(degree):
     functions = WidthFunctions(BREAKS, degree)
     for at in BREAKS[1:-1]:
         before, behind = np.array([at - 1e-9]), np.array([at + 1e-9])
-        for own in (functions.even_functions, functions.odd_functions):
+        for own in (functions.even_functions_across_width, functions.odd_functions_across_width):
             left, _ = functions.function_values_and_slopes(own, before)
             right, _ = functions.function_values_and_slopes(own, behind)
             np.testing.assert_allclose(left, right, atol=1e-7)
@@ -76,7 +82,10 @@ def test_in_a_narrower_part_the_functions_of_wider_ones_vanish(degree):
     for half in BREAKS[1:]:
         even, odd = functions.numbers_of_even_and_odd_functions(half)
         inside = np.linspace(0, half, 40)
-        for own, count in ((functions.even_functions, even), (functions.odd_functions, odd)):
+        for own, count in (
+            (functions.even_functions_across_width, even),
+            (functions.odd_functions_across_width, odd),
+        ):
             values, _ = functions.function_values_and_slopes(own, inside)
             assert not np.abs(values[count:]).max(initial=0) > 1e-14
             assert np.linalg.matrix_rank(values[:count]) == count
@@ -86,7 +95,9 @@ def test_in_a_narrower_part_the_functions_of_wider_ones_vanish(degree):
 @pytest.mark.parametrize("half", BREAKS[1:])
 def test_face_nodes_tell_the_functions_and_part_one(degree, half):
     functions = functions_of_breaks(degree)
-    own = functions.even_functions[: functions.numbers_of_even_and_odd_functions(half)[0]]
+    own = functions.even_functions_across_width[
+        : functions.numbers_of_even_and_odd_functions(half)[0]
+    ]
     nodes = functions.node_distances_across_part(half)
     assert len(nodes) == len(own) and (nodes >= 0).all() and (nodes <= half).all()
     nodal = np.linalg.inv(functions.function_values_and_slopes(own, nodes)[0])
@@ -129,8 +140,8 @@ def test_integrals_over_one_piece_are_those_by_hand():
 def test_integrals_over_pieces_are_those_of_a_fine_sum():
     functions = WidthFunctions(BREAKS, 3)
     z = (np.arange(300_000) + 0.5) * 1e-5
-    e, slopes = functions.function_values_and_slopes(functions.even_functions, z)
-    o, _ = functions.function_values_and_slopes(functions.odd_functions, z)
+    e, slopes = functions.function_values_and_slopes(functions.even_functions_across_width, z)
+    o, _ = functions.function_values_and_slopes(functions.odd_functions_across_width, z)
     found = integrals_over_width_of_part(functions, 3.0)
     np.testing.assert_allclose(found.even, 2e-5 * e @ e.T, atol=1e-7)
     np.testing.assert_allclose(found.even_slopes_odd, 2e-5 * slopes @ o.T, atol=1e-4)
@@ -152,5 +163,8 @@ def test_breaks_are_at_the_sides_of_the_parts(brake, flexible):
 
 def test_plane_stress_is_the_one_constant(brake):
     functions = functions_across_width_of_shoe(brake.shoes[0], 0)
-    assert (len(functions.even_functions), len(functions.odd_functions)) == (1, 0)
+    assert (
+        len(functions.even_functions_across_width),
+        len(functions.odd_functions_across_width),
+    ) == (1, 0)
     assert integrals_over_width_of_part(functions, 5e-3).even == pytest.approx(10e-3)

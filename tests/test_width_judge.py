@@ -10,7 +10,7 @@ from drumlin_studies.width_error import (
     LEAST_JUDGED,
     WidthErrorRow,
     plane_stress_errors_or_reason,
-    remaining_table_of,
+    table_lines_of_error_left_after_correction,
     table_lines_of_error_ratios,
 )
 from sections import t_section
@@ -37,7 +37,7 @@ def test_the_table_counts_errors_that_matter():
 
 def test_the_table_of_corrected_answers_counts_errors_that_matter():
     rows = [row(1, 1e-2, 1.0, 0.1), row(3, 1e-2, 1.0, 0.9), row(3, 1e-4, 1.0, 9.0)]
-    _, torque, *_ = remaining_table_of(rows)
+    _, torque, *_ = table_lines_of_error_left_after_correction(rows)
     name, brakes, share, half, *_, most, within, halved = torque.split()
     assert [name, brakes, half, most] == ["torque", "2", "0.50", "0.90"]
     assert 0.1 < float(share) < 0.9
@@ -82,7 +82,9 @@ def test_what_remains_after_the_correction_is_within_its_share_on_other_brakes()
     shares = []
     for name, stated in REMAINING_SHARE.items():
         own = [found for found in rows if found.true[name] > LEAST_JUDGED]
-        shares += [found.remaining_share(name) / stated for found in own]
+        shares += [
+            found.error_share_remaining_after_width_correction(name) / stated for found in own
+        ]
     assert len(shares) > 24
     assert np.mean(np.array(shares) < 1) > 0.85
     assert max(shares) > 0.5

@@ -16,17 +16,17 @@ from drumlin.fem.solve import solve
 from drumlin.fem.width.error import distance_of_plane_stress_from_widths
 from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.ladder import (
+    plane_stress_solution_to_compare_width_degrees,
     smallest_width_degree_within_tolerance,
     solve_brake_with_widths_to_tolerance,
-    width_section,
 )
 from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin_studies.solid_error import (
     DRAWN,
     JUDGED_ERRORS,
     SolidErrorRow,
-    graded_functions,
-    quantile_table,
+    functions_across_width_graded_to_sides,
+    table_lines_of_stated_over_true_quantiles,
 )
 from sections import t_section
 
@@ -81,7 +81,7 @@ def test_on_a_t_section_stated_errors_are_above_the_true_ones(brake):
 def test_beside_a_web_the_width_has_its_part_in_the_error():
     brake, level = DRAWN["free"](2000), LEVELS[0]
     plane = solve(brake)
-    section = width_section(brake, plane)
+    section = plane_stress_solution_to_compare_width_degrees(brake, plane)
     points = singular_points_of_all_linings(
         brake, plane, error=level.pressure_error_by_column_ratio
     )
@@ -91,7 +91,7 @@ def test_beside_a_web_the_width_has_its_part_in_the_error():
         scene = prepare_brake_with_widths(brake, level, across, points)
         return solve_prepared_model(scene, brake, start=plane)
 
-    truth = on_level(graded_functions)
+    truth = on_level(functions_across_width_graded_to_sides)
     for allowed in (3e-2, 2e-2, 1e-2):
         found = smallest_width_degree_within_tolerance(
             brake, plane, section, Tolerance(allowed, allowed)
@@ -155,7 +155,9 @@ def test_the_table_of_solid_errors_counts_the_too_small_ones():
         stated = dict.fromkeys(JUDGED_ERRORS, ratio * 1e-3)
         return SolidErrorRow("t", names, stated, 10 * ratio, reached, "how")
 
-    _, torque, _, reached, cost = quantile_table([row(0.5, True), row(3.0, True), row(4.0, False)])
+    _, torque, _, reached, cost = table_lines_of_stated_over_true_quantiles(
+        [row(0.5, True), row(3.0, True), row(4.0, False)]
+    )
     assert torque.split()[:4] == ["torque", "3", "33%", "0.50"]
     assert reached == "67% of 3 brakes reach the tolerance"
     assert cost.startswith("30 times")

@@ -167,7 +167,10 @@ def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(bra
     assert mine.torque == pytest.approx(448.7310, rel=1e-5)
     ungraded = wide(brake, 4, LEVELS[1], points)
     assert ungraded.torque == pytest.approx(448.7310, rel=2e-4)
-    others = [solve_prepared_model(hexahedra.prepare(brake, elements=n), brake) for n in (14, 20)]
+    others = [
+        solve_prepared_model(hexahedra.prepare_model_of_solid_shoes(brake, elements=n), brake)
+        for n in (14, 20)
+    ]
     for other in others:
         assert other.torque == pytest.approx(mine.torque, rel=2e-4)
         assert relative_distance_of_pressures(other.shoes[0], mine.shoes[0]) < 0.03
@@ -179,7 +182,9 @@ def test_on_a_t_section_it_is_the_solid_shoes_to_which_hexahedra_converge(brake)
     points = singular_points_of_all_linings(section, plane(section, LEVELS[1]))
     mine = wide(section, 4, LEVELS[0], points)
     few, many = (
-        solve_prepared_model(hexahedra.prepare(section, elements=n, across=8), section)
+        solve_prepared_model(
+            hexahedra.prepare_model_of_solid_shoes(section, elements=n, across=8), section
+        )
         for n in (14, 20)
     )
     # At the corners of table and web the error of hexahedra falls as their size.

@@ -6,7 +6,7 @@ import pytest
 
 from conftest import ROOT, partly
 from drumlin.brake import read_any, vary
-from drumlin.brake.writing import brake_file_text, quantity_text
+from drumlin.brake.writing import brake_file_text, quoted_toml_text_of_quantity
 from drumlin_studies.random_brake import draw_random_brake
 from flat_pads import LINING, pad
 from shared_forces import cam_brake, servo
@@ -70,7 +70,7 @@ def test_a_shoe_without_force_says_so(brake, tmp_path):
 
 
 def test_quantities_are_readable_and_exact():
-    assert quantity_text(0.15, "m") == '"150 mm"'
-    assert quantity_text(2000.0, "N") == '"2 kN"'
-    assert quantity_text(0.3, "") == "0.3"
-    assert quantity_text(0.1 + 0.2, "rad") == f'"{0.1 + 0.2!r} rad"'
+    assert quoted_toml_text_of_quantity(0.15, "m") == '"150 mm"'
+    assert quoted_toml_text_of_quantity(2000.0, "N") == '"2 kN"'
+    assert quoted_toml_text_of_quantity(0.3, "") == "0.3"
+    assert quoted_toml_text_of_quantity(0.1 + 0.2, "rad") == f'"{0.1 + 0.2!r} rad"'

@@ -91,7 +91,7 @@ class Extrapolated(NamedTuple):
     uncertainty: float
 
 
-def richardson_limit_from_steps(
+def richardson_limit_from_changes_between_meshes(
     fine: float, first: float, last: float, ratio: float = 2.0
 ) -> Extrapolated:
     """Estimate the limit of a value as meshes are refined, by Richardson extrapolation.
@@ -122,8 +122,11 @@ def richardson_limit_from_steps(
 def richardson_limit_from_three_meshes(
     coarse: float, medium: float, fine: float, ratio: float = 2.0
 ) -> Extrapolated:
-    """Estimate the limit of a value by `richardson_limit_from_steps` from three meshes."""
-    return richardson_limit_from_steps(fine, medium - coarse, fine - medium, ratio)
+    """Estimate the limit of a value from three meshes.
+
+    See `richardson_limit_from_changes_between_meshes`.
+    """
+    return richardson_limit_from_changes_between_meshes(fine, medium - coarse, fine - medium, ratio)
 
 
 class TableColumn(NamedTuple):
@@ -241,7 +244,7 @@ def _table_row_of_shoe(
         row["torque_error"] = relative_error_of_number(response.effects[i], true.effects[i])
         row["peak_error"] = relative_error_of_number(shoe.peak_pressure, other.peak_pressure)
         row["pressure_error"] = relative_distance_of_pressures(
-            shoe, other, uncompared_edge_length(brake)
+            shoe, other, length_of_uncompared_zone_at_lining_end(brake)
         )
         row["reaction_error"] = relative_distance_of_vectors(
             shoe.hinge_reaction, other.hinge_reaction
@@ -262,7 +265,7 @@ def _table_row_of_whole_brake(outcome: Outcome, true: Response | None) -> dict[s
     return row
 
 
-def uncompared_edge_length(brake: Brake) -> float:
+def length_of_uncompared_zone_at_lining_end(brake: Brake) -> float:
     """Length of the zones at both ends of a lining in which pressures are not compared.
 
     It is in the coordinate along the surface: an angle [rad] on a drum, a length [m] on a plane.
@@ -277,7 +280,7 @@ def comparison_columns_for_brake(brake: Brake) -> tuple[TableColumn, ...]:
     and lengths in place of angles.
     """
     surface = brake.surface
-    if not surface.straight:
+    if not surface.is_plane_and_not_drum:
         return COLUMNS
     # The keys are the same for drum and plane, so that programs can read both kinds of table.
     words: dict[str, dict[str, Any]] = {
@@ -410,7 +413,7 @@ class Convergence:
         """
         # For a finest value of 0 the estimated uncertainty is the distance from the limit.
         first, last = self.pressure_distances_between_meshes(shoe)[-2:]
-        limit = richardson_limit_from_steps(0.0, first, last)
+        limit = richardson_limit_from_changes_between_meshes(0.0, first, last)
         return limit.order, limit.uncertainty
 
 

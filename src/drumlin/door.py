@@ -82,11 +82,11 @@ def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _Source:
     return _Source(read_any(path, text), text, path.parent, command)
 
 
-def _options_with_values(**options: Any) -> dict[str, Any]:
+def _options_given_by_user(**options: Any) -> dict[str, Any]:
     """The options that the user has given: those that are neither None nor False."""
-    from drumlin.models import options_with_values
+    from drumlin.models import options_that_user_has_given
 
-    return options_with_values(**options)
+    return options_that_user_has_given(**options)
 
 
 def _option_value_in_si(option: str, value: float | str, unit: str) -> float:
@@ -158,10 +158,10 @@ def solve(
     >>> round(drumlin.solve(brake).torque), round(drumlin.solve(brake, "sine").torque)
     (448, 435)
     """
-    from drumlin.models import check_options_belong_to_model, model_by_name
+    from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
 
     whole = _read_brake_if_path(brake)
-    options = _options_with_values(
+    options = _options_given_by_user(
         elements=elements,
         kind=kind,
         penalty=penalty,
@@ -174,7 +174,7 @@ def solve(
         lift=lift,
     )
     # The model is checked before the options: an unknown model is the more helpful message.
-    chosen = model_by_name(model, whole)
+    chosen = model_with_name_that_applies_to_brake(model, whole)
     check_options_belong_to_model(model, options)
     if finite_width and worn_in:
         raise BadInput("--finite-width: does not apply to worn-in linings")
@@ -231,7 +231,7 @@ def compare(
     """
     from drumlin.comparison import compare as side_by_side
 
-    options = _options_with_values(
+    options = _options_given_by_user(
         elements=elements,
         kind=kind,
         penalty=penalty,
@@ -336,10 +336,10 @@ def wear(
     # Guided shoes are another brake, whose shoes are supported by guides.
     worn = linings.brake_with_shoes_on_guides(worn) if guided else worn
     worn.check_shoes_can_be_meshed()
-    on_mesh = _options_with_values(elements=elements, kind=kind)
-    on_springs = _options_with_values(sections=sections, lift=lift)
+    on_mesh = _options_given_by_user(elements=elements, kind=kind)
+    on_springs = _options_given_by_user(sections=sections, lift=lift)
     # Options that belong to the other model are refused.
-    only_mesh = on_mesh | _options_with_values(guided=guided)
+    only_mesh = on_mesh | _options_given_by_user(guided=guided)
     whole_brake.require_options_of_wear_model(model, only_mesh, on_springs)
     # The wear law, the torque to keep constant and the prepared models determine the computation.
     law = whole_brake.make_wear_law(coefficient, exponent)
@@ -427,21 +427,21 @@ def hold(
     import numpy as np
 
     from drumlin.fem.analysis import holding
-    from drumlin.fem.solve import prepared_model_of_finest_division
+    from drumlin.fem.solve import prepared_model_with_finest_elements
 
     held = _read_brake_if_path(brake)
     held.check_shoes_can_be_meshed()
     if not 1 <= steps <= MOST_STEPS:
         raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_STEPS}")
     on_mesh, stiffness = (
-        _options_with_values(elements=elements, kind=kind),
-        _options_with_values(penalty=penalty),
+        _options_given_by_user(elements=elements, kind=kind),
+        _options_given_by_user(penalty=penalty),
     )
     end = (
         None if rotation is None else _option_value_in_si("--rotation", rotation, held.surface.unit)
     )
     # Without a given rotation the drum is turned until every node slips.
-    scene = prepared_model_of_finest_division(held, **on_mesh)
+    scene = prepared_model_with_finest_elements(held, **on_mesh)
     if end is None:
         end = holding.find_full_slip_rotation(scene, held, **stiffness)
     # The state at rest comes first: there is one state more than increments.
@@ -488,15 +488,15 @@ def sensitivity(
     True
     """
     from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity as slopes
-    from drumlin.fem.solve import prepared_model_of_finest_division
+    from drumlin.fem.solve import prepared_model_with_finest_elements
 
     on_mesh, stiffness = (
-        _options_with_values(elements=elements, kind=kind),
-        _options_with_values(penalty=penalty),
+        _options_given_by_user(elements=elements, kind=kind),
+        _options_given_by_user(penalty=penalty),
     )
     whole = _read_brake_if_path(brake)
     whole.check_shoes_can_be_meshed()
-    return slopes(prepared_model_of_finest_division(whole, **on_mesh), whole, **stiffness)
+    return slopes(prepared_model_with_finest_elements(whole, **on_mesh), whole, **stiffness)
 
 
 class LockingLimit(NamedTuple):
@@ -553,17 +553,17 @@ def self_locking(
     [('right',), ('left',)]
     """
     from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION
-    from drumlin.fem.analysis.self_locking import self_locking_limits_of_shoe_groups
+    from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
     from drumlin.fem.model import require_positive_penalty
-    from drumlin.fem.solve import prepared_model_of_finest_division
+    from drumlin.fem.solve import prepared_model_with_finest_elements
 
-    on_mesh = _options_with_values(elements=elements, kind=kind)
+    on_mesh = _options_given_by_user(elements=elements, kind=kind)
     require_positive_penalty(penalty)
     whole = _read_brake_if_path(brake)
     whole.check_shoes_can_be_meshed()
     # This function identifies shoes by their indices. The result identifies them by their names.
-    found = self_locking_limits_of_shoe_groups(
-        prepared_model_of_finest_division(whole, **on_mesh),
+    found = self_locking_friction_of_shoe_groups(
+        prepared_model_with_finest_elements(whole, **on_mesh),
         whole,
         LARGEST_SOUGHT_FRICTION if most is None else most,
         penalty,
@@ -648,9 +648,9 @@ class CheckResult(NamedTuple):
 
     def lines(self) -> list[str]:
         """Lines of text about each shoe; the last line is the verdict on all shoes together."""
-        from drumlin.verification.check import verdict_text_lines
+        from drumlin.verification.check import text_lines_on_errors_of_pressure_table
 
-        return verdict_text_lines(self.verdicts, self.tolerance, self.surface)
+        return text_lines_on_errors_of_pressure_table(self.verdicts, self.tolerance, self.surface)
 
 
 def check(
@@ -760,7 +760,7 @@ def fields(
         write_fields_to_vtu_file,
     )
     from drumlin.fem.model import solve_prepared_model
-    from drumlin.fem.solve import prepared_model_of_finest_division
+    from drumlin.fem.solve import prepared_model_with_finest_elements
 
     # A wrong path is refused before the brake is solved.
     path = None if output is None else Path(output)
@@ -768,12 +768,12 @@ def fields(
         raise BadInput(f"--fields = {str(path)!r}: must end in .vtu")
     check_output_files_are_writable(path)
     on_mesh, stiffness = (
-        _options_with_values(elements=elements, kind=kind),
-        _options_with_values(penalty=penalty),
+        _options_given_by_user(elements=elements, kind=kind),
+        _options_given_by_user(penalty=penalty),
     )
     solved = _read_brake_if_path(brake)
     solved.check_shoes_can_be_meshed()
-    scene = prepared_model_of_finest_division(solved, **on_mesh)
+    scene = prepared_model_with_finest_elements(solved, **on_mesh)
     found = stress_and_displacement_fields_of_bodies(
         scene, solved, solve_prepared_model(scene, solved, **stiffness)
     )

@@ -69,7 +69,7 @@ def _reason_why_not_foundation_model(brake: Brake) -> str | None:
     return reason_against_foundation_model(brake)
 
 
-def _solve_by_solid_shoes(brake: Brake, **options: Any) -> Response:
+def _solve_brake_with_shoes_in_three_dimensions(brake: Brake, **options: Any) -> Response:
     """Solve a brake by finite elements in three dimensions, with shoes of finite width."""
     from drumlin.fem.solid import model
 
@@ -80,7 +80,7 @@ def _reason_why_not_solid_shoes(brake: Brake) -> str | None:
     """Why the model of solid shoes does not apply to a brake; None if it applies."""
     from drumlin.fem.solid import model
 
-    return model.why_not(brake)
+    return model.reason_why_solid_model_does_not_apply(brake)
 
 
 class ShortShoeLaw(NamedTuple):
@@ -195,7 +195,7 @@ MODELS: Mapping[str, Model] = {
             "solid",
             "solid shoes of finite width, contact and friction as fem",
             _reason_why_not_solid_shoes,
-            _solve_by_solid_shoes,
+            _solve_brake_with_shoes_in_three_dimensions,
             by_name=True,
         ),
     )
@@ -203,7 +203,7 @@ MODELS: Mapping[str, Model] = {
 """All models by name, in the order in which comparisons show them."""
 
 
-def model_by_name(name: str, brake: Brake) -> Model:
+def model_with_name_that_applies_to_brake(name: str, brake: Brake) -> Model:
     """The model with this name.
 
     Raises BadInput if no model has this name, or if the model does not apply to the brake.
@@ -225,7 +225,7 @@ def model_by_name(name: str, brake: Brake) -> Model:
     return model
 
 
-def options_with_values(**options: Any) -> dict[str, Any]:
+def options_that_user_has_given(**options: Any) -> dict[str, Any]:
     """The options that the user has given, which are all that are neither None nor False.
 
     Raises BadInput if the number of `elements` is out of range.

@@ -21,7 +21,7 @@ import numpy as np
 
 import drumlin
 from drumlin.brake.brake import Brake
-from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.studies import REPOSITORY, paths_of_example_brakes
 
 BENCHMARK_HISTORY = REPOSITORY / "reports" / "reference" / "benchmarks" / "history.jsonl"
@@ -110,7 +110,7 @@ def measure_python_process_time(*arguments: str) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def median_time_ratio(
+def median_ratio_of_two_measured_times(
     timed: Callable[[], float], compared: Callable[[], float], repeats: int = USUAL_REPEATS
 ) -> float:
     """Median of the ratio of two times, that of `timed` divided by that of `compared`.
@@ -144,7 +144,9 @@ def solve_times_over_fixed_calculation(repeats: int = USUAL_REPEATS) -> dict[str
     for name, call in calls.items():
         # The first call loads modules and is not timed.
         call()
-        ratios[name] = median_time_ratio(partial(measure_processor_time, call), compared, repeats)
+        ratios[name] = median_ratio_of_two_measured_times(
+            partial(measure_processor_time, call), compared, repeats
+        )
     return ratios
 
 
@@ -152,12 +154,12 @@ def count_unknowns_of_default_solve(brake: Brake) -> int:
     """Number of degrees of freedom of the shoes on the finest mesh of a brake's default solve."""
     counted: dict[int, int] = {}
     # Shoes of equal shape share one model, which counts once.
-    for body in prepared_model_of_finest_division(brake).bodies:
+    for body in prepared_model_with_finest_elements(brake).bodies:
         counted[id(body)] = body.unknowns
     return sum(counted.values())
 
 
-def count_unknowns_and_iterations() -> dict[str, float]:
+def unknown_and_iteration_counts_of_default_solves() -> dict[str, float]:
     """Numbers of unknowns and of active-set iterations of default solves, by name.
 
     They do not depend on the machine.
@@ -181,10 +183,13 @@ def command_times_over_import_time(repeats: int = USUAL_REPEATS) -> dict[str, fl
         ),
         "import drumlin": partial(measure_python_process_time, "-c", "import drumlin"),
     }
-    return {name: median_time_ratio(timed, compared, repeats) for name, timed in commands.items()}
+    return {
+        name: median_ratio_of_two_measured_times(timed, compared, repeats)
+        for name, timed in commands.items()
+    }
 
 
-def git_output(*arguments: str) -> str:
+def output_of_git_command(*arguments: str) -> str:
     """The output of a git command on drumlin's repository, without surrounding spaces."""
     command = ["git", "-C", str(REPOSITORY), *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
@@ -193,8 +198,8 @@ def git_output(*arguments: str) -> str:
 def short_commit_hash() -> str:
     """Short hash of the checked-out commit, with a "+" if a source file has been changed."""
     # git lists the changed files; without changes the list is empty.
-    changed = git_output("status", "--porcelain", "--", "src")
-    return git_output("rev-parse", "--short=7", "HEAD") + ("+" if changed else "")
+    changed = output_of_git_command("status", "--porcelain", "--", "src")
+    return output_of_git_command("rev-parse", "--short=7", "HEAD") + ("+" if changed else "")
 
 
 def measure_all_benchmarks(repeats: int = USUAL_REPEATS) -> Benchmark:
@@ -204,7 +209,7 @@ def measure_all_benchmarks(repeats: int = USUAL_REPEATS) -> Benchmark:
     """
     figures = {
         **solve_times_over_fixed_calculation(repeats),
-        **count_unknowns_and_iterations(),
+        **unknown_and_iteration_counts_of_default_solves(),
         **command_times_over_import_time(repeats),
     }
     # More than four digits of a time would be random.

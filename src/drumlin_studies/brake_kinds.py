@@ -14,8 +14,12 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM, PLANE
-from drumlin.comparison import Outcome, solve_and_time_model, uncompared_edge_length
-from drumlin.fem.analysis.self_locking import self_locking_limits_of_shoe_groups
+from drumlin.comparison import (
+    Outcome,
+    length_of_uncompared_zone_at_lining_end,
+    solve_and_time_model,
+)
+from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
@@ -108,7 +112,7 @@ def locking_friction_by_elements(brake: Brake, most: float = 2.0, elements: int 
     none even without friction. `elements` is the number of elements along a lining.
     """
     try:
-        found = self_locking_limits_of_shoe_groups(
+        found = self_locking_friction_of_shoe_groups(
             make_prepared_model(brake, elements=elements), brake, most, penalty=1e6
         )
     except NoAnswer:
@@ -117,7 +121,7 @@ def locking_friction_by_elements(brake: Brake, most: float = 2.0, elements: int 
     return min((end.friction for end in found.values()), default=math.inf)
 
 
-def law_error_row(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
+def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
     """A row of a table with the errors of a brake's law, for new and for worn-in linings.
 
     The errors are relative to finite elements: `new` and `worn` of the torque (on a plane, of the
@@ -127,12 +131,12 @@ def law_error_row(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
     brake, new = found.brake, found.new
     size = new.effect
 
-    def distance_of_law_pressure(by: Response) -> float:
+    def largest_pressure_error_of_law_over_shoes(by: Response) -> float:
         """The largest relative L2 distance of the law's pressure from `by`, over all shoes."""
         # A shoe without contact has no pressure to which a distance could be relative.
         pairs = zip(found.law.shoes, by.shoes, strict=True)
         return max(
-            relative_distance_of_pressures(a, b, uncompared_edge_length(brake))
+            relative_distance_of_pressures(a, b, length_of_uncompared_zone_at_lining_end(brake))
             for a, b in pairs
             if b.contact_arcs
         )
@@ -150,8 +154,8 @@ def law_error_row(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
         "mu_lock": limit,
         "new": relative_error_of_number(found.law.effect, size),
         "worn": relative_error_of_number(found.law.effect, found.worn.effect),
-        "p": distance_of_law_pressure(new),
-        "p_worn": distance_of_law_pressure(found.worn),
+        "p": largest_pressure_error_of_law_over_shoes(new),
+        "p_worn": largest_pressure_error_of_law_over_shoes(found.worn),
         "peak_worn": max(shoe.peak_pressure for shoe in found.worn.shoes),
         "balance": max(new.balance.force, new.balance.moment),
     }
@@ -186,22 +190,24 @@ def brake_factor_of_cam_brake(brake: Brake) -> float:
 
     def factor_of_shoe_alone(shoe: Shoe) -> float:
         """The shoe factor T/(F R) of a shoe that is alone in the brake, under a force of 1 kN."""
-        alone = brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})
+        alone = brake.model_copy(
+            update={"actuation": None, "shoes": (shoe.shoe_with_changed_actuation_force(1e3),)}
+        )
         return solve_brake_by_its_rigid_shoe_law(alone).torque / (1e3 * brake.size)
 
     one, two = map(factor_of_shoe_alone, brake.shoes)
     return 4 * one * two / (one + two)
 
 
-def verdict_sentence_on_law(rows: list[dict[str, Any]]) -> str:
+def sentence_on_whether_law_can_be_trusted(rows: list[dict[str, Any]]) -> str:
     """A sentence that says whether the law of a brake can be trusted.
 
-    `rows` are the rows `law_error_row` of the brake in both senses of motion.
+    `rows` are the rows `row_of_errors_of_rigid_shoe_law` of the brake in both senses of motion.
     """
     surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
     effect_ = surface.effect
 
-    def verdict_on_error(key: str) -> str:
+    def larger_error_text(key: str) -> str:
         """A verdict on the error `key` of the law, by the larger error of both rows."""
         error = np.abs(values_of_key_in_rows(rows, key)).max()
         word = "is an estimate" if error <= ROUGH_LAW_ERROR else "cannot be trusted"
@@ -213,8 +219,8 @@ def verdict_sentence_on_law(rows: list[dict[str, Any]]) -> str:
         return (
             f"The {effect_} follows from equilibrium alone, whatever the pressure. "
             f"The pressure of the law {name!r} "
-            f"{verdict_on_error('p')} new, and {verdict_on_error('p_worn')} worn in."
+            f"{larger_error_text('p')} new, and {larger_error_text('p_worn')} worn in."
         )
-    new = f"{verdict_on_error('new')}, its pressure {verdict_on_error('p')}"
-    worn = f"{verdict_on_error('worn')}, its pressure {verdict_on_error('p_worn')}"
+    new = f"{larger_error_text('new')}, its pressure {larger_error_text('p')}"
+    worn = f"{larger_error_text('worn')}, its pressure {larger_error_text('p_worn')}"
     return f"New, the {effect_} of the law {name!r} {new}; worn in, the {effect_} {worn}."

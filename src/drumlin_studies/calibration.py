@@ -2,9 +2,9 @@
 
 drumlin solves a brake on a sequence of finer and finer hp meshes, called levels. It estimates the
 error by the change from one level to the next, multiplied by a safety factor.
-`level_errors_of_seed` records this change for a random brake, and the true error against a far
-finer solution. `fit_safety_factors` finds the smallest factors with which the stated errors are at
-least as large as the true errors, except for the small share 1 - QUANTILE.
+`true_and_estimated_errors_of_random_brake` records this change for a random brake, and the true
+error against a far finer solution. `fit_safety_factors` finds the smallest factors with which the
+stated errors are at least as large as the true errors, except for the small share 1 - QUANTILE.
 `safety_factors_as_json_text` writes the factors together with the brakes of the fit. The command
 
     make calibrate
@@ -118,7 +118,7 @@ def draw_calibration_brake(seed: int) -> tuple[str, Brake]:
     return kind, (draw_random_brake if kind in KINDS else draw_brake_of_support_kind)(seed, kind)
 
 
-def level_errors_of_seed(seed: int) -> dict[str, Any]:
+def true_and_estimated_errors_of_random_brake(seed: int) -> dict[str, Any]:
     """True and estimated errors of the random brake of a seed on all its meshes, as plain data.
 
     If the brake cannot be solved, "levels" is empty and "reason" says why.
@@ -131,7 +131,7 @@ def level_errors_of_seed(seed: int) -> dict[str, Any]:
             if seed >= FIRST_CORNER
             else solve_brake_by_finer_hp_meshes
         )(brake)
-        levels = errors_and_estimates_of_levels(
+        levels = true_errors_and_estimates_on_each_mesh(
             brake,
             truth,
             islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), FITTED_LEVELS),
@@ -147,7 +147,7 @@ def level_errors_of_seed(seed: int) -> dict[str, Any]:
     }
 
 
-def errors_and_estimates_of_levels(
+def true_errors_and_estimates_on_each_mesh(
     brake: Brake, truth: Truth, found: Iterable[SolvedLevel]
 ) -> list[LevelRecord]:
     """True errors of a brake and the terms of their estimate, on each mesh from the second one on.
@@ -156,7 +156,9 @@ def errors_and_estimates_of_levels(
     as the peak of a pressure without bound.
     """
     # With stated errors of zero, only a quantity that drumlin calls unknown gets an error above 0.
-    nothing = Errors.from_torque_and_shoes(0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes))
+    nothing = Errors.brake_errors_from_torque_and_shoe_errors(
+        0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes)
+    )
     levels: list[LevelRecord] = []
     before = None
     for _, raw in found:
@@ -172,9 +174,9 @@ def errors_and_estimates_of_levels(
             moved = relative_differences_of_two_levels(brake, before, response)
             levels.append(
                 LevelRecord(
-                    step=_largest_values_of_shoes(moved.steps),
-                    chance=_largest_values_of_shoes(moved.chance),
-                    beside=_largest_values_of_shoes(
+                    step=_largest_value_of_each_quantity_over_shoes(moved.steps),
+                    chance=_largest_value_of_each_quantity_over_shoes(moved.chance),
+                    beside=_largest_value_of_each_quantity_over_shoes(
                         sum_of_penalty_and_round_off_errors(response.shoes)
                     ),
                     true=true,
@@ -185,7 +187,7 @@ def errors_and_estimates_of_levels(
     return levels
 
 
-def _largest_values_of_shoes(values: Floats) -> dict[str, float]:
+def _largest_value_of_each_quantity_over_shoes(values: Floats) -> dict[str, float]:
     """The largest value over all shoes for each quantity; for the torque, the value of the brake.
 
     `values` (1 + 4 shoes,) are in the order of `Distances`: the torque of the brake comes first.
@@ -241,7 +243,7 @@ class Samples(NamedTuple):
         return stated[self.is_true_error_usable] / self.true[self.is_true_error_usable]
 
 
-def error_samples_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
+def true_and_estimated_errors_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
     """The errors of one quantity on all meshes of all brakes, without those whose error is nan."""
     rows = [
         [of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])
@@ -256,9 +258,11 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     signs is that of CHANCE_WEIGHTS with the smallest median of stated over true error.
     """
     # The factor of forces depends on the weight of the change by random signs.
-    forces = [error_samples_of_quantity(levels, name) for name in ("torque", "reaction")]
+    forces = [
+        true_and_estimated_errors_of_quantity(levels, name) for name in ("torque", "reaction")
+    ]
 
-    def safety_factor_of_forces(weight: float) -> float:
+    def safety_factor_of_torque_and_reaction(weight: float) -> float:
         """The safety factor of torque and reaction, for a given weight.
 
         The weight is that of the change by random signs.
@@ -274,7 +278,9 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
             np.median(
                 np.concatenate(
                     [
-                        of.stated_over_true_errors(safety_factor_of_forces(weight), weight)
+                        of.stated_over_true_errors(
+                            safety_factor_of_torque_and_reaction(weight), weight
+                        )
                         for of in forces
                     ]
                 )
@@ -283,13 +289,13 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
 
     weight = min(CHANCE_WEIGHTS, key=median_stated_over_true_error)
     pressure, peak = (
-        error_samples_of_quantity(levels, name).smallest_safety_factor(0.0)
+        true_and_estimated_errors_of_quantity(levels, name).smallest_safety_factor(0.0)
         for name in ("pressure", "peak")
     )
     return Factors(
         pressure,
-        safety_factor_of_forces(weight),
-        _round_up_to_significant_digits(safety_factor_of_forces(weight) * weight),
+        safety_factor_of_torque_and_reaction(weight),
+        _round_up_to_significant_digits(safety_factor_of_torque_and_reaction(weight) * weight),
         peak,
     )
 

@@ -189,7 +189,7 @@ def pressure_exponent_at_sliding_corner(mu: float, nu: float) -> float:
         return 1.0
     k, right = (3 - nu) / (1 + nu), math.pi / 2
 
-    def boundary_condition_determinant(e: float) -> float:
+    def determinant_of_corner_boundary_conditions(e: float) -> float:
         """Determinant of the four boundary conditions for the exponent e; it is zero at a root.
 
         F is A cos((e+1) theta) + B sin((e+1) theta) + C cos((e-1) theta) + D sin((e-1) theta).
@@ -210,10 +210,11 @@ def pressure_exponent_at_sliding_corner(mu: float, nu: float) -> float:
     exponents = np.linspace(0.25, 0.999, 400)
     for low, high in pairwise(exponents):
         if (
-            boundary_condition_determinant(float(low)) * boundary_condition_determinant(float(high))
+            determinant_of_corner_boundary_conditions(float(low))
+            * determinant_of_corner_boundary_conditions(float(high))
             < 0
         ):
-            return float(brentq(boundary_condition_determinant, low, high, xtol=1e-14))
+            return float(brentq(determinant_of_corner_boundary_conditions, low, high, xtol=1e-14))
     return 1.0
 
 

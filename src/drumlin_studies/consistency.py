@@ -82,7 +82,7 @@ class Count(NamedTuple):
     largest: float
 
 
-def count_comparison_outcomes(rows: Sequence[Check]) -> list[Count]:
+def counts_of_comparison_outcomes_by_check(rows: Sequence[Check]) -> list[Count]:
     """Count the outcomes of comparisons; returns counts for each check, in order of appearance."""
     rows_of: dict[str, list[Check]] = {}
     for row in rows:

@@ -111,8 +111,12 @@ def _brake_with_random_blocks(brake: Brake, rng: Rng, steps: int, depth: float) 
     fitting = solve(brake, elements=BLOCK_TRIAL_ELEMENTS)
     changes: dict[str, list[list[float]]] = {}
     for i, (shoe, found) in enumerate(zip(brake.shoes, fitting.shoes, strict=True)):
-        places = _random_block_angles(rng, shoe, steps)
-        depths = depth * _mean_compression_of_lining(brake, shoe, found) * rng.uniform(0, 1, steps)
+        places = _random_start_angles_of_lining_blocks(rng, shoe, steps)
+        depths = (
+            depth
+            * _lining_compression_under_mean_pressure(brake, shoe, found)
+            * rng.uniform(0, 1, steps)
+        )
         changes[f"shoe[{i}].lining.misfit.blocks"] = np.column_stack([places, depths]).tolist()
     other = vary(brake, changes)
     # A shoe that does not touch the drum would have no error to compare.
@@ -121,7 +125,7 @@ def _brake_with_random_blocks(brake: Brake, rng: Rng, steps: int, depth: float) 
     return other
 
 
-def _random_block_angles(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
+def _random_start_angles_of_lining_blocks(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
     """Random angles (steps,) [rad] at which the blocks of a lining begin, far enough apart.
 
     Raises BadInput if the lining is too short for the steps.
@@ -134,7 +138,7 @@ def _random_block_angles(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
     return lining.start + np.sort(rng.uniform(0, free, steps)) + room * np.arange(1, steps + 1)
 
 
-def _mean_compression_of_lining(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
+def _lining_compression_under_mean_pressure(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
     """Compression [m] of a lining under the mean pressure on it."""
     lining = shoe.lining
     area = brake.scale_factor * (lining.end - lining.start) * lining.width

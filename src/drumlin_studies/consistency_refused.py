@@ -37,12 +37,12 @@ def default_solve_against_mesh_rows(seed: int) -> list[Check]:
     disagree with each other.
     """
     brake = draw_brake_for_refusal_check(seed)
-    found = _response_or_refusal(brake, None)
+    found = _brake_response_or_refusal_message(brake, None)
     refused = isinstance(found, str)
     if not refused and seed // 2 % BRAKES_PER_MESH_CHECK:
         return []
     # If the three meshes agree on the contact force, the brake has an equilibrium.
-    on_meshes = [_response_or_refusal(brake, elements) for elements in MESH_SIZES]
+    on_meshes = [_brake_response_or_refusal_message(brake, elements) for elements in MESH_SIZES]
     forces = [total_contact_force(mesh) for mesh in on_meshes if not isinstance(mesh, str)]
     one_answer = len(forces) == len(MESH_SIZES) and relative_spread_of_values(forces) <= SAME_FORCE
     if isinstance(found, str):
@@ -51,16 +51,22 @@ def default_solve_against_mesh_rows(seed: int) -> list[Check]:
             # a valid reason for a refusal.
             said = found if TOO_FAR_REASON in found else ""
             return [
-                _row_of_refusal_check(brake, f"an answer, refused: {found}", 1.0, 0.0, said=said)
+                _row_of_default_solve_against_meshes(
+                    brake, f"an answer, refused: {found}", 1.0, 0.0, said=said
+                )
             ]
-        return [_row_of_refusal_check(brake, "an answer", 0.0, 0.0, said=found, refused=True)]
+        return [
+            _row_of_default_solve_against_meshes(
+                brake, "an answer", 0.0, 0.0, said=found, refused=True
+            )
+        ]
     if not one_answer:
         return []
     difference = max(abs(each / total_contact_force(found) - 1) for each in forces)
     # The error of the coarsest mesh is about the spread of the forces; the factor 2 allows for slow
     # convergence.
     return [
-        _row_of_refusal_check(
+        _row_of_default_solve_against_meshes(
             brake, "contact force", difference, max(2 * relative_spread_of_values(forces), 1e-3)
         )
     ]
@@ -85,7 +91,7 @@ def relative_spread_of_values(values: list[float]) -> float:
     return (max(values) - min(values)) / values[-1]
 
 
-def _response_or_refusal(brake: Brake, elements: int | None) -> Response | str:
+def _brake_response_or_refusal_message(brake: Brake, elements: int | None) -> Response | str:
     """Solve a brake; returns the response, or the error message as text if it is refused.
 
     `elements` is the number of elements along a lining, or None for the default solve.
@@ -96,7 +102,7 @@ def _response_or_refusal(brake: Brake, elements: int | None) -> Response | str:
         return str(refusal)
 
 
-def _row_of_refusal_check(
+def _row_of_default_solve_against_meshes(
     brake: Brake,
     quantity: str,
     difference: float,

@@ -128,15 +128,15 @@ class DivisionForSlopes:
     elements: int | None
     cache: Cache
 
-    def prepared_model(self, own: Brake) -> PreparedModel:
+    def meshed_and_condensed_model_of_brake(self, own: Brake) -> PreparedModel:
         """The model of a brake that is meshed and condensed, ready to be solved."""
         if self.elements is None:
             return make_prepared_model(own, SLOPE_LEVEL, cache=self.cache)
         return make_prepared_model(own, elements=self.elements, cache=self.cache)
 
-    def solve_for_torque(self, brake: Brake) -> "TorqueOnDivision":
+    def solve_brake_for_torque(self, brake: Brake) -> "TorqueOnDivision":
         """Solve a brake; returns its torque with mesh size and contact set. Raises as `solve`."""
-        scene = self.prepared_model(brake)
+        scene = self.meshed_and_condensed_model_of_brake(brake)
         response = solve_prepared_model(scene, brake)
         # Two meshes count as equal if their numbers of unknowns are equal.
         bodies = [body.unknowns for body in scene.bodies]
@@ -145,17 +145,17 @@ class DivisionForSlopes:
         touching = tuple((shoe.pressure > 0).tobytes() for shoe in response.shoes)
         return TorqueOnDivision(response.torque, tuple(bodies), touching)
 
-    def compute_torque_slopes(self, brake: Brake) -> Sensitivity:
+    def compute_derivatives_of_brake_torque(self, brake: Brake) -> Sensitivity:
         """The derivatives of a brake's torque. Raises as `compute_torque_sensitivity` does."""
-        return compute_torque_sensitivity(self.prepared_model(brake), brake)
+        return compute_torque_sensitivity(self.meshed_and_condensed_model_of_brake(brake), brake)
 
 
-def make_scaling_of_key(key: str, value: float) -> Changes:
+def make_function_that_scales_value_of_key(key: str, value: float) -> Changes:
     """A function of a step s that returns the value of a key multiplied by 1 + s."""
     return lambda s: {key: value * (1 + s)}
 
 
-def make_scaling_of_moduli(key: str, material: AnyMaterial) -> Changes:
+def make_function_that_scales_material_moduli(key: str, material: AnyMaterial) -> Changes:
     """A function of a step s that returns all moduli of a material multiplied by 1 + s, by key.
 
     `key` is the path of the part in the brake file, with a dot at its end.
@@ -165,23 +165,23 @@ def make_scaling_of_moduli(key: str, material: AnyMaterial) -> Changes:
     }
 
 
-def make_shift_of_key(key: str, value: float) -> Changes:
+def make_function_that_shifts_value_of_key(key: str, value: float) -> Changes:
     """A function of a step s that returns the value of a key plus s."""
     return lambda s: {key: value + s}
 
 
-def make_shift_of_point(key: str, x: float, y: float, way: int) -> Changes:
+def make_function_that_shifts_point(key: str, x: float, y: float, way: int) -> Changes:
     """A function of a step s that returns a point shifted by s along x (way 0) or y (way 1)."""
     return lambda s: {key: {"x": x + s * (way == 0), "y": y + s * (way == 1)}}
 
 
-def printed_torque_slopes(brake: Brake, found: Sensitivity) -> list[Slope]:
+def all_torque_sensitivities_printed_for_brake(brake: Brake, found: Sensitivity) -> list[Slope]:
     """All derivatives of the torque that `drumlin sensitivity` prints for a brake."""
     table = [
         Slope(
             "friction",
             found.friction,
-            make_shift_of_key("friction", brake.friction),
+            make_function_that_shifts_value_of_key("friction", brake.friction),
             brake.friction,
         )
     ]
@@ -199,11 +199,15 @@ def _torque_slopes_by_ring_stiffness(brake: Brake, found: Sensitivity) -> Iterat
         return
     if found.ring is not None and ring.material is not None:
         yield Slope(
-            "E of the ring", found.ring, make_scaling_of_moduli("drum.ring.", ring.material)
+            "E of the ring",
+            found.ring,
+            make_function_that_scales_material_moduli("drum.ring.", ring.material),
         )
     # A bending stiffness that follows from the modulus has no slope of its own.
     if found.ring_bending_stiffness is not None and ring.bending_stiffness is not None:
-        EI = make_scaling_of_key("drum.ring.bending_stiffness", ring.bending_stiffness)
+        EI = make_function_that_scales_value_of_key(
+            "drum.ring.bending_stiffness", ring.bending_stiffness
+        )
         yield Slope("bending_stiffness of the ring", found.ring_bending_stiffness, EI)
 
 
@@ -215,7 +219,11 @@ def _torque_slopes_by_common_drive(brake: Brake, found: Sensitivity) -> Iterator
     for key in ("force", "pressure", "torque"):
         value = getattr(drive, key)
         if value is not None:
-            yield Slope("actuation", found.drive, make_scaling_of_key(f"actuation.{key}", value))
+            yield Slope(
+                "actuation",
+                found.drive,
+                make_function_that_scales_value_of_key(f"actuation.{key}", value),
+            )
 
 
 def _torque_slopes_by_shoe_quantities(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
@@ -225,16 +233,20 @@ def _torque_slopes_by_shoe_quantities(brake: Brake, found: Sensitivity, i: int) 
     behind_strut = any(link.to == shoe.name for link in brake.links)
     if own.force is not None and own.torque and brake.actuation is None and not behind_strut:
         force = shoe.actuation.force
-        yield Slope("force", own.force * force, make_scaling_of_key(f"{key}actuation.force", force))
+        yield Slope(
+            "force",
+            own.force * force,
+            make_function_that_scales_value_of_key(f"{key}actuation.force", force),
+        )
     yield from _torque_slopes_by_shoe_stiffness(shoe, own, key)
     clearance = shoe.lining.clearance
     if isinstance(clearance, float):
-        changes = make_shift_of_key(f"{key}lining.clearance", clearance)
+        changes = make_function_that_shifts_value_of_key(f"{key}lining.clearance", clearance)
         yield Slope(
             "clearance", own.clearance, changes, _lining_compression_under_actuation(brake, shoe)
         )
     for what, value in own.held.items():
-        yield from _torque_slopes_by_support(brake, i, what, value)
+        yield from _sensitivities_of_torque_to_shoe_support(brake, i, what, value)
 
 
 def _torque_slopes_by_shoe_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator[Slope]:
@@ -243,18 +255,20 @@ def _torque_slopes_by_shoe_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str)
     `key` is the path of the shoe in the brake file, with a dot at its end.
     """
     moduli, body = own.moduli, shoe.body
-    lining = make_scaling_of_moduli(f"{key}lining.", shoe.lining.material)
+    lining = make_function_that_scales_material_moduli(f"{key}lining.", shoe.lining.material)
     yield Slope("E of the lining", moduli["lining"], lining)
     if "backing" in moduli and shoe.backing is not None:
-        backing = make_scaling_of_moduli(f"{key}backing.", shoe.backing.material)
+        backing = make_function_that_scales_material_moduli(f"{key}backing.", shoe.backing.material)
         yield Slope("E of the backing", moduli["backing"], backing)
     if body is None:
         return
     if "shoe" in moduli and body.material is not None:
-        changes = make_scaling_of_moduli(f"{key}body.", body.material)
+        changes = make_function_that_scales_material_moduli(f"{key}body.", body.material)
         yield Slope("E of the body", moduli["shoe"], changes)
     if own.bending_stiffness is not None and isinstance(body.bending_stiffness, float):
-        EI = make_scaling_of_key(f"{key}body.bending_stiffness", body.bending_stiffness)
+        EI = make_function_that_scales_value_of_key(
+            f"{key}body.bending_stiffness", body.bending_stiffness
+        )
         yield Slope("bending_stiffness of the body", own.bending_stiffness, EI)
 
 
@@ -269,7 +283,9 @@ def _lining_compression_under_actuation(brake: Brake, shoe: Shoe) -> float:
     return force / area * lining.thickness / lining.material.E_through
 
 
-def _torque_slopes_by_support(brake: Brake, i: int, what: str, value: Floats) -> Iterator[Slope]:
+def _sensitivities_of_torque_to_shoe_support(
+    brake: Brake, i: int, what: str, value: Floats
+) -> Iterator[Slope]:
     """Yield the torque's derivatives by a number or a point of the support of shoe number i.
 
     `what` is the path of the number or the point below the shoe in the brake file. `value` holds
@@ -282,10 +298,10 @@ def _torque_slopes_by_support(brake: Brake, i: int, what: str, value: Floats) ->
     # A number of a support has one derivative; a point has one for each coordinate.
     if len(value) == 1:
         size = at if what.endswith("friction") else 1.0
-        yield Slope(what, float(value[0]), make_shift_of_key(key, at), size)
+        yield Slope(what, float(value[0]), make_function_that_shifts_value_of_key(key, at), size)
         return
     for way, axis in enumerate("xy"):
-        changes = make_shift_of_point(key, at.x, at.y, way)
+        changes = make_function_that_shifts_point(key, at.x, at.y, way)
         yield Slope(f"{what} along {axis}", float(value[way]), changes, brake.size)
 
 
@@ -312,7 +328,7 @@ def largest_difference_from_central_slopes(
     for factor in STEP_FACTORS:
         largest = 0.0
         for step in DIFFERENCE_STEPS:
-            apart = _difference_from_central_slope_at_step(
+            apart = _torque_slope_error_by_central_difference(
                 brake, slope, divided, base, factor * step * slope.size
             )
             if apart is None:
@@ -323,7 +339,7 @@ def largest_difference_from_central_slopes(
     return None
 
 
-def _difference_from_central_slope_at_step(
+def _torque_slope_error_by_central_difference(
     brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision, step: float
 ) -> float | None:
     """The relative difference between a printed derivative and a central difference.
@@ -332,8 +348,8 @@ def _difference_from_central_slope_at_step(
     or the mesh.
     """
     try:
-        up = divided.solve_for_torque(vary(brake, slope.changes(step)))
-        down = divided.solve_for_torque(vary(brake, slope.changes(-step)))
+        up = divided.solve_brake_for_torque(vary(brake, slope.changes(step)))
+        down = divided.solve_brake_for_torque(vary(brake, slope.changes(-step)))
     except (BadInput, NoAnswer):
         return None
     if not (up.has_same_mesh_and_contact(base) and down.has_same_mesh_and_contact(base)):
@@ -360,10 +376,10 @@ def draw_brake_with_friction(seed: int) -> tuple[str, Brake]:
         brake = draw_random_brake_of_kind(seed, kind)
     if seed // len(SLOPE_KINDS) % 2:
         return kind, brake
-    return kind, _brake_with_given_bending_stiffness(brake, np.random.default_rng(seed))
+    return kind, _brake_with_random_bending_stiffness(brake, np.random.default_rng(seed))
 
 
-def _brake_with_given_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
+def _brake_with_random_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
     """A copy of the brake whose first shoe and ring have a bending stiffness given by number.
 
     Each number is drawn near the bending stiffness that the part already has.
@@ -391,16 +407,16 @@ def torque_slope_rows_of_seed(seed: int, most: int | None = SLOPES_PER_BRAKE) ->
     no_slopes = Check("slopes", name, "all", math.inf, ALLOWED_SLOPE_DIFFERENCE)
     # If one of `solve` and `sensitivity` refuses the brake, the other one must refuse it, too.
     try:
-        base = divided.solve_for_torque(brake)
+        base = divided.solve_brake_for_torque(brake)
     except NoAnswer as error:
         base, refusal = None, str(error)
     try:
-        found = divided.compute_torque_slopes(brake)
+        found = divided.compute_derivatives_of_brake_torque(brake)
     except NoAnswer as error:
         return [no_slopes._replace(said=str(error), refused=base is None)]
     if base is None:
         return [no_slopes._replace(said=refusal)]
-    table = printed_torque_slopes(brake, found)
+    table = all_torque_sensitivities_printed_for_brake(brake, found)
     if most is not None:
         table = [table[k] for k in np.random.default_rng(seed).permutation(len(table))[:most]]
     rows = []

@@ -20,7 +20,7 @@ from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_brake_to_to
 from drumlin.fem.model import REFINED_REMARK, solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.lining_wear.archard import WearLaw, WearState, wear_linings_in_given_steps
 from drumlin.lining_wear.linings import WearSetup, wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
@@ -28,8 +28,8 @@ from drumlin.lining_wear.run_in import (
     WEAR_SETTLED,
     brake_with_worn_linings,
     end_of_wear_by_rigid_shoe_law,
-    largest_pressure_distance_of_linings,
-    run_brake_linings_in,
+    largest_pressure_difference_of_linings,
+    wear_brake_linings_until_worn_in,
 )
 from drumlin.lining_wear.worn_in import brake_with_worn_in_clearances
 from drumlin.response import Response
@@ -114,7 +114,7 @@ def wear_check_rows_of_seed(seed: int) -> list[Check]:
     except NoAnswer:
         return []
     name = f"{kind} {seed}"
-    return _check_rows_at_start_of_wear(name, brake) + _check_rows_of_worn_linings(
+    return _rows_comparing_unworn_linings_with_solve(name, brake) + _check_rows_of_worn_linings(
         name, brake.round()
     )
 
@@ -128,9 +128,9 @@ def _draw_brake_for_wear_check(seed: int, kind: str) -> Brake:
     return random_kinds.draw_random_brake_of_kind(seed, kind)
 
 
-def _check_rows_at_start_of_wear(name: str, brake: Brake) -> list[Check]:
+def _rows_comparing_unworn_linings_with_solve(name: str, brake: Brake) -> list[Check]:
     """Compare the start of wear with `solve`, on the finest mesh of `solve`."""
-    scene = prepared_model_of_finest_division(brake)
+    scene = prepared_model_with_finest_elements(brake)
     setup = wear_setup_by_finite_elements(scene, brake)
 
     def torque_and_pressure_by_solve() -> _TorqueAndPressure:
@@ -175,7 +175,7 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
         return _TorqueAndPressure(goal.torque, goal.pressure)
 
     try:
-        states = run_brake_linings_in(setup)
+        states = wear_brake_linings_until_worn_in(setup)
     except NoAnswer as error:
         return _torque_and_pressure_comparison_rows(
             name,
@@ -226,12 +226,14 @@ def _check_rows_after_drum_reversal(
     s : float
         Sliding distance before the drum turns back [m].
     """
-    forward = run_brake_linings_in(setup, distance=s)[-1]
+    forward = wear_brake_linings_until_worn_in(setup, distance=s)[-1]
 
     def torque_and_pressure_after_reversal() -> _TorqueAndPressure:
         """Torque and pressure by the wear simulation when the drum begins to turn back."""
         # The first state with the drum turning back comes before any further wear.
-        states = run_brake_linings_in(setup, backward=backward, reverse=s, distance=s * (1 + 1e-9))
+        states = wear_brake_linings_until_worn_in(
+            setup, backward=backward, reverse=s, distance=s * (1 + 1e-9)
+        )
         return _torque_and_pressure_of_wear_state(
             next(state for state in states if not state.forward)
         )
@@ -313,7 +315,7 @@ def _torque_and_pressure_comparison_rows(
         return [Check(check, brake, "answer", math.inf, 0.0, said, refused=both)]
     first, second = answers
     said = first.said or second.said
-    difference = largest_pressure_distance_of_linings(setup, first.pressure, second.pressure)
+    difference = largest_pressure_difference_of_linings(setup, first.pressure, second.pressure)
     rows = [Check(check, brake, "pressure", difference, pressure, said)]
     # Two zero torques, without friction, agree and have no relative difference.
     if second.torque == 0:

@@ -107,7 +107,7 @@ class KnobCase:
     pressure: float = 1.0
 
     @property
-    def changed_knobs(self) -> dict[str, Any]:
+    def parameters_changed_from_default_case(self) -> dict[str, Any]:
         """The parameters (knobs) of the case that differ from the unchanged case, by name."""
         base, own = dataclasses.asdict(KnobCase()), dataclasses.asdict(self)
         del own["knob"]
@@ -115,7 +115,9 @@ class KnobCase:
 
     def brake(self) -> Brake:
         """The brake of the case. Raises BadInput if the knobs give no valid brake."""
-        title = ", ".join(f"{key} {value}" for key, value in self.changed_knobs.items())
+        title = ", ".join(
+            f"{key} {value}" for key, value in self.parameters_changed_from_default_case.items()
+        )
         data: dict[str, Any] = {
             "title": title[:80] or "base",
             "rotation": "counter-clockwise" if not self.assisted else "clockwise",
@@ -180,7 +182,7 @@ class KnobCase:
             }
         return shoe
 
-    def mesher_of_aspect_ratio(self) -> Callable[[Shoe, float], Any] | None:
+    def function_to_mesh_shoe_with_aspect_ratio(self) -> Callable[[Shoe, float], Any] | None:
         """The function that meshes a shoe with the aspect ratio of the case; None without one."""
         return None if self.aspect is None else partial(_shoe_mesh_of_aspect_ratio, self)
 
@@ -197,10 +199,12 @@ def _shoe_mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any
     assert case.aspect is not None
     if case.aspect >= 1:
         angles = np.linspace(start, end, case.elements + 1)
-        depths = _points_with_tenfold_spacing(step * radius / case.aspect, shoe.lining.thickness)
+        depths = _points_each_ten_times_as_far_from_zero(
+            step * radius / case.aspect, shoe.lining.thickness
+        )
     else:
         depths = np.array([0.0, shoe.lining.thickness])
-        first = start + _points_with_tenfold_spacing(
+        first = start + _points_each_ten_times_as_far_from_zero(
             shoe.lining.thickness * case.aspect / radius, step
         )
         angles = np.concatenate([first, np.linspace(start, end, case.elements + 1)[2:]])
@@ -209,7 +213,7 @@ def _shoe_mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any
     )
 
 
-def _points_with_tenfold_spacing(first: float, whole: float) -> Floats:
+def _points_each_ten_times_as_far_from_zero(first: float, whole: float) -> Floats:
     """Points from 0 to `whole`: the second at `first`, each further one ten times as far from 0."""
     steps = max(0, math.ceil(math.log10(whole / first) - 0.5)) if first < whole else 0
     return np.array([0.0, *(first * 10.0**k for k in range(steps)), whole])
@@ -221,13 +225,13 @@ def all_extreme_cases(*, short: bool = False) -> list[KnobCase]:
     The short set has the two ends and the middle of each sweep, and some tenth of the other cases.
     """
     sweeps = [
-        _cases_from_knob_changes(knob, settings)
+        _sweep_cases_from_changed_parameters(knob, settings)
         for knob, settings in _knob_changes_of_all_sweeps().items()
     ]
     if not short:
         return [
             *itertools.chain(*sweeps),
-            *_cases_of_combined_knob_extremes(),
+            *_cases_with_combined_parameter_extremes(),
             *_cases_on_grids_of_two_knobs(),
             *_cases_of_latin_hypercube(100),
         ]
@@ -236,7 +240,7 @@ def all_extreme_cases(*, short: bool = False) -> list[KnobCase]:
         ends += [sweep[i] for i in sorted({0, len(sweep) // 2, len(sweep) - 1})]
     chosen = (
         ends
-        + _cases_of_combined_knob_extremes()[::8]
+        + _cases_with_combined_parameter_extremes()[::8]
         + _cases_on_grids_of_two_knobs()[::12]
         + _cases_of_latin_hypercube(8)
     )
@@ -325,12 +329,14 @@ def _knob_changes_of_all_sweeps() -> dict[str, list[dict[str, Any]]]:
     }
 
 
-def _cases_from_knob_changes(knob: str, settings: list[dict[str, Any]]) -> list[KnobCase]:
+def _sweep_cases_from_changed_parameters(
+    knob: str, settings: list[dict[str, Any]]
+) -> list[KnobCase]:
     """The cases of the sweep named `knob`; `settings` are the changed knobs of each case."""
     return [KnobCase(knob=knob, **setting) for setting in settings]
 
 
-def _cases_of_combined_knob_extremes() -> list[KnobCase]:
+def _cases_with_combined_parameter_extremes() -> list[KnobCase]:
     """The 32 cases in which each of five knobs has a small or a large value."""
     ends: dict[str, tuple[Any, Any]] = {
         "shoe": (1e-4, 1e6),
@@ -341,7 +347,7 @@ def _cases_of_combined_knob_extremes() -> list[KnobCase]:
     }
     combinations = itertools.product(*ends.values())
     settings = [dict(zip(ends, chosen, strict=True)) for chosen in combinations]
-    return _cases_from_knob_changes("corners", settings)
+    return _sweep_cases_from_changed_parameters("corners", settings)
 
 
 def _cases_on_grids_of_two_knobs() -> list[KnobCase]:

@@ -18,7 +18,9 @@ LADDER_CASES: tuple[KnownAnswer, ...] = (*LAWS, *BODIES, *CONTACT, *PADS, *FRICT
 """All cases of the benchmark ladder."""
 
 
-def names_of_case_families(cases: Sequence[KnownAnswer] = LADDER_CASES) -> tuple[str, ...]:
+def names_of_families_of_known_answer_cases(
+    cases: Sequence[KnownAnswer] = LADDER_CASES,
+) -> tuple[str, ...]:
     """The names of the families of cases, each name once, in the order of the cases."""
     return tuple(dict.fromkeys(case.family for case in cases))
 
@@ -31,7 +33,7 @@ def is_value_within_case_tolerance(case: KnownAnswer, value: float) -> bool:
     return abs(value - case.expected) <= case.tolerance * abs(case.expected)
 
 
-def row_of_ladder_case(case: KnownAnswer) -> dict[str, Any]:
+def row_of_computed_and_known_answer(case: KnownAnswer) -> dict[str, Any]:
     """Run a case; returns a row of a table with the expected value and drumlin's value."""
     value = case.found()
     return {

@@ -70,7 +70,9 @@ def _basis_and_stiffness_of_mesh(mesh: Any, material: Material) -> tuple[Any, An
     """The finite-element basis and stiffness matrix of a body of one material and unit width."""
     mesh = mesh.with_subdomains({"body": np.arange(mesh.nelements)})
     basis = scalar_finite_element_basis_of_mesh(mesh)
-    return basis, sparse_stiffness_of_body(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
+    return basis, sparse_stiffness_of_body(
+        basis, {"body": ElasticLayer.make_layer_in_plane_stress(material, 1.0)}
+    ).tocsc()
 
 
 def solve_nodal_displacements(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:
@@ -224,11 +226,12 @@ def _observed_order_of_convergence(kind: str) -> float:
     The kind is "quad2" or "tri1". The error is that of a manufactured solution on two meshes.
     """
     return math.log2(
-        _error_of_manufactured_solution(kind, 8) / _error_of_manufactured_solution(kind, 16)
+        _displacement_error_for_manufactured_solution(kind, 8)
+        / _displacement_error_for_manufactured_solution(kind, 16)
     )
 
 
-def _error_of_manufactured_solution(kind: str, n: int) -> float:
+def _displacement_error_for_manufactured_solution(kind: str, n: int) -> float:
     """L2 error of the displacements of a unit square with n elements to a side.
 
     The exact (manufactured) solution is u = (sin pi x sin pi y, x y) with the body force for it.

@@ -77,7 +77,7 @@ def _peak_pressure_over_hertz() -> float:
     """Peak pressure between two equal half-planes, relative to Hertz's closed form."""
     # Under this load Hertz's formula gives a contact of HALF_WIDTH.
     load = HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
-    pair = BodyPair.from_bodies(
+    pair = BodyPair.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 16), condensed_half_plane_body(1, 13), motions="x"
     )
     p = solve_nodal_contact_pressures(
@@ -107,7 +107,7 @@ def _peak_pressure_and_width_of_cylinder() -> PeakAndWidth:
     aluminium = Material(E=70e9 / (1 - 0.3**2), nu=0.3 / 0.7)
     scale = 6.21e-3 / HALF_WIDTH
     load = 35e3 / 1e-3 / scale
-    pair = BodyPair.from_bodies(
+    pair = BodyPair.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 16, steel),
         condensed_half_plane_body(1, 13, aluminium),
         motions="x",
@@ -125,7 +125,9 @@ def _peak_pressure_and_width_of_cylinder() -> PeakAndWidth:
 
 def _punch_pressure_over_closed_form() -> float:
     """Mean pressure under the middle half of a rigid flat punch, relative to the closed form."""
-    pair = BodyPair.from_bodies(condensed_half_plane_body(-1, 24), None, motions="x")
+    pair = BodyPair.couple_two_bodies_at_contact_nodes(
+        condensed_half_plane_body(-1, 24), None, motions="x"
+    )
     s = pair.contact_node_angles
     load = 1e6
     # Beside the punch a gap of 1 m keeps the half-plane out of contact.
@@ -176,7 +178,7 @@ def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHole:
         ),
         LADDER_STEEL,
     )
-    pair = BodyPair.from_bodies(disc, plate, motions="x")
+    pair = BodyPair.couple_two_bodies_at_contact_nodes(disc, plate, motions="x")
     b = math.tan(eps / 2)
     gap = (
         closed_forms.persson_clearance_of_disc_in_hole(b)
@@ -208,7 +210,7 @@ def _wavy_ring_pressure_over_westergaard(share: float) -> float:
     outer = condense_body_to_contact_nodes(
         plane_mesh_of_closed_ring(angles, depths, 1.0, 1), LADDER_STEEL
     )
-    pair = BodyPair.from_bodies(inner, outer)
+    pair = BodyPair.couple_two_bodies_at_contact_nodes(inner, outer)
     height = 1e-6
     full = math.pi * LADDER_STEEL.E / 2 * height * RING_WAVES / (2 * math.pi)
     # Radial displacement between the two rings under a uniform unit pressure [m/Pa].
@@ -245,7 +247,7 @@ def _make_concentric_rings() -> BodyPair:
     outer = condense_body_to_contact_nodes(
         plane_mesh_of_closed_ring(angles + 0.01, np.linspace(0, 0.4, 7), 1.0, 1), LADDER_STEEL
     )
-    return BodyPair.from_bodies(inner, outer)
+    return BodyPair.couple_two_bodies_at_contact_nodes(inner, outer)
 
 
 class Harmonics(NamedTuple):
@@ -284,7 +286,7 @@ def _computed_bonded_layer_stiffness() -> float:
     """Pressure per indentation [Pa/m] in the middle of a thin lining on a rigid back."""
     thickness, depth = 1e-3, 1e-6
     angles = np.linspace(-0.03, 0.03, 61)
-    pair = BodyPair.from_bodies(
+    pair = BodyPair.couple_two_bodies_at_contact_nodes(
         condense_body_to_contact_nodes(
             plane_mesh_of_ring_sector(angles, np.linspace(0, thickness, 4), 1.0, -1), CONTACT_LINING
         ),
@@ -304,7 +306,7 @@ def _make_lining_strip_on_rigid_back(nu: float) -> BodyPair:
     """
     fine = points_with_steps_growing_to_end(1e-8, 1.45, 0.1)
     angles = np.concatenate([-0.1 + fine, (0.1 - fine)[::-1][1:]])
-    return BodyPair.from_bodies(
+    return BodyPair.couple_two_bodies_at_contact_nodes(
         condense_body_to_contact_nodes(
             plane_mesh_of_ring_sector(
                 angles, points_with_steps_growing_to_end(1e-8, 1.45, 0.05), 1.0, -1

@@ -145,7 +145,7 @@ def _sticking_over_contact_half_width(share: float) -> float:
     middle, (1 - t/(mu p))^2 = c^2/a^2, because the ends of the zones depend on the nodes there.
     """
     mu, load = 0.3, HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
-    pair = BodyPair.from_bodies(
+    pair = BodyPair.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 14), condensed_half_plane_body(1, 12), motions="xy"
     )
     s = pair.contact_node_angles
@@ -221,13 +221,15 @@ class FlexibleBody(NamedTuple):
             Angle of the middle of the contact [rad].
         """
         basis = scalar_finite_element_basis_of_mesh(mesh)
-        K = sparse_stiffness_of_body(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
+        K = sparse_stiffness_of_body(
+            basis, {"body": ElasticLayer.make_layer_in_plane_stress(material, 1.0)}
+        ).tocsc()
         line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], middle)
         free = np.setdiff1d(np.arange(2 * basis.N), held)
         return cls(basis, K, line, weak_coupling_of_contact_line(line, 1.0, directions), free)
 
     @property
-    def numbers_of_contact_displacements(self) -> Ints:
+    def indices_of_contact_node_displacements(self) -> Ints:
         """Numbers (2 n,) of the displacements of the contact nodes, x and y in turn."""
         return np.column_stack([2 * self.line.nodes, 2 * self.line.nodes + 1]).ravel()
 
@@ -309,7 +311,7 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
             ]
         )
     )
-    on, n = belt.numbers_of_contact_displacements, len(N)
+    on, n = belt.indices_of_contact_node_displacements, len(N)
     without_motions = np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
     problem = equations.ContactProblem(N @ u[on, 1:], -N @ u[on, 0], *without_motions)
     p = active_set.solve_contact_problem(problem).p
@@ -341,7 +343,7 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
     closure = (
         N
         @ strip.displacements_under_forces(strip.nodal_forces_of_unit_tractions(N))[
-            strip.numbers_of_contact_displacements
+            strip.indices_of_contact_node_displacements
         ]
     )
     none = np.zeros((n, 0))
@@ -395,7 +397,7 @@ def solve_pressed_and_pushed_plate() -> Plate:
     f[:, 1] -= 5e6 * _nodal_forces_of_unit_traction(x, np.flatnonzero(y > L - 1e-9))
     f[:, 0] -= 10e6 * _nodal_forces_of_unit_traction(y, np.flatnonzero(x > L - 1e-9))
     N, T = plate.coupling.N, plate.coupling.T
-    on, n = plate.numbers_of_contact_displacements, len(N)
+    on, n = plate.indices_of_contact_node_displacements, len(N)
     u = plate.displacements_under_forces(
         np.column_stack(
             [
@@ -509,7 +511,9 @@ def _locking_friction_of_winkler_shoe() -> float:
         _wear_problem_of_winkler_shoe(-1.0)[0].problem,
     )
     return self_locking.find_friction_limit_of_contact(
-        self_locking.FrictionDependentProblem.from_problems_at_two_frictions(still, unit)
+        self_locking.FrictionDependentProblem.friction_dependent_problem_from_two_frictions(
+            still, unit
+        )
     ).friction
 
 

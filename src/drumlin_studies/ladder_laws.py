@@ -29,7 +29,7 @@ from drumlin_studies.textbook_brakes import (
 )
 
 
-def _solve_by_named_law(model: str, brake: object) -> Response:
+def _solve_brake_by_law_of_given_name(model: str, brake: object) -> Response:
     """The response of a brake by the rigid-shoe law with the name `model`."""
     return MODELS[model].solve(brake)
 
@@ -51,7 +51,10 @@ def _torque_of_shigley_example_16_2() -> float:
         brake_with_one_hinged_shoe(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6
     )
     opposed = brake_with_one_hinged_shoe(**shoe, moment=helped.shoes[0].actuation.force, spin=1)
-    return _solve_by_named_law("sine", helped).torque + _solve_by_named_law("sine", opposed).torque
+    return (
+        _solve_brake_by_law_of_given_name("sine", helped).torque
+        + _solve_brake_by_law_of_given_name("sine", opposed).torque
+    )
 
 
 @cache
@@ -66,7 +69,7 @@ def _response_of_shigley_problem_16_1() -> Response:
         theta_s=radians(120),
         mu_Coulomb=0.28,
     )
-    return _solve_by_named_law("sine", block.brake(2200.0, "clockwise"))
+    return _solve_brake_by_law_of_given_name("sine", block.brake(2200.0, "clockwise"))
 
 
 @cache
@@ -83,7 +86,7 @@ def _response_of_bhandari_example_12_7() -> Response:
         width=0.1,
         pivot=(h, radians(80)),
     )
-    return _solve_by_named_law(
+    return _solve_brake_by_law_of_given_name(
         "pivoted", brake_scaled_to_peak_pressure(lever, MODELS["pivoted"].solve, 0.5e6)
     )
 
@@ -116,7 +119,8 @@ def _force_and_torque_of_bhandari_12_8() -> ForceAndTorque:
     opposed = brake_with_one_hinged_shoe(**shoe, moment=moment, spin=1)
     arm = 0.1875
     torque = (
-        _solve_by_named_law("sine", helped).torque + _solve_by_named_law("sine", opposed).torque
+        _solve_brake_by_law_of_given_name("sine", helped).torque
+        + _solve_brake_by_law_of_given_name("sine", opposed).torque
     )
     return ForceAndTorque(moment / arm, torque)
 
@@ -164,12 +168,15 @@ def _two_block_torque_over_one_block() -> float:
     data["lining"] |= {"start": -one.shoes[0].lining.end, "end": -one.shoes[0].lining.start}
     data["actuation"] |= {"direction": math.pi / 2, "point": {"x": 0.25, "y": -0.125}}
     both = vary(one, {"shoe": [one.shoes[0].model_dump(), data]})
-    return _solve_by_named_law("block", both).torque / _solve_by_named_law("block", one).torque
+    return (
+        _solve_brake_by_law_of_given_name("block", both).torque
+        / _solve_brake_by_law_of_given_name("block", one).torque
+    )
 
 
 def _response_of_short_shoe_on_lever() -> Response:
     """Response of a brake with a short shoe on a lever of 1 m."""
-    return _solve_by_named_law(
+    return _solve_brake_by_law_of_given_name(
         "short",
         brake_with_block_on_lever(
             R=0.25, arm=1.0, x=0.5, a=0.2, P=100.0, mu=0.35, half=radians(10), spin=1
@@ -191,7 +198,10 @@ def _torque_of_two_short_shoes() -> float:
     }
     first = brake_with_one_hinged_shoe(**shoe, moment=60.0, hand=1, turned=-math.pi / 2)
     second = brake_with_one_hinged_shoe(**shoe, moment=40.0, hand=-1, turned=-math.pi / 2)
-    return _solve_by_named_law("short", first).torque + _solve_by_named_law("short", second).torque
+    return (
+        _solve_brake_by_law_of_given_name("short", first).torque
+        + _solve_brake_by_law_of_given_name("short", second).torque
+    )
 
 
 PAD_MOMENT = 90.0  # N m
@@ -210,7 +220,7 @@ def _peak_pressure_of_long_pad_by_law() -> float:
     brake = brake_with_one_hinged_pad(
         h=PIN_HEIGHT, span=span, moment=PAD_MOMENT, mu=PAD_MU, width=0.03
     )
-    return _solve_by_named_law("linear", brake).shoes[0].peak_pressure
+    return _solve_brake_by_law_of_given_name("linear", brake).shoes[0].peak_pressure
 
 
 def _peak_pressure_of_long_pad_by_statics() -> float:
@@ -227,7 +237,7 @@ def _peak_pressure_of_long_pad_by_statics() -> float:
 def _normal_force_of_short_pad() -> float:
     """Normal force [N] of a short flat shoe by drumlin's short-shoe law."""
     brake = brake_with_one_hinged_pad(h=PIN_HEIGHT, span=(0.1, 0.16), moment=PAD_MOMENT, mu=PAD_MU)
-    return _solve_by_named_law("short", brake).shoes[0].normal_force
+    return _solve_brake_by_law_of_given_name("short", brake).shoes[0].normal_force
 
 
 NPTEL_SHOE: dict[str, Any] = {
@@ -257,7 +267,7 @@ def _torque_of_nptel_long_shoe() -> float:
     """Torque [N m] of the NPTEL long shoe at a peak pressure of 0.8 MPa, by the sine law."""
     moment = _actuating_moment_of_nptel_shoe()
     brake = brake_with_one_hinged_shoe(**NPTEL_SHOE, moment=moment, spin=1)
-    return _solve_by_named_law("sine", brake).torque
+    return _solve_brake_by_law_of_given_name("sine", brake).torque
 
 
 SHORT_SHOE: dict[str, Any] = {
@@ -369,7 +379,9 @@ LAW_CASES = (
         expected=83.87,
         tolerance=5e-4,
         tier=PRINTED_DIGITS_TIER,
-        found=lambda: _solve_by_named_law("block", _brake_with_block_on_lever()).torque,
+        found=lambda: (
+            _solve_brake_by_law_of_given_name("block", _brake_with_block_on_lever()).torque
+        ),
     ),
     KnownAnswer(
         family="block on a lever, exact statics",
@@ -379,7 +391,9 @@ LAW_CASES = (
         expected=_torque_of_block_by_statics(),
         tolerance=1e-11,
         tier=ROUND_OFF_TIER,
-        found=lambda: _solve_by_named_law("cosine", _brake_with_block_on_lever()).torque,
+        found=lambda: (
+            _solve_brake_by_law_of_given_name("cosine", _brake_with_block_on_lever()).torque
+        ),
     ),
     *(
         KnownAnswer(

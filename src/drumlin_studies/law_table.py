@@ -19,7 +19,7 @@ Row = dict[str, Any]
 """A row of a table: values by the names of their columns."""
 
 
-def law_rows(brake: Brake, file: str) -> list[Row]:
+def rows_of_shoe_results_by_every_law(brake: Brake, file: str) -> list[Row]:
     """Solve a brake by every law; returns a row for each shoe and law.
 
     A law that cannot solve the brake has one row, with the reason. `file` is the name of the brake
@@ -65,10 +65,10 @@ def row_of_shoe_results(response: Response, index: int) -> Row:
     }
 
 
-def rows_of_refusing_laws(rows: Sequence[Row]) -> list[Row]:
+def rows_of_laws_that_cannot_solve_brakes(rows: Sequence[Row]) -> list[Row]:
     """A row for each brake file and reason, with the laws that could not solve the brake.
 
-    `rows` are those of `law_rows`.
+    `rows` are those of `rows_of_shoe_results_by_every_law`.
     """
     laws: dict[tuple[str, str], Row] = {}
     for row in rows:
@@ -81,7 +81,7 @@ def rows_of_refusing_laws(rows: Sequence[Row]) -> list[Row]:
     return list(laws.values())
 
 
-def shoe_factor_rows(brake: Brake) -> list[Row]:
+def rows_of_shoe_factors_of_post_brake(brake: Brake) -> list[Row]:
     """Rows with the shoe factors of a post brake, by eq. 26 of Barecki & Scieszka and by laws.
 
     Eq. 26 calls a shoe leading or trailing by the sign of one of its terms. A row has this word,

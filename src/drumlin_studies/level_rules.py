@@ -41,8 +41,8 @@ from drumlin_studies.calibration import (
     FITTED_BRAKES,
     LevelRecord,
     draw_calibration_brake,
-    errors_and_estimates_of_levels,
     fit_safety_factors,
+    true_errors_and_estimates_on_each_mesh,
 )
 from drumlin_studies.sharpness import ASKED
 from drumlin_studies.side_by_side import PROCESSES
@@ -94,14 +94,14 @@ def solve_brake_with_level_rule(
         for step in solve_on_finer_and_finer_levels(
             brake,
             solve_prepared_model,
-            levels=[rule.level_with_number(k + 1) for k in range(LEVELS_TRIED)],
+            levels=[rule.refinement_level_with_number(k + 1) for k in range(LEVELS_TRIED)],
         ):
             seconds.append(time.process_time() - begin)
             found.append(step)
             begin = time.process_time()
     except NoAnswer:
         return None
-    return LevelsOfRule(errors_and_estimates_of_levels(brake, truth, found), seconds)
+    return LevelsOfRule(true_errors_and_estimates_on_each_mesh(brake, truth, found), seconds)
 
 
 class StoppingLevel(NamedTuple):
@@ -121,19 +121,21 @@ class StoppingLevel(NamedTuple):
     level: LevelRecord
 
 
-def find_stopping_level(
+def find_mesh_at_which_refinement_stops(
     brake: LevelsOfRule, factors: Factors, pressure: float, torque: float
 ) -> StoppingLevel:
     """The mesh (level) at which a solve stops, for relative tolerances of p and of the torque."""
     for k, level in enumerate(brake.levels, 2):
-        stated = _stated_errors_of_level(level, factors)
+        stated = _errors_stated_on_mesh_by_safety_factors(level, factors)
         reached = stated["pressure"] <= pressure and stated["torque"] <= torque
         if reached or k == len(brake.seconds):
             return StoppingLevel(sum(brake.seconds[:k]), reached, stated, level)
     raise ValueError("a brake that was tried on one level alone")
 
 
-def _stated_errors_of_level(level: LevelRecord, factors: Factors) -> dict[str, float]:
+def _errors_stated_on_mesh_by_safety_factors(
+    level: LevelRecord, factors: Factors
+) -> dict[str, float]:
     """The errors that drumlin would state on a mesh (level) with given safety factors."""
     # Pressure and peak have factors of their own; torque and reaction share that of forces.
     factor = {"pressure": factors.pressure, "peak": factors.peak}
@@ -145,12 +147,14 @@ def _stated_errors_of_level(level: LevelRecord, factors: Factors) -> dict[str, f
     return stated
 
 
-def report_text_of_level_rule(brakes: Sequence[LevelsOfRule]) -> str:
+def report_text_on_refinement_rule(brakes: Sequence[LevelsOfRule]) -> str:
     """The text that `main` prints for the brakes solved with one rule."""
     factors = fit_safety_factors([level for brake in brakes for level in brake.levels])
     lines = [f"  {factors}"]
     for asked, tolerance in ASKED.items():
-        stops = [find_stopping_level(brake, factors, *tolerance) for brake in brakes]
+        stops = [
+            find_mesh_at_which_refinement_stops(brake, factors, *tolerance) for brake in brakes
+        ]
         seconds = sum(each.seconds for each in stops)
         share = sum(each.reached for each in stops) / len(stops)
         lines.append(f"  {asked}: {seconds:.1f} s, {100 * share:.1f} % reached")
@@ -170,7 +174,7 @@ def _error_ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
     return f"median {np.median(certain):.1f}, {small} of {len(certain)} too small"
 
 
-def level_rule_with_changes(words: Sequence[str]) -> LevelRule:
+def refinement_rule_with_changed_numbers(words: Sequence[str]) -> LevelRule:
     """A copy of LEVEL_RULE with the numbers changed that words such as `fall=6` give.
 
     Raises ValueError for a word of another form.
@@ -186,7 +190,7 @@ def main(words: Sequence[str]) -> int:
     """Try LEVEL_RULE and, if there are words, the changed rule; returns the exit status."""
     seeds = range(FIRST_SEED, FIRST_SEED + FITTED_BRAKES)
     rules = {"as it is": LEVEL_RULE} | (
-        {" ".join(words): level_rule_with_changes(words)} if words else {}
+        {" ".join(words): refinement_rule_with_changed_numbers(words)} if words else {}
     )
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
         truths = list(pool.map(solve_far_finer_solution, seeds))
@@ -194,7 +198,7 @@ def main(words: Sequence[str]) -> int:
             print(f"{name}: {rule}", flush=True)  # noqa: T201
             found = pool.map(solve_brake_with_level_rule, seeds, truths, [rule] * len(seeds))
             answered = [brake for brake in found if brake is not None]
-            print(report_text_of_level_rule(answered), flush=True)  # noqa: T201
+            print(report_text_on_refinement_rule(answered), flush=True)  # noqa: T201
     return 0
 
 

@@ -11,7 +11,7 @@ from drumlin.models import reasons_why_models_do_not_apply
 from drumlin_studies.work_precision import Method
 
 
-def list_compared_methods(
+def list_solution_methods_to_compare(
     brake: Brake, *, peers: bool = False, short: bool = False
 ) -> list[Method]:
     """The list of all methods that are compared on a brake.

@@ -44,7 +44,7 @@ EXPANSION, WARMING = 11e-6, 100.0
 shoes [K]."""
 
 
-def rows_of_single_misfits(
+def table_rows_of_changes_by_each_misfit_alone(
     brake: Brake, law: Response, solve: Callable[[Brake], Response]
 ) -> list[dict[str, Any]]:
     """A row for each single misfit, with the changes of torque and peak pressure that it causes.
@@ -201,7 +201,7 @@ class DrawnBrakes:
     rows : mapping
         The rows of the brakes by state: "new" and "worn in" were solved by finite elements, "law"
         by the sine law. The first 2 n rows of each state are the two independent samples A and B of
-        `tolerances.draw_random_deviations`.
+        `tolerances.random_deviations_of_brakes_in_all_samples`.
     n : int
         Number of brakes in each of the two samples.
     """
@@ -209,7 +209,7 @@ class DrawnBrakes:
     rows: Mapping[str, Sequence[Row]]
     n: int
 
-    def sample_of_quantity(self, state: str, name: str) -> Floats:
+    def values_of_quantity_for_random_brakes(self, state: str, name: str) -> Floats:
         """The values (2 n,) of a quantity of the random brakes.
 
         The peak pressure is in MPa, the other quantities are in SI units.
@@ -224,9 +224,9 @@ class DrawnBrakes:
 
         state : "new" or "worn in", the state of the linings.
         """
-        ratio: Floats = self.sample_of_quantity(state, "torque") / self.sample_of_quantity(
-            "law", "torque"
-        )
+        ratio: Floats = self.values_of_quantity_for_random_brakes(
+            state, "torque"
+        ) / self.values_of_quantity_for_random_brakes("law", "torque")
         return ratio
 
     def percentiles_of_law_torque_error(self, state: str) -> tuple[float, float]:
@@ -243,12 +243,12 @@ class DrawnBrakes:
         state : a key of `rows`, for example "new" for new linings.
         """
         return mean_and_percentiles_of_sample(
-            self.sample_of_quantity(state, "torque")
+            self.values_of_quantity_for_random_brakes(state, "torque")
         ).relative_standard_deviation
 
     def peak_pressures_over_pressure(self, pressure: float) -> tuple[float, float]:
         """Mean and 95th percentile of the peak pressures of new brakes, over `pressure` [MPa]."""
-        peaks = self.sample_of_quantity("new", "peak_pressure") / pressure
+        peaks = self.values_of_quantity_for_random_brakes("new", "peak_pressure") / pressure
         return float(peaks.mean()), float(np.percentile(peaks, 95))
 
     def variance_removed_by_run_in(self) -> float:
@@ -256,9 +256,11 @@ class DrawnBrakes:
 
         The variance that remains comes from tolerances of friction, force, levers and drum.
         """
-        new = mean_and_percentiles_of_sample(self.sample_of_quantity("new", "torque")).deviation
+        new = mean_and_percentiles_of_sample(
+            self.values_of_quantity_for_random_brakes("new", "torque")
+        ).deviation
         worn = mean_and_percentiles_of_sample(
-            self.sample_of_quantity("worn in", "torque")
+            self.values_of_quantity_for_random_brakes("worn in", "torque")
         ).deviation
         return 1 - (worn / new) ** 2
 
@@ -273,7 +275,7 @@ def quantities_of_nominal_brake_by_law(brake: Brake, law: Response) -> dict[str,
     return {name: row[name] for name in DRAWN_QUANTITIES}
 
 
-def rows_of_quantity_distributions(drawn: DrawnBrakes) -> list[dict[str, Any]]:
+def rows_with_mean_and_percentiles_of_quantities(drawn: DrawnBrakes) -> list[dict[str, Any]]:
     """A row for each quantity in each state: mean, standard deviation and percentiles.
 
     The last rows treat the ratio of the torque to the torque by the sine law of the same brake.
@@ -281,7 +283,7 @@ def rows_of_quantity_distributions(drawn: DrawnBrakes) -> list[dict[str, Any]]:
     values: dict[tuple[str, str], Floats] = {}
     for name, title in DRAWN_QUANTITIES.items():
         for state in (*STATES, "law"):
-            values[title, state] = drawn.sample_of_quantity(state, name)
+            values[title, state] = drawn.values_of_quantity_for_random_brakes(state, name)
     for state in STATES:
         values["torque over the sine law's of the same brake", state] = (
             drawn.torque_over_torque_by_law(state)

@@ -1,12 +1,12 @@
 """Omissions: parts of a brake that a simpler model neglects, and the change of the answer by this.
 
 An omission replaces for example the elastic drum ring by a rigid drum.
-`change_of_answer_by_omission` compares the answers of the simpler and of the whole brake.
-`predict_change_of_answer_by_omission` predicts the same change on two surrogates, which are coarse
-models of the whole and of the simpler brake (`reduced`). To first order the change is the response
-of the pressure p to the gap F p that the neglected flexibility F would open. The change grows with
-the ratio of the stiffnesses. Contact may open or close in the surrogates as well, and no factor is
-calibrated.
+`relative_change_from_whole_to_simpler_brake` compares the answers of the simpler and of the whole
+brake. `predict_response_change_by_omitting_parts` predicts the same change on two surrogates, which
+are coarse models of the whole and of the simpler brake (`reduced`). To first order the change is
+the response of the pressure p to the gap F p that the neglected flexibility F would open. The
+change grows with the ratio of the stiffnesses. Contact may open or close in the surrogates as well,
+and no factor is calibrated.
 
 A solve of drumlin neglects nothing: with hp elements the whole brake takes no longer than the
 decision on an omission.
@@ -125,7 +125,9 @@ class OmissionChange(NamedTuple):
     each: float
 
 
-def change_of_answer_by_omission(simple: Response, whole: Response) -> OmissionChange:
+def relative_change_from_whole_to_simpler_brake(
+    simple: Response, whole: Response
+) -> OmissionChange:
     """The relative changes from the response of the whole brake to that of the simpler brake."""
     torques, pressures, reactions, peaks, each = [], [], [], [], []
     # A change is not divided by zero: where the whole brake has no torque, peak or reaction, the
@@ -261,7 +263,7 @@ def prepare_with_straight_element_edges(brake: Brake, *, elements: int) -> Prepa
     return make_prepared_model(brake, elements=elements, mesher=mesh_with_straight_edges)
 
 
-def predict_change_of_answer_by_omission(
+def predict_response_change_by_omitting_parts(
     brake: Brake, names: Sequence[str], respond: ResponseFunction, sketch: Make | None = None
 ) -> OmissionChange:
     """The change of the answer by an omission, predicted on two surrogates in some milliseconds.
@@ -286,6 +288,6 @@ def predict_change_of_answer_by_omission(
     """
     sketch = sketch or make_function_that_prepares_surrogates()
     whole = respond(sketch(brake), brake)
-    return change_of_answer_by_omission(
+    return relative_change_from_whole_to_simpler_brake(
         respond(*prepared_model_without_parts(brake, names, sketch)), whole
     )

@@ -30,11 +30,11 @@ from drumlin.response.response import Response
 from drumlin_studies.omission import (
     OMISSIONS,
     OmissionChange,
-    change_of_answer_by_omission,
     names_of_omissions_possible_for_brake,
-    predict_change_of_answer_by_omission,
+    predict_response_change_by_omitting_parts,
     prepare_with_straight_element_edges,
     prepared_model_without_parts,
+    relative_change_from_whole_to_simpler_brake,
 )
 from drumlin_studies.reduced import make_function_that_prepares_surrogates
 from drumlin_studies.tables import rows_with_given_values
@@ -61,7 +61,7 @@ class WholeAndSimple(NamedTuple):
     simple: Callable[[], Response]
 
 
-def rows_of_omissions_for_brake(
+def table_rows_for_each_part_omitted_from_brake(
     brake: Brake, name: str, *, elements: int = ELEMENTS, repeats: int = 5
 ) -> list[dict[str, Any]]:
     """A row for each omission that a brake allows.
@@ -85,12 +85,12 @@ def rows_of_omissions_for_brake(
         no `memory`.
     """
     rows: list[dict[str, Any]] = []
-    for part, instead, names in _list_omissions_to_compute(brake):
+    for part, instead, names in _list_part_omissions_computed_for_brake(brake):
         exact = names is None
         pair = (
-            _solvers_with_and_without_exact_omission(brake, part, elements)
+            _solvers_with_and_without_needless_computation(brake, part, elements)
             if names is None
-            else _solvers_with_and_without_parts(brake, names, elements)
+            else _functions_that_solve_whole_and_simpler_brake(brake, names, elements)
         )
         if pair is None:
             continue
@@ -98,7 +98,7 @@ def rows_of_omissions_for_brake(
         row["exact"] = "yes" if exact else "no"
         try:
             row |= _omission_change_as_row(
-                change_of_answer_by_omission(pair.simple(), pair.whole()), ""
+                relative_change_from_whole_to_simpler_brake(pair.simple(), pair.whole()), ""
             )
             if names is not None:
                 row |= _omission_change_as_row(
@@ -118,8 +118,8 @@ def predicted_over_true_changes(rows: Sequence[Mapping[str, Any]], key: str) -> 
 
     Exact omissions, the curvature of the elements, and all omissions with curvature are left out.
 
-    rows : rows of `rows_of_omissions_for_brake`; key : attribute of `OmissionChange` that is
-        compared.
+    rows : rows of `table_rows_for_each_part_omitted_from_brake`; key : attribute of
+        `OmissionChange` that is compared.
     """
     ratios = []
     for row in rows:
@@ -134,8 +134,8 @@ def saved_time_ranges_by_omission(
 ) -> dict[str, tuple[float, float]]:
     """Smallest and largest fraction of the time that each omission alone saves, by its name.
 
-    rows : rows of `rows_of_omissions_for_brake`; least : fraction of the time that an omission must
-    save on at least one brake. Other omissions are left out of the result.
+    rows : rows of `table_rows_for_each_part_omitted_from_brake`; least : fraction of the time that
+    an omission must save on at least one brake. Other omissions are left out of the result.
     """
     saving: dict[str, list[float]] = {}
     for row in rows:
@@ -177,7 +177,7 @@ class _OmissionRow(NamedTuple):
     names: list[str] | None
 
 
-def _list_omissions_to_compute(brake: Brake) -> list[_OmissionRow]:
+def _list_part_omissions_computed_for_brake(brake: Brake) -> list[_OmissionRow]:
     """The omissions for which a brake gets a row in the table, in the order of the rows.
 
     First stand the EXACT_OMISSIONS, then each of OMISSIONS alone, then the OMISSIONS together.
@@ -241,7 +241,7 @@ def _peak_memory_of_one_solve(solve: Callable[[], object]) -> int:
         tracemalloc.stop()
 
 
-def _solvers_with_and_without_parts(
+def _functions_that_solve_whole_and_simpler_brake(
     brake: Brake, names: list[str], elements: int
 ) -> WholeAndSimple:
     """Functions that solve the whole brake and the brake without the OMISSIONS in `names`.
@@ -260,7 +260,7 @@ def _solvers_with_and_without_parts(
     )
 
 
-def _solvers_with_and_without_exact_omission(
+def _solvers_with_and_without_needless_computation(
     brake: Brake, part: str, elements: int
 ) -> WholeAndSimple | None:
     """Functions that solve a brake with and without one of EXACT_OMISSIONS.
@@ -271,7 +271,7 @@ def _solvers_with_and_without_exact_omission(
     """
     make = partial(make_prepared_model, elements=elements)
 
-    def solve_as_usual() -> Response:
+    def solve_brake_without_extra_computation() -> Response:
         """The response by the usual solve, which leaves out the computation `part`."""
         return solve_prepared_model(make(brake), brake)
 
@@ -285,7 +285,7 @@ def _solvers_with_and_without_exact_omission(
                 stress_and_displacement_fields_of_shoe(scene, brake, response, i)
             return response
 
-        return WholeAndSimple(solve_and_recover_stresses, solve_as_usual)
+        return WholeAndSimple(solve_and_recover_stresses, solve_brake_without_extra_computation)
     if part == "second of equal shoes":
         shapes = {shape_key_of_shoe(brake, shoe) for shoe in brake.shoes}
         # The omission does not apply where all shoes differ. Neither is it shown on an elastic
@@ -294,12 +294,14 @@ def _solvers_with_and_without_exact_omission(
             return None
         return WholeAndSimple(
             lambda: solve_prepared_model(_prepare_each_shoe_separately(brake, make), brake),
-            solve_as_usual,
+            solve_brake_without_extra_computation,
         )
     if brake.friction > 0:
         return None
     rubbing = vary(brake, {"friction": 0.3})
-    return WholeAndSimple(lambda: solve_prepared_model(make(rubbing), brake), solve_as_usual)
+    return WholeAndSimple(
+        lambda: solve_prepared_model(make(rubbing), brake), solve_brake_without_extra_computation
+    )
 
 
 def _prepare_each_shoe_separately(
@@ -326,7 +328,7 @@ def _predict_change_with_straight_edges(
     """
     names = list(names)
     if "curvature" not in names:
-        return predict_change_of_answer_by_omission(brake, names, solve_prepared_model)
+        return predict_response_change_by_omitting_parts(brake, names, solve_prepared_model)
     sketch = make_function_that_prepares_surrogates()
     whole = solve_prepared_model(sketch(brake), brake)
     # The other omissions are predicted on a surrogate. The mean gap between the chords of the
@@ -334,10 +336,12 @@ def _predict_change_with_straight_edges(
     scene, simple = prepared_model_without_parts(brake, set(names) - {"curvature"}, sketch)
     rest = solve_prepared_model(scene, simple)
     straightened = tuple(
-        _shoe_with_mean_chord_gap_as_clearance(brake, shoe, elements) for shoe in simple.shoes
+        _shoe_with_clearance_like_straight_edge_gap(brake, shoe, elements) for shoe in simple.shoes
     )
     straight = simple.model_copy(update={"shoes": straightened})
-    found = change_of_answer_by_omission(solve_prepared_model(scene, straight), whole)
+    found = relative_change_from_whole_to_simpler_brake(
+        solve_prepared_model(scene, straight), whole
+    )
     # The mean gap leaves out the waves of the pressure within an element: a closed form adds them.
     waves = []
     for shoe, answer in zip(brake.shoes, rest.shoes, strict=True):
@@ -359,7 +363,7 @@ def _element_angles_and_chord_sagittas(
     return angles, brake.size * (1 - np.cos(np.diff(angles) / 2))
 
 
-def _shoe_with_mean_chord_gap_as_clearance(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
+def _shoe_with_clearance_like_straight_edge_gap(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
     """The shoe with a clearance like the mean gap between straight element edges and the arc.
 
     The mean gap of an element is 2/3 of its sagitta.
@@ -368,7 +372,7 @@ def _shoe_with_mean_chord_gap_as_clearance(brake: Brake, shoe: Shoe, elements: i
     # In a mirrored frame the shoe's own angles fall as the brake's angles theta grow.
     middle = np.sort(shoe.frame.theta((angles[:-1] + angles[1:]) / 2))
     height = height[:: shoe.frame.sense]
-    gap = shoe.sign * 2 / 3 * height + shoe.lining.clearance_at_coordinates(middle)
+    gap = shoe.sign * 2 / 3 * height + shoe.lining.clearance_at_surface_coordinates(middle)
     table = tuple(zip(middle.tolist(), gap.tolist(), strict=True))
     return shoe.model_copy(update={"lining": shoe.lining.model_copy(update={"clearance": table})})
 

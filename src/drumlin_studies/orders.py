@@ -284,7 +284,7 @@ def pressure_over_sine_of_hinge_angle(phi: Floats, shoe: ShoeResponse, edge: flo
     return np.asarray(shoe.pressure[inside] / np.sin(phi[inside]))
 
 
-def largest_balance_residual_of_responses(responses: Sequence[Response]) -> float:
+def largest_equilibrium_residual_of_responses(responses: Sequence[Response]) -> float:
     """The largest relative residual in the balances of forces and moments of several responses.
 
     Responses without a balance, whose residual is nan, are left out.

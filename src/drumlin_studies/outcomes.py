@@ -37,7 +37,7 @@ TIME_KEYS = ("seconds", "seconds_whole", "pointwise_seconds", "steps", "pointwis
 """Keys of a row that hold times [s] and numbers of iterations."""
 
 
-def rows_with_faults(rows: Sequence[Row]) -> list[Row]:
+def trial_rows_with_fault_as_outcome(rows: Sequence[Row]) -> list[Row]:
     """The rows whose outcome is a fault: neither a right answer nor a refusal with a reason."""
     return [row for row in rows if row["outcome"] in TRIAL_FAULTS]
 

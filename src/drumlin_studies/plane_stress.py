@@ -22,7 +22,7 @@ from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.face import ContactFace
 from drumlin.fem.solve import solve as by_elements
-from drumlin.fem.width.correction import correct_for_widths
+from drumlin.fem.width.correction import correct_response_for_shoe_widths
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, hinged, solve_brake_by_sine_law
 from drumlin.lining_wear.archard import WearLaw, wear_linings_in_given_steps
@@ -42,7 +42,7 @@ from drumlin_studies.tables import values_of_key_in_rows
 from drumlin_studies.uncertainty import (
     Index,
     Validation,
-    compare_simulation_with_data,
+    compare_simulated_value_with_reference_value,
     grid_convergence_index_of_three_values,
 )
 
@@ -93,7 +93,7 @@ def solve_by_solid_and_plane_stress(
     """
     plane = _solve_in_plane_stress(brake, elements)
     true = _solve_with_solid_shoes(brake, elements, across)
-    return SolidAndPlane(brake, true, plane, correct_for_widths(brake, plane))
+    return SolidAndPlane(brake, true, plane, correct_response_for_shoe_widths(brake, plane))
 
 
 def pressure_deviation_across_width(shoe: ShoeResponse, zone: float) -> float:
@@ -104,7 +104,7 @@ def pressure_deviation_across_width(shoe: ShoeResponse, zone: float) -> float:
     shoe : the response of a solid shoe; zone : angle [rad] at each end of the lining that is left
     out.
     """
-    theta, surface = shoe.theta, pressure_on_solid_face(shoe)
+    theta, surface = shoe.theta, pressure_over_friction_face_of_solid_shoe(shoe)
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
     weights = np.gradient(theta)[inside]
     z = surface.z
@@ -119,7 +119,7 @@ def pressure_deviation_across_width(shoe: ShoeResponse, zone: float) -> float:
     return float(np.sqrt(variance / size)) if size > 0 else 0.0
 
 
-def pressure_on_solid_face(shoe: ShoeResponse) -> PressureOverWidth:
+def pressure_over_friction_face_of_solid_shoe(shoe: ShoeResponse) -> PressureOverWidth:
     """The pressure on the whole friction face of a solid shoe, along and across."""
     assert shoe.surface is not None
     return shoe.surface
@@ -131,7 +131,7 @@ def largest_pressure_on_solid_face(shoe: ShoeResponse, zone: float) -> float:
     zone : angle [rad] at each end of the lining that is left out.
     """
     inside = (shoe.theta > shoe.theta[0] + zone) & (shoe.theta < shoe.theta[-1] - zone)
-    return float(pressure_on_solid_face(shoe).pressure[inside].max())
+    return float(pressure_over_friction_face_of_solid_shoe(shoe).pressure[inside].max())
 
 
 def plane_stress_error_rows_of_shoes(three: SolidAndPlane, case: str = "") -> list[dict[str, Any]]:
@@ -179,7 +179,7 @@ def mid_plane_over_side_pressure(shoe: ShoeResponse) -> float:
 
     It is taken at the middle of the contact; inf where no row of nodes touches over its width.
     """
-    p = pressure_on_solid_face(shoe).pressure
+    p = pressure_over_friction_face_of_solid_shoe(shoe).pressure
     # Indices of the rows of nodes across the width whose nodes all touch the drum.
     pressed = np.flatnonzero((p > 0).all(axis=1))
     if not len(pressed):
@@ -345,7 +345,7 @@ def compare_plane_stress_torque_with_solid(
 
     plane, true : torque by plane stress and by solid shoes, each on three meshes.
     """
-    return compare_simulation_with_data(
+    return compare_simulated_value_with_reference_value(
         plane.values[-1],
         true.values[-1],
         numerical=plane.uncertainty_of_finest_torque,
@@ -410,7 +410,9 @@ def measure_time_and_errors_of_models(
     """
     truths = _solve_with_solid_shoes(brake, fine), by_elements(brake)
     rungs = []
-    for method, setting, solve_once in _list_models_with_solvers(brake, meshes, solids):
+    for method, setting, solve_once in _list_brake_models_with_their_solve_functions(
+        brake, meshes, solids
+    ):
         seconds = []
         # The first of four calls loads modules and fills caches and is not counted. Solid shoes
         # take so long that their only call counts.
@@ -427,7 +429,7 @@ def measure_time_and_errors_of_models(
     return rungs
 
 
-def _list_models_with_solvers(
+def _list_brake_models_with_their_solve_functions(
     brake: Brake, meshes: Sequence[int], solids: Sequence[int]
 ) -> list[ModelOnBrake]:
     """The models that are measured, from the laws to the finest solid shoes."""
@@ -453,7 +455,7 @@ def _list_models_with_solvers(
         models.append(
             ModelOnBrake("plane stress", setting, partial(_solve_in_plane_stress, brake, n))
         )
-        by_corrected = partial(_solve_corrected, brake, n)
+        by_corrected = partial(_solve_brake_with_width_correction, brake, n)
         models.append(ModelOnBrake("plane stress, corrected", setting, by_corrected))
     for n in solids:
         models.append(
@@ -479,9 +481,9 @@ def _solve_in_plane_stress(brake: Brake, elements: int) -> Response:
     return solve_prepared_model(make_prepared_model(brake, elements=elements), brake)
 
 
-def _solve_corrected(brake: Brake, elements: int) -> Response:
+def _solve_brake_with_width_correction(brake: Brake, elements: int) -> Response:
     """The response of a brake in plane stress on a mesh, corrected for the widths of the shoes."""
-    return correct_for_widths(brake, _solve_in_plane_stress(brake, elements))
+    return correct_response_for_shoe_widths(brake, _solve_in_plane_stress(brake, elements))
 
 
 def _solve_with_solid_shoes(brake: Brake, elements: int, across: int | None = None) -> Response:
@@ -489,7 +491,9 @@ def _solve_with_solid_shoes(brake: Brake, elements: int, across: int | None = No
 
     elements, across : number of elements along each lining and across half its width.
     """
-    return solve_prepared_model(solid.prepare(brake, elements=elements, across=across), brake)
+    return solve_prepared_model(
+        solid.prepare_model_of_solid_shoes(brake, elements=elements, across=across), brake
+    )
 
 
 class WornSolid(NamedTuple):
@@ -531,7 +535,7 @@ def wear_solid_linings(
     across : int, optional
         Elements across half the width; by default the solid model chooses.
     """
-    scene = solid.prepare(brake, elements=elements, across=across)
+    scene = solid.prepare_model_of_solid_shoes(brake, elements=elements, across=across)
     start, law = solve_prepared_model(scene, brake), solve_brake_by_sine_law(brake)
     setup = wear_setup_by_finite_elements(scene, brake)
     # The sliding distance 1/(k K) for a wear coefficient k of 1/Pa.
@@ -619,7 +623,7 @@ def sentences_on_largest_plane_stress_errors(
     return lines
 
 
-def sentences_on_error_maps(charts: Sequence[PlaneErrorMap]) -> list[str]:
+def sentences_on_maps_of_plane_stress_errors(charts: Sequence[PlaneErrorMap]) -> list[str]:
     """Sentences on each map: the ranges in which the errors are within READER_LIMITS."""
     lines = []
     for chart in charts:

@@ -28,8 +28,8 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
 from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import (
-    contact_stiffness_by_penalty,
     load_factors_and_pin_moment_per_newton,
+    penalty_stiffness_of_contact_per_area,
 )
 from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, mesh_and_assemble_shoe
 from drumlin.fem.preparation.scene import Seconds, add_elapsed_time
@@ -167,12 +167,12 @@ def _solve_one_shoe_by_penalty(
         Times [s] of the steps of the solve, by name; the times of this shoe are added.
     """
     parts = mesh_and_assemble_shoe(brake, shoe, mesher, seconds)
-    drag = brake.friction_per_pressure_on_shoe(shoe)
+    drag = brake.signed_friction_per_pressure_in_shoe_frame(shoe)
     unit, moment = load_factors_and_pin_moment_per_newton(parts, shoe)
     force = abs(shoe.actuation.force)
     with add_elapsed_time(seconds, "contact"):
         A = (parts.constraints.matrix.T @ parts.K @ parts.constraints.matrix).tocsc()
-        points = _quadrature_points_of_contact(parts, brake, shoe, drag)
+        points = _quadrature_points_of_shoe_friction_face(parts, brake, shoe, drag)
         # Displacements of all unknowns while the shoe turns as a rigid body about its pin by 1 rad.
         turned = np.zeros(A.shape[0])
         turned[2 * -len(parts.line.nodes) - FRAME : -FRAME] = (
@@ -188,9 +188,10 @@ def _solve_one_shoe_by_penalty(
         # The pin fixes the two displacements of the shoe's frame; all other unknowns are free.
         free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])
         load = force * (
-            parts.loads[ACTUATION] @ parts.load_columns.factors_of_load_with_name(ACTUATION, unit)
+            parts.loads[ACTUATION]
+            @ parts.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, unit)
         )
-        stiffness = contact_stiffness_by_penalty(shoe, penalty)
+        stiffness = penalty_stiffness_of_contact_per_area(shoe, penalty)
         contact_state = _find_touching_points_by_newton(A, load, points, stiffness, free, shoe.name)
         u, on = contact_state.u, contact_state.touching
         p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
@@ -198,7 +199,7 @@ def _solve_one_shoe_by_penalty(
         # The hinge reaction is the residual of the equations of these two fixed displacements.
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
-    given = force * parts.load_columns.factors_of_load_with_name(ACTUATION, unit)
+    given = force * parts.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, unit)
     balance = relative_sums_of_forces_and_moments(
         [contact.sum(axis=0), reaction, given[:2]],
         [
@@ -213,13 +214,13 @@ def _solve_one_shoe_by_penalty(
     friction_work = float((points.weight * p) @ ((points.pushing + points.closing) @ turned))
     to_brake, turn = shoe.frame.convert_to_brake_frame(reaction), float(u[-1])
     assists = friction_work * moment > 0
-    response = _shoe_response_from_point_pressures(
+    response = _shoe_response_from_quadrature_pressures(
         shoe, points, p, abs(drag), to_brake, assists, turn
     )
     return PointwiseAnswer(response, balance, contact_state.steps)
 
 
-def _quadrature_points_of_contact(
+def _quadrature_points_of_shoe_friction_face(
     parts: AssembledShoe, brake: Brake, shoe: Shoe, drag: float
 ) -> _ContactPoints:
     """The quadrature points of a shoe's friction face.
@@ -227,7 +228,7 @@ def _quadrature_points_of_contact(
     drag : friction force over normal force, positive where the drum drags towards growing angles.
     """
     line = parts.line
-    at, weights = np.polynomial.legendre.leggauss(line.interpolation_degree + 1)
+    at, weights = np.polynomial.legendre.leggauss(line.interpolation_degree_along_contact_line + 1)
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces], at, weights)
     normal, tangent = function_for_drum_normals_and_tangents(shoe.sign)(x)
     radius = np.hypot(*x)
@@ -333,7 +334,7 @@ def _find_touching_points_by_newton(
     )
 
 
-def _shoe_response_from_point_pressures(
+def _shoe_response_from_quadrature_pressures(
     shoe: Shoe,
     points: _ContactPoints,
     p: Floats,

@@ -92,7 +92,7 @@ class ErrorMap:
         Title of the map.
     x, y : array (n,), array (m,)
         Values of the group k R^4/EI of the beam and of the ring, as in
-        `stiffness_groups_of_beam_and_ring`.
+        `dimensionless_stiffnesses_of_beam_and_ring`.
     error : array (m, n)
         Relative errors, nan where the model or the finite elements have no answer.
     """
@@ -103,7 +103,7 @@ class ErrorMap:
     error: Floats
 
 
-def torques_of_shoes(response: Response) -> Floats:
+def torques_of_all_shoes_of_response(response: Response) -> Floats:
     """The torques (shoes,) of all shoes of a response [N m]."""
     return np.array([shoe.torque for shoe in response.shoes])
 
@@ -113,7 +113,7 @@ def largest_relative_torque_error_of_shoes(response: Response, true: Response) -
 
     response : the response that is judged; true : the response that serves as the truth.
     """
-    errors = torques_of_shoes(response) / torques_of_shoes(true) - 1
+    errors = torques_of_all_shoes_of_response(response) / torques_of_all_shoes_of_response(true) - 1
     return float(errors[np.argmax(np.abs(errors))])
 
 
@@ -135,7 +135,9 @@ def error_rows_of_foundation_model_effects(brake: Brake, fem: Response) -> list[
     return rows
 
 
-def brake_with_clearance_function(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
+def brake_with_clearances_by_function_of_angle(
+    brake: Brake, gap: Callable[[Floats], Floats]
+) -> Brake:
     """The brake with a table of clearances on every lining.
 
     gap : returns the clearances [m] at angles [rad] from the normal of the beam.
@@ -161,7 +163,9 @@ def brake_with_other_lining_radius(brake: Brake, larger: float) -> Brake:
     # The gap is zero in the middle of a larger lining, at the ends of a smaller one.
     end = math.cos(0.5 * (brake.shoes[0].lining.end - brake.shoes[0].lining.start))
     zero_at = 1.0 if larger > 0 else end
-    return brake_with_clearance_function(brake, lambda theta: larger * (zero_at - np.cos(theta)))
+    return brake_with_clearances_by_function_of_angle(
+        brake, lambda theta: larger * (zero_at - np.cos(theta))
+    )
 
 
 def rows_of_post_brake_clearances(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
@@ -175,10 +179,10 @@ def rows_of_post_brake_clearances(brake: Brake, scene: PreparedModel) -> list[di
         "fits": brake,
         "new lining, radius 1 mm larger": brake_with_other_lining_radius(brake, 1e-3),
         "new lining, radius 1 mm smaller": brake_with_other_lining_radius(brake, -1e-3),
-        "set 1 mm towards the loaded end": brake_with_clearance_function(
+        "set 1 mm towards the loaded end": brake_with_clearances_by_function_of_angle(
             brake, lambda theta: 1e-3 * (np.sin(theta) - np.sin(theta).min())
         ),
-        "set 1 mm towards the hinge": brake_with_clearance_function(
+        "set 1 mm towards the hinge": brake_with_clearances_by_function_of_angle(
             brake, lambda theta: 1e-3 * (np.sin(theta).max() - np.sin(theta))
         ),
         "worn in": post_brake_with_worn_in_clearances(brake, lift=ALL_LIFTS),
@@ -236,7 +240,7 @@ def torques_over_lining_radius_error(brake: Brake, scene: PreparedModel, errors:
     errors : array (n,)
         Radius of the lining less that of the drum [m].
     """
-    nominal = torques_of_shoes(solve_brake_by_sine_law(brake))
+    nominal = torques_of_all_shoes_of_response(solve_brake_by_sine_law(brake))
     found: Offsets = {}
     # The sine law does not depend on clearances. Its torque is the reference of all models.
     solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(solve_prepared_model, scene)}
@@ -244,7 +248,7 @@ def torques_over_lining_radius_error(brake: Brake, scene: PreparedModel, errors:
     for larger in errors.tolist():
         varied = brake_with_other_lining_radius(brake, larger)
         for name, solver in solvers.items():
-            off = torques_of_shoes(solver(varied)) / nominal - 1
+            off = torques_of_all_shoes_of_response(solver(varied)) / nominal - 1
             for shoe, error in zip(brake.shoes, off.tolist(), strict=True):
                 of_shoe = found.setdefault(shoe.name, {})
                 of_shoe.setdefault(name, []).append((larger, error))
@@ -332,7 +336,7 @@ def error_rows_of_violated_assumptions(brake: Brake, elements: int) -> list[dict
     return rows
 
 
-def stiffness_groups_of_beam_and_ring(brake: Brake) -> tuple[float, float]:
+def dimensionless_stiffnesses_of_beam_and_ring(brake: Brake) -> tuple[float, float]:
     """The dimensionless groups k R^4/EI of the beam and of the ring of a post brake.
 
     k is the stiffness of lining and block in series per length of the arc, R the radius of the
@@ -376,7 +380,7 @@ def torque_error_maps_of_models(
         for name in MAPPED_MODELS:
             maps.append(ErrorMap(f"{MODEL_NAMES[name]}, {said}", x, y, error[name]))
         rows.append(maps)
-        places.append(stiffness_groups_of_beam_and_ring(varied))
+        places.append(dimensionless_stiffnesses_of_beam_and_ring(varied))
     return rows, places
 
 
@@ -390,7 +394,7 @@ def _torque_errors_over_stiffness_groups(
     x, y : values (n,) of the group of the beam and (m,) of the group of the ring; elements : number
     of elements along each lining.
     """
-    beam, ring = stiffness_groups_of_beam_and_ring(brake)
+    beam, ring = dimensionless_stiffnesses_of_beam_and_ring(brake)
     body = brake.shoes[0].body
     assert brake.ring is not None and body is not None
     # Bending stiffnesses [N m^2] of the beam and of the ring for which the groups are 1.
@@ -476,7 +480,7 @@ def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dic
     return rows
 
 
-def beam_deflections_by_model(
+def beam_deflection_curves_of_shoes_by_model(
     scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> list[dict[str, Curve]]:
     """For each shoe the deflection of its beam [m] over the length of the beam [m], by model.
@@ -505,7 +509,7 @@ def beam_deflections_by_model(
     return made
 
 
-def rim_displacements_by_model(
+def drum_rim_displacement_curves_by_model(
     scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> tuple[dict[str, Curve], dict[str, Curve]]:
     """Radial displacement [m] of the drum's rim over the angle [rad].

@@ -248,7 +248,7 @@ def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[st
     foot = back * math.sin(-first) + R * u(0.15, 0.8)
     far = back * math.sin(last) + R * u(0.15, 0.8)
 
-    def point_on_beam_axis(along: float) -> dict[str, float]:
+    def point_at_distance_along_beam_axis(along: float) -> dict[str, float]:
         """The point of the beam at a distance [m] from the foot of the normal."""
         c, s = math.cos(turn), math.sin(turn)
         return {"x": distance * c - hand * along * s, "y": distance * s + hand * along * c}
@@ -259,7 +259,7 @@ def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[st
     shoe: dict[str, Any] = {
         "name": "shoe",
         "side": "external",
-        "hinge": point_on_beam_axis(-foot),
+        "hinge": point_at_distance_along_beam_axis(-foot),
         "lining": {
             "start": start,
             "end": end,
@@ -274,7 +274,10 @@ def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[st
             "width": width * _draw_number_between_powers_of_ten(rng, -0.9, 0.2),
             "material": _draw_material_data(rng, 9.8, 11.4),
         },
-        "actuation": {"direction": turn + math.pi + u(-0.4, 0.4), "point": point_on_beam_axis(far)},
+        "actuation": {
+            "direction": turn + math.pi + u(-0.4, 0.4),
+            "point": point_at_distance_along_beam_axis(far),
+        },
     }
     shoe["actuation"]["force"] = _draw_actuation_force(rng, shoe, R)
     return shoe
@@ -287,13 +290,13 @@ def _mirror_shoe_data(shoe: dict[str, Any], about: float) -> dict[str, Any]:
     """
     c, s = math.cos(2 * about), math.sin(2 * about)
 
-    def mirror_point(point: dict[str, float]) -> dict[str, float]:
+    def mirror_point_about_drum_diameter(point: dict[str, float]) -> dict[str, float]:
         """The mirror image of a point, in polar or in Cartesian coordinates as the point."""
         if "radius" in point:
             return {"radius": point["radius"], "angle": 2 * about - point["angle"]}
         return {"x": c * point["x"] + s * point["y"], "y": s * point["x"] - c * point["y"]}
 
-    def mirror_arc_of_part(part: dict[str, Any]) -> dict[str, Any]:
+    def mirror_start_and_end_of_lining_or_body(part: dict[str, Any]) -> dict[str, Any]:
         """The data of a lining or body with its start and end angles mirrored."""
         if "start" not in part:
             return part
@@ -302,15 +305,17 @@ def _mirror_shoe_data(shoe: dict[str, Any], about: float) -> dict[str, Any]:
     actuation = shoe["actuation"]
     other = shoe | {
         "name": "other",
-        "hinge": mirror_point(shoe["hinge"]),
-        "lining": mirror_arc_of_part(shoe["lining"]),
+        "hinge": mirror_point_about_drum_diameter(shoe["hinge"]),
+        "lining": mirror_start_and_end_of_lining_or_body(shoe["lining"]),
         "actuation": actuation
         | {
             "direction": 2 * about - actuation["direction"],
-            "point": mirror_point(actuation["point"]),
+            "point": mirror_point_about_drum_diameter(actuation["point"]),
         },
     }
-    return other | ({"body": mirror_arc_of_part(shoe["body"])} if "body" in shoe else {})
+    return other | (
+        {"body": mirror_start_and_end_of_lining_or_body(shoe["body"])} if "body" in shoe else {}
+    )
 
 
 def _draw_drum_ring_data(rng: np.random.Generator, R: float, width: float) -> dict[str, Any]:

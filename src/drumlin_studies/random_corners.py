@@ -294,7 +294,7 @@ def _scale_gaps_to_random_contact_length(
         factor = float(f"{factor:.{FACTOR_DIGITS}g}")
         brake = drawn(factor)
         found = _solve_on_first_refinement_levels(brake)
-        length = min((_total_contact_length_of_shoe(shoe) for shoe in found.shoes), default=0.0)
+        length = min((_total_contact_angle_of_shoe(shoe) for shoe in found.shoes), default=0.0)
         if not length > 0:
             return None
         if 1 / LENGTH_TOLERANCE_FACTOR < length / wanted < LENGTH_TOLERANCE_FACTOR:
@@ -312,7 +312,7 @@ def _solve_on_first_refinement_levels(brake: Brake) -> Response:
     return last.response
 
 
-def _total_contact_length_of_shoe(shoe: ShoeResponse) -> float:
+def _total_contact_angle_of_shoe(shoe: ShoeResponse) -> float:
     """The sum of the lengths of all contact arcs of a shoe [rad]."""
     return math.fsum(end - start for start, end in shoe.contact_arcs)
 

@@ -66,7 +66,7 @@ def draw_brake_of_support_kind(seed: int, kind: str | None = None, *, rigid: boo
         try:
             brake = make_brake_from_data(_brake_data_with_rigid_shoes(data) if rigid else data)
             brake = mirror_turn_and_shift_brake(
-                brake, turn=0.0 if brake.surface.straight else turn, mirrored=mirrored
+                brake, turn=0.0 if brake.surface.is_plane_and_not_drum else turn, mirrored=mirrored
             )
             for friction in (brake.friction, HOLDING_FRICTION_MARGIN * brake.friction):
                 _require_contact_of_all_shoes(vary(brake, {"friction": friction}))
@@ -587,31 +587,35 @@ def _mirror_turn_and_shift_shoe_data(
     sign = -1 if mirrored else 1
     c, s = math.cos(turn), math.sin(turn)
 
-    def move_point(point: dict[str, float]) -> dict[str, float]:
+    def mirror_turn_and_shift_point(point: dict[str, float]) -> dict[str, float]:
         """The point after mirroring, turning and shifting."""
         x, y = point["x"], sign * point["y"]
         return {"x": c * x - s * y + shift, "y": s * x + c * y}
 
-    def move_direction_and_point(part: dict[str, Any]) -> dict[str, Any]:
+    def mirror_turn_and_shift_direction_and_point(part: dict[str, Any]) -> dict[str, Any]:
         """The data of a support or actuation with its direction and its point moved likewise."""
         moved = part | {"direction": turn + sign * part["direction"]}
-        return moved | ({"point": move_point(part["point"])} if "point" in part else {})
+        return moved | (
+            {"point": mirror_turn_and_shift_point(part["point"])} if "point" in part else {}
+        )
 
-    def move_lining_end(lining: float) -> float:
+    def mirror_turn_and_shift_lining_end(lining: float) -> float:
         """The end of a lining, an angle or a length x, after mirroring, turning and shifting."""
         # On a plane `mirrored` comes with a turn of 180 degrees: together they mirror about the
         # y axis.
         return turn + sign * lining if "side" in shoe else c * lining + shift
 
-    def move_ends_of_part(part: dict[str, Any]) -> dict[str, Any]:
+    def mirror_turn_and_shift_ends_of_lining_or_body(part: dict[str, Any]) -> dict[str, Any]:
         """The data of a lining or body with start, end, clearances and misfit moved likewise.
 
         A mirror exchanges start and end.
         """
-        start, end = sorted(move_lining_end(part[key]) for key in ("start", "end"))
+        start, end = sorted(mirror_turn_and_shift_lining_end(part[key]) for key in ("start", "end"))
         moved = part | {"start": start, "end": end}
         if isinstance(part.get("clearance"), list | tuple):
-            moved["clearance"] = sorted([move_lining_end(x), gap] for x, gap in part["clearance"])
+            moved["clearance"] = sorted(
+                [mirror_turn_and_shift_lining_end(x), gap] for x, gap in part["clearance"]
+            )
         if "misfit" in part:
             x, y = (part["misfit"]["offset"][key] for key in "xy")
             offset = {"x": c * x - s * sign * y, "y": s * x + c * sign * y}
@@ -620,13 +624,13 @@ def _mirror_turn_and_shift_shoe_data(
 
     # How each part of a shoe is moved: as a point, as a direction with a point, or as an arc.
     moves = {
-        "hinge": move_point,
-        "pivot": move_point,
-        "abutment": move_direction_and_point,
-        "guide": move_direction_and_point,
-        "actuation": move_direction_and_point,
-        "lining": move_ends_of_part,
-        "body": move_ends_of_part,
+        "hinge": mirror_turn_and_shift_point,
+        "pivot": mirror_turn_and_shift_point,
+        "abutment": mirror_turn_and_shift_direction_and_point,
+        "guide": mirror_turn_and_shift_direction_and_point,
+        "actuation": mirror_turn_and_shift_direction_and_point,
+        "lining": mirror_turn_and_shift_ends_of_lining_or_body,
+        "body": mirror_turn_and_shift_ends_of_lining_or_body,
     }
     result = dict(shoe)
     for key, move in moves.items():
@@ -655,7 +659,7 @@ def mirror_turn_and_shift_brake(
         Distance along x [m] by which a brake on a plane is shifted.
     """
     data = (brake.brake_with_reversed_motion() if mirrored else brake).model_dump(by_alias=True)
-    if brake.surface.straight:
+    if brake.surface.is_plane_and_not_drum:
         turn = math.pi if mirrored else 0.0
     data["shoe"] = [
         _mirror_turn_and_shift_shoe_data(shoe, turn, mirrored=mirrored, shift=shift)
@@ -685,11 +689,11 @@ def brake_with_scaled_lengths_and_moduli(brake: Brake, length: float, modulus: f
     modulus : float
         Factor on all moduli and pressures.
     """
-    on_plane = brake.surface.straight
+    on_plane = brake.surface.is_plane_and_not_drum
     lengths = LENGTH_KEYS | ({"start", "end"} if on_plane else set())
     along = length if on_plane else 1.0
 
-    def scale_all_values(value: Any) -> Any:
+    def scale_lengths_moduli_and_forces_in_data(value: Any) -> Any:
         """A value of the brake's data in which all lengths, moduli and forces are scaled.
 
         The value may be a table, a list or a single number or text.
@@ -697,7 +701,9 @@ def brake_with_scaled_lengths_and_moduli(brake: Brake, length: float, modulus: f
         if isinstance(value, dict):
             return {key: scale_value_of_key(key, each) for key, each in value.items()}
         return (
-            [scale_all_values(each) for each in value] if isinstance(value, list | tuple) else value
+            [scale_lengths_moduli_and_forces_in_data(each) for each in value]
+            if isinstance(value, list | tuple)
+            else value
         )
 
     def scale_value_of_key(key: str, value: Any) -> Any:
@@ -706,7 +712,7 @@ def brake_with_scaled_lengths_and_moduli(brake: Brake, length: float, modulus: f
         if key in {"clearance", "blocks"} and isinstance(value, list | tuple):
             return [[place * along, size * length] for place, size in value]
         if isinstance(value, bool | str) or value is None or not isinstance(value, int | float):
-            return scale_all_values(value)
+            return scale_lengths_moduli_and_forces_in_data(value)
         if key in lengths:
             return value * length
         if key in {"E", "pressure"}:
@@ -715,4 +721,6 @@ def brake_with_scaled_lengths_and_moduli(brake: Brake, length: float, modulus: f
             return value * modulus * length**2
         return value * modulus * length**3 if key == "torque" else value
 
-    return make_validated_part(type(brake), scale_all_values(brake.model_dump(by_alias=True)))
+    return make_validated_part(
+        type(brake), scale_lengths_moduli_and_forces_in_data(brake.model_dump(by_alias=True))
+    )

@@ -36,12 +36,12 @@ Floors = Mapping[str, float]
 """Relative uncertainty of a brake's reference, by the error's key in a row."""
 
 
-def rows_of_named_brake(rows: Iterable[Row], name: str) -> list[Row]:
+def method_rows_of_brake_with_given_name(rows: Iterable[Row], name: str) -> list[Row]:
     """The rows of the brake with a name."""
     return [row for row in rows if row["brake"] == name]
 
 
-def rows_of_recommendable_methods(rows: Iterable[Row]) -> list[Row]:
+def rows_of_methods_that_may_be_recommended(rows: Iterable[Row]) -> list[Row]:
     """The rows whose methods may be recommended.
 
     The rows of peers and of penalty contact are left out. Penalty contact takes at least as long as
@@ -60,7 +60,9 @@ def rows_of_fastest_methods_by_target(
     """
     best = []
     for name in floors:
-        candidates = rows_of_recommendable_methods(rows_of_named_brake(rows, name))
+        candidates = rows_of_methods_that_may_be_recommended(
+            method_rows_of_brake_with_given_name(rows, name)
+        )
         for key, targets in TARGETS.items():
             for target in targets:
                 row = {"brake": name, "quantity": TARGET_NAMES[key], "target": target}
@@ -140,7 +142,7 @@ def recommended_methods_by_brake_and_target(best: Sequence[Row]) -> list[Matrix]
         lines: dict[str, list[Cell]] = {}
         for row in best:
             if row["quantity"] == TARGET_NAMES[key]:
-                lines.setdefault(row["brake"], []).append(_recommendation_cell_of_row(row))
+                lines.setdefault(row["brake"], []).append(_matrix_cell_with_recommended_method(row))
         # Number of brakes for each target on which a law is recommended.
         by_law = []
         for k in range(len(targets)):
@@ -149,7 +151,7 @@ def recommended_methods_by_brake_and_target(best: Sequence[Row]) -> list[Matrix]
     return found
 
 
-def _recommendation_cell_of_row(row: Row) -> Cell:
+def _matrix_cell_with_recommended_method(row: Row) -> Cell:
     """The cell of a `Matrix` with the recommended method in a row of fastest methods."""
     family, method = row["family"], row.get("method")
     if method is None:
@@ -171,7 +173,11 @@ def fastest_solve_times_within_error(
     seconds = []
     for name, known in floors.items():
         fastest = _fastest_row_within_pressure_error(
-            rows_of_recommendable_methods(rows_of_named_brake(rows, name)), target, known
+            rows_of_methods_that_may_be_recommended(
+                method_rows_of_brake_with_given_name(rows, name)
+            ),
+            target,
+            known,
         )
         if fastest is not None:
             seconds.append(fastest["seconds"])
@@ -234,7 +240,7 @@ def compare_times_with_peer_programs(
     names = dict.fromkeys(row["brake"] for row in rows if row["family"] in PEER_FAMILIES)
     comparisons = []
     for name in names:
-        own = rows_of_named_brake(rows, name)
+        own = method_rows_of_brake_with_given_name(rows, name)
         comparisons.append(_compare_times_with_peers_on_brake(name, own, floors[name]))
     return comparisons
 
@@ -246,7 +252,7 @@ def _compare_times_with_peers_on_brake(
 
     name : name of the brake; rows : rows of the brake; floors : floors of the brake.
     """
-    own = rows_of_recommendable_methods(rows)
+    own = rows_of_methods_that_may_be_recommended(rows)
     # The fastest solve of each peer and of drumlin for each error; uniform meshes are left out.
     times = []
     for peer, aims in AIMS.items():

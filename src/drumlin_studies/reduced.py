@@ -144,7 +144,7 @@ def _model_with_shoe_and_ring_flexibility(
             made[key] = (
                 body
                 if shoe.body == bare.body
-                else _body_with_shoe_flexibility(body, shoe, brake.size)
+                else _add_elastic_shoe_flexibility_to_rigid_body(body, shoe, brake.size)
             )
         bodies.append(made[key])
     ring = scene.ring
@@ -182,7 +182,7 @@ def _brake_with_rigid_shoes_and_drum(brake: Brake) -> Brake:
     )
 
 
-def _body_with_shoe_flexibility(
+def _add_elastic_shoe_flexibility_to_rigid_body(
     body: ShoeSubstructure, shoe: Shoe, radius: float
 ) -> ShoeSubstructure:
     """The condensed body of a rigid shoe, to which the flexibility of the elastic shoe is added.

@@ -1,10 +1,10 @@
 """Table rows on running in, the wear of new linings until their pressure no longer changes.
 
 The rows show whether brakes end at the law of their rigid shoes, and how exact the computed wear
-is. They treat brakes that run in from new (`run_in_row_of_brake`, `run_in_row_of_modulus_ratio`),
-wear in steps of half the size (`row_of_run_with_halved_steps`), wear laws with exponents of the
-pressure (`run_in_row_of_pressure_exponent`), a drum that turns both ways
-(`wear_brake_with_drum_reversals`), and implicit against explicit steps
+is. They treat brakes that run in from new (`table_row_and_wear_run_of_brake`,
+`run_in_row_of_modulus_ratio`), wear in steps of half the size (`row_of_run_with_halved_steps`),
+wear laws with exponents of the pressure (`run_in_row_of_pressure_exponent`), a drum that turns both
+ways (`wear_brake_with_drum_reversals`), and implicit against explicit steps
 (`rows_of_runs_in_equal_steps`). Sliding distances are in units of 1/(k K), with the stiffness K =
 E/t of the lining and the wear coefficient k.
 """
@@ -33,7 +33,7 @@ from drumlin.lining_wear.archard import (
     DEFAULT_WEAR_STEP_ERROR,
     WearLaw,
     WearState,
-    checkerboard_amplitude,
+    amplitude_of_node_to_node_pressure_ripple,
     interpolate_wear_state_at_distance,
     wear_linings_by_explicit_euler,
     wear_linings_in_given_steps,
@@ -51,10 +51,10 @@ from drumlin.lining_wear.run_in import (
     compute_checks_of_wear_run,
     compute_life_of_linings,
     end_of_wear_by_rigid_shoe_law,
-    norm_of_pressure_on_lining,
-    relative_distance_from_end_of_wear,
-    run_brake_linings_in,
-    unit_of_sliding_distance,
+    norm_of_values_on_lining_without_ends,
+    relative_difference_from_end_of_wear,
+    sliding_distance_of_e_fold_pressure_change,
+    wear_brake_linings_until_worn_in,
 )
 from drumlin.response.norms import relative_error_of_number
 
@@ -94,22 +94,26 @@ class Run:
     goal: WearTarget
     unit: float
 
-    def sliding_distances(self) -> list[float]:
+    def sliding_distances_of_run_states(self) -> list[float]:
         """The sliding distances of the states, in units of 1/(k K)."""
         return [state.s / self.unit for state in self.states]
 
-    def alternation_of_nodal_pressures(self, state: WearState) -> float:
+    def largest_pressure_alternation_between_nodes(self, state: WearState) -> float:
         """The largest amplitude on any lining by which the pressure alternates from node to node.
 
         The amplitude is relative to the pressure of the lining in the state.
         """
         return max(
-            checkerboard_amplitude(surface.own_values_by_growing_angle(state.pressure))
+            amplitude_of_node_to_node_pressure_ripple(
+                surface.own_values_by_growing_angle(state.pressure)
+            )
             for surface in self.setup.surfaces
         )
 
 
-def run_until_settled(name: str, setup: WearSetup, law: WearLaw = ARCHARD, **options: Any) -> Run:
+def wear_brake_until_pressure_settles(
+    name: str, setup: WearSetup, law: WearLaw = ARCHARD, **options: Any
+) -> Run:
     """The run of a brake until the pressure of its linings no longer changes.
 
     Parameters
@@ -121,11 +125,11 @@ def run_until_settled(name: str, setup: WearSetup, law: WearLaw = ARCHARD, **opt
     law : WearLaw
         The law of wear.
     **options
-        Further arguments of `run_brake_linings_in`.
+        Further arguments of `wear_brake_linings_until_worn_in`.
     """
-    states = run_brake_linings_in(setup, law, **options)
+    states = wear_brake_linings_until_worn_in(setup, law, **options)
     goal = end_of_wear_by_rigid_shoe_law(setup, law, options.get("torque"))
-    return Run(name, setup, states, goal, unit_of_sliding_distance(setup, law))
+    return Run(name, setup, states, goal, sliding_distance_of_e_fold_pressure_change(setup, law))
 
 
 def list_wear_models_of_brake(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
@@ -181,7 +185,7 @@ def limit_pressure_form_and_law_torque(model: str, brake: Brake) -> tuple[str, f
     return "x cos" if model == "foundation" else "sin", hinged.solve_brake_by_sine_law(brake).torque
 
 
-def run_in_row_of_brake(
+def table_row_and_wear_run_of_brake(
     name: str, model: str, brake: Brake, elements: int
 ) -> tuple[dict[str, Any], Run | None]:
     """The table row of a brake that runs in, and its run.
@@ -203,13 +207,13 @@ def run_in_row_of_brake(
     begin = time.perf_counter()
     try:
         setup = prepare_wear_setup_by_model(model, brake, elements)
-        one = run_until_settled(f"{name}, {model}", setup)
+        one = wear_brake_until_pressure_settles(f"{name}, {model}", setup)
         row["law"], torque = limit_pressure_form_and_law_torque(model, brake)
     except NoAnswer as error:
         return {**row, "status": f"failed: {error}"}, None
     row |= {
         "target": relative_error_of_number(one.goal.torque, torque),
-        **row_of_run_in(one),
+        **table_row_of_wear_run_until_settled(one),
         "seconds": time.perf_counter() - begin,
     }
     if row["status"] == AT_LAW and abs(row["target"]) > TORQUE_AT_LAW:
@@ -217,7 +221,7 @@ def run_in_row_of_brake(
     return row, one
 
 
-def row_of_run_in(one: Run) -> dict[str, Any]:
+def table_row_of_wear_run_until_settled(one: Run) -> dict[str, Any]:
     """The table row of a run, in which a brake wears until its pressure no longer changes.
 
     The row has the distances of pressure and torque from the law for new linings ("new_") and after
@@ -227,8 +231,8 @@ def row_of_run_in(one: Run) -> dict[str, Any]:
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
     # Distances of pressure and torque from the law, with new linings and after the last state.
     new, end = (
-        relative_distance_from_end_of_wear(setup, states[0], goal),
-        relative_distance_from_end_of_wear(setup, states[-1], goal),
+        relative_difference_from_end_of_wear(setup, states[0], goal),
+        relative_difference_from_end_of_wear(setup, states[-1], goal),
     )
     # Shares of the lining's life that are spent more than 1 %, and more than 0.1 %, off the law.
     spent = compute_life_of_linings(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
@@ -239,7 +243,7 @@ def row_of_run_in(one: Run) -> dict[str, Any]:
         "new_pressure": new.pressure,
         "new_torque": new.torque,
         "least_torque": min(
-            relative_distance_from_end_of_wear(setup, state, goal).torque for state in states
+            relative_difference_from_end_of_wear(setup, state, goal).torque for state in states
         ),
         "pressure_distance": spent.pressure * spent.distance / unit,
         "torque_distance": spent.torque * spent.distance / unit,
@@ -251,7 +255,7 @@ def row_of_run_in(one: Run) -> dict[str, Any]:
         "end_torque": end.torque,
         "volume": balance.volume,
         "energy": balance.energy,
-        "ripple": one.alternation_of_nodal_pressures(states[-1]),
+        "ripple": one.largest_pressure_alternation_between_nodes(states[-1]),
         "steps": len(states) - 1,
         "status": AT_LAW if holds else "short of the law",
     }
@@ -266,7 +270,10 @@ def run_in_row_of_modulus_ratio(brake: Brake, ratio: float, elements: int) -> di
     assert body is not None and body.material is not None
     changed = vary(brake, {"shoe.lining.material.E": ratio * body.material.E_along})
     setup = wear_setup_by_finite_elements(make_prepared_model(changed, elements=elements), changed)
-    return {"ratio": ratio, **row_of_run_in(run_until_settled("", setup))}
+    return {
+        "ratio": ratio,
+        **table_row_of_wear_run_until_settled(wear_brake_until_pressure_settles("", setup)),
+    }
 
 
 def row_of_run_with_halved_steps(one: Run) -> dict[str, Any]:
@@ -291,8 +298,8 @@ def row_of_run_with_halved_steps(one: Run) -> dict[str, Any]:
 
     # Pairs of states of both runs at the same sliding distance.
     pairs = list(zip(one.states, halved, strict=True))
-    long = run_brake_linings_in(one.setup, ARCHARD, distance=10 * s[-1])
-    after = relative_distance_from_end_of_wear(one.setup, long[-1], one.goal)
+    long = wear_brake_linings_until_worn_in(one.setup, ARCHARD, distance=10 * s[-1])
+    after = relative_difference_from_end_of_wear(one.setup, long[-1], one.goal)
     return {
         "brake": one.name,
         "asked": DEFAULT_WEAR_STEP_ERROR,
@@ -315,8 +322,11 @@ def run_in_row_of_pressure_exponent(setup: WearSetup, m: float) -> dict[str, Any
     from the hinge.
     """
     law = WearLaw(DEFAULT_WEAR_COEFFICIENT, m)
-    states, goal = run_brake_linings_in(setup, law), end_of_wear_by_rigid_shoe_law(setup, law)
-    end = relative_distance_from_end_of_wear(setup, states[-1], goal)
+    states, goal = (
+        wear_brake_linings_until_worn_in(setup, law),
+        end_of_wear_by_rigid_shoe_law(setup, law),
+    )
+    end = relative_difference_from_end_of_wear(setup, states[-1], goal)
     return {
         "exponent": m,
         "goal": goal.torque,
@@ -387,8 +397,8 @@ def wear_brake_with_drum_reversals(
         False: wear_setup_by_finite_elements(scene, brake_with_opposite_rotation(brake)),
     }
     goals = {sense: end_of_wear_by_rigid_shoe_law(setup) for sense, setup in setups.items()}
-    size = every * unit_of_sliding_distance(setups[True], ARCHARD)
-    states = run_brake_linings_in(
+    size = every * sliding_distance_of_e_fold_pressure_change(setups[True], ARCHARD)
+    states = wear_brake_linings_until_worn_in(
         setups[True],
         ARCHARD,
         backward=setups[False],
@@ -399,7 +409,9 @@ def wear_brake_with_drum_reversals(
     far = []
     for state in states:
         sense = state.forward
-        far.append(relative_distance_from_end_of_wear(setups[sense], state, goals[sense]).pressure)
+        far.append(
+            relative_difference_from_end_of_wear(setups[sense], state, goals[sense]).pressure
+        )
     # `turned` has the last state before each reversal and the last state of the run.
     turned = [state for state, after in pairwise(states) if state.forward != after.forward]
     turned.append(states[-1])
@@ -409,12 +421,14 @@ def wear_brake_with_drum_reversals(
     surfaces = setups[True].surfaces
     distances = []
     for surface in surfaces:
-        difference = norm_of_pressure_on_lining(
+        difference = norm_of_values_on_lining_without_ends(
             surface, surface.own_values_by_growing_angle(worn_off - law)
         )
         distances.append(
             difference
-            / norm_of_pressure_on_lining(surface, surface.own_values_by_growing_angle(law))
+            / norm_of_values_on_lining_without_ends(
+                surface, surface.own_values_by_growing_angle(law)
+            )
         )
     mean = max(distances)
     return Reversals(every, states, far, mean)
@@ -458,7 +472,8 @@ def rows_of_runs_in_equal_steps(
     # The reference: a run over the same distance with steps of small estimated error.
     length = end * one.unit
     exact = interpolate_wear_state_at_distance(
-        run_brake_linings_in(one.setup, ARCHARD, distance=length, tolerance=1e-4), length
+        wear_brake_linings_until_worn_in(one.setup, ARCHARD, distance=length, tolerance=1e-4),
+        length,
     )
     rows, boards = list[dict[str, Any]](), list[EqualStepsEnd]()
     for way, size, run in _list_implicit_and_explicit_runs(one, end, steps):
@@ -468,7 +483,7 @@ def rows_of_runs_in_equal_steps(
         except NoAnswer as error:
             rows.append({**row, "status": f"failed: {error}"})
             continue
-        row["ripple"] = one.alternation_of_nodal_pressures(last)
+        row["ripple"] = one.largest_pressure_alternation_between_nodes(last)
         row["touching"] = float((last.pressure > 0).mean())
         row["torque"] = last.torque
         row["torque_error"] = relative_error_of_number(last.torque, exact.torque)

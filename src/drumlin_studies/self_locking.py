@@ -15,15 +15,15 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.contact.self_locking import (
     FrictionDependentProblem,
-    compare_solutions_from_first_contact_sets,
+    compare_solutions_from_starting_contact_sets,
     find_friction_limit_of_contact,
     smallest_singular_friction_of_contact_sets,
 )
 from drumlin.fem.analysis.self_locking import (
-    self_locking_limits_of_shoe_groups,
+    self_locking_friction_of_shoe_groups,
     shoe_torques_at_friction_coefficients,
 )
-from drumlin.fem.analysis.sensitivity import compare_slopes_with_differences_of_solves
+from drumlin.fem.analysis.sensitivity import compare_torque_slopes_with_solve_differences
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -69,7 +69,7 @@ def row_of_self_locking_friction(brake: Brake, elements: int) -> Row:
     """
     scene = make_prepared_model(brake, elements=elements)
     found = min(
-        self_locking_limits_of_shoe_groups(scene, brake, FARTHEST_FRICTION).values(),
+        self_locking_friction_of_shoe_groups(scene, brake, FARTHEST_FRICTION).values(),
         key=lambda end: end.friction,
     )
     law = _lowest_locking_friction_by_law(brake)
@@ -102,7 +102,7 @@ def row_of_torque_over_friction(brake: Brake, name: str, elements: int) -> Row:
     scene = make_prepared_model(brake, elements=elements)
     end = min(
         found.friction
-        for found in self_locking_limits_of_shoe_groups(scene, brake, FARTHEST_FRICTION).values()
+        for found in self_locking_friction_of_shoe_groups(scene, brake, FARTHEST_FRICTION).values()
     )
     law = _lowest_locking_friction_by_law(brake)
     # Frictions of the curve: even steps up to 0.9 of the limit, then distances from the limit that
@@ -144,7 +144,7 @@ def torque_times_distance_to_locking_friction(row: Row) -> tuple[float, float]:
     return products[-1], abs(near[-1] / near[0] - 1)
 
 
-def row_on_uniqueness_of_answers(seed: int, way: str) -> Row:
+def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
     """A row that shows whether a random brake has one answer below its friction limit, none beyond.
 
     The contact iteration starts from all nodes in contact, from no node in contact, and from random
@@ -178,8 +178,8 @@ def row_on_uniqueness_of_answers(seed: int, way: str) -> Row:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
         beyond = 0
         for mu in mu_beyond:
-            problem = problems.contact_problem_with_friction(mu)
-            comparison = compare_solutions_from_first_contact_sets(
+            problem = problems.contact_problem_at_friction_coefficient(mu)
+            comparison = compare_solutions_from_starting_contact_sets(
                 problem, end.last_contact, starts, 0.0
             )
             beyond += comparison.others
@@ -234,8 +234,8 @@ def _count_agreeing_answers_below_friction(
     disagreeing = []
     for fraction in LIMIT_FRACTIONS:
         mu = fraction * top
-        found = compare_solutions_from_first_contact_sets(
-            problems.contact_problem_with_friction(mu),
+        found = compare_solutions_from_starting_contact_sets(
+            problems.contact_problem_at_friction_coefficient(mu),
             find_friction_limit_of_contact(problems, mu).last_contact,
             starts,
         )
@@ -277,7 +277,9 @@ def rows_of_torque_slopes_and_differences(brake: Brake, name: str, penalty: floa
     penalty : float
         Penalty factor of the contact; inf for exact contact.
     """
-    found, table = compare_slopes_with_differences_of_solves(brake, 1, elements=20, penalty=penalty)
+    found, table = compare_torque_slopes_with_solve_differences(
+        brake, 1, elements=20, penalty=penalty
+    )
     rows = [row | {"brake": name} for row in table]
     rows[0] |= {"S": found.S, "law": (found.law or (None,))[-1]}
     return rows

@@ -263,7 +263,7 @@ def accuracy_and_cost_by_tolerance(rows: Sequence[StatedTrueErrors]) -> dict[str
     return found
 
 
-def describe_losses_of_accuracy_and_cost(
+def describe_worsened_accuracies_and_costs(
     rows: Sequence[StatedTrueErrors], written: Mapping[str, AccuracyAndCost]
 ) -> list[str]:
     """Lines of text, one for each accuracy or cost that has become worse.
@@ -349,7 +349,7 @@ class Written(NamedTuple):
     worths: dict[str, AccuracyAndCost]
 
 
-def read_sharpness_file(folder: Path) -> Written:
+def read_stored_spreads_of_stated_errors(folder: Path) -> Written:
     """The contents of FILE, the numbers at the last fit, in a folder of far finer solutions."""
     data = json.loads((folder / FILE).read_text(encoding="utf-8"))
     spreads, quick_spreads = (
@@ -360,7 +360,9 @@ def read_sharpness_file(folder: Path) -> Written:
     return Written(spreads, quick_spreads, worths)
 
 
-def _rounded_spreads(rows: Sequence[StatedTrueErrors]) -> dict[str, dict[str, float]]:
+def _rounded_spreads_of_stated_over_true_errors(
+    rows: Sequence[StatedTrueErrors],
+) -> dict[str, dict[str, float]]:
     """The spreads of `spreads_of_stated_over_true_errors`, rounded as FILE holds them."""
     return {
         quantity: {which: round(value, 2) for which, value in spread._asdict().items()}
@@ -373,8 +375,10 @@ def main(folder: str) -> None:
     rows = stated_and_true_errors_of_folder(Path(folder))
     worths = accuracy_and_cost_by_tolerance(rows)
     quick = quickly_solved_brakes(worths)
-    spreads = _rounded_spreads(rows)
-    quick_spreads = _rounded_spreads([one for one in rows if one.name in quick])
+    spreads = _rounded_spreads_of_stated_over_true_errors(rows)
+    quick_spreads = _rounded_spreads_of_stated_over_true_errors(
+        [one for one in rows if one.name in quick]
+    )
     worth = {
         asked: {
             "answers": of.answers,

@@ -91,12 +91,12 @@ class SolidErrorRow(NamedTuple):
         return self.stated[name] / self.true[name] if self.true[name] else math.inf
 
 
-def free_brake(seed: int) -> Brake:
+def random_brake_on_rigid_drum(seed: int) -> Brake:
     """The random brake of a seed on a rigid drum."""
     return draw_random_brake(seed, KINDS_WITH_WIDTHS[seed % len(KINDS_WITH_WIDTHS)])
 
 
-def built_brake(seed: int) -> Brake:
+def random_brake_with_steel_table_and_web(seed: int) -> Brake:
     """The brake of a seed with a shoe as they are built: a table and a web of steel."""
     brake = draw_random_brake(seed, "backed")
     rng = np.random.default_rng([seed, len(KINDS_WITH_WIDTHS)])
@@ -111,51 +111,53 @@ def built_brake(seed: int) -> Brake:
     return vary(brake, changes)
 
 
-def brake_of_one_width(seed: int) -> Brake:
+def random_brake_with_bodies_as_wide_as_linings(seed: int) -> Brake:
     """The random brake of a seed, its bodies as wide as their linings."""
-    brake = free_brake(seed)
+    brake = random_brake_on_rigid_drum(seed)
     if any(shoe.body is None for shoe in brake.shoes):
         return brake
     return vary(brake, {"shoe.body.width": brake.shoes[0].lining.width})
 
 
 DRAWN: dict[str, Callable[[int], Brake]] = {
-    "free": free_brake,
-    "built": built_brake,
-    "one": brake_of_one_width,
+    "free": random_brake_on_rigid_drum,
+    "built": random_brake_with_steel_table_and_web,
+    "one": random_brake_with_bodies_as_wide_as_linings,
 }
 """How a brake is drawn from a seed, by the kind of its widths."""
 
 
-def graded_functions(shoe: Shoe) -> WidthFunctions:
+def functions_across_width_graded_to_sides(shoe: Shoe) -> WidthFunctions:
     """Functions across the width of a shoe that are graded to the sides of all its parts."""
     halves, breaks = half_widths_of_parts(shoe).values(), breaks_across_half_width_of_shoe(shoe)
 
-    def is_side(place: float) -> bool:
+    def is_place_a_side_of_shoe_part(place: float) -> bool:
         """Whether a part of the shoe ends at this place."""
         return any(abs(place - half) <= SAME_SIDE * half for half in halves)
 
     found = set(breaks)
     for inner, outer in pairwise(breaks):
         size = GRADED_LENGTH * min(outer - inner, shoe.lining.thickness)
-        if is_side(inner):
+        if is_place_a_side_of_shoe_part(inner):
             found.add(inner + size)
-        if is_side(outer):
+        if is_place_a_side_of_shoe_part(outer):
             found.add(outer - size)
     return WidthFunctions(tuple(sorted(found)), GRADED_DEGREE)
 
 
-def true_response(brake: Brake, level: Level) -> Response:
+def response_with_graded_width_functions(brake: Brake, level: Level) -> Response:
     """The response of a brake with graded functions across the width, on a level of the section."""
     start = solve(brake)
     points = singular_points_of_all_linings(
         brake, start, error=level.pressure_error_by_column_ratio
     )
-    scene = prepare_brake_with_widths(brake, level, graded_functions, points)
+    scene = prepare_brake_with_widths(brake, level, functions_across_width_graded_to_sides, points)
     return solve_prepared_model(scene, brake, start=start)
 
 
-def solid_errors(brake: Brake, tolerance: float, level: Level) -> SolidErrorRow | str:
+def stated_and_true_width_errors_or_why_none(
+    brake: Brake, tolerance: float, level: Level
+) -> SolidErrorRow | str:
     """The stated and the true errors of a brake with widths, or why there are none.
 
     Parameters
@@ -175,7 +177,9 @@ def solid_errors(brake: Brake, tolerance: float, level: Level) -> SolidErrorRow 
             brake, Tolerance(tolerance, tolerance), must=False
         )
         done = time.process_time()
-        true = distance_of_plane_stress_from_widths(brake, found, true_response(brake, level))
+        true = distance_of_plane_stress_from_widths(
+            brake, found, response_with_graded_width_functions(brake, level)
+        )
     except (NoAnswer, np.linalg.LinAlgError) as error:
         return str(error)
     stated = {name: (found.error or {})[name] for name in JUDGED_ERRORS}
@@ -189,7 +193,7 @@ def solid_errors(brake: Brake, tolerance: float, level: Level) -> SolidErrorRow 
     )
 
 
-def solid_rows(
+def rows_of_width_errors_of_random_brakes(
     kind: str, seeds: range, tolerance: float, level: Level
 ) -> Iterator[SolidErrorRow | str]:
     """The rows of the brakes of a kind in DRAWN, or why a brake has none.
@@ -209,11 +213,11 @@ def solid_rows(
             continue
         if any(map(has_several_widths, brake.shoes)) == (kind == "one"):
             continue
-        found = solid_errors(brake, tolerance, level)
+        found = stated_and_true_width_errors_or_why_none(brake, tolerance, level)
         yield found if isinstance(found, SolidErrorRow) else f"{brake.title}: {found}"
 
 
-def quantile_table(rows: list[SolidErrorRow]) -> list[str]:
+def table_lines_of_stated_over_true_quantiles(rows: list[SolidErrorRow]) -> list[str]:
     """Lines of stated over true errors: their number, the share of too small ones, quantiles."""
     lines = ["error     brakes  too small  least   5 %   half  95 %"]
     for name in JUDGED_ERRORS:
@@ -235,7 +239,9 @@ def main() -> None:
     kind, first, last = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
     tolerance, level = [*map(float, sys.argv[4:]), *(1e-2, 2.0)[len(sys.argv) - 4 :]]
     rows = []
-    for row in solid_rows(kind, range(first, last), tolerance, LEVELS[int(level) - 1]):
+    for row in rows_of_width_errors_of_random_brakes(
+        kind, range(first, last), tolerance, LEVELS[int(level) - 1]
+    ):
         if isinstance(row, str):
             sys.stdout.write(f"{row}\n")
             continue
@@ -245,7 +251,7 @@ def main() -> None:
         )
         sys.stdout.write(f"{row.title}: {errors}, cost {row.cost:.0f}, {row.how}\n")
         sys.stdout.flush()
-    sys.stdout.write("\n".join(quantile_table(rows)) + "\n")
+    sys.stdout.write("\n".join(table_lines_of_stated_over_true_quantiles(rows)) + "\n")
 
 
 if __name__ == "__main__":

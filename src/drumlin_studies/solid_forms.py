@@ -18,10 +18,10 @@ from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.mesh.edges import nodes_along_element_edges
-from drumlin.fem.mesh.grading import points_with_growing_steps
-from drumlin.fem.solid.body import HALVES, constrain_solid
-from drumlin.fem.solid.face import ContactFace, contact_face
-from drumlin.fem.solid.mesh import Solid, extrude
+from drumlin.fem.mesh.grading import positions_with_steps_growing_by_constant_ratio
+from drumlin.fem.solid.body import HALVES, constraints_of_solid_shoe
+from drumlin.fem.solid.face import ContactFace, contact_surface_over_shoe_width
+from drumlin.fem.solid.mesh import Solid, extrude_shoe_section_to_solid
 from drumlin.fem.substructure.body import (
     condense_body_to_contact_and_frame,
     sparse_stiffness_of_body,
@@ -64,7 +64,7 @@ def solid_mesh_of_ring_sector(radii: Floats, angles: Floats, z: Floats) -> Solid
     }
     quadratic = skfem.MeshQuad2.from_mesh(grid)
     r, phi = radii[-1] - quadratic.doflocs[0], quadratic.doflocs[1]
-    return extrude(
+    return extrude_shoe_section_to_solid(
         _section_mesh_with_moved_nodes(grid, np.array([r * np.cos(phi), r * np.sin(phi)]), groups),
         {PART: float(z[-1])},
         z,
@@ -73,7 +73,7 @@ def solid_mesh_of_ring_sector(radii: Floats, angles: Floats, z: Floats) -> Solid
 
 def contact_face_of_ring_sector(solid: Solid) -> ContactFace:
     """The contact face of a ring sector, on which angles are measured from the x axis."""
-    return contact_face(
+    return contact_surface_over_shoe_width(
         make_contact_line_of_lining(solid.plane, solid.section.boundaries["contact"], 0.0),
         solid.node,
         solid.z,
@@ -113,7 +113,7 @@ def displacement_error_against_lame_ring(
     face, x = contact_face_of_ring_sector(solid), solid.basis.doflocs
     load = np.zeros((solid.basis.N, 3))
     load[face.nodes, :2] = -(
-        face.couple_lining_with_counterface(0.0, function_for_drum_normals_and_tangents(1)).N.T
+        face.couple_lining_with_drum_or_plane(0.0, function_for_drum_normals_and_tangents(1)).N.T
         @ np.full(len(face.nodes), p)
     ).reshape(-1, 2)
     fixed = np.zeros((solid.basis.N, 3), dtype=bool)
@@ -152,7 +152,7 @@ def nodal_force_error_of_patch_test(elements: int, material: Material) -> float:
     forces = (K @ u.ravel()).reshape(-1, 3)
     face = contact_face_of_ring_sector(solid)
     mine = -(
-        face.couple_lining_with_counterface(0.0, function_for_drum_normals_and_tangents(1)).N.T
+        face.couple_lining_with_drum_or_plane(0.0, function_for_drum_normals_and_tangents(1)).N.T
         @ np.ones(len(face.nodes))
     ).reshape(-1, 2)
     within = (np.abs(face.phi) < 0.5 - 1e-9) & (
@@ -208,9 +208,12 @@ def solve_point_contact_against_hertz(
     # Elements have equal size up to 1.25 radii from the centre of the contact and grow beyond.
     h = 1.25 / round(1.25 * per_radius)
     s = np.concatenate(
-        [np.arange(0, 1.25, h), 1.25 + points_with_growing_steps(size - 1.25, h, growth, size)]
+        [
+            np.arange(0, 1.25, h),
+            1.25 + positions_with_steps_growing_by_constant_ratio(size - 1.25, h, growth, size),
+        ]
     )
-    depth = points_with_growing_steps(size, h, growth, size)
+    depth = positions_with_steps_growing_by_constant_ratio(size, h, growth, size)
     grid = skfem.MeshQuad.init_tensor(np.concatenate([-s[:0:-1], s]), -depth[::-1])
     middle = grid.p[:, grid.facets].mean(axis=1)
     groups = {
@@ -218,16 +221,18 @@ def solve_point_contact_against_hertz(
         "hinge": np.flatnonzero(middle[1] < 1e-9 - size),
     }
     section = _section_mesh_with_moved_nodes(grid, skfem.MeshQuad2.from_mesh(grid).doflocs, groups)
-    solid = extrude(section, {PART: size}, s)
+    solid = extrude_shoe_section_to_solid(section, {PART: size}, s)
     material = Material(E=1.0, nu=nu)
-    face = contact_face(_contact_line_on_flat_top(solid), solid.node, solid.z)
+    face = contact_surface_over_shoe_width(_contact_line_on_flat_top(solid), solid.node, solid.z)
     held = np.unique(nodes_along_element_edges(solid.plane, groups["hinge"]))
-    ties = constrain_solid(solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True)
+    ties = constraints_of_solid_shoe(
+        solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True
+    )
     K = sparse_stiffness_of_body(
         solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)}
     )
     body = condense_body_to_contact_and_frame(K, ties, {}, 2 * len(face.nodes))
-    coupling = face.couple_lining_with_counterface(0.0, _normals_and_tangents_of_flat_top)
+    coupling = face.couple_lining_with_drum_or_plane(0.0, _normals_and_tangents_of_flat_top)
     half = body.nodal_forces_over_cholesky_factor(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
     # The contact problem of the block against the paraboloid r^2/2, with the total force given.

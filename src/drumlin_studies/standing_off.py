@@ -57,7 +57,7 @@ def draw_random_brake_with_clearances(seed: int, kind: str | None = None) -> Bra
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
             brake = make_brake_from_data(data)
-            turn = 0.0 if brake.surface.straight else turn
+            turn = 0.0 if brake.surface.is_plane_and_not_drum else turn
             brake = mirror_turn_and_shift_brake(brake, turn=turn, mirrored=mirrored)
             if all(shoe.contact_arcs for shoe in solve_brake_by_its_rigid_shoe_law(brake).shoes):
                 return brake

@@ -22,7 +22,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.comparison import uncompared_edge_length
+from drumlin.comparison import length_of_uncompared_zone_at_lining_end
 from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
 from drumlin.fem.hp.corner import NodalPressure
 from drumlin.fem.model import solve_prepared_model
@@ -105,7 +105,7 @@ class Truth:
 def solve_fine_reference_by_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake by curved triangles.
 
-    Raises BadInput and NoAnswer as `triangles.solve_on_triangle_level` does.
+    Raises BadInput and NoAnswer as `triangles.solve_brake_on_one_triangle_mesh` does.
     """
     begin = time.process_time()
     return reference_from_last_three_meshes(
@@ -216,7 +216,7 @@ def true_errors_of_response(
     torque_error = math.fsum(a.torque - b.torque for _, a, b in trios)
     return {
         "pressure": max(
-            relative_pressure_error_of_shoe(a, b, uncompared_edge_length(brake))
+            relative_pressure_error_of_shoe(a, b, length_of_uncompared_zone_at_lining_end(brake))
             for _, a, b in trios
         ),
         "torque": abs(torque_error) / true_torque if true_torque else 0.0,

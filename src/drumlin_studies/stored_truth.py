@@ -282,7 +282,7 @@ def solve_fine_solution_to_be_stored(name: str) -> StoredTruth:
         )
     # Triangles are preferred, because they share no part of the method with the hp elements.
     try:
-        if brake.surface.straight:
+        if brake.surface.is_plane_and_not_drum:
             raise BadInput("triangles have no brakes on a plane")
         by, true = "triangles", solve_brake_by_fine_triangles(brake)
     except (BadInput, NoAnswer):
@@ -293,7 +293,7 @@ def solve_fine_solution_to_be_stored(name: str) -> StoredTruth:
 def solve_brake_by_fine_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake on a drum by the last three meshes of TRIANGLES.
 
-    Raises BadInput and NoAnswer as `triangles.solve_on_triangle_level` does.
+    Raises BadInput and NoAnswer as `triangles.solve_brake_on_one_triangle_mesh` does.
     """
     begin = time.process_time()
     return reference_from_last_three_meshes(
@@ -307,7 +307,8 @@ def solve_corner_or_tip_by_deep_triangles(brake: Brake) -> Truth:
     The meshes are DEEPEST under a tip and DEEP at a corner. The pressure has no bound next to a
     pressed corner, where no triangle is small enough. A power law replaces the computed pressure
     there, see `corner.pressure_with_power_law_at_corner`. The error of this power law is added to
-    the uncertainty. Raises BadInput and NoAnswer as `triangles.solve_on_triangle_level` does.
+    the uncertainty. Raises BadInput and NoAnswer as `triangles.solve_brake_on_one_triangle_mesh`
+    does.
     """
     begin = time.process_time()
     # An AssertionError means that round-off has turned triangles of DEEPEST inside out.

@@ -20,8 +20,8 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.base.journal import Journal
-from drumlin.sweeps.cases import Row, SweepCase, solve_cases
-from drumlin.sweeps.workers import Workers, provide_workers
+from drumlin.sweeps.cases import Row, SweepCase, solve_all_cases_of_sweep
+from drumlin.sweeps.workers import Workers, provide_workers_for_cases_of_sweep
 
 KEEP = {"MALLOC_TRIM_THRESHOLD_": str(2**28), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
 """Environment variables that make the C library glibc keep freed memory for later use.
@@ -60,7 +60,7 @@ class Throughput(NamedTuple):
     processor: float = 0.0
 
     @property
-    def cases_per_second(self) -> float:
+    def solved_sweep_cases_per_second(self) -> float:
         """Number of cases per second, once the workers are ready."""
         return self.cases / self.seconds
 
@@ -68,7 +68,7 @@ class Throughput(NamedTuple):
 def time_sweep_with_processes(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The measured time of a sweep by processes of this machine."""
     start, before = time.perf_counter(), _processor_time_of_all_processes()
-    with provide_workers(workers) as found:
+    with provide_workers_for_cases_of_sweep(workers) as found:
         made = _time_sweep_with_started_workers("processes", cases, found, start)
     return made._replace(processor=_processor_time_of_all_processes() - before)
 
@@ -116,7 +116,7 @@ def _time_sweep_with_dask_environment(
             dashboard_address=None,
             silence_logs=50,
         ) as cluster,
-        provide_workers(scheduler=cluster.scheduler_address) as found,
+        provide_workers_for_cases_of_sweep(scheduler=cluster.scheduler_address) as found,
     ):
         made = _time_sweep_with_started_workers(by, cases, found, start)
     return made._replace(processor=_processor_time_of_all_processes() - before)
@@ -164,9 +164,9 @@ def _time_sweep_with_started_workers(
     """
     # Twenty cheap cases for each worker make all of them load the modules before the clock starts.
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
-    solve_cases(warm, executor=found.executor, workers=found.workers)
+    solve_all_cases_of_sweep(warm, executor=found.executor, workers=found.workers)
     ready = time.perf_counter()
-    rows = solve_cases(cases, executor=found.executor, workers=found.workers)
+    rows = solve_all_cases_of_sweep(cases, executor=found.executor, workers=found.workers)
     spent = time.perf_counter() - ready
     return Throughput(by, found.workers, len(cases), ready - start, spent, rows)
 
@@ -174,8 +174,8 @@ def _time_sweep_with_started_workers(
 def rows_of_cases_per_second(measured: Sequence[Throughput]) -> list[Row]:
     """A table row for each measured sweep, with the speed of its workers.
 
-    `cases_per_second` is the number of cases per second, `gain` the rate over that of the first
-    measurement with the same kind of workers.
+    `solved_sweep_cases_per_second` is the number of cases per second, `gain` the rate over that of
+    the first measurement with the same kind of workers.
     """
     found = []
     for one in measured:
@@ -184,12 +184,15 @@ def rows_of_cases_per_second(measured: Sequence[Throughput]) -> list[Row]:
         row = {key: value for key, value in one._asdict().items() if key != "rows"}
         found.append(
             row
-            | {"rate": one.cases_per_second, "gain": one.cases_per_second / alone.cases_per_second}
+            | {
+                "rate": one.solved_sweep_cases_per_second,
+                "gain": one.solved_sweep_cases_per_second / alone.solved_sweep_cases_per_second,
+            }
         )
     return found
 
 
-def torques_of_solved_rows(rows: Sequence[Row]) -> Floats:
+def torques_of_solved_sweep_cases(rows: Sequence[Row]) -> Floats:
     """The torques (n,) [N m] of the n cases that were solved."""
     return np.array([row["torque"] for row in rows if row["status"] == "solved"])
 
@@ -209,15 +212,15 @@ def time_and_error_rows_of_coarser_meshes(
         Elements along each lining of the mesh against which errors are taken.
     """
     # Torques on the fine mesh, against which the errors of the coarser meshes are taken.
-    true = torques_of_solved_rows(
-        solve_cases([case._replace(options={"elements": fine}) for case in cases])
+    true = torques_of_solved_sweep_cases(
+        solve_all_cases_of_sweep([case._replace(options={"elements": fine}) for case in cases])
     )
     rows = []
     for n in elements:
         start = time.process_time()
         options = {} if n is None else {"elements": n}
-        found = torques_of_solved_rows(
-            solve_cases([case._replace(options=options) for case in cases])
+        found = torques_of_solved_sweep_cases(
+            solve_all_cases_of_sweep([case._replace(options=options) for case in cases])
         )
         spent = time.process_time() - start
         error = float(np.abs(found / true - 1).max())
@@ -231,7 +234,7 @@ def row_of_torque_distribution(rows: Sequence[Row]) -> Row:
 
     The row also has the number of cases and the number of cases without an answer.
     """
-    torque = torques_of_solved_rows(rows)
+    torque = torques_of_solved_sweep_cases(rows)
     low, high = np.percentile(torque, [2.5, 97.5])
     return {
         "cases": len(rows),
@@ -312,7 +315,7 @@ def kill_and_finish_sweep(
         done.append(Kill(found, _count_finished_cases_in_journal(path)))
     # The last run is not killed and finishes the sweep from the journal.
     with Journal(path) as journal:
-        return done, solve_cases(cases, journal=journal)
+        return done, solve_all_cases_of_sweep(cases, journal=journal)
 
 
 @contextmanager
@@ -329,7 +332,7 @@ def _run_process_during_block(process: Any) -> Iterator[Any]:
 def _solve_sweep_with_journal(cases: Sequence[SweepCase], path: Path) -> None:
     """Solve the cases of a sweep that are not yet in the journal at `path`, and add them to it."""
     with Journal(path) as journal:
-        solve_cases(cases, journal=journal)
+        solve_all_cases_of_sweep(cases, journal=journal)
 
 
 def _count_finished_cases_in_journal(journal: Path) -> int:

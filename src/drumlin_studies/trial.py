@@ -82,7 +82,10 @@ def solve_and_judge_case(case: KnobCase) -> dict[str, Any]:
             warnings.simplefilter("error")
             brake = case.brake()
             scene = make_prepared_model(
-                brake, elements=case.elements, kind=case.kind, mesher=case.mesher_of_aspect_ratio()
+                brake,
+                elements=case.elements,
+                kind=case.kind,
+                mesher=case.function_to_mesh_shoe_with_aspect_ratio(),
             )
             response = solve_prepared_model(scene, brake, penalty=case.penalty)
         touches = any(shoe.contact_arcs for shoe in response.shoes)
@@ -148,7 +151,7 @@ def _row_with_accuracy_of_answer(
 def text_of_changed_quantities(case: KnobCase) -> str:
     """Names and values of the quantities ("knobs") that a case changes, as text."""
     words = []
-    for key, value in case.changed_knobs.items():
+    for key, value in case.parameters_changed_from_default_case.items():
         words.append(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}")
     return ", ".join(words)
 
@@ -210,7 +213,7 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
 
     `whole` is the reason why the refined solution of the group failed, or empty.
     """
-    group, _ = group.solve_contact()
+    group, _ = group.solve_contact_and_abutment_friction()
     # The group and the refined solution have a unit actuation force; `size` is the real force [N].
     size, shoes = group.largest_actuation_force, [response.shoes[i] for i in group.members]
     # The answer's pressures per unit of the actuation force, in the order of the group's nodes.
@@ -235,9 +238,12 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
     known_condition = not math.isnan(refined.condition)
     return row | {
         "complementarity": float(max(-refined.gap.min(), products.max() / p.max())),
-        "digits": min(number_of_correct_digits(off), number_of_correct_digits(refined.correction)),
-        "sure": number_of_correct_digits(refined.correction),
-        "allowed": number_of_correct_digits(
+        "digits": min(
+            correct_decimal_digits_at_relative_error(off),
+            correct_decimal_digits_at_relative_error(refined.correction),
+        ),
+        "sure": correct_decimal_digits_at_relative_error(refined.correction),
+        "allowed": correct_decimal_digits_at_relative_error(
             EPSILON * refined.condition if known_condition else 0.0
         ),
         "torque_condition": refined.condition if known_condition else None,
@@ -246,7 +252,7 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
     }
 
 
-def number_of_correct_digits(error: float) -> float:
+def correct_decimal_digits_at_relative_error(error: float) -> float:
     """The number of correct decimal digits of a value with a relative error, from 0 to 16."""
     return float(np.clip(-math.log10(max(error, 1e-16)), 0, 16))
 
@@ -277,7 +283,7 @@ def compare_with_pointwise_penalty(
                 elements=case.elements,
                 kind=case.kind,
                 penalty=min(case.penalty, STIFFEST_PENALTY),
-                mesher=case.mesher_of_aspect_ratio(),
+                mesher=case.function_to_mesh_shoe_with_aspect_ratio(),
             )
         row["pointwise_steps"] = other.iterations
         if response is None:

@@ -139,7 +139,9 @@ def condense_body_to_contact_nodes(
     ties = multi_point_constraints_of_body(
         basis, line.nodes, basis.get_dofs(mesh.boundaries["support"]).flatten(), np.zeros(2)
     )
-    K = sparse_stiffness_of_body(basis, {"body": ElasticLayer.of(material, width)})
+    K = sparse_stiffness_of_body(
+        basis, {"body": ElasticLayer.make_layer_in_plane_stress(material, width)}
+    )
     return ContactBody(
         basis, line, condense_body_to_contact_and_frame(K, ties, {}, 2 * len(line.nodes))
     )
@@ -171,7 +173,7 @@ class BodyPair:
     motions: Floats
 
     @classmethod
-    def from_bodies(
+    def couple_two_bodies_at_contact_nodes(
         cls, inner: ContactBody, outer: ContactBody | None, sign: int = 1, motions: str = ""
     ) -> "BodyPair":
         """The pair of two condensed bodies, with the coupling between their contact nodes.

@@ -109,7 +109,7 @@ class Validation(NamedTuple):
         return abs(self.error) > self.uncertainty
 
 
-def compare_simulation_with_data(
+def compare_simulated_value_with_reference_value(
     simulation: float, data: float, *, numerical: float, inputs: float = 0.0, of_data: float
 ) -> Validation:
     """The comparison error E = S - D with its validation uncertainty u_val.

@@ -28,7 +28,7 @@ from drumlin.fem.error_control.singular_points import singular_points_of_all_lin
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.fem.width.correction import REMAINING_SHARE, correct_for_widths
+from drumlin.fem.width.correction import REMAINING_SHARE, correct_response_for_shoe_widths
 from drumlin.fem.width.error import distance_of_plane_stress_from_widths
 from drumlin.fem.width.functions import breaks_across_half_width_of_shoe
 from drumlin.fem.width.prepare import prepare_brake_with_widths, reason_against_width_model
@@ -66,7 +66,7 @@ class WidthErrorRow(NamedTuple):
         """The estimated error `name` over the true error; name : one of JUDGED."""
         return self.estimated[name] / self.true[name]
 
-    def remaining_share(self, name: str) -> float:
+    def error_share_remaining_after_width_correction(self, name: str) -> float:
         """The error that remains after the correction over the estimated error."""
         return self.remaining[name] / self.estimated[name]
 
@@ -93,7 +93,7 @@ def plane_stress_errors_or_reason(
         )
         scene = prepare_brake_with_widths(brake, LEVELS[0], degree, points)
         wide = solve_prepared_model(scene, brake, start=response)
-        corrected = correct_for_widths(brake, plane)
+        corrected = correct_response_for_shoe_widths(brake, plane)
     except NoAnswer as error:
         return str(error)
     true, remaining = (
@@ -149,7 +149,7 @@ def table_lines_of_error_ratios(rows: list[WidthErrorRow]) -> list[str]:
     return lines
 
 
-def remaining_table_of(rows: list[WidthErrorRow]) -> list[str]:
+def table_lines_of_error_left_after_correction(rows: list[WidthErrorRow]) -> list[str]:
     """Lines of the error that remains after the correction over the correction.
 
     The last two columns are the part of the brakes within `REMAINING_SHARE`, and the part of the
@@ -160,7 +160,7 @@ def remaining_table_of(rows: list[WidthErrorRow]) -> list[str]:
         own = [row for row in rows if row.true[name] > LEAST_JUDGED]
         if not own:
             continue
-        shares = [row.remaining_share(name) for row in own]
+        shares = [row.error_share_remaining_after_width_correction(name) for row in own]
         numbers = "  ".join(f"{value:4.2f}" for value in np.quantile(shares, [0.5, 0.9, 0.95, 1.0]))
         within = np.mean([share <= REMAINING_SHARE[name] for share in shares])
         halved = np.mean([row.remaining[name] < 0.5 * row.true[name] for row in own])
@@ -185,7 +185,11 @@ def main() -> None:
         )
         sys.stdout.write(f"{row.title} ({row.widths}): {errors}\n")
         sys.stdout.flush()
-    lines = [*table_lines_of_error_ratios(rows), "", *remaining_table_of(rows)]
+    lines = [
+        *table_lines_of_error_ratios(rows),
+        "",
+        *table_lines_of_error_left_after_correction(rows),
+    ]
     sys.stdout.write("\n".join(lines) + "\n")
 
 

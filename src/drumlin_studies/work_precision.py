@@ -39,7 +39,7 @@ from drumlin.fem.mesh.grading import (
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.models import model_by_name
+from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.norms import (
     relative_distance_of_pressures,
     relative_distance_of_vectors,
@@ -96,7 +96,7 @@ class Method(NamedTuple):
     options: Mapping[str, Any] = {}
 
     @property
-    def journal_key(self) -> dict[str, Any]:
+    def journal_key_of_solve_method(self) -> dict[str, Any]:
         """The method as plain data, under which a journal stores its row."""
         return {"family": self.family, "method": self.name, **self.options}
 
@@ -132,7 +132,7 @@ def _solve_from_start_by_law_or_foundation(
 
     model : name of the law or model; **options : options of its solver.
     """
-    solver = model_by_name(model, brake).solve
+    solver = model_with_name_that_applies_to_brake(model, brake).solve
     further = partial(solver, _brake_of_further_load_case(brake), **options)
     return ColdSolve(solver(brake, **options), further)
 
@@ -379,7 +379,7 @@ def uncertainty_of_reference_responses(brake: Brake, trio: ReferenceResponses) -
     shoes' torques are summed without their signs, so that they cannot cancel.
     """
     largest: dict[str, float] = {}
-    for other in trio.other_responses:
+    for other in trio.responses_that_give_uncertainty:
         pairs = zip(trio.value.shoes, other.shoes, strict=True)
         apart = math.fsum(abs(a.torque - b.torque) for a, b in pairs)
         own = relative_errors_against_reference(brake, other, trio.value)
@@ -464,7 +464,7 @@ def _processor_time_per_call(call: Callable[[], object], loops: int = 1) -> floa
     return (time.process_time() - start) / loops
 
 
-def measure_own_method_on_brake(
+def measure_drumlin_method_on_brake(
     brake: Brake, method: Method, truth: Response, unit: Callable[[], object]
 ) -> dict[str, Any]:
     """The row of one of drumlin's methods on a brake: errors, times, memory and unknowns.
@@ -482,14 +482,14 @@ def measure_own_method_on_brake(
     unit : function
         The unit of work beside which each repeat is timed.
     """
-    row: dict[str, Any] = dict(method.journal_key)
+    row: dict[str, Any] = dict(method.journal_key_of_solve_method)
     start = time.process_time()
     try:
         cold = solve_from_start_by_method(brake, method)
     except DrumlinError as error:
         return row | {
             "seconds": time.process_time() - start,
-            "status": _status_text_of_refusal(error),
+            "status": _status_text_of_refused_or_failed_solve(error),
         }
     first = time.process_time() - start
     row |= relative_errors_against_reference(brake, cold.response, truth)
@@ -503,14 +503,14 @@ def measure_own_method_on_brake(
         )
         row |= {"further": further.seconds, "further_ratio": further.ratio}
     except DrumlinError as error:
-        row["note"] = f"further load case: {_status_text_of_refusal(error)}"
+        row["note"] = f"further load case: {_status_text_of_refused_or_failed_solve(error)}"
     return row | {
         "memory": peak_memory_of_solve_in_new_process(brake, method),
         "status": "converged",
     }
 
 
-def _status_text_of_refusal(error: DrumlinError) -> str:
+def _status_text_of_refused_or_failed_solve(error: DrumlinError) -> str:
     """The text for the `status` of a row whose method has refused the brake or failed."""
     return f"{'refused' if isinstance(error, BadInput) else 'failed'}: {error}"
 
@@ -521,7 +521,7 @@ def peak_memory_of_solve_in_new_process(brake: Brake, method: Method) -> int:
     The solve runs in a process of its own.
     """
     with ProcessPoolExecutor(1, mp_context=_multiprocessing_start_context()) as process:
-        return process.submit(_memory_of_solve, brake, method).result()
+        return process.submit(_peak_memory_growth_by_solve_in_this_process, brake, method).result()
 
 
 @cache
@@ -538,7 +538,7 @@ def _multiprocessing_start_context() -> Any:
     return context
 
 
-def _memory_of_solve(brake: Brake, method: Method) -> int:
+def _peak_memory_growth_by_solve_in_this_process(brake: Brake, method: Method) -> int:
     """The growth of this process's peak memory [bytes] by a whole solve of a brake by a method."""
     before = peak_memory_of_process()
     solve_from_start_by_method(brake, method)
@@ -601,18 +601,22 @@ def measure_peer_program_on_brake(
     repeats : int
         Number of solves.
     """
-    row: dict[str, Any] = dict(method.journal_key)
+    row: dict[str, Any] = dict(method.journal_key_of_solve_method)
     options = _solver_arguments_of_peer_method(method)
     start = time.perf_counter()
     answers, units = [], []
     try:
         for _ in range(repeats):
             units.append(median(_processor_time_per_call(unit) for _ in range(TIMED_REPEATS)))
-            answers.append(peers.solve_by_peer(PEER_FAMILIES[method.family], brake, **options))
+            answers.append(
+                peers.solve_brake_by_calculix_or_getfem(
+                    PEER_FAMILIES[method.family], brake, **options
+                )
+            )
     except DrumlinError as error:
         return row | {
             "seconds": time.perf_counter() - start,
-            "status": _status_text_of_refusal(error),
+            "status": _status_text_of_refused_or_failed_solve(error),
         }
     pairs = list(zip(answers, units, strict=True))
     quartiles = _quartiles_of_values([answer.seconds for answer in answers])
@@ -636,7 +640,7 @@ def measure_peer_program_on_brake(
 
 
 def _solver_arguments_of_peer_method(method: Method) -> dict[str, Any]:
-    """The keyword arguments of `solve_by_peer` for a method.
+    """The keyword arguments of `solve_brake_by_calculix_or_getfem` for a method.
 
     The options `even` and `layers` of the method become a function that meshes a shoe.
     """

@@ -19,10 +19,10 @@ from drumlin_studies.brake_kinds import (
     brake_and_reversed_brake,
     brake_factor_of_cam_brake,
     error_rows_of_other_models,
-    law_error_row,
     locking_friction_by_elements,
+    row_of_errors_of_rigid_shoe_law,
+    sentence_on_whether_law_can_be_trusted,
     solve_brake_by_all_models,
-    verdict_sentence_on_law,
 )
 
 HERE = Path(__file__).parent
@@ -74,11 +74,19 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
                 path.stem, brake, 24 if short else 60, solid=not short
             )
             cases.append(found)
-            own.append(law_error_row(found, None if short else locking_friction_by_elements(brake)))
+            own.append(
+                row_of_errors_of_rigid_shoe_law(
+                    found, None if short else locking_friction_by_elements(brake)
+                )
+            )
         rows += own
-        verdicts[path.stem] = verdict_sentence_on_law(own)
+        verdicts[path.stem] = sentence_on_whether_law_can_be_trusted(own)
         brake = cases[-1].brake
-        if not brake.surface.straight and brake.actuation is not None and brake.actuation.is_cam:
+        if (
+            not brake.surface.is_plane_and_not_drum
+            and brake.actuation is not None
+            and brake.actuation.is_cam
+        ):
             cams[path.stem] = brake_factor_of_cam_brake(brake)
     others = [row for found in cases for row in error_rows_of_other_models(found)]
     return Result(cases, rows, others, verdicts, cams)
@@ -104,7 +112,9 @@ def report(result: Result, folder: Path) -> Path:
                     found.law.model: found.law.shoes[i],
                 }
                 panels.append((f"{shoe.name}, {found.brake.sense}", of))
-        drawn_pressures = figures.draw_pressure_panels(panels, surface=brake.surface)
+        drawn_pressures = figures.draw_pressure_along_lining_of_each_shoe(
+            panels, surface=brake.surface
+        )
         for ending in ("svg", "png") if file == SHOWN else ("svg",):
             figures.save_figure(drawn_pressures, folder / f"{file}.{ending}")
         figure = Figure(figsize=(4.5, 4.5), layout="constrained")

@@ -24,10 +24,10 @@ from drumlin_studies.calibration import (
     STATED_QUANTILE,
     LevelRecord,
     Provenance,
-    error_samples_of_quantity,
     fit_safety_factors,
-    level_errors_of_seed,
     safety_factors_as_json_text,
+    true_and_estimated_errors_of_quantity,
+    true_and_estimated_errors_of_random_brake,
 )
 from drumlin_studies.side_by_side import PROCESSES, Case, compute_cases_in_parallel_with_journal
 from drumlin_studies.stated_true import RELEVANT
@@ -83,8 +83,8 @@ def study(
 
 
 def _observe_case(case: Case) -> dict[str, Any]:
-    """The levels of the brake of a case, as `level_errors_of_seed` returns them."""
-    return level_errors_of_seed(case["seed"])
+    """The levels of a case's brake, as of `true_and_estimated_errors_of_random_brake`."""
+    return true_and_estimated_errors_of_random_brake(case["seed"])
 
 
 def levels_of(rows: list[dict[str, Any]]) -> list[LevelRecord]:
@@ -126,7 +126,7 @@ def report(result: Result, folder: Path) -> Path:
     }
     ratios = {}
     for name in QUANTITIES:
-        ratios[name] = error_samples_of_quantity(levels, name).stated_over_true_errors(
+        ratios[name] = true_and_estimated_errors_of_quantity(levels, name).stated_over_true_errors(
             *factors[name]
         )
     figures.save_figure(draw_shares_of_stated_over_true_ratios(ratios), folder / "factors.svg")

@@ -22,14 +22,14 @@ from drumlin.comparison import (
 from drumlin.report import figures
 from drumlin.report.comparison import (
     comparisons_as_json,
-    pressure_panels_of_shoes,
+    panel_title_and_responses_of_each_shoe,
     write_and_draw_stress_fields,
 )
 from drumlin.report.page import write_html_page
 from drumlin.response.norms import relative_error_of_number
 from drumlin.verification.cost import Cost, measure_time_and_memory_of_fem
 from drumlin_studies.orders import (
-    largest_balance_residual_of_responses,
+    largest_equilibrium_residual_of_responses,
     rows_of_sine_law_and_rigid_shoes,
     torque_convergence_rows_of_meshes,
 )
@@ -127,7 +127,7 @@ def report(result: Result, folder: Path) -> Path:
         meshes=meshes,
         limit=limit,
         orders=orders,
-        residual=largest_balance_residual_of_responses(
+        residual=largest_equilibrium_residual_of_responses(
             [comparison.responses["fem"] for comparison in result.comparisons]
         ),
         left_out=main.responses["fem"].left_out,
@@ -139,11 +139,15 @@ def draw_figures(result: Result, folder: Path) -> None:
     """Write the figures, which are of kinds that several reports share."""
     panels: dict[str, list[figures.Panel]] = {case: [] for case in FILES.values()}
     for comparison in result.comparisons:
-        panels[comparison.case] += pressure_panels_of_shoes(comparison)
+        panels[comparison.case] += panel_title_and_responses_of_each_shoe(comparison)
     stiff, flexible = panels.values()
     for ending in ("svg", "png"):
-        figures.save_figure(figures.draw_pressure_panels(stiff), folder / f"pressure.{ending}")
-    figures.save_figure(figures.draw_pressure_panels(flexible), folder / "pressure_flexible.svg")
+        figures.save_figure(
+            figures.draw_pressure_along_lining_of_each_shoe(stiff), folder / f"pressure.{ending}"
+        )
+    figures.save_figure(
+        figures.draw_pressure_along_lining_of_each_shoe(flexible), folder / "pressure_flexible.svg"
+    )
     convergence = result.convergence
     steps = {}
     for i, shoe in enumerate(convergence.responses[0].shoes):

@@ -31,7 +31,7 @@ def brakes_with_elements() -> tuple[dict[str, Path], dict[str, str]]:
         refusal = reasons_why_models_do_not_apply(brake).get("fem")
         unlike = (
             "its shoes press on a plane"
-            if brake.surface.straight
+            if brake.surface.is_plane_and_not_drum
             else brake.reason_why_not_all_shoes_hinged()
         )
         if refusal is not None:

@@ -166,7 +166,7 @@ def draw_predicted_changes(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Predicted over true changes of the shoes' torques and of p, a marker for each omission.
 
     On the line both are equal, in the band within a factor of two. Changes below LEAST are not
-    drawn. rows : from `omission_table.rows_of_omissions_for_brake`.
+    drawn. rows : from `omission_table.table_rows_for_each_part_omitted_from_brake`.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 4.4), layout="constrained")

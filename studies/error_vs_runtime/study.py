@@ -36,30 +36,30 @@ from drumlin.verification.reference import (
     solve_brake_for_reference_values,
 )
 from drumlin.verification.reference_file import (
-    reference_summary_rows,
     reference_values_as_json_data,
+    rows_that_summarise_reference_values,
     write_reference_file,
 )
-from drumlin_studies.methods import list_compared_methods
+from drumlin_studies.methods import list_solution_methods_to_compare
 from drumlin_studies.omission_table import (
     predicted_over_true_changes,
     row_of_largest_straight_edge_effect,
-    rows_of_omissions_for_brake,
     saved_time_ranges_by_omission,
+    table_rows_for_each_part_omitted_from_brake,
 )
 from drumlin_studies.recommendation import (
     compare_times_with_peer_programs,
     fastest_solve_times_within_error,
+    method_rows_of_brake_with_given_name,
     recommended_methods_by_brake_and_target,
     rows_of_fastest_methods_by_target,
-    rows_of_named_brake,
 )
 from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
 from drumlin_studies.work_precision import (
     PEER_FAMILIES,
     TIMED_REPEATS,
     Method,
-    measure_own_method_on_brake,
+    measure_drumlin_method_on_brake,
     measure_peer_program_on_brake,
     median_relative_scatter_of_timings,
     median_seconds_of_unit_workload,
@@ -145,10 +145,10 @@ def study(
         )
         floors[name], references[name] = known["floor"], known["values"]
         peers = name in WITH_PEERS and not short
-        for method in list_compared_methods(brake, peers=peers, short=short):
+        for method in list_solution_methods_to_compare(brake, peers=peers, short=short):
             say(f"{name}: {method.family}, {method.name}")
             row = journal.get_or_compute_result(
-                {"brake": name, **method.journal_key},
+                {"brake": name, **method.journal_key_of_solve_method},
                 partial(_method_row, brake, method, trio, unit),
             )
             # Beside the processes of the peers stands the process of a whole `drumlin solve`.
@@ -190,7 +190,7 @@ def _method_row(
     if method.family in PEER_FAMILIES:
         repeats = 1 if method.family == "CalculiX" else TIMED_REPEATS
         return measure_peer_program_on_brake(brake, method, trio().value, unit, repeats)
-    return measure_own_method_on_brake(brake, method, trio().value, unit)
+    return measure_drumlin_method_on_brake(brake, method, trio().value, unit)
 
 
 def _process_row(path: Path, tolerance: float) -> Row:
@@ -212,7 +212,7 @@ def _omission_rows(journal: Journal, short: bool, say: Callable[[str], None]) ->
         rows += journal.get_or_compute_result(
             {"left out": name, "short": short},
             lambda b=brake, n=name, e=elements, r=repeats: {
-                "rows": rows_of_omissions_for_brake(b, n, elements=e, repeats=r)
+                "rows": table_rows_for_each_part_omitted_from_brake(b, n, elements=e, repeats=r)
             },  # type: ignore[misc]
         )["rows"]
     return rows
@@ -222,7 +222,7 @@ def _write_brake_files(result: Result, name: str, folder: Path) -> str:
     """Write figure and reference values of a brake; returns the name of the figure's file."""
     stem = name.replace("/", "_")
     title = result.references[name]["title"]
-    own_rows = rows_of_named_brake(result.rows, name)
+    own_rows = method_rows_of_brake_with_given_name(result.rows, name)
     picture = draw_error_over_time(title, own_rows, result.floors[name])
     for ending in ("png", "svg"):
         save_figure(picture, folder / f"work_precision_{stem}.{ending}")
@@ -244,7 +244,7 @@ def report(result: Result, folder: Path) -> Path:
     times = fastest_solve_times_within_error(rows, floors, 0.01)
     values: list[Row] = []
     for name, of_brake_ in result.references.items():
-        values += reference_summary_rows(of_brake_, name)
+        values += rows_that_summarise_reference_values(of_brake_, name)
     by_law = rows_with_given_values(rows, status="converged", model="sine")
     ratios = {}
     for key in ("pressure", "shoes", "torque"):
@@ -270,7 +270,7 @@ def report(result: Result, folder: Path) -> Path:
         matrices=recommended_methods_by_brake_and_target(best),
         figures=pictures,
         first=next(iter(floors)),
-        first_rows=rows_of_named_brake(rows, next(iter(floors))),
+        first_rows=method_rows_of_brake_with_given_name(rows, next(iter(floors))),
         failed=failed,
         peer_rows=peer_rows,
         peers=compare_times_with_peer_programs(rows, floors),

@@ -81,8 +81,8 @@ def study(
 def report(result: Result, folder: Path) -> Path:
     """Write the page and return its path."""
     within, apart = (
-        trials.verdict_summary_rows(result.within),
-        trials.verdict_summary_rows(result.apart),
+        trials.rows_of_verdict_counts_by_generator(result.within),
+        trials.rows_of_verdict_counts_by_generator(result.apart),
     )
     before = json.loads((HERE / "before.json").read_text(encoding="utf-8"))
     return write_html_page(

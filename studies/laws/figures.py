@@ -14,7 +14,7 @@ from drumlin.brake.brake import Brake
 from drumlin.laws.shapes import SHORT_LAW, Layout, ratio_of_equivalent_friction
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.drawing import draw_brake
-from drumlin.report.figures import STYLE, draw_legend_below_figure, model_title
+from drumlin.report.figures import STYLE, draw_legend_below_figure, title_of_model_in_figures
 from drumlin.report.palette import BLUE, FAINT, GREEN, GREY, PURPLE, RED, line_style_of_model
 from drumlin.response.response import ShoeResponse
 
@@ -51,7 +51,10 @@ def draw_short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float 
                 )
                 for axes, merit in zip(
                     panels,
-                    (SHORT_LAW.torque_over_actuation_moment, SHORT_LAW.sensitivity_to_friction),
+                    (
+                        SHORT_LAW.torque_over_actuation_moment,
+                        SHORT_LAW.sensitivity_of_braking_effect_to_friction,
+                    ),
                     strict=True,
                 ):
                     axes.plot(mu, merit(mu, shoe), style, color=color, lw=1.8, label=label)
@@ -135,7 +138,7 @@ def draw_pressures_by_law(shoes: Mapping[str, ShoeResponse]) -> Figure:
         figure = Figure(figsize=(10.4, 4.2), layout="constrained")
         left, right = figure.subplots(1, 2)
         for law, shoe in shoes.items():
-            look = {**line_style_of_model(law), "lw": 1.8, "label": model_title(law)}
+            look = {**line_style_of_model(law), "lw": 1.8, "label": title_of_model_in_figures(law)}
             theta, p = shoe.curve()
             # A plane has no angle, so that its law is drawn only as a shape.
             if law != "linear":

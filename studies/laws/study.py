@@ -27,9 +27,9 @@ from drumlin.report.page import software_versions, write_html_page
 from drumlin.response.response import ShoeResponse
 from drumlin_studies.law_table import (
     first_shoe_responses_by_law,
-    law_rows,
-    rows_of_refusing_laws,
-    shoe_factor_rows,
+    rows_of_laws_that_cannot_solve_brakes,
+    rows_of_shoe_factors_of_post_brake,
+    rows_of_shoe_results_by_every_law,
 )
 from drumlin_studies.worked_examples import (
     rows_of_equivalent_block_friction,
@@ -96,10 +96,10 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("brake files")
     applies: list[dict[str, Any]] = []
     for file in FILES:
-        applies += law_rows(read_any(HERE.parent / file), file)
+        applies += rows_of_shoe_results_by_every_law(read_any(HERE.parent / file), file)
     post_brake = read_any(HERE.parent / "post_brake/brake.toml")
     shoes = first_shoe_responses_by_law(read_any(HERE / "block.toml"), read_any(HERE / "pad.toml"))
-    return Result(examples, applies, shoe_factor_rows(post_brake), shoes)
+    return Result(examples, applies, rows_of_shoe_factors_of_post_brake(post_brake), shoes)
 
 
 def report(result: Result, folder: Path) -> Path:
@@ -148,6 +148,6 @@ def report(result: Result, folder: Path) -> Path:
         folder / "index.html",
         result=result,
         examples_of=examples_of,
-        reasons=rows_of_refusing_laws(result.applies),
+        reasons=rows_of_laws_that_cannot_solve_brakes(result.applies),
         files={file: (HERE.parent / file).read_text() for file in FILES},
     )

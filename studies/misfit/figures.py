@@ -11,8 +11,8 @@ from drumlin.base.arrays import Floats
 from drumlin.report.figures import (
     STYLE,
     draw_legend_below_figure,
+    evenly_spaced_pressure_curve_of_shoe,
     mark_where_curve_leaves_axes,
-    smooth_pressure_curve,
 )
 from drumlin.report.palette import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, RED
 from drumlin.response.response import Response
@@ -59,7 +59,7 @@ def draw_pressures_of_radii(law: Response, family: Mapping[float, Response]) -> 
         shade = mpl.colors.TwoSlopeNorm(0.0, 1.15 * min(family), 1.15 * max(family))
         for i, (axes, shoe) in enumerate(zip(grid, law.shoes, strict=True)):
             for value, response in family.items():
-                theta, p = smooth_pressure_curve(response.shoes[i], 600)
+                theta, p = evenly_spaced_pressure_curve_of_shoe(response.shoes[i], 600)
                 color = INK if value == 0 else mpl.colormaps["coolwarm"](shade(value))
                 axes.plot(
                     np.degrees(theta),
@@ -175,7 +175,9 @@ def draw_histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
         figure = Figure(figsize=(4.6 * len(DRAWN_QUANTITIES), 3.9), layout="constrained")
         grid = figure.subplots(1, len(DRAWN_QUANTITIES), squeeze=False)[0]
         for axes, (name, label) in zip(grid, DRAWN_QUANTITIES.items(), strict=True):
-            new, worn = (drawn.sample_of_quantity(state, name) for state in STATES)
+            new, worn = (
+                drawn.values_of_quantity_for_random_brakes(state, name) for state in STATES
+            )
             every = np.concatenate([new, worn])
             # The longest tail, 0.2 % of the brakes, is left out of the bins.
             bins = np.linspace(every.min(), np.quantile(every, 0.998), 36)

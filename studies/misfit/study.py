@@ -36,12 +36,12 @@ from drumlin.sweeps.tolerances import (
     ManufacturingTolerance,
     SobolIndices,
     cases_with_random_deviations,
-    draw_random_deviations,
     one_result_of_all_cases,
+    random_deviations_of_brakes_in_all_samples,
     sobol_indices_of_tolerances,
     torque_and_peak_during_run_in,
 )
-from drumlin.sweeps.workers import provide_workers
+from drumlin.sweeps.workers import provide_workers_for_cases_of_sweep
 from drumlin_studies import misfit_rows
 from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
 from drumlin_studies.tables import values_of_key_in_rows
@@ -152,7 +152,7 @@ def study(
     law = solve_brake_by_sine_law(brake)
     scene = make_prepared_model(brake, elements=setting.fine)
     say("single misfits")
-    single = misfit_rows.rows_of_single_misfits(
+    single = misfit_rows.table_rows_of_changes_by_each_misfit_alone(
         brake, law, lambda changed: solve_prepared_model(scene, changed)
     )
     family = {}
@@ -172,17 +172,17 @@ def study(
         )
     }
     tolerances = assumed_tolerances(brake)
-    deviates = draw_random_deviations(tolerances, setting.draws, SEED)
+    deviates = random_deviations_of_brakes_in_all_samples(tolerances, setting.draws, SEED)
     # The axes of the maps.
     sides = (
         np.linspace(-SIDES[0], SIDES[0], setting.wide),
         np.linspace(-SIDES[1], SIDES[1], setting.high),
     )
-    with provide_workers(setting.jobs) as (pool, workers):
+    with provide_workers_for_cases_of_sweep(setting.jobs) as (pool, workers):
 
         def solve(what: str, several: Sequence[SweepCase]) -> list[Row]:
             """The rows of some cases, solved by the workers and kept in the journal."""
-            return sweep.solve_cases(
+            return sweep.solve_all_cases_of_sweep(
                 several,
                 executor=pool,
                 workers=workers,
@@ -250,7 +250,7 @@ def _rows_of_drawn_brakes(
     ----------
     brake : the nominal brake
     tolerances : the tolerances of its manufacture
-    deviates : samples of the deviates, as from `draw_random_deviations`
+    deviates : samples of the deviates, as from `random_deviations_of_brakes_in_all_samples`
     elements : along each lining
     solve : solves cases under a name that the progress shows
     """
@@ -337,7 +337,7 @@ def report(result: Result, folder: Path) -> Path:
     for name, figure in made.items():
         for ending in ("svg", "png") if name in {"distribution", "map"} else ("svg",):
             drawing.save_figure(figure, folder / f"{name}.{ending}")
-    spreads = misfit_rows.rows_of_quantity_distributions(drawn)
+    spreads = misfit_rows.rows_with_mean_and_percentiles_of_quantities(drawn)
     ranked = misfit_rows.rows_of_sobol_indices_by_tolerance(result.tolerances, result.shares)
     for name, lines in (("single", result.single), ("spread", spreads), ("shares", ranked)):
         write_text(folder / f"{name}.csv", table_as_csv_text(lines))

@@ -19,7 +19,7 @@ from drumlin.fem.analysis.fields import write_fields_to_vtu_file
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solid import model as solid
-from drumlin.fem.solid.fields import recover
+from drumlin.fem.solid.fields import recover_fields_in_solid_shoe
 from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin.report.solid_picture import draw_solid_shoes_and_return_failure_reason
@@ -115,12 +115,16 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     setting = SHORT if short else FULL
     brake = read_brake(HERE / "brake.toml")
     say("the brake itself")
-    scene = solid.prepare(brake, elements=setting.fine)
+    scene = solid.prepare_model_of_solid_shoes(brake, elements=setting.fine)
     three = rows.solve_by_solid_and_plane_stress(brake, setting.fine)
     # Three meshes give the uncertainty of the torque in both models.
     say("meshes that double")
     true = rows.solve_torque_on_three_meshes(
-        lambda n: solve_prepared_model(solid.prepare(brake, elements=n), brake).torque,
+        lambda n: (
+            solve_prepared_model(
+                solid.prepare_model_of_solid_shoes(brake, elements=n), brake
+            ).torque
+        ),
         setting.doubled,
     )
     plane = rows.solve_torque_on_three_meshes(
@@ -249,7 +253,10 @@ def report(result: Result, folder: Path) -> Path:
     brake, response = result.three.brake, result.three.solid
     write_fields_to_vtu_file(
         folder / "solid.vtu",
-        [recover(result.scene, brake, response, i) for i in range(len(brake.shoes))],
+        [
+            recover_fields_in_solid_shoe(result.scene, brake, response, i)
+            for i in range(len(brake.shoes))
+        ],
     )
     not_drawn = draw_solid_shoes_and_return_failure_reason(
         folder / "solid.vtu", folder / "solid.png", brake.title
@@ -285,7 +292,7 @@ def report(result: Result, folder: Path) -> Path:
         within=partial(_share_within, result.maps),
         largest=largest,
         shares=rows.rows_of_shares_within_error_limits(result.maps),
-        sentence=rows.sentences_on_error_maps(result.maps),
+        sentence=rows.sentences_on_maps_of_plane_stress_errors(result.maps),
         along=rows.sentences_on_largest_plane_stress_errors(result.curves),
     )
 

@@ -11,7 +11,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.texts import number_as_text
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
-from drumlin.report.figures import STYLE, draw_legend_below_figure, model_title
+from drumlin.report.figures import STYLE, draw_legend_below_figure, title_of_model_in_figures
 from drumlin.report.palette import FAINT, GRADES, INK, line_style_of_model
 from drumlin_studies.post_brake_rows import Curve, ErrorMap, Merits, Offsets
 
@@ -112,7 +112,7 @@ def draw_curves_of_models(
                     ms=4,
                     lw=0 if points else 1.8,
                     **(line_style_of_model(model) | ({"ls": ":"} if rest else {})),
-                    label=f"{model_title(model)} {rest}".strip(),
+                    label=f"{title_of_model_in_figures(model)} {rest}".strip(),
                 )
             axes.set_title(title)
             axes.set_xlabel(xlabel)
@@ -161,7 +161,7 @@ def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -
                     -z,
                     lw=1.8,
                     **(line_style_of_model(model) | {"ls": style}),
-                    label=f"{model_title(model)}, {rest}",
+                    label=f"{title_of_model_in_figures(model)}, {rest}",
                 )
             axes.set_ylim(-3 * largest, 1.3 * largest)
             axes.set_yticks(

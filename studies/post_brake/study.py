@@ -24,7 +24,7 @@ from drumlin.fem.solve import solve
 from drumlin.report import figures as drawing
 from drumlin.report.comparison import (
     comparisons_as_json,
-    pressure_panels_of_shoes,
+    panel_title_and_responses_of_each_shoe,
     write_and_draw_stress_fields,
 )
 from drumlin.report.page import write_html_page
@@ -98,8 +98,8 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("grids")
     grids = post.convergence_rows_of_foundation_grids(brake, repeats)
     beams, rims = (
-        post.beam_deflections_by_model(scene, brake, responses),
-        post.rim_displacements_by_model(scene, brake, responses),
+        post.beam_deflection_curves_of_shoes_by_model(scene, brake, responses),
+        post.drum_rim_displacement_curves_by_model(scene, brake, responses),
     )
     return Result(
         comparison,
@@ -155,7 +155,9 @@ def draw_figures(result: Result, folder: Path) -> None:
     """Write the figures."""
     brake = result.comparison.brake
     made = {
-        "pressure": drawing.draw_pressure_panels(pressure_panels_of_shoes(result.comparison)),
+        "pressure": drawing.draw_pressure_along_lining_of_each_shoe(
+            panel_title_and_responses_of_each_shoe(result.comparison)
+        ),
         "map": figures.draw_error_maps(result.maps, result.place),
         "beams": figures.draw_beam_deflections(brake, result.beams),
         "rim": figures.draw_rim_displacements(*result.rims),

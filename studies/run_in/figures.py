@@ -117,7 +117,7 @@ def torque_error_series(one: Run, label: str, color: str | None = None) -> Serie
     """Torque off the law [%] over the distance."""
     return Series(
         label,
-        one.sliding_distances(),
+        one.sliding_distances_of_run_states(),
         [100 * (s.torque / one.goal.torque - 1) for s in one.states],
         color,
     )
@@ -128,7 +128,7 @@ def draw_held_force(one: Run) -> Figure:
     force = []
     for state in one.states:
         force.append(100 * (state.force - 1))
-    series = Series("force for the law's torque", one.sliding_distances(), force)
+    series = Series("force for the law's torque", one.sliding_distances_of_run_states(), force)
     return draw_lines_over_distance([series], "force off the brake's own [%]", law="law: no change")
 
 
@@ -136,7 +136,10 @@ def draw_reversals(main: Run, turned: Reversals) -> Figure:
     """Torque and pressure of the main brake off its laws as the drum turns both ways."""
     one = replace(main, states=turned.states)
     far = Series(
-        "p off the law (L2) / 10", one.sliding_distances(), [10 * x for x in turned.far], LATE
+        "p off the law (L2) / 10",
+        one.sliding_distances_of_run_states(),
+        [10 * x for x in turned.far],
+        LATE,
     )
     return draw_lines_over_distance(
         [torque_error_series(one, "torque off the law", NEW), far],

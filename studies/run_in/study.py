@@ -17,7 +17,7 @@ from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import table_as_csv_text
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
-from drumlin.lining_wear.run_in import relative_distance_from_end_of_wear
+from drumlin.lining_wear.run_in import relative_difference_from_end_of_wear
 from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin_studies import run_in_limits as limits
@@ -84,7 +84,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     found, skipped = brakes_that_run_in(short=short)
     for name, model, brake in found:
         say(f"{name}, {model}")
-        row, one = limits.run_in_row_of_brake(name, model, brake, elements)
+        row, one = limits.table_row_and_wear_run_of_brake(name, model, brake, elements)
         brakes.append(row)
         runs += [one] if one else []
     # The main brake on one mesh, with stiff and with flexible shoes.
@@ -92,9 +92,9 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     brake = read_brake(MAIN)
     scene = make_prepared_model(brake, elements=elements)
     setup = wear_setup_by_finite_elements(scene, brake)
-    main = limits.run_until_settled("stiff shoes", setup)
+    main = limits.wear_brake_until_pressure_settles("stiff shoes", setup)
     soft = read_brake(FLEXIBLE)
-    flexible = limits.run_until_settled(
+    flexible = limits.wear_brake_until_pressure_settles(
         "flexible shoes",
         wear_setup_by_finite_elements(make_prepared_model(soft, elements=elements), soft),
     )
@@ -111,7 +111,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         exponents.append(limits.run_in_row_of_pressure_exponent(setup, m))
     # The actuation follows the friction so that the torque stays.
     say("held torque")
-    held = limits.run_until_settled("held torque", setup, torque=main.goal.torque)
+    held = limits.wear_brake_until_pressure_settles("held torque", setup, torque=main.goal.torque)
     reversals = []
     for every in REVERSALS[:1] if short else REVERSALS:
         say(f"reversed every {every:g}")
@@ -153,7 +153,7 @@ def brakes_that_run_in(*, short: bool) -> tuple[list[tuple[str, str, Brake]], li
         except BadInput:
             # The file is no brake.
             continue
-        if brake.surface.straight:
+        if brake.surface.is_plane_and_not_drum:
             skipped.append(f"{name}: shoes on a plane are not modelled elastically")
             continue
         ways, reason = limits.list_wear_models_of_brake(brake)
@@ -191,8 +191,8 @@ def report(result: Result, folder: Path) -> Path:
         HERE / "page.html",
         folder / "index.html",
         result=result,
-        stiff=limits.row_of_run_in(result.main),
-        soft=limits.row_of_run_in(result.flexible),
+        stiff=limits.table_row_of_wear_run_until_settled(result.main),
+        soft=limits.table_row_of_wear_run_until_settled(result.flexible),
         met=len(rows_with_given_values(result.brakes, status=limits.AT_LAW)),
         within=(limits.PRESSURE_AT_LAW, limits.TORQUE_AT_LAW),
         least=least,
@@ -228,11 +228,12 @@ def draw_figures(result: Result, least: Run, reversal: Reversals, folder: Path) 
             )
     marks = []
     for part in OPEN_CURVES:
-        marks.append(float(f"{least.sliding_distances()[-1] * part:.1g}"))
+        marks.append(float(f"{least.sliding_distances_of_run_states()[-1] * part:.1g}"))
     far = [
         one
         for one in result.runs
-        if abs(relative_distance_from_end_of_wear(one.setup, one.states[0], one.goal).torque) > FAR
+        if abs(relative_difference_from_end_of_wear(one.setup, one.states[0], one.goal).torque)
+        > FAR
     ]
     made = {
         "profiles": figures.draw_worn_profiles(least, marks),

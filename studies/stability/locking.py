@@ -13,7 +13,7 @@ from drumlin.fem.model import PENALTY
 from drumlin_studies.self_locking import (
     row_of_self_locking_friction,
     row_of_torque_over_friction,
-    row_on_uniqueness_of_answers,
+    row_on_uniqueness_of_contact_solutions,
     rows_of_torque_slopes_and_differences,
 )
 from drumlin_studies.tables import rows_with_given_values
@@ -124,7 +124,9 @@ def study(
         for way in WAYS:
             case = {"of": "unique", "seed": k, "way": way, "n": elements}
             unique.append(
-                journal.get_or_compute_result(case, partial(row_on_uniqueness_of_answers, k, way))
+                journal.get_or_compute_result(
+                    case, partial(row_on_uniqueness_of_contact_solutions, k, way)
+                )
             )
     say("sensitivities against differences")
     slopes = []

@@ -26,9 +26,9 @@ from drumlin_studies.outcomes import (
     count_row_values_by_varied_quantity,
     log_slope_of_error_over_penalty,
     relative_torque_change_by_penalty,
-    rows_with_faults,
     rows_with_fewest_correct_digits,
     solve_time_rows_by_varied_quantity,
+    trial_rows_with_fault_as_outcome,
     trial_rows_with_varied_penalty,
 )
 from drumlin_studies.tables import (
@@ -151,7 +151,7 @@ def report(result: Result, folder: Path) -> Path:
             if penalty >= 1e6:
                 changes.append(change)
     ways_counted = []
-    for count in consistency.count_comparison_outcomes(result.compared):
+    for count in consistency.counts_of_comparison_outcomes_by_check(result.compared):
         ways_counted.append(count._asdict())
     below = []
     for row in known:
@@ -163,7 +163,7 @@ def report(result: Result, folder: Path) -> Path:
         result=result,
         rows=rows,
         **_rows_by_ending(rows),
-        faults=rows_with_faults(rows),
+        faults=trial_rows_with_fault_as_outcome(rows),
         residual=LARGEST_RESIDUAL,
         required=TORQUE_DIGITS,
         grids=grids,

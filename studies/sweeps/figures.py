@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from drumlin.report.figures import STYLE, draw_legend_below_figure
 from drumlin.report.palette import BLUE, GREEN, INK, OCHRE
-from drumlin_studies.throughput import Throughput, torques_of_solved_rows
+from drumlin_studies.throughput import Throughput, torques_of_solved_sweep_cases
 
 COLORS = {"processes": BLUE, "Dask workers": OCHRE, "Dask workers that keep memory": GREEN}
 
@@ -22,14 +22,14 @@ def draw_throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
             for place, one in enumerate(those):
                 axes.bar(
                     place,
-                    one.cases_per_second,
+                    one.solved_sweep_cases_per_second,
                     color=COLORS[one.by],
                     width=0.62,
                     label=one.by if one.workers == 1 else None,
                 )
                 axes.annotate(
-                    f"{one.cases_per_second:.3g}",
-                    (place, one.cases_per_second),
+                    f"{one.solved_sweep_cases_per_second:.3g}",
+                    (place, one.solved_sweep_cases_per_second),
                     ha="center",
                     va="bottom",
                     xytext=(0, 2),
@@ -54,7 +54,7 @@ def draw_torque_distributions(measured: Mapping[str, Sequence[Throughput]]) -> F
         figure = Figure(figsize=(9.6, 3.2), layout="constrained")
         panels = figure.subplots(1, 2, sharex=True)
         for axes, (name, those), color in zip(panels, measured.items(), (BLUE, GREEN), strict=True):
-            drawn = torques_of_solved_rows(those[0].rows)
+            drawn = torques_of_solved_sweep_cases(those[0].rows)
             axes.hist(drawn, bins="auto", color=color, alpha=0.75)
             for percent in (2.5, 50, 97.5):
                 axes.axvline(

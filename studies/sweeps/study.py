@@ -17,8 +17,8 @@ from studies.sweeps import figures
 from drumlin.base.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
-from drumlin.sweeps.cases import Row, solve_cases
-from drumlin.sweeps.file import Sweep, read_sweep
+from drumlin.sweeps.cases import Row, solve_all_cases_of_sweep
+from drumlin.sweeps.file import Sweep, read_sweep_from_toml_file
 from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from drumlin_studies.throughput import (
     KEEP,
@@ -72,7 +72,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         else [time_sweep_with_processes]
     )
     counts = {SHARED: 60 if short else 1000, OWN: 4 if short else 150}
-    sweeps = {name: read_sweep(HERE / file) for name, file in FILES.items()}
+    sweeps = {name: read_sweep_from_toml_file(HERE / file) for name, file in FILES.items()}
     measured: dict[str, list[Throughput]] = {name: [] for name in sweeps}
     for name, sweep in sweeps.items():
         for way in ways:
@@ -93,7 +93,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         kills, rows = kill_and_finish_sweep(
             cases, Path(folder) / "journal", 1 if short else 5, seed=1, say=say
         )
-    expected = solve_cases(cases) if short else measured[SHARED][0].rows
+    expected = solve_all_cases_of_sweep(cases) if short else measured[SHARED][0].rows
     return Result(
         measured,
         same,

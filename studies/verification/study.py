@@ -144,7 +144,7 @@ def study(
         corners += found["rows"]
     # Problems whose answer is known from a formula or a source.
     say("benchmark ladder")
-    known = list(map(ladder.row_of_ladder_case, ladder.LADDER_CASES))
+    known = list(map(ladder.row_of_computed_and_known_answer, ladder.LADDER_CASES))
     return Result(
         orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start
     )
@@ -238,6 +238,6 @@ def report(result: Result, folder: Path) -> Path:
         independent=summary_rows_of_stated_errors(
             rows_with_given_values(result.judged, truth="triangles")
         ),
-        families=len(ladder.names_of_case_families()),
+        families=len(ladder.names_of_families_of_known_answer_cases()),
         line=fit_line_to_log_errors(result.levels),
     )

@@ -19,7 +19,7 @@ def getattr_of_moved_module(
     renamed : new names of functions by their old names, for functions that were renamed as well
     """
 
-    def object_in_new_module(name: str) -> Any:
+    def object_of_new_module_with_warning(name: str) -> Any:
         """The object that has this name in the new module. Raises AttributeError for `_name`."""
         if name.startswith("_"):
             # Python asks every module for private names such as __path__, and must not be warned.
@@ -28,4 +28,4 @@ def getattr_of_moved_module(
         warnings.warn(f"{old} has moved to {new}", DeprecationWarning, stacklevel=2)
         return value
 
-    return object_in_new_module
+    return object_of_new_module_with_warning

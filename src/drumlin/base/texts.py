@@ -55,10 +55,10 @@ def command_text_without_folders(words: Sequence[str]) -> str:
 
     Absolute paths are shortened to the file's name, because folders reveal the user's machine.
     """
-    return printable_single_line(shlex.join(map(_word_with_path_shortened, words)))
+    return printable_single_line(shlex.join(map(_command_word_with_path_cut_to_file_name, words)))
 
 
-def _word_with_path_shortened(word: str) -> str:
+def _command_word_with_path_cut_to_file_name(word: str) -> str:
     """A word of a command, with an absolute path in it shortened to the file's name.
 
     The word is a path itself, or an option such as --output=/folder/name.

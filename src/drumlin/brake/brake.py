@@ -111,7 +111,7 @@ class Shoe(Meshed):
     @property
     def flat(self) -> bool:
         """Whether the shoe presses on a plane."""
-        return self.surface.straight
+        return self.surface.is_plane_and_not_drum
 
     @property
     @abstractmethod
@@ -295,7 +295,7 @@ class Brake(Part):
         It is also the lever arm that converts a friction force to the torque on a drum, or to the
         braking force on a plane.
         """
-        return 1.0 if self.surface.straight else self.size
+        return 1.0 if self.surface.is_plane_and_not_drum else self.size
 
     @property
     def unit(self) -> float:
@@ -370,7 +370,7 @@ class Brake(Part):
         """
         return self.friction * self.sign_of_motion
 
-    def friction_per_pressure_on_shoe(self, shoe: Shoe) -> float:
+    def signed_friction_per_pressure_in_shoe_frame(self, shoe: Shoe) -> float:
         """Friction stress on the lining of a shoe per pressure at full slip.
 
         It is positive towards growing phi, the coordinate of the shoe's own frame.

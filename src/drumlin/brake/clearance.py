@@ -36,7 +36,7 @@ def unloaded_gap_of_shoe(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
     `theta` are coordinates along the surface (angles on a drum); the result has their shape.
     """
     lining, misfit = shoe.lining, shoe.lining.misfit
-    total = lining.clearance_at_coordinates(theta)
+    total = lining.clearance_at_surface_coordinates(theta)
     # Each part of the misfit is computed only if it is not zero.
     if misfit.radius is not None or misfit.offset.radius > 0:
         total = total + shoe.gap_due_to_lining_radius_and_offset(theta, brake.size)

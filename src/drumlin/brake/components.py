@@ -32,8 +32,8 @@ from drumlin.brake.fields import (
     Rows,
     Thickness,
     interpolate_number_or_table,
-    table,
     validator_of_number_or_table,
+    validator_of_table_with_growing_coordinates,
 )
 from drumlin.brake.units import SMALLEST, deg_text, mm_text
 
@@ -250,7 +250,9 @@ class Misfit(Part):
     radius: Thickness | None = None
     offset: Place = Point(x=0.0, y=0.0)
     taper: Length = 0.0
-    blocks: Annotated[Rows, table("angle", "rad", "depth", "m")] = ()
+    blocks: Annotated[
+        Rows, validator_of_table_with_growing_coordinates("angle", "rad", "depth", "m")
+    ] = ()
 
     def check(
         self,
@@ -322,7 +324,7 @@ class Lining(Part):
     def step(self) -> float:
         """Length of the rounded step between two blocks, in the surface's coordinate."""
 
-    def clearance_at_coordinates(self, theta: Floats) -> Floats:
+    def clearance_at_surface_coordinates(self, theta: Floats) -> Floats:
         """Clearance [m] without the misfit at the surface coordinates `theta`, same shape."""
         return interpolate_number_or_table(self.clearance, theta)
 

@@ -54,7 +54,7 @@ class Drive(Part):
         return self.pressure is None
 
     @property
-    def total(self) -> float:
+    def force_of_cylinder_or_sum_of_cam_forces(self) -> float:
         """Sum of a cam's forces on both shoes [N], or a cylinder's force on each shoe [N]."""
         # The force of a cylinder is the pressure times the area of the piston.
         if self.pressure is not None and self.diameter is not None:
@@ -131,7 +131,9 @@ def _strut_actuations_by_shoe_index(
                     f"link[{k}].{key} = {name!r}: must be the name of a shoe: {', '.join(places)}"
                 )
         source = shoes[places[link.source]]
-        lines[places[link.to]] = _actuation_along_strut(f"link[{k}]", source, link, links[:k])
+        lines[places[link.to]] = _actuation_of_shoe_pushed_by_strut(
+            f"link[{k}]", source, link, links[:k]
+        )
     return lines
 
 
@@ -160,11 +162,11 @@ def _actuation_of_shoe_without_strut(
     if drive is None:
         return own
     # The two forces of a cam are equal only here. A solve finds them from the shoes' stiffnesses.
-    share = drive.total / (2 if drive.is_cam else 1)
+    share = drive.force_of_cylinder_or_sum_of_cam_forces / (2 if drive.is_cam else 1)
     return own.model_copy(update={"force": share})
 
 
-def _actuation_along_strut(
+def _actuation_of_shoe_pushed_by_strut(
     key: str, source: Held, link: Link, before: tuple[Link, ...]
 ) -> Actuation:
     """Actuation of the shoe that a strut pushes: the strut's line of action, with the force 0.

@@ -102,7 +102,7 @@ class DrumShoe(Shoe):
 
     def surface_coordinate_of_point(self, point: Point) -> float:
         """Polar angle [rad] of a point, plus the whole turns that bring it near the lining."""
-        return self.surface.nearest(point.angle, self.lining.middle)
+        return self.surface.coordinate_plus_turns_nearest_to_middle(point.angle, self.lining.middle)
 
     def back(self, size: float) -> float:
         """Radius [m] of the back of the shoe's body."""

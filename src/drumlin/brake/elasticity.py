@@ -76,7 +76,9 @@ class ElasticLayer(NamedTuple):
     along: Floats | None = None
 
     @classmethod
-    def of(cls, material: AnyMaterial, width: float, along: Floats | None = None) -> "ElasticLayer":
+    def make_layer_in_plane_stress(
+        cls, material: AnyMaterial, width: float, along: Floats | None = None
+    ) -> "ElasticLayer":
         """Make a layer of this material and width [m] in plane stress; `along` as of the class."""
         return cls(plane_stress_elasticity_matrix(material), width, along)
 

@@ -46,7 +46,7 @@ def _quantity_in_si(value: object, info: ValidationInfo, si: str, key: str = "")
         raise ValueError(f"{key} = {value!r} {error}" if key else str(error)) from error
 
 
-def _validator_of_quantity(si: str) -> BeforeValidator:
+def _validator_that_converts_quantity_to_si(si: str) -> BeforeValidator:
     """Make the pydantic validator that converts a quantity to this SI unit."""
     return BeforeValidator(partial(_quantity_in_si, si=si))
 
@@ -86,13 +86,13 @@ def check_shoe_names_differ(names: Sequence[str]) -> None:
 
 
 # Types of the quantities of a brake file: each converts a text with a unit to a number in SI units.
-Length = Annotated[float, _validator_of_quantity("m")]
-Thickness = Annotated[float, Field(gt=0), _validator_of_quantity("m")]
-Angle = Annotated[float, _validator_of_quantity("rad")]
-Force = Annotated[float, _validator_of_quantity("N")]
-Torque = Annotated[float, _validator_of_quantity("N m")]
-Modulus = Annotated[float, Field(gt=0), _validator_of_quantity("Pa")]
-BendingStiffness = Annotated[float, Field(gt=0), _validator_of_quantity("N m^2")]
+Length = Annotated[float, _validator_that_converts_quantity_to_si("m")]
+Thickness = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("m")]
+Angle = Annotated[float, _validator_that_converts_quantity_to_si("rad")]
+Force = Annotated[float, _validator_that_converts_quantity_to_si("N")]
+Torque = Annotated[float, _validator_that_converts_quantity_to_si("N m")]
+Modulus = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("Pa")]
+BendingStiffness = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("N m^2")]
 Title = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_check_title_is_one_line)]
 Name = Annotated[
     str, Field(min_length=1, max_length=80), AfterValidator(_check_name_has_allowed_characters)
@@ -164,7 +164,7 @@ class Material(Part):
         return self.nu
 
     @property
-    def E_half_plane(self) -> float:
+    def young_modulus_of_equivalent_half_plane(self) -> float:
         """Young's modulus [Pa] of the isotropic half-plane with the same surface compliance."""
         return self.E
 
@@ -268,7 +268,7 @@ class Orthotropic(Part):
         return (-a * b - reach) * unit, (-a * b + reach) * unit
 
     @property
-    def E_half_plane(self) -> float:
+    def young_modulus_of_equivalent_half_plane(self) -> float:
         """Young's modulus [Pa] of the isotropic half-plane with the same surface compliance.
 
         Under a sinusoidal pressure of amplitude p and wave number k the surface of an isotropic
@@ -309,7 +309,7 @@ def _check_poisson_ratio_is_small_enough(
         )
 
 
-def _kind_of_material_data(data: object) -> str:
+def _kind_of_material_isotropic_or_orthotropic(data: object) -> str:
     """Tell whether data are those of an "isotropic" or of an "orthotropic" material.
 
     The data are orthotropic if they have a key that only an orthotropic material has.
@@ -322,7 +322,7 @@ def _kind_of_material_data(data: object) -> str:
 # The keys of a material tell whether it is read as isotropic or as orthotropic.
 AnyMaterial = Annotated[
     Annotated[Material, Tag("isotropic")] | Annotated[Orthotropic, Tag("orthotropic")],
-    Discriminator(_kind_of_material_data),
+    Discriminator(_kind_of_material_isotropic_or_orthotropic),
 ]
 
 
@@ -384,29 +384,36 @@ def validator_of_number_or_table(place: str, place_si: str, name: str, si: str) 
     place, place_si : word for the coordinate in error messages, and its SI unit
     name, si : word for the value in error messages, and its SI unit
     """
-    read = partial(_read_number_or_table, si=si, place=place, name=name, row=(place_si, si))
+    read = partial(
+        _convert_number_or_table_to_si, si=si, place=place, name=name, row=(place_si, si)
+    )
     return BeforeValidator(read)
 
 
-def table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
+def validator_of_table_with_growing_coordinates(
+    place: str, place_si: str, name: str, si: str
+) -> BeforeValidator:
     """Make the validator of a table of rows (coordinate, value) with growing coordinates.
 
     The parameters are those of `validator_of_number_or_table`.
     """
-    return BeforeValidator(partial(_read_table_rows, place=place, name=name, row=(place_si, si)))
+    return BeforeValidator(
+        partial(_convert_table_rows_to_si, place=place, name=name, row=(place_si, si))
+    )
 
 
-def _read_number_or_table(
+def _convert_number_or_table_to_si(
     value: object, info: ValidationInfo, *, si: str, place: str, name: str, row: tuple[str, str]
 ) -> float | Rows:
     """Convert a number, or a table of rows (coordinate, value), to SI units.
 
     Raises ValueError for other data and for a table of fewer than two rows. The parameters are
-    those of `_read_table_rows`; `si` is the SI unit of a number that stands in place of the table.
+    those of `_convert_table_rows_to_si`; `si` is the SI unit of a number that stands in place of
+    the table.
     """
     if not isinstance(value, list | tuple):
         return _quantity_in_si(value, info, si)
-    rows = _read_table_rows(
+    rows = _convert_table_rows_to_si(
         value, info, place=place, name=name, row=row, kinds=f"{QUANTITY_NAMES[si]} or rows"
     )
     if len(rows) < 2:
@@ -414,7 +421,7 @@ def _read_number_or_table(
     return rows
 
 
-def _read_table_rows(
+def _convert_table_rows_to_si(
     value: object,
     info: ValidationInfo,
     *,
@@ -500,7 +507,7 @@ def _validator_argument_in_field_type(annotation: Any, key: str, pure: Any = Non
     return None
 
 
-def table_from_arrays(places: Floats, values: Floats) -> Rows:
+def table_rows_from_coordinates_and_values(places: Floats, values: Floats) -> Rows:
     """Make the table of rows (coordinate, value) from two arrays (n,).
 
     `places` are the coordinates of the rows; they must grow.

@@ -263,7 +263,7 @@ def numerical_value_of_brake_key(brake: Part, key: str) -> float:
     return float(values[0])
 
 
-def first_differing_key(one: Part, other: Part) -> str | None:
+def first_key_in_which_two_brakes_differ(one: Part, other: Part) -> str | None:
     """The first key in which two brakes differ by more than round-off; None for equal brakes.
 
     Titles are not compared.

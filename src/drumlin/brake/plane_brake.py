@@ -37,8 +37,8 @@ from drumlin.brake.fields import (
     Thickness,
     Title,
     check_shoe_names_differ,
-    table,
     validator_of_number_or_table,
+    validator_of_table_with_growing_coordinates,
 )
 from drumlin.brake.file import (
     make_validated_part,
@@ -66,7 +66,9 @@ class FlatMisfit(Misfit):
     """
 
     radius: Length | None = None
-    blocks: Annotated[Rows, table("place", "m", "depth", "m")] = ()
+    blocks: Annotated[
+        Rows, validator_of_table_with_growing_coordinates("place", "m", "depth", "m")
+    ] = ()
 
 
 class FlatLining(Lining):

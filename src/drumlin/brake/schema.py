@@ -22,7 +22,7 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 QUANTITY = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?\s*[A-Za-zµμ°%1].*$"
 
 
-def schema_of_quantity(si: str) -> dict[str, Any]:
+def json_schema_of_quantity_with_unit(si: str) -> dict[str, Any]:
     """The schema of a quantity: a text of a number and a unit of the same dimension as `si`."""
     said = f"{QUANTITY_NAMES[si]} with its unit, such as {EXAMPLES[si]!r}"
     return {"type": "string", "pattern": QUANTITY, "description": said, "examples": [EXAMPLES[si]]}
@@ -43,7 +43,7 @@ class UnitSchema(GenerateJsonSchema):
         if function is fields._point_from_polar_coordinates:
             return {"anyOf": [found, _POLAR]}
         if isinstance(function, partial):
-            return _schema_with_units(found, function.keywords.get("si"))
+            return _json_schema_of_texts_with_units(found, function.keywords.get("si"))
         return found
 
 
@@ -51,13 +51,16 @@ class UnitSchema(GenerateJsonSchema):
 _POLAR = {
     "type": "object",
     "description": "about the drum's centre, counter-clockwise from +x",
-    "properties": {"radius": schema_of_quantity("m"), "angle": schema_of_quantity("rad")},
+    "properties": {
+        "radius": json_schema_of_quantity_with_unit("m"),
+        "angle": json_schema_of_quantity_with_unit("rad"),
+    },
     "required": ["radius", "angle"],
     "additionalProperties": False,
 }
 
 
-def _schema_with_units(found: JsonSchemaValue, si: str | None) -> JsonSchemaValue:
+def _json_schema_of_texts_with_units(found: JsonSchemaValue, si: str | None) -> JsonSchemaValue:
     """Convert the schema of numbers in SI to the schema of texts with units.
 
     Parameters
@@ -66,9 +69,14 @@ def _schema_with_units(found: JsonSchemaValue, si: str | None) -> JsonSchemaValu
     si : SI unit of the number; None if any unit is allowed
     """
     if "anyOf" in found:
-        return {**found, "anyOf": [_schema_with_units(part, si) for part in found["anyOf"]]}
+        return {
+            **found,
+            "anyOf": [_json_schema_of_texts_with_units(part, si) for part in found["anyOf"]],
+        }
     if found.get("type") == "number":
-        return schema_of_quantity(si) if si else {"type": "string", "pattern": QUANTITY}
+        return (
+            json_schema_of_quantity_with_unit(si) if si else {"type": "string", "pattern": QUANTITY}
+        )
     # Any other schema is that of a table of numbers: rows of two quantities.
     row = {
         "type": "array",
@@ -121,7 +129,7 @@ The schema calls them Brake, Lining, Shoe and Body; editors of users may rely on
 """
 
 
-def brake_schema() -> dict[str, Any]:
+def json_schema_of_brake_file() -> dict[str, Any]:
     """The JSON schema of a brake file, for brakes on a drum and on a plane."""
     made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
     found = json.loads(IN_FILES.sub(r'"\1\2\3"', json.dumps(schema_reduced_to_file_content(made))))

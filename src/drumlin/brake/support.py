@@ -100,7 +100,7 @@ def motion_of_slide_in_direction(angle: float) -> Floats:
     return np.array([math.cos(angle), math.sin(angle), 0.0])
 
 
-def work_of_force_on_motions(motions: Floats, force: Floats, point: Floats) -> Floats:
+def work_of_force_in_rigid_body_motions(motions: Floats, force: Floats, point: Floats) -> Floats:
     """Work (k,) that a force (2,) [N] at a point (2,) [m] does on k rigid-body motions (k, 3)."""
     (x, y), (fx, fy) = point, force
     return motions @ np.array([fx, fy, x * fy - y * fx])
@@ -188,26 +188,28 @@ class Held(Part):
             return self.hinge
         return self.actuation.point if self.abutment is None else self.abutment.point
 
-    def under(self, force: float) -> Self:
+    def shoe_with_changed_actuation_force(self, force: float) -> Self:
         """A copy of the shoe whose actuation has another force [N]."""
         actuation = self.actuation.model_copy(update={"force": force})
         return self.model_copy(update={"actuation": actuation})
 
     @property
-    def bearing(self) -> Floats:
+    def unit_vector_of_abutment_force_on_foot(self) -> Floats:
         """Unit vector (2,) of the force that an abutment without friction exerts on the foot."""
         assert self.abutment is not None
         return np.array([math.cos(self.abutment.direction), math.sin(self.abutment.direction)])
 
     @property
-    def senses(self) -> tuple[int, ...]:
+    def senses_of_abutment_friction_to_try(self) -> tuple[int, ...]:
         """Senses of the abutment's friction to try in a solve, in this order; see `freedoms`.
 
         A support without friction has the sense 1 only.
         """
         return (1, -1, 0) if self.abutment is not None and self.abutment.friction > 0 else (1,)
 
-    def stands(self, reaction: Floats, sense: int, slide: float) -> bool:
+    def can_abutment_exert_reaction_on_foot(
+        self, reaction: Floats, sense: int, slide: float
+    ) -> bool:
         """Whether an abutment can exert a given reaction on the foot.
 
         It can if it presses on the foot, and if its friction opposes the slide of the foot or is
@@ -221,7 +223,7 @@ class Held(Part):
         """
         if self.abutment is None:
             return True
-        c, s = self.bearing
+        c, s = self.unit_vector_of_abutment_force_on_foot
         # These are the components of the reaction normal to the face and along the face.
         bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
         if bearing <= 0 or self.abutment.friction == 0:
@@ -264,8 +266,8 @@ class Held(Part):
             tests.append(motions[-1])
             names.append("off")
         moved, tested = np.array(motions), np.array(tests)
-        work = work_of_force_on_motions(tested, self.actuation.force_vector, at)
-        tip = work_of_force_on_motions(moved, self.actuation.unit_vector_of_force, at)
+        work = work_of_force_in_rigid_body_motions(tested, self.actuation.force_vector, at)
+        tip = work_of_force_in_rigid_body_motions(moved, self.actuation.unit_vector_of_force, at)
         # With a pivot the actuation acts on the lever. It does no work as the shoe tilts about it.
         if self.pivot is not None:
             work[1] = tip[1] = 0.0
@@ -280,27 +282,31 @@ class Held(Part):
         """
         k = len(self.freedoms(sense).names)
 
-        def equal_changes(row: int, change: Floats) -> SupportChange:
+        def same_derivative_of_motion_and_test_mode(row: int, change: Floats) -> SupportChange:
             """The same derivative (3,) of the rigid-body mode and of the test mode `row`."""
             return SupportChange(
                 _changes_of_one_mode_alone(k, row, change),
                 _changes_of_one_mode_alone(k, row, change),
             )
 
-        def changes_with_point(row: int) -> tuple[SupportChange, ...]:
+        def mode_derivatives_as_turning_point_moves(row: int) -> tuple[SupportChange, ...]:
             """Derivatives of mode `row`, a turn about a point, as the point moves in x and y."""
-            along_x = equal_changes(row, np.array([0.0, -1.0, 0.0]))
-            along_y = equal_changes(row, np.array([1.0, 0.0, 0.0]))
+            along_x = same_derivative_of_motion_and_test_mode(row, np.array([0.0, -1.0, 0.0]))
+            along_y = same_derivative_of_motion_and_test_mode(row, np.array([1.0, 0.0, 0.0]))
             return along_x, along_y
 
         if self.guide is not None:
             # The derivative of a unit vector by its angle is the vector turned by 90 deg.
             turned = motion_of_slide_in_direction(self.guide.direction + math.pi / 2)
-            return {"guide.direction": (equal_changes(0, turned),)}
+            return {"guide.direction": (same_derivative_of_motion_and_test_mode(0, turned),)}
         if self.abutment is None:
-            of_hinge = {"hinge": changes_with_point(0)}
-            return of_hinge if self.pivot is None else {**of_hinge, "pivot": changes_with_point(1)}
-        found = {"abutment.point": changes_with_point(0)}
+            of_hinge = {"hinge": mode_derivatives_as_turning_point_moves(0)}
+            return (
+                of_hinge
+                if self.pivot is None
+                else {**of_hinge, "pivot": mode_derivatives_as_turning_point_moves(1)}
+            )
+        found = {"abutment.point": mode_derivatives_as_turning_point_moves(0)}
         # If the foot sticks, the modes do not depend on the direction of the face.
         if sense == 0:
             return found
@@ -375,7 +381,7 @@ class MeshGroups(Part):
         return [str(name).lower() for name in several]
 
     @property
-    def given(self) -> list[str]:
+    def element_groups_named_in_brake_file(self) -> list[str]:
         """The groups for which the brake file gives other names or numbers than drumlin's."""
         return [group for group in type(self).model_fields if getattr(self, group) is not None]
 

@@ -90,7 +90,7 @@ class FrictionSurface:
     period: float
 
     @property
-    def straight(self) -> bool:
+    def is_plane_and_not_drum(self) -> bool:
         """Whether the surface is a plane and not a drum."""
         return self.period == 0
 
@@ -103,7 +103,7 @@ class FrictionSurface:
 
     def along(self, q: Floats) -> Floats:
         """Unit tangents (2, ...) of the surface at the coordinates q, towards growing q."""
-        if self.straight:
+        if self.is_plane_and_not_drum:
             return np.array([np.ones(np.shape(q)), np.zeros(np.shape(q))])
         return np.array([-np.sin(q), np.cos(q)])
 
@@ -112,7 +112,7 @@ class FrictionSurface:
 
         They point from an internal lining into the drum, or from a lining into the plane.
         """
-        if self.straight:
+        if self.is_plane_and_not_drum:
             return np.array([np.zeros(np.shape(q)), -np.ones(np.shape(q))])
         return np.array([np.cos(q), np.sin(q)])
 
@@ -123,7 +123,7 @@ class FrictionSurface:
         gives, the second row for unit forces along the surface. `size` [m] is the drum's radius.
         """
         zero = np.zeros(np.shape(q))
-        if self.straight:
+        if self.is_plane_and_not_drum:
             return np.array([-np.asarray(q), zero])
         return np.array([zero, zero + size])
 
@@ -133,11 +133,11 @@ class FrictionSurface:
         It tells by how many turns two linings are given apart from each other. Then `twice` is the
         sum of the two ends of the first lining minus that of the second lining.
         """
-        return 0.0 if self.straight else self.period * round(twice / (2 * self.period))
+        return 0.0 if self.is_plane_and_not_drum else self.period * round(twice / (2 * self.period))
 
-    def nearest(self, q: float, middle: float) -> float:
+    def coordinate_plus_turns_nearest_to_middle(self, q: float, middle: float) -> float:
         """The coordinate q plus the whole turns that bring it nearest to `middle`."""
-        return q if self.straight else middle + math.remainder(q - middle, self.period)
+        return q if self.is_plane_and_not_drum else middle + math.remainder(q - middle, self.period)
 
 
 # The friction surface of every brake on a drum.

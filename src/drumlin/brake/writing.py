@@ -111,9 +111,12 @@ def _toml_text_of_value(value: Any, field: FieldInfo) -> str:
     kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     if isinstance(value, tuple):
         place, size = si_units_of_table_field(kind)
-        rows = [f"[{quantity_text(a, place)}, {quantity_text(b, size)}]" for a, b in value]
+        rows = [
+            f"[{quoted_toml_text_of_quantity(a, place)}, {quoted_toml_text_of_quantity(b, size)}]"
+            for a, b in value
+        ]
         return f"[{', '.join(rows)}]"
-    return quantity_text(value, si_unit_of_field_type(kind) or "")
+    return quoted_toml_text_of_quantity(value, si_unit_of_field_type(kind) or "")
 
 
 def _toml_text_in_quotes(text: str) -> str:
@@ -139,7 +142,7 @@ def _toml_text_of_part_in_one_line(part: Part) -> str:
     return f"{{ {', '.join(pairs)} }}"
 
 
-def quantity_text(value: float, si: str) -> str:
+def quoted_toml_text_of_quantity(value: float, si: str) -> str:
     """A quantity as the quoted text of a brake file, such as "150 mm", exact to the last digit.
 
     `value` is the number in the SI unit `si`. A number without unit (`si` is "") has no quotes.

@@ -27,7 +27,7 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
     Lines on shoes that do not touch the drum are printed first. `verbose` is whether reactions,
     figures of merit, solution steps, times and neglected effects are printed, too.
     """
-    notes = _Notes.sorted_from_response(response)
+    notes = _Notes.response_notes_sorted_by_printing_place(response)
     print_folded_line(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
     for line in notes.apart:
         print_folded_line(line)
@@ -66,7 +66,7 @@ class _Notes(NamedTuple):
     others: list[str]
 
     @classmethod
-    def sorted_from_response(cls, response: "Response") -> "_Notes":
+    def response_notes_sorted_by_printing_place(cls, response: "Response") -> "_Notes":
         """The notes of a response, sorted by the words that each note begins with or contains."""
         notes = cls([], [], [], [])
         for line in response.notes:

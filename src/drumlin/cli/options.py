@@ -112,9 +112,9 @@ def options_given_by_user(**options: Any) -> dict[str, Any]:
 
     Raises BadInput for a number of elements out of range.
     """
-    from drumlin.models import options_with_values
+    from drumlin.models import options_that_user_has_given
 
-    return options_with_values(**options)
+    return options_that_user_has_given(**options)
 
 
 def penalty_as_number(penalty: str | None) -> float | None:

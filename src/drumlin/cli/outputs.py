@@ -56,7 +56,7 @@ def mesh(
     from drumlin.base.files import check_output_files_are_writable
     from drumlin.fem.mesh.file import write_shoe_mesh_to_file
     from drumlin.fem.preparation.prepare import make_prepared_model
-    from drumlin.fem.solve import require_division_options_have_effect
+    from drumlin.fem.solve import require_element_options_have_effect
 
     if name is not None and Path(name).name != name:
         raise BadInput(
@@ -67,7 +67,7 @@ def mesh(
         options_given_by_user(elements=elements, kind=kind),
     )
     brake.check_shoes_can_be_meshed()
-    require_division_options_have_effect(brake, **options)
+    require_element_options_have_effect(brake, **options)
     paths = [output / f"{name or brake_file.stem}_{shoe.name}.{suffix}" for shoe in brake.shoes]
     check_output_files_are_writable(*paths)
     with show_spinner_beside_words("meshing"):
@@ -92,7 +92,7 @@ def export(
     """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
     from drumlin.base.files import check_path_can_be_folder
     from drumlin.brake.plane_brake import read_brake_file_with_drum
-    from drumlin.fem.solve import require_division_options_have_effect
+    from drumlin.fem.solve import require_element_options_have_effect
     from drumlin.peers import calculix, solid_deck
 
     if model not in {"fem", "solid"}:
@@ -105,11 +105,11 @@ def export(
         read_brake_file_with_drum(brake_file, "export"),
         options_given_by_user(elements=elements, kind=kind),
     )
-    require_division_options_have_effect(brake, **options)
+    require_element_options_have_effect(brake, **options)
     check_path_can_be_folder(output)
     with show_spinner_beside_words("writing"):
         write = (
-            calculix.export_calculix_decks
+            calculix.export_calculix_deck_of_each_shoe
             if model == "fem"
             else solid_deck.export_solid_calculix_decks
         )

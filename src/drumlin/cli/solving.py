@@ -106,10 +106,10 @@ def _check_model_applies_and_takes_options(
 
     The check is done before any brake is solved.
     """
-    from drumlin.models import check_options_belong_to_model, model_by_name
+    from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
 
     for brake in brakes:
-        model_by_name(model, brake)
+        model_with_name_that_applies_to_brake(model, brake)
     check_options_belong_to_model(model, options)
 
 
@@ -195,7 +195,7 @@ def compare(
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.base.files import check_path_can_be_folder
     from drumlin.brake.file import read_text_of_brake_file
-    from drumlin.report.comparison import write_comparison_page
+    from drumlin.report.comparison import compare_models_and_write_html_page
 
     text = read_text_of_brake_file(brake_file)
     brake = drumlin.read_brake(brake_file, text)
@@ -208,7 +208,7 @@ def compare(
         finite_width=finite_width,
     )
     with show_spinner_beside_words("comparing the models"):
-        result = write_comparison_page(brake, text, folder, options)
+        result = compare_models_and_write_html_page(brake, text, folder, options)
     print_folded_line(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
     print_table_of_compared_models(result.table, result.columns)
     for line in result.notes:

@@ -16,9 +16,7 @@ from drumlin.cli.terminal import print_folded_line, print_text_unchanged
 def init(
     name: Annotated[
         str | None,
-        typer.Argument(
-            metavar="[NAME]", help="an example; without one they are listed"
-        ),
+        typer.Argument(metavar="[NAME]", help="an example; without one they are listed"),
     ] = None,
 ) -> None:
     """List the example brakes, or print one of them: drumlin init double_shoe > my.toml."""
@@ -44,10 +42,10 @@ def schema(
 
     An editor completes a file whose first line names the schema: #:schema FILE.
     """
-    from drumlin.brake.schema import brake_schema
+    from drumlin.brake.schema import json_schema_of_brake_file
     from drumlin.sweeps.schema import json_schema_of_sweep_file
 
-    made = {"brake": brake_schema, "sweep": json_schema_of_sweep_file}
+    made = {"brake": json_schema_of_brake_file, "sweep": json_schema_of_sweep_file}
     if kind not in made:
         raise BadInput(
             f"KIND = {kind!r}: unknown kind of file{did_you_mean_hint(kind, made)}; allowed: "

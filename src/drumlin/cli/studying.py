@@ -55,12 +55,12 @@ def sweep(
     After a stop the same command goes on with the missing cases.
     """
     from drumlin.base.files import check_output_files_are_writable
-    from drumlin.sweeps.file import read_sweep
+    from drumlin.sweeps.file import read_sweep_from_toml_file
     from drumlin.sweeps.run import rows_of_sweep_table, solve_sweep_with_journal
     from drumlin.sweeps.table import check_table_file_is_writable, write_table_file
 
     with show_progress_bar_if_long(f"reading {sweep_file.name}") as judged:
-        made = read_sweep(sweep_file, judged)
+        made = read_sweep_from_toml_file(sweep_file, judged)
     table_file = output or Path(f"{sweep_file.stem}.csv")
     check_table_file_is_writable(table_file)
     check_output_files_are_writable(table_file)

@@ -379,7 +379,7 @@ class _PathSegment(NamedTuple):
     value: Floats
     slope: Floats
 
-    def pressures_and_gaps_at(self, s: float) -> Floats:
+    def pressures_and_gaps_at_path_parameter(self, s: float) -> Floats:
         """Return the pressures of the contact set and the gaps of all other nodes (n,) at s."""
         return self.value + s * self.slope
 
@@ -411,7 +411,7 @@ def find_contact_set_by_closing_wide_gaps(problem: ContactProblem) -> tuple[Bool
         equations = ContactSetEquations(K, system.mark_unknowns_of_contact_set(active))
         if step == 0:
             lift[:n] = _added_gaps_that_open_other_nodes(system, equations, active)
-        line = _linear_pressures_and_gaps_on_contact_set(system, equations, active, lift)
+        line = _pressures_and_gaps_as_linear_path_segment(system, equations, active, lift)
         # The pressure or gap of the node that has changed last is zero, and must grow from zero.
         # Its slope therefore gives the sense in which s changes.
         if step > 0:
@@ -429,7 +429,7 @@ def find_contact_set_by_closing_wide_gaps(problem: ContactProblem) -> tuple[Bool
             # Without the leaving node the shoe is free to move in a rigid-body mode. The node that
             # stops this motion takes its place.
             active[last] = True
-            gaps = np.where(active, 0.0, line.pressures_and_gaps_at(s))
+            gaps = np.where(active, 0.0, line.pressures_and_gaps_at_path_parameter(s))
             touched = _find_node_that_closes_first(K, equations, gaps, last, active)
             if touched is None:
                 break
@@ -452,7 +452,7 @@ def _added_gaps_that_open_other_nodes(
     return np.where(active, 0.0, np.maximum(-w, 0.0) + smallest * uneven)
 
 
-def _linear_pressures_and_gaps_on_contact_set(
+def _pressures_and_gaps_as_linear_path_segment(
     system: ScaledContactSystem, equations: ContactSetEquations, active: Bools, lift: Floats
 ) -> _PathSegment:
     """Return pressures and gaps on a contact set (n,) as linear functions of s.
@@ -473,7 +473,9 @@ def _steps_until_pressure_or_gap_vanishes(line: _PathSegment, s: float, directio
     """
     falls = direction * line.slope < 0
     reach = np.full(len(falls), np.inf)
-    reach[falls] = np.maximum(line.pressures_and_gaps_at(s), 0.0)[falls] / np.abs(line.slope[falls])
+    reach[falls] = np.maximum(line.pressures_and_gaps_at_path_parameter(s), 0.0)[falls] / np.abs(
+        line.slope[falls]
+    )
     return reach
 
 
@@ -608,17 +610,19 @@ def _find_nodes_that_touch_first(
         load = h[modes] - C[modes] @ p
         if len(modes) > 1:
             moved = (B[:, modes] != 0).any(axis=1)
-            first = _find_nodes_that_balance_load_on_modes(q, B[:, modes], C[modes], load, moved)
+            first = _find_touching_nodes_that_balance_shoe_load(
+                q, B[:, modes], C[modes], load, moved
+            )
             touching[first] = True
         else:
-            reach = _motion_in_mode_until_each_node_touches(problem, modes[0], load)
+            reach = _rigid_body_motion_until_each_node_touches(problem, modes[0], load)
             first = np.array([reach.argmin()])
             touching[first if one_node_per_mode else reach <= reach.min()] = True
         p[first] = np.linalg.solve(C[modes][:, first], load)
     return touching
 
 
-def _motion_in_mode_until_each_node_touches(
+def _rigid_body_motion_until_each_node_touches(
     problem: ContactProblem, mode: int, load: Floats
 ) -> Floats:
     """Return the size (n,) of the motion in a rigid-body mode at which each node touches.
@@ -684,7 +688,7 @@ def _group_modes_that_move_the_same_nodes(moved: Bools) -> list[list[int]]:
     return found
 
 
-def _find_nodes_that_balance_load_on_modes(
+def _find_touching_nodes_that_balance_shoe_load(
     q: Floats, B: Floats, C: Floats, h: Floats, moved: Bools
 ) -> Ints:
     """Return the numbers of k nodes at which a shoe with k rigid-body modes touches first.
@@ -717,7 +721,7 @@ def _find_nodes_that_balance_load_on_modes(
     sets = candidates[indices]
     # Only sets whose nodes hold the shoe in all modes are kept.
     equilibria, closings = C.T[sets].transpose(0, 2, 1), B[sets]  # (sets, k, k)
-    holds = _are_matrices_nonsingular(equilibria) & _are_matrices_nonsingular(
+    holds = _mark_nonsingular_matrices(equilibria) & _mark_nonsingular_matrices(
         closings.transpose(0, 2, 1)
     )
     sets, equilibria, closings = sets[holds], equilibria[holds], closings[holds]
@@ -735,7 +739,7 @@ def _find_nodes_that_balance_load_on_modes(
     return np.asarray(sets[pressed][np.argmax(smallest_gap)])
 
 
-def _are_matrices_nonsingular(matrices: Floats) -> Bools:
+def _mark_nonsingular_matrices(matrices: Floats) -> Bools:
     """Whether each of the matrices (m, k, k) has a determinant above round-off, as bools (m,).
 
     The rows stand for rigid-body modes and the columns for nodes.

@@ -105,7 +105,7 @@ def scale_contact_problem(
     A, q, B, C, h = problem
     n, k = B.shape
     rows, columns = (
-        _row_and_column_scale_factors(problem)
+        _scale_factors_of_contact_problem(problem)
         if scales_of is None
         else (scales_of.row_scales, scales_of.column_scales)
     )
@@ -120,7 +120,7 @@ def scale_contact_problem(
     return ScaledContactSystem(K, r, rows, columns, n)
 
 
-def _row_and_column_scale_factors(problem: ContactProblem) -> tuple[Floats, Floats]:
+def _scale_factors_of_contact_problem(problem: ContactProblem) -> tuple[Floats, Floats]:
     """Return the scale factors (n + k,) of the rows, and those of the columns, of a problem."""
     A, _, B, C, _ = problem
     k = B.shape[1]
@@ -162,7 +162,7 @@ class ContactSetEquations:
         self._free_numbers = free.nonzero()[0]
         whole = len(self._free_numbers) == len(K)
         matrix = K.copy() if whole else K.take(self._free_numbers, 0).take(self._free_numbers, 1)
-        self._factors = _factorise_transposed_matrix(matrix)
+        self._factors = _lu_factors_and_pivots_of_transposed_matrix(matrix)
 
     def solve(self, r: Floats) -> Floats:
         """Return x with r + K x = 0 in the rows of the free unknowns; all other x are 0.
@@ -214,7 +214,7 @@ class BorderedEquations(ContactSetEquations):
         # the border.
         schur = self._released_pressures_and_added_gaps(self._base_solution_per_border_unknown)
         schur[released:, released:] += K[added[:, None], added]
-        self._schur_factors = _factorise_transposed_matrix(schur)
+        self._schur_factors = _lu_factors_and_pivots_of_transposed_matrix(schur)
 
     @property
     def determinant_sign(self) -> int:
@@ -279,7 +279,7 @@ def can_contact_resist_all_rigid_body_modes(
     return not ((values.imag == 0) & (values.real < 0)).any()
 
 
-def _factorise_transposed_matrix(matrix: Floats) -> tuple[Floats, Ints]:
+def _lu_factors_and_pivots_of_transposed_matrix(matrix: Floats) -> tuple[Floats, Ints]:
     """Return LU factors and pivots of the transposed matrix; the matrix itself is overwritten.
 
     The transposed matrix lies column by column in memory, as LAPACK requires. Raises NoAnswer for a

@@ -104,7 +104,7 @@ class FrictionDependentProblem(NamedTuple):
     C_per_friction: Floats
 
     @classmethod
-    def from_problems_at_two_frictions(
+    def friction_dependent_problem_from_two_frictions(
         cls, frictionless: ContactProblem, other: ContactProblem, friction: float = 1.0
     ) -> "FrictionDependentProblem":
         """Make the linear function of mu from the problems at mu = 0 and at another friction."""
@@ -114,7 +114,7 @@ class FrictionDependentProblem(NamedTuple):
             (other.C - frictionless.C) / friction,
         )
 
-    def contact_problem_with_friction(self, friction: float) -> ContactProblem:
+    def contact_problem_at_friction_coefficient(self, friction: float) -> ContactProblem:
         """The contact problem at a friction coefficient."""
         A, q, B, C, h = self.frictionless
         return ContactProblem(
@@ -191,7 +191,7 @@ def find_friction_limit_of_contact(
         steps += 1
         target = min(mu + step, largest_friction)
         after = _find_stable_contact_or_none(problem, target, found.active)
-        if after is not None and _is_same_solution_at_more_friction(after, found, areas):
+        if after is not None and _is_contact_continued_at_higher_friction(after, found, areas):
             step = min(2 * step, LARGEST_FRICTION_STEP * max(1.0, mu))
             found, mu = after, target
             continue
@@ -199,7 +199,7 @@ def find_friction_limit_of_contact(
         # is the limit. Otherwise the step is halved.
         if not np.array_equal(critical_set, found.active):
             try:
-                critical = next_friction_with_singular_contact_set(problem, mu, found.active)
+                critical = next_friction_with_singular_contact_equations(problem, mu, found.active)
             except np.linalg.LinAlgError:
                 # The last step has met the singular friction itself.
                 critical = mu
@@ -212,7 +212,9 @@ def find_friction_limit_of_contact(
     return FrictionLimit(np.inf, False, found, mu, steps)
 
 
-def _is_same_solution_at_more_friction(after: Contact, before: Contact, areas: Floats) -> bool:
+def _is_contact_continued_at_higher_friction(
+    after: Contact, before: Contact, areas: Floats
+) -> bool:
     """Whether a solution continues the solution at the last, smaller friction coefficient.
 
     It does if the same nodes touch, or if the contact force has grown by little.
@@ -324,11 +326,13 @@ def solve_contact_reached_from_zero_friction(
     # Second, the solution is followed in steps of friction, if possible from half of the friction.
     known = None
     half = at_once.contact_at_half_friction
-    if half is not None and _is_on_path_from_zero_friction(problem_at, 0.5 * friction, half, areas):
+    if half is not None and _is_contact_reached_from_zero_friction(
+        problem_at, 0.5 * friction, half, areas
+    ):
         known = (0.5 * friction, half)
     try:
         end = find_friction_limit_of_contact(
-            FrictionDependentProblem.from_problems_at_two_frictions(
+            FrictionDependentProblem.friction_dependent_problem_from_two_frictions(
                 problem_at(0.0), problem_at(1.0)
             ),
             friction,
@@ -420,14 +424,14 @@ def _solve_and_check_by_coarse_solution(
     the solution on all nodes; None if it differs from the coarse solution, is unstable or does not
     converge
     """
-    coarse = FrictionDependentProblem.from_problems_at_two_frictions(
+    coarse = FrictionDependentProblem.friction_dependent_problem_from_two_frictions(
         contact_problem_on_every_other_node(frictionless),
         contact_problem_on_every_other_node(problem),
         friction,
     )
     try:
         like = solve_contact_reached_from_zero_friction(
-            coarse.contact_problem_with_friction,
+            coarse.contact_problem_at_friction_coefficient,
             friction,
             None,
             restrict_array_to_every_other_node(areas),
@@ -446,7 +450,7 @@ def _solve_and_check_by_coarse_solution(
     return found if found.stable and same else None
 
 
-def _is_on_path_from_zero_friction(
+def _is_contact_reached_from_zero_friction(
     problem_at: Callable[[float], ContactProblem], friction: float, found: Contact, areas: Floats
 ) -> bool:
     """Whether friction that grows from mu = 0 certainly leads to a solution `found`.
@@ -480,7 +484,7 @@ def _node_areas_or_ones(problem: ContactProblem, areas: Floats | None) -> Floats
     return np.ones(len(problem.q)) if areas is None else areas
 
 
-def next_friction_with_singular_contact_set(
+def next_friction_with_singular_contact_equations(
     problem: FrictionDependentProblem, friction: float, active: Bools
 ) -> float:
     """Return the smallest friction above `friction` at which a contact set (n,) has no solution.
@@ -490,7 +494,7 @@ def next_friction_with_singular_contact_set(
     the singular friction mu - 1/gamma. Raises numpy's LinAlgError where K is singular at `friction`
     itself.
     """
-    system = scale_contact_problem(problem.contact_problem_with_friction(friction))
+    system = scale_contact_problem(problem.contact_problem_at_friction_coefficient(friction))
     nodes = np.flatnonzero(active)
     unknowns = np.flatnonzero(system.mark_unknowns_of_contact_set(active))
     # K1 has columns of pressures alone: friction does not act on rigid-body motions.
@@ -526,7 +530,7 @@ class StartSetComparison(NamedTuple):
     difference: float
 
 
-def compare_solutions_from_first_contact_sets(
+def compare_solutions_from_starting_contact_sets(
     problem: ContactProblem, answer: Contact, starts: list[Bools], tolerance: float = 1e-6
 ) -> StartSetComparison:
     """Solve a contact problem from several first contact sets, and compare the solutions.
@@ -573,7 +577,9 @@ def smallest_singular_friction_of_contact_sets(problem: FrictionDependentProblem
         # A contact set that leaves a mode free is singular at any friction. No solution has such a
         # set, and its error is ignored.
         with suppress(np.linalg.LinAlgError):
-            smallest = min(smallest, next_friction_with_singular_contact_set(problem, 0.0, active))
+            smallest = min(
+                smallest, next_friction_with_singular_contact_equations(problem, 0.0, active)
+            )
     return smallest
 
 
@@ -587,7 +593,7 @@ def _find_stable_contact_or_none(
     """
     try:
         found = solve_contact_by_block_pivoting(
-            problem.contact_problem_with_friction(friction), start, most_steps
+            problem.contact_problem_at_friction_coefficient(friction), start, most_steps
         )
     except NoAnswer:
         return None

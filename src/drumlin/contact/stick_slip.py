@@ -153,8 +153,8 @@ def solve_load_increment(
     # The methods are tried in this order, the fastest first, until one converges.
     for method in (
         _find_stick_and_slip_by_newton,
-        _find_stick_and_slip_from_balanced_load,
-        _find_stick_and_slip_from_wide_gaps,
+        _find_stick_slip_states_from_balanced_load,
+        _find_stick_slip_states_from_widened_gaps,
     ):
         try:
             settled = method(system, start)
@@ -259,7 +259,7 @@ class _StateEquations:
                 [balance, np.zeros((k, k))],
             ]
         )
-        self._factors = _scale_and_factorise_matrix(matrix)
+        self._factors = _scale_matrix_and_compute_lu_factors(matrix)
 
     def solve_increment_under_loads(self, q: Floats, h: Floats) -> _IncrementSolution:
         """Return the solution of the equations under the loads q (2n,) and h (k,)."""
@@ -366,17 +366,19 @@ def _round_off_scales_of_margins(
     return np.array([np.where(opened, of_v, of_z), np.where(sticks, of_z, of_v)])
 
 
-def _find_stick_and_slip_from_balanced_load(
+def _find_stick_slip_states_from_balanced_load(
     system: _FrictionalSystem, start: Ints
 ) -> _SettledStates:
     """Find open, sticking and slipping nodes on a path of solutions.
 
     The path begins at a load that the states `start` (n,) balance, and ends at the true load.
     """
-    return _follow_stick_and_slip_to_true_load(system, start, from_wide_gaps=False)
+    return _follow_stick_slip_states_to_true_load(system, start, from_wide_gaps=False)
 
 
-def _find_stick_and_slip_from_wide_gaps(system: _FrictionalSystem, start: Ints) -> _SettledStates:
+def _find_stick_slip_states_from_widened_gaps(
+    system: _FrictionalSystem, start: Ints
+) -> _SettledStates:
     """Find open, sticking and slipping nodes on a path of solutions from widened gaps.
 
     Where the path begins, only the nodes that the actuation closes first touch, and they slip. Of
@@ -397,7 +399,7 @@ def _find_stick_and_slip_from_wide_gaps(system: _FrictionalSystem, start: Ints) 
         # The node slips in the sense in which its friction does not lock the mode.
         helps = system.C[mode, n + first] * load >= 0
         state[first] = FORWARD if helps else BACKWARD
-    return _follow_stick_and_slip_to_true_load(system, state, from_wide_gaps=True)
+    return _follow_stick_slip_states_to_true_load(system, state, from_wide_gaps=True)
 
 
 class _StateChange(NamedTuple):
@@ -416,7 +418,7 @@ class _StateChange(NamedTuple):
     load_change: float
 
 
-def _follow_stick_and_slip_to_true_load(
+def _follow_stick_slip_states_to_true_load(
     system: _FrictionalSystem, state: Ints, *, from_wide_gaps: bool
 ) -> _SettledStates:
     """Follow the path of solutions under the loads q + r e and h + r f from r = 1 to r = 0.
@@ -557,7 +559,7 @@ class _ScaledFactors(NamedTuple):
     column_scales: Floats
 
 
-def _scale_and_factorise_matrix(matrix: Floats) -> _ScaledFactors:
+def _scale_matrix_and_compute_lu_factors(matrix: Floats) -> _ScaledFactors:
     """Return the LU factors of a matrix whose rows and columns are scaled to a largest entry of 1.
 
     The scales make up for the different units of pressures and motions. Raises NoAnswer if the

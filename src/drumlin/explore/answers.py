@@ -13,7 +13,7 @@ from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
 from drumlin.explore.knobs import LARGEST_WEAR, KnobSetting, brake_at_knob_setting, knobs_for_brake
-from drumlin.fem.analysis.self_locking import self_locking_limits_of_shoe_groups
+from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import brake_without_loads_and_clearances
@@ -27,10 +27,10 @@ from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
     WORN_OUT_FRACTION,
     brake_with_worn_linings,
-    run_brake_linings_in,
-    unit_of_sliding_distance,
+    sliding_distance_of_e_fold_pressure_change,
+    wear_brake_linings_until_worn_in,
 )
-from drumlin.models import model_by_name
+from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response import Response
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
@@ -131,7 +131,7 @@ class LatestValueCache:
         self._key: Any = None
         self._value: Any = None
 
-    def stored_value_or_none(self, key: Any) -> Any:
+    def cached_value_for_key_or_none(self, key: Any) -> Any:
         """The stored value if it was made for `key`, else None."""
         return self._value if key == self._key else None
 
@@ -152,14 +152,14 @@ class Explorer:
     """
 
     def __init__(self, brake: Brake) -> None:
-        model_by_name("fem", brake)
+        model_with_name_that_applies_to_brake("fem", brake)
         self.brake, self.knobs = brake, knobs_for_brake(brake)
         self._scene = LatestValueCache()
         self._worn = LatestValueCache()
         self._limits = LatestValueCache()
         self._stated = LatestValueCache()
 
-    def answer(self, setting: KnobSetting) -> ExploredAnswer:
+    def fem_and_law_answer_at_slider_setting(self, setting: KnobSetting) -> ExploredAnswer:
         """The answer for a setting of the sliders. Where a model has no answer, it says why."""
         answer = ExploredAnswer(setting, law_name=setting.law)
         # The answer is completed step by step. The steps before a failure stay in it.
@@ -168,17 +168,17 @@ class Explorer:
             answer = replace(answer, brake=brake)
             # Wear changes the shape of the linings; it is not computed on a plane.
             scene, wear = self.prepared_model_of_brake(brake), setting.values.get("wear", 0.0)
-            if wear > 0 and not brake.surface.straight:
+            if wear > 0 and not brake.surface.is_plane_and_not_drum:
                 brake, distance = self._brake_worn_over_distance(scene, brake, wear)
                 answer = replace(answer, brake=brake, distance=distance)
             found = solve_prepared_model(scene, brake)
             # On a plane the page shows the braking force, which is a figure of merit.
-            if brake.surface.straight:
+            if brake.surface.is_plane_and_not_drum:
                 found = response_with_figures_of_merit(brake, found)
             answer = replace(answer, found=found)
         except DrumlinError as error:
             answer = replace(answer, failure=str(error))
-        return _answer_completed_by_law(answer)
+        return _fem_answer_with_results_of_pressure_law(answer)
 
     def prepared_model_of_brake(self, brake: Brake) -> PreparedModel:
         """The prepared finite-element model: meshes and condensed stiffness of a brake's shoes.
@@ -227,7 +227,7 @@ class Explorer:
             """Find the limits of self-locking, with a friction coefficient of 1 in the brake."""
             rough = vary(brake, {"friction": 1.0})
             try:
-                found = self_locking_limits_of_shoe_groups(
+                found = self_locking_friction_of_shoe_groups(
                     self.prepared_model_of_brake(brake), rough, HIGHEST_FRICTION
                 )
             except NoAnswer:
@@ -244,7 +244,7 @@ class Explorer:
 
         Finding it takes 30 to 100 ms.
         """
-        known: LockingFriction | None = self._limits.stored_value_or_none(
+        known: LockingFriction | None = self._limits.cached_value_for_key_or_none(
             _brake_with_unit_friction(brake)
         )
         return known
@@ -283,14 +283,14 @@ def _brake_with_unit_friction(brake: Brake) -> Brake:
 def _run_in_over_range_of_wear_knob(scene: PreparedModel, brake: Brake) -> _WearRun:
     """The wear of a brake's linings up to the largest sliding distance of the page's slider."""
     setup, law = wear_setup_by_finite_elements(scene, brake), WearLaw(DEFAULT_WEAR_COEFFICIENT)
-    unit = unit_of_sliding_distance(setup, law)
-    states = run_brake_linings_in(
+    unit = sliding_distance_of_e_fold_pressure_change(setup, law)
+    states = wear_brake_linings_until_worn_in(
         setup, law, distance=LARGEST_WEAR * unit, tolerance=WEAR_TOLERANCE
     )
     return _WearRun(setup, states, unit)
 
 
-def _answer_completed_by_law(answer: ExploredAnswer) -> ExploredAnswer:
+def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> ExploredAnswer:
     """An answer of finite elements, completed by the law's response and limit of self-locking."""
     name, brake = answer.law_name, answer.brake
     if name is None or brake is None:
@@ -298,12 +298,12 @@ def _answer_completed_by_law(answer: ExploredAnswer) -> ExploredAnswer:
     try:
         # On a drum a formula gives the friction at which a shoe locks. The shoe that locks
         # at the smallest friction counts.
-        if name in LAWS and not brake.surface.straight:
+        if name in LAWS and not brake.surface.is_plane_and_not_drum:
             locking = min(
                 self_locking_friction_of_hinged_shoe(brake, shoe, LAWS[name])
                 for shoe in brake.shoes
             )
             answer = replace(answer, law_locking=locking)
-        return replace(answer, law=model_by_name(name, brake).solve(brake))
+        return replace(answer, law=model_with_name_that_applies_to_brake(name, brake).solve(brake))
     except DrumlinError as error:
         return replace(answer, law_failure=str(error))

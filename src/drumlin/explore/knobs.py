@@ -151,7 +151,7 @@ def knobs_for_brake(brake: Brake) -> tuple[Knob, ...]:
     R = brake.size * 1e3  # mm
     # The smallest steps of lengths are relative to the drum's radius.
     fine = nearest_1_2_5_power_of_ten(R * 1e-5)
-    is_flat = brake.surface.straight
+    is_flat = brake.surface.is_plane_and_not_drum
     knobs = [
         _friction_coefficient_knob(brake),
         _actuation_force_knob(brake),
@@ -200,7 +200,7 @@ def _actuation_force_knob(brake: Brake) -> Knob | None:
         return None
     low, high = sorted([0.0, 3 * largest * 1e-3])
 
-    def new_forces_on_shoes(value: float) -> Changes:
+    def actuation_forces_at_knob_value(value: float) -> Changes:
         """New forces on all shoes, in the brake file's proportion; the largest is `value` [kN]."""
         made: Changes = {}
         for i, force in enumerate(forces):
@@ -212,7 +212,9 @@ def _actuation_force_knob(brake: Brake) -> Knob | None:
     if len(set(forces)) > 1:
         label = "largest force"
     step = nearest_1_2_5_power_of_ten(abs(largest) * 1e-5)
-    return Knob("force", label, "kN", low, high, step, largest * 1e-3, new_forces_on_shoes)
+    return Knob(
+        "force", label, "kN", low, high, step, largest * 1e-3, actuation_forces_at_knob_value
+    )
 
 
 def _cylinder_or_cam_knob(drive: Drive) -> Knob:
@@ -307,7 +309,7 @@ def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
     same = len(set(given)) == 1 and isinstance(given[0], float | int)
     start = float(given[0]) * 1e3 if same and not isinstance(given[0], tuple) else 0.0
 
-    def new_lining_clearances(value: float) -> Changes:
+    def lining_clearances_at_knob_value(value: float) -> Changes:
         """New clearances of all linings for the knob at `value` [mm]; all change by one length."""
         more = (value - start) * 1e-3
         made: Changes = {}
@@ -322,7 +324,9 @@ def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
     # The knob reaches twice as far into clearance as into interference.
     reach = max(100 * step, 2 * abs(start))
     label = "clearance" if same else "clearance, added to the file's"
-    return Knob("clearance", label, "mm", -reach, 2 * reach, step, start, new_lining_clearances)
+    return Knob(
+        "clearance", label, "mm", -reach, 2 * reach, step, start, lining_clearances_at_knob_value
+    )
 
 
 def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
@@ -339,7 +343,7 @@ def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
     same = len(set(given)) == 1
     start = given[0] * 1e3 if same else 0.0
 
-    def new_lining_radii(value: float) -> Changes:
+    def lining_radii_at_knob_value(value: float) -> Changes:
         """New radii of all linings for the knob at `value` [mm]; all change by one length."""
         more = (value - start) * 1e-3
         made: Changes = {}
@@ -349,7 +353,7 @@ def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
 
     reach = max(200 * step, 2 * abs(start))
     label = "misfit: radius over the drum's" + ("" if same else ", added to the file's")
-    return Knob("misfit", label, "mm", -reach, reach, step, start, new_lining_radii)
+    return Knob("misfit", label, "mm", -reach, reach, step, start, lining_radii_at_knob_value)
 
 
 def _youngs_modulus_knob(
@@ -378,7 +382,7 @@ def _youngs_modulus_knob(
         return None
     largest = max(moduli.values())
 
-    def new_moduli_of_shoes(value: float) -> Changes:
+    def elastic_moduli_at_knob_value(value: float) -> Changes:
         """New moduli of all linings or all shoes, in proportion; the largest is `value` [unit]."""
         times = value * factor / largest
         made: Changes = {}
@@ -389,7 +393,15 @@ def _youngs_modulus_knob(
     start = largest / factor
     label += "" if len(set(moduli.values())) == 1 else ", the largest"
     return Knob(
-        part, label, unit, start / 100, start * 100, 0.01, start, new_moduli_of_shoes, log=True
+        part,
+        label,
+        unit,
+        start / 100,
+        start * 100,
+        0.01,
+        start,
+        elastic_moduli_at_knob_value,
+        log=True,
     )
 
 

@@ -38,15 +38,15 @@ from drumlin.explore.picture import (
     drawing_lines_of_brake,
     error_of_finite_elements_as_html,
     half_side_of_picture,
+    html_table_of_text_rows,
     lowest_and_highest_place_of_linings,
-    picture_of_answer,
+    picture_of_brake_at_slider_setting,
     pressure_curve_as_whole_numbers,
     self_locking_as_html,
     svg_path_of_lines,
-    table_as_html,
     torque_and_refusals_as_html,
 )
-from drumlin.report.figures import model_title
+from drumlin.report.figures import title_of_model_in_figures
 from drumlin.report.palette import color_of_model
 
 FORBIDDEN_LETTERS = frozenset('/\\:*?"<>|')
@@ -93,7 +93,7 @@ class _Request(NamedTuple):
     name: str
 
 
-def reply_to_address(explorer: Explorer, address: str, name: str) -> Reply:
+def http_reply_to_requested_address(explorer: Explorer, address: str, name: str) -> Reply:
     """The reply to an address, which consists of a path and a query.
 
     No address raises an error: unreadable parts are ignored, and the reply says so. `name` is the
@@ -123,7 +123,7 @@ def _reply_with_html_page(request: _Request) -> Reply:
     """The HTML page with its sliders and with the drawing of the brake, which no slider changes."""
     setting, brake = request.setting, request.explorer.brake
     low, high = lowest_and_highest_place_of_linings(brake)
-    is_flat, size = brake.surface.straight, brake.size * 1e3
+    is_flat, size = brake.surface.is_plane_and_not_drum, brake.size * 1e3
     # Radii of the dashed lines at which the curve of the highest pressure on the scale ends; on a
     # plane the height of this line.
     rings = [-PRESSURE_SCALE_DISTANCE * size]
@@ -133,8 +133,8 @@ def _reply_with_html_page(request: _Request) -> Reply:
     # The colour of each model and the title of each law.
     colors, laws = {"fem": color_of_model("fem")}, {}
     for law in names_of_models_besides_fem(brake):
-        colors[law], laws[law] = color_of_model(law), model_title(law)
-    text = _page_template().render(
+        colors[law], laws[law] = color_of_model(law), title_of_model_in_figures(law)
+    text = _jinja_template_of_html_page().render(
         title=brake.title,
         lines=request.lines,
         knobs=list(map(partial(_slider_data_of_knob, setting), request.explorer.knobs)),
@@ -173,7 +173,7 @@ def _values_of_axis_ticks(low: float, high: float, unit: str) -> list[float]:
     return list(ticks.tolist())
 
 
-def _page_template() -> jinja2.Template:
+def _jinja_template_of_html_page() -> jinja2.Template:
     """The jinja template from which the HTML page is made."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("drumlin", "explore"),
@@ -189,7 +189,7 @@ def _slider_data_of_knob(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
     A knob that changes its value by factors has a logarithmic slider.
     """
 
-    def place_on_slider(value: float) -> float:
+    def place_of_knob_value_on_slider(value: float) -> float:
         """The place of a knob's value on the slider: the value or its decimal logarithm."""
         return math.log10(value) if knob.log else value
 
@@ -199,11 +199,11 @@ def _slider_data_of_knob(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
         "title": knob.title,
         "value": value,
         "changed": knob.name in setting.values,
-        "low": place_on_slider(knob.low),
-        "high": place_on_slider(knob.high),
+        "low": place_of_knob_value_on_slider(knob.low),
+        "high": place_of_knob_value_on_slider(knob.high),
         "step": knob.step,
-        "start": place_on_slider(knob.start),
-        "place": place_on_slider(value),
+        "start": place_of_knob_value_on_slider(knob.start),
+        "place": place_of_knob_value_on_slider(value),
         "log": knob.log,
     }
 
@@ -211,8 +211,8 @@ def _slider_data_of_knob(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
 def _reply_with_picture_data(request: _Request) -> Reply:
     """The data of the picture for a setting: pressure curves, contact, forces and texts."""
     explorer = request.explorer
-    answer = explorer.answer(request.setting)
-    picture = picture_of_answer(answer, explorer.brake)
+    answer = explorer.fem_and_law_answer_at_slider_setting(request.setting)
+    picture = picture_of_brake_at_slider_setting(answer, explorer.brake)
     # The limit of self-locking takes time to find: the picture shows it if it is known already.
     known = explorer.locking_friction_if_known(answer.brake) if answer.brake is not None else None
     whole_numbers = partial(pressure_curve_as_whole_numbers, scale=picture.scale)
@@ -226,7 +226,7 @@ def _reply_with_picture_data(request: _Request) -> Reply:
         "scale": picture.scale,
         "motion": picture.motion,
         "head": torque_and_refusals_as_html(picture, request.lines),
-        "table": table_as_html(picture.rows),
+        "table": html_table_of_text_rows(picture.rows),
         "locking": self_locking_as_html(answer, known),
         "error": error_of_finite_elements_as_html(answer, None, asked=False),
         "torque": None if answer.found is None else answer.found.effect,
@@ -234,13 +234,13 @@ def _reply_with_picture_data(request: _Request) -> Reply:
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
 
-def _reply_with_slow_results(request: _Request) -> Reply:
+def _reply_with_self_locking_limit_and_errors(request: _Request) -> Reply:
     """The data that take long to compute: limit of self-locking and errors; and the link.
 
     The page asks for these data when its sliders rest.
     """
     explorer = request.explorer
-    answer = explorer.answer(request.setting)
+    answer = explorer.fem_and_law_answer_at_slider_setting(request.setting)
     locking = (
         explorer.locking_friction_of_groups(answer.brake) if answer.brake is not None else None
     )
@@ -257,7 +257,7 @@ def _reply_with_slow_results(request: _Request) -> Reply:
 def _reply_with_brake_file(request: _Request) -> Reply:
     """The brake file for a setting. Its clearances include the depth that wear has removed."""
     explorer, name = request.explorer, request.name
-    answer = explorer.answer(request.setting)
+    answer = explorer.fem_and_law_answer_at_slider_setting(request.setting)
     if answer.brake is None or answer.failure:
         return Reply(422, HTML, escape(answer.failure))
     # A comment at the top of the file names the link of the page from which the file comes.
@@ -297,7 +297,7 @@ def _file_name_for_any_system(name: str) -> str:
 PAGE_PATHS: Mapping[str, Callable[[_Request], Reply]] = {
     "/": _reply_with_html_page,
     "/picture": _reply_with_picture_data,
-    "/locking": _reply_with_slow_results,
+    "/locking": _reply_with_self_locking_limit_and_errors,
     "/brake.toml": _reply_with_brake_file,
 }
 """The function that makes the reply, by the path of the address."""

@@ -24,7 +24,7 @@ from drumlin.explore.answers import (
     LockingFriction,
     StatedError,
 )
-from drumlin.report.figures import model_title, smooth_pressure_curve
+from drumlin.report.figures import evenly_spaced_pressure_curve_of_shoe, title_of_model_in_figures
 from drumlin.response import Response
 from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.merit import brake_factor
@@ -83,7 +83,7 @@ class Lines(NamedTuple):
     ys: list[Floats]
 
     @classmethod
-    def from_outlines(cls, outlines: Sequence[Floats]) -> "Lines":
+    def picture_lines_from_outlines(cls, outlines: Sequence[Floats]) -> "Lines":
         """Make lines from arrays (2, n) [mm], each with the x and y of one line's points."""
         return cls([x for x, _ in outlines], [y for _, y in outlines])
 
@@ -115,7 +115,7 @@ class Picture:
     failures: tuple[str, ...]
 
 
-def picture_of_answer(answer: ExploredAnswer, brake: Brake) -> Picture:
+def picture_of_brake_at_slider_setting(answer: ExploredAnswer, brake: Brake) -> Picture:
     """The picture that the page shows for an answer.
 
     `brake` is the brake of the file. It is drawn where the sliders make a brake whose parts do not
@@ -152,7 +152,7 @@ def picture_of_answer(answer: ExploredAnswer, brake: Brake) -> Picture:
 
 def _arrow_character_of_motion(brake: Brake) -> str:
     """The arrow character for the motion of the drum, or of the sliding body on a plane."""
-    if brake.surface.straight:
+    if brake.surface.is_plane_and_not_drum:
         return "→" if brake.sign_of_motion > 0 else "←"
     return "↺" if brake.sign_of_motion > 0 else "↻"
 
@@ -189,7 +189,7 @@ def _pressure_curves_of_touching_shoes(
     unit, curves = brake.surface.shown, []
     for shoe, part in zip(response.shoes, brake.shoes, strict=True):
         if shoe.contact_arcs:
-            theta, p = smooth_pressure_curve(shoe, CURVE_POINTS)
+            theta, p = evenly_spaced_pressure_curve_of_shoe(shoe, CURVE_POINTS)
             curves.append(PressureCurve(theta * unit, p * PAGE_MPA, part.sign))
     return tuple(curves)
 
@@ -206,7 +206,7 @@ def _lines_of_force_arrows(brake: Brake) -> Lines:
         right = arrow.tip + 0.25 * (-0.5 * across - along)
         shaft, head = np.array([arrow.tail, arrow.tip]), np.array([left, arrow.tip, right])
         lines += [shaft.T * PAGE_MM, head.T * PAGE_MM]
-    return Lines.from_outlines(lines)
+    return Lines.picture_lines_from_outlines(lines)
 
 
 class _Arrow(NamedTuple):
@@ -261,7 +261,9 @@ def torque_line_as_html(answer: ExploredAnswer) -> str:
     if answer.law is not None:
         by_law = answer.law.effect
         off = f" ({number_as_text(by_law / effect - 1, '+.1%')})" if effect else ""
-        words.append(f"{escape(model_title(answer.law.model))} {by_law:.6g} {unit}{off}")
+        words.append(
+            f"{escape(title_of_model_in_figures(answer.law.model))} {by_law:.6g} {unit}{off}"
+        )
     if answer.distance:
         words.append(f"worn over {answer.distance * 1e-3:.4g} km at k = 1e-5 mm³/(N m)")
     return " · ".join(words)
@@ -294,7 +296,7 @@ def self_locking_as_html(answer: ExploredAnswer, locking: LockingFriction | None
             words = f"none up to friction {HIGHEST_FRICTION:g}"
     law = answer.law_locking
     if law is not None:
-        name = escape(model_title(answer.law_name or ""))
+        name = escape(title_of_model_in_figures(answer.law_name or ""))
         words += f"; by the {name} " + ("never" if math.isinf(law) else f"at {law:.4g}")
     return f"<p>self-locking {words}</p>"
 
@@ -360,7 +362,7 @@ def _page_table_row_of_shoe(brake: Brake, response: Response, i: int) -> tuple[s
     force *= brake.scale_factor
     return (
         shoe.name,
-        model_title(response.model),
+        title_of_model_in_figures(response.model),
         f"{effect:.6g}",
         f"{effect / force:.4g}" if force else "–",
         f"{shoe.peak_pressure * PAGE_MPA:.4g}",
@@ -369,7 +371,7 @@ def _page_table_row_of_shoe(brake: Brake, response: Response, i: int) -> tuple[s
     )
 
 
-def table_as_html(rows: Sequence[Sequence[str]]) -> str:
+def html_table_of_text_rows(rows: Sequence[Sequence[str]]) -> str:
     """The rows of a table as HTML. The first row holds the headings."""
     lines = ""
     for number, row in enumerate(rows):
@@ -406,15 +408,15 @@ def drawing_lines_of_brake(brake: Brake) -> Mapping[str, Lines]:
     hinges = [shoe.pin.xy[:, None] * PAGE_MM for shoe in brake.shoes if shoe.guide is None]
     return {
         "drum": _line_of_drum_or_plane(brake),
-        "linings": Lines.from_outlines(linings),
-        "bodies": Lines.from_outlines(bodies),
-        "hinges": Lines.from_outlines(hinges),
+        "linings": Lines.picture_lines_from_outlines(linings),
+        "bodies": Lines.picture_lines_from_outlines(bodies),
+        "hinges": Lines.picture_lines_from_outlines(hinges),
     }
 
 
 def _line_of_drum_or_plane(brake: Brake) -> Lines:
     """The drum's circle, or the plane as a straight line, in mm."""
-    if brake.surface.straight:
+    if brake.surface.is_plane_and_not_drum:
         (x, _), reach = centre_of_picture(brake), half_side_of_picture(brake)
         return Lines([np.array([x - reach, x + reach])], [np.zeros(2)])
     R, circle = brake.size * PAGE_MM, np.linspace(0, 2 * math.pi, 361)
@@ -429,7 +431,7 @@ def svg_path_of_lines(lines: Lines) -> str:
     return path
 
 
-def _places_of_lining_ends(brake: Brake) -> Floats:
+def _angles_or_positions_of_lining_ends(brake: Brake) -> Floats:
     """The ends of all linings (2 * shoes,): angles [rad] on the drum, on a plane lengths [m]."""
     ends = [(shoe.lining.start, shoe.lining.end) for shoe in brake.shoes]
     return np.ravel(ends)
@@ -437,8 +439,8 @@ def _places_of_lining_ends(brake: Brake) -> Floats:
 
 def lowest_and_highest_place_of_linings(brake: Brake) -> tuple[float, float]:
     """The lowest and highest angle [deg], on a plane length [mm], of all linings, with a margin."""
-    ends = _places_of_lining_ends(brake) * brake.surface.shown
-    room = 0.04 * brake.size * PAGE_MM if brake.surface.straight else 5.0
+    ends = _angles_or_positions_of_lining_ends(brake) * brake.surface.shown
+    room = 0.04 * brake.size * PAGE_MM if brake.surface.is_plane_and_not_drum else 5.0
     return float(ends.min()) - room, float(ends.max()) + room
 
 
@@ -447,7 +449,7 @@ def centre_of_picture(brake: Brake) -> tuple[float, float]:
 
     It is the drum's centre, or the middle of a brake on a plane.
     """
-    if not brake.surface.straight:
+    if not brake.surface.is_plane_and_not_drum:
         return 0.0, 0.0
     xy = _points_that_plane_picture_must_hold(brake)
     x, y = 0.5 * (xy.min(axis=0) + xy.max(axis=0)) * PAGE_MM
@@ -468,7 +470,7 @@ def _points_that_plane_picture_must_hold(brake: Brake) -> Floats:
     They are the lowest points of the pressure curves, the pins and the force arrows.
     """
     below = -1.2 * PRESSURE_SCALE_DISTANCE * brake.size
-    ends = _places_of_lining_ends(brake)
+    ends = _angles_or_positions_of_lining_ends(brake)
     return np.vstack(
         [
             np.column_stack([ends, np.full(len(ends), below)]),
@@ -482,7 +484,7 @@ def half_side_of_picture(brake: Brake) -> float:
 
     The square holds shoes, hinges, pressure curves and force arrows.
     """
-    if brake.surface.straight:
+    if brake.surface.is_plane_and_not_drum:
         xy = _points_that_plane_picture_must_hold(brake)
         return float(0.55 * np.ptp(xy, axis=0).max()) * PAGE_MM
     R = brake.size

@@ -11,7 +11,7 @@ from urllib.parse import quote
 from drumlin.base.errors import BadInput, system_message_of_error
 from drumlin.brake.brake import Brake
 from drumlin.explore.answers import Explorer
-from drumlin.explore.page import reply_to_address
+from drumlin.explore.page import http_reply_to_requested_address
 
 ADDRESS = "127.0.0.1"
 """The IP address by which this machine calls itself: no other machine reaches the server."""
@@ -62,7 +62,9 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_error(403)
             return
         with self.server.answering:
-            found = reply_to_address(self.server.explorer, self.path, self.server.name)
+            found = http_reply_to_requested_address(
+                self.server.explorer, self.path, self.server.name
+            )
         data = found.text.encode("utf-8", errors="replace")
         self.send_response(found.status)
         self.send_header("Content-Type", found.media)

@@ -5,7 +5,7 @@ from drumlin.base.moved import getattr_of_moved_module
 RENAMED_IN_GROUP = {
     "groups_of": "divide_pressed_shoes_into_groups",
     "grouped": "divide_shoes_into_groups",
-    "pressed_shoes": "find_pressed_shoes",
+    "pressed_shoes": "indices_of_pressed_shoes_in_brake",
     "pressed": "is_shoe_pressed_on_drum",
 }
 """The present name of each function by its old name."""

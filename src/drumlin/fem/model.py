@@ -138,7 +138,7 @@ def solve_prepared_model(
     with add_elapsed_time(seconds, "contact"):
         answers: dict[int, _ShoeResult] = {}
         for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
-            answers |= _solve_shoe_group(group, start)
+            answers |= _solve_group_of_coupled_shoes(group, start)
         # The shoes that belong to no group are not pressed on the drum.
         for i in set(range(len(brake.shoes))) - set(answers):
             answers[i] = _result_of_unpressed_shoe(brake.shoes[i])
@@ -154,7 +154,7 @@ def solve_prepared_model(
             *_warnings_on_overlap_of_mesh_and_drum(scene, brake),
             *_notes_on_mesh_files(scene, brake, [answer.response for answer in in_order]),
             *(answer.note for answer in in_order),
-            *_notes_on_body_supports(brake),
+            *_notes_on_supports_of_shoe_bodies(brake),
             *notes_on_cam_force_of_unlike_linings(brake),
         ),
     )
@@ -162,7 +162,7 @@ def solve_prepared_model(
 
 def _check_brake_matches_model(scene: PreparedModel, brake: Brake) -> None:
     """Raise BadInput if the bodies of a brake differ from those of a prepared model."""
-    if [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes] != scene.shape_keys_of_shoes:
+    if [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes] != scene.cache_keys_of_shoe_shapes:
         raise BadInput(
             "the brake differs from the prepared scene in more than "
             "friction, rotation, load, clearance"
@@ -211,7 +211,7 @@ def _notes_on_mesh_files(
             yield from notes_on_mesh_file(shoe, body.of_file, body.line.xy, brake.size, response)
 
 
-def _notes_on_body_supports(brake: Brake) -> Iterator[str]:
+def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
     """Yield one line of text on how the bodies of the shoes are held.
 
     There is no line if no shoe has a body of its own without a mesh file. A pin that stands off the
@@ -317,7 +317,9 @@ def _result_of_unpressed_shoe(shoe: Shoe) -> _ShoeResult:
     )
 
 
-def _solve_shoe_group(group: ShoeGroup, start: Response | None) -> dict[int, _ShoeResult]:
+def _solve_group_of_coupled_shoes(
+    group: ShoeGroup, start: Response | None
+) -> dict[int, _ShoeResult]:
     """Solve a group of shoes; returns the result of each shoe, by its position in the brake.
 
     Raises LostDigits if round-off leaves too few digits, even after a refinement.
@@ -327,15 +329,15 @@ def _solve_shoe_group(group: ShoeGroup, start: Response | None) -> dict[int, _Sh
     if start is not None:
         parts = [_mark_nodes_in_earlier_contact(group, k, start) for k in range(len(group.members))]
         first = np.concatenate(parts)
-    settled = group.solve_contact(first)
+    settled = group.solve_contact_and_abutment_friction(first)
     solution = _group_solution_by_substructures(*settled)
-    answers = _results_of_shoes(solution)
+    answers = _results_of_shoes_in_solved_group(solution)
     # A group with shared forces is never refined.
     if settled.group.force_sharing_by_struts_and_cam is not None:
         if not _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
             balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
             raise LostDigits(
-                f"{settled.group.shoe_names}: lost digits, {balance}; {TOO_FAR_REASON}"
+                f"{settled.group.names_of_shoes}: lost digits, {balance}; {TOO_FAR_REASON}"
             )
         return answers
     # Any other group is refined if its round-off error or its imbalance is too large.
@@ -349,19 +351,19 @@ def _solve_shoe_group(group: ShoeGroup, start: Response | None) -> dict[int, _Sh
     if not refinable:
         balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
         why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
-        raise LostDigits(f"{settled.group.shoe_names}: lost digits, {why}; {TOO_FAR_REASON}")
+        raise LostDigits(f"{settled.group.names_of_shoes}: lost digits, {why}; {TOO_FAR_REASON}")
     return _shoe_results_after_refinement(solution, settled.contact)
 
 
 def _group_solution_by_substructures(group: ShoeGroup, contact: Contact) -> _GroupSolution:
     """The solution of a group under its true forces, from its contact under a unit force."""
     size = group.largest_actuation_force
-    coordinates = group.generalised_coordinates_of_shoes(contact)
+    coordinates = group.rigid_body_coordinates_of_each_shoe(contact)
     return _GroupSolution(
         group=group,
         pressures=[size * contact.p[part] for part in group.contact_node_slices_of_shoes],
         coordinates=[size * y for y in coordinates],
-        forces=size * group.actuation_forces(contact.p),
+        forces=size * group.actuation_forces_under_contact_pressures(contact.p),
         pressure_errors=size
         * _pressure_errors_by_penalty_and_round_off(group, contact, coordinates),
         steps=contact.steps,
@@ -374,9 +376,12 @@ def _can_full_system_be_refined(group: ShoeGroup) -> bool:
 
     The full system of a solid cannot.
     """
-    orders = [body.line.interpolation_degree for body in group.substructures_of_shoes]
+    orders = [
+        body.line.interpolation_degree_along_contact_line for body in group.substructures_of_shoes
+    ]
     size = sum(
-        body.unknowns * body.line.interpolation_degree**2 for body in group.substructures_of_shoes
+        body.unknowns * body.line.interpolation_degree_along_contact_line**2
+        for body in group.substructures_of_shoes
     )
     # The sparse factors of large systems of high degree have many entries and take too long.
     small = size <= LARGEST_REFINED_SYSTEM or max(orders) <= 2
@@ -396,11 +401,11 @@ def _shoe_results_after_refinement(
         refined = refine_group_solution(group, contact.active)
     except NoAnswer as error:
         raise LostDigits(
-            f"{group.shoe_names}: lost digits, {TOO_FAR_REASON}; refined: {error}"
+            f"{group.names_of_shoes}: lost digits, {TOO_FAR_REASON}; refined: {error}"
         ) from error
     by_penalty = solution.pressure_errors[0]
     last_correction = size * np.concatenate(refined.last_correction)
-    answers = _results_of_shoes(
+    answers = _results_of_shoes_in_solved_group(
         solution._replace(
             pressures=[size * p for p in refined.p],
             coordinates=[size * y for y in refined.coordinates],
@@ -411,13 +416,19 @@ def _shoe_results_after_refinement(
     )
     imbalance = _largest_imbalance_of_shoes(answers)
     # Meshes (order 1 and 2) state no error and are judged more strictly than hp elements.
-    if max(body.line.interpolation_degree for body in group.substructures_of_shoes) <= 2:
+    if (
+        max(
+            body.line.interpolation_degree_along_contact_line
+            for body in group.substructures_of_shoes
+        )
+        <= 2
+    ):
         lost, most = refined.correction, LARGEST_UNREFINED_ROUND_OFF
     else:
         lost, most = _largest_round_off_of_pressure(answers), LARGEST_REFINED_ROUND_OFF
     if lost >= most or not imbalance < LARGEST_ANSWER_IMBALANCE:
         raise LostDigits(
-            f"{group.shoe_names}: lost digits, even refined its pressure is certain only to "
+            f"{group.names_of_shoes}: lost digits, even refined its pressure is certain only to "
             f"{lost:.1e} and balances to {imbalance:.1e}; {TOO_FAR_REASON}"
         )
     return answers
@@ -471,7 +482,7 @@ def refine_group_solution(
 # The following functions compute the results of one shoe of a solved group.
 
 
-def _results_of_shoes(solution: _GroupSolution) -> dict[int, _ShoeResult]:
+def _results_of_shoes_in_solved_group(solution: _GroupSolution) -> dict[int, _ShoeResult]:
     """The result of each shoe of a solved group, by its position in the brake."""
     group = solution.group
     answers = {}
@@ -487,11 +498,11 @@ def _results_of_shoes(solution: _GroupSolution) -> dict[int, _ShoeResult]:
             pressure_errors=solution.pressure_errors[:, part],
             refined=solution.refined,
         )
-        answers[i] = _result_of_shoe(of_shoe, solution.steps)
+        answers[i] = _result_of_one_shoe_in_solved_group(of_shoe, solution.steps)
     return answers
 
 
-def _result_of_shoe(solution: _ShoeSolution, steps: int) -> _ShoeResult:
+def _result_of_one_shoe_in_solved_group(solution: _ShoeSolution, steps: int) -> _ShoeResult:
     """The result of one shoe of a solved group.
 
     Raises NoAnswer if the cam or the strut of the shoe would have to pull it.
@@ -502,13 +513,13 @@ def _result_of_shoe(solution: _ShoeSolution, steps: int) -> _ShoeResult:
         and solution.force < LARGEST_FORCE_THAT_DOES_NOT_PUSH * group.largest_actuation_force
     ):
         raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL_TEXT}")
-    acting = _forces_on_shoe(solution)
+    acting = _forces_on_shoe_by_pressure_and_actuation(solution)
     errors = _penalty_and_round_off_errors(solution, acting)
     return _ShoeResult(
-        response=_response_of_shoe(solution, acting, errors),
-        balance=_imbalance_of_shoe(solution, acting),
+        response=_response_of_shoe_in_brake_frame(solution, acting, errors),
+        balance=_force_and_moment_imbalance_of_shoe(solution, acting),
         steps=steps,
-        note=_note_on_contact(solution, errors),
+        note=_note_on_accuracy_of_shoe_contact(solution, errors),
     )
 
 
@@ -522,7 +533,7 @@ class _ForcesOnShoe(NamedTuple):
     resultant_of_pressure : (3,) force x, y [N] and moment about the centre [N m] of the pressures
         on the drum
     force_of_drum : (3,) force x, y [N] and moment about the centre [N m] of the drum on the lining
-    keys_with_increased_force : (2,) force of the actuation [N]
+    brake_file_values_with_increased_force : (2,) force of the actuation [N]
     actuation_moment : moment of the actuation about the pin [N m]
     support_force : (2,) force of the support [N]
     guide_moment : moment of a guide [N m]; 0 for other supports
@@ -536,14 +547,14 @@ class _ForcesOnShoe(NamedTuple):
     guide_moment: float
 
 
-def _forces_on_shoe(solution: _ShoeSolution) -> _ForcesOnShoe:
+def _forces_on_shoe_by_pressure_and_actuation(solution: _ShoeSolution) -> _ForcesOnShoe:
     """Compute the forces on a shoe from its pressures and its actuation force."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, body = group.shoes[k], group.substructures_of_shoes[k]
     load = load_factors_under_actuation_force(body, shoe, solution.force)
-    moment = abs(solution.force) * group.actuations_by_one_newton[k].moment_about_pin
-    push = body.load_columns.factors_of_load_with_name(ACTUATION, load)[:2]
-    drag = group.brake.friction_per_pressure_on_shoe(shoe)
+    moment = abs(solution.force) * group.actuation_of_each_shoe_by_one_newton[k].moment_about_pin
+    push = body.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, load)[:2]
+    drag = group.brake.signed_friction_per_pressure_in_shoe_frame(shoe)
     normal, dragged = body.resultants_of_contact_node_forces @ p
     contact = drag * dragged - normal
     if solution.refined:
@@ -557,7 +568,7 @@ def _forces_on_shoe(solution: _ShoeSolution) -> _ForcesOnShoe:
     return _ForcesOnShoe(normal, contact, push, moment, reaction[:2], twist)
 
 
-def _imbalance_of_shoe(solution: _ShoeSolution, acting: _ForcesOnShoe) -> Balance:
+def _force_and_moment_imbalance_of_shoe(solution: _ShoeSolution, acting: _ForcesOnShoe) -> Balance:
     """The imbalance of the forces and of the moments on a shoe, relative to the largest of them."""
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     pin = shoe.pin_in_shoe_frame
@@ -591,7 +602,7 @@ def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
     """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     coupling, modes = group.substructures_of_shoes[k].coupling, group.rigid_body_modes_of_shoes[k]
-    drag = group.brake.friction_per_pressure_on_shoe(group.shoes[k])
+    drag = group.brake.signed_friction_per_pressure_in_shoe_frame(group.shoes[k])
     nodal = drag * (coupling.T.T @ p) - coupling.N.T @ p
     by_actuation = abs(solution.force) * modes.actuation_work
     by_contact = nodal[:, None] * modes.test_modes
@@ -625,7 +636,7 @@ def _penalty_and_round_off_errors(
     return _ArithmeticErrors(by_penalty, round_off)
 
 
-def _note_on_contact(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
+def _note_on_accuracy_of_shoe_contact(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
     """The note on a shoe's contact: its penetration, the penalty's effect, and any refinement."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, lever = group.shoes[k], group.substructures_of_shoes[k].coupling.lever
@@ -645,7 +656,7 @@ def _note_on_contact(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
     return note
 
 
-def _response_of_shoe(
+def _response_of_shoe_in_brake_frame(
     solution: _ShoeSolution, acting: _ForcesOnShoe, errors: _ArithmeticErrors
 ) -> ShoeResponse:
     """The response of a shoe, in the frame of the brake.
@@ -663,7 +674,11 @@ def _response_of_shoe(
         group.substructures_of_shoes[k],
         group.rigid_body_modes_of_shoes[k],
     )
-    frame, line, drag = shoe.frame, body.line, brake.friction_per_pressure_on_shoe(shoe)
+    frame, line, drag = (
+        shoe.frame,
+        body.line,
+        brake.signed_friction_per_pressure_in_shoe_frame(shoe),
+    )
     # A shoe is self-energising if the work of the friction on its first test mode helps the
     # actuation. The works are per unit of the mode.
     closures = group.gap_closures_of_test_modes[k]
@@ -676,7 +691,7 @@ def _response_of_shoe(
         brake.scale_factor,
         frame.theta(phi),
         mean,
-        order=line.interpolation_degree,
+        order=line.interpolation_degree_along_contact_line,
         peak=line.inner_part_for_pressure_peak.peak(mean),
         torque=abs(drag) * float(body.coupling.lever @ p),
         normal_force=math.hypot(*acting.resultant_of_pressure[:2]),
@@ -747,9 +762,9 @@ def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -
     if weight @ p < 0.5 * (area @ p):
         weight = area
     # The reaction changes by the changed pressures alone, while the actuation stays.
-    no_load = np.zeros((body.load_columns.number_of_load_columns, 1))
+    no_load = np.zeros((body.unit_load_vectors_by_name.number_of_load_columns, 1))
     reactions = support_reaction_of_shoe(
-        body, changes.T, group.brake.friction_per_pressure_on_shoe(shoe), no_load
+        body, changes.T, group.brake.signed_friction_per_pressure_in_shoe_frame(shoe), no_load
     )
     top = float(p[weight > 0].max(initial=0.0))
     at_top = (weight > 0) & (p == top)

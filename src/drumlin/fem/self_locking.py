@@ -3,7 +3,7 @@
 from drumlin.base.moved import getattr_of_moved_module
 
 RENAMED_IN_SELF_LOCKING = {
-    "limits": "self_locking_limits_of_shoe_groups",
+    "limits": "self_locking_friction_of_shoe_groups",
     "torques": "shoe_torques_at_friction_coefficients",
 }
 """The present name of each function by its old name."""

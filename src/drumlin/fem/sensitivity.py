@@ -6,7 +6,7 @@ RENAMED_IN_SENSITIVITY = {
     "sensitivity": "compute_torque_sensitivity",
     "as_text": "sensitivity_as_text_lines",
     "law_sensitivity": "friction_sensitivity_by_rigid_shoe_law",
-    "against_differences": "compare_slopes_with_differences_of_solves",
+    "against_differences": "compare_torque_slopes_with_solve_differences",
 }
 """The present name of each function by its old name."""
 

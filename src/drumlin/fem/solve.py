@@ -22,7 +22,10 @@ from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
-from drumlin.fem.width.correction import check_correctable, correct_for_widths
+from drumlin.fem.width.correction import (
+    correct_response_for_shoe_widths,
+    require_brake_that_width_model_applies_to,
+)
 from drumlin.fem.width.error import estimate_error_of_plane_stress
 from drumlin.response.balance import (
     brake_with_forces_of_response,
@@ -75,7 +78,7 @@ def solve(
     ------
     BadInput
         for `elements` or a `kind` together with a tolerance, for options that
-        `require_division_options_have_effect` refuses, and for a correction that does not apply to
+        `require_element_options_have_effect` refuses, and for a correction that does not apply to
         the brake
     NoAnswer
         if a given tolerance is not reached, if the correction for the widths is not known, and if
@@ -89,7 +92,7 @@ def solve(
             )
     brake.check_shoes_can_be_meshed()
     if finite_width:
-        check_correctable(brake)
+        require_brake_that_width_model_applies_to(brake)
     # A given tolerance must be met. Without options the default tolerance is met as well as
     # possible. Given elements, and shoes with mesh files, are solved once without error estimate.
     answer = partial(solve_prepared_model, penalty=penalty)
@@ -104,14 +107,16 @@ def solve(
         ).response
     else:
         response = answer(
-            prepared_model_of_finest_division(brake, elements=elements, kind=kind, cache=cache),
+            prepared_model_with_finest_elements(brake, elements=elements, kind=kind, cache=cache),
             brake,
         )
     seconds = dict(response.seconds)
     if finite_width:
         with add_elapsed_time(seconds, "correction for the widths"):
-            response = correct_for_widths(brake, response, penalty=penalty, cache=cache)
-    elif not brake.surface.straight:
+            response = correct_response_for_shoe_widths(
+                brake, response, penalty=penalty, cache=cache
+            )
+    elif not brake.surface.is_plane_and_not_drum:
         response = _response_with_note_on_curve_balance(brake, response)
     if model_error and not finite_width:
         with add_elapsed_time(seconds, "error of plane stress"):
@@ -121,7 +126,7 @@ def solve(
     return response_with_figures_of_merit(brake, response)
 
 
-def prepared_model_of_finest_division(
+def prepared_model_with_finest_elements(
     brake: Brake,
     *,
     elements: int | None = None,
@@ -141,9 +146,9 @@ def prepared_model_of_finest_division(
     Raises
     ------
     BadInput
-        for `elements` or a `kind` that `require_division_options_have_effect` refuses
+        for `elements` or a `kind` that `require_element_options_have_effect` refuses
     """
-    require_division_options_have_effect(brake, elements=elements, kind=kind)
+    require_element_options_have_effect(brake, elements=elements, kind=kind)
     if not _is_solved_on_finer_and_finer_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return make_prepared_model(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
@@ -156,7 +161,7 @@ def prepared_model_of_finest_division(
         return make_prepared_model(brake, LEVELS[1], cache=cache)
 
 
-def require_division_options_have_effect(
+def require_element_options_have_effect(
     brake: Brake, *, elements: int | None = None, kind: str | None = None
 ) -> None:
     """Raise BadInput for options `elements` or `kind` that would change no part of the brake.

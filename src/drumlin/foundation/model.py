@@ -118,7 +118,7 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
     )
 
 
-def names_of_included_effects(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
+def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
     """The names in LIFTS of the effects that a solve includes, from the values of --lift.
 
     The value "all" stands for all effects for which the brake file has data. Raises BadInput for an
@@ -264,7 +264,7 @@ def ring_displacement_under_each_shoe(
     theta : angles (k,) [rad] at which the displacement is evaluated
     lift : names in LIFTS of the effects that the response includes
     """
-    names = names_of_included_effects(brake, lift)
+    names = validated_names_of_effects_to_include(brake, lift)
     rows = []
     # The trapezoidal rule turns the pressure of a shoe into forces at the response's angles.
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
@@ -304,7 +304,7 @@ def solve_brake_by_foundation_model(
     reason = reason_against_foundation_model(brake)
     if reason is not None:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
-    names, clock = names_of_included_effects(brake, lift), time.perf_counter()
+    names, clock = validated_names_of_effects_to_include(brake, lift), time.perf_counter()
     shoes = brake.shoes
     answers: dict[int, ShoeResponse] = {}
     touching = []

@@ -196,8 +196,8 @@ def compression_of_layers_per_pressure(
         return total
     thickness = np.full(theta.shape, backing.thickness)
     if wedge:
-        # `why_not` has refused bodies other than beams, `names_of_included_effects` beams of no
-        # thickness.
+        # `why_not` has refused bodies other than beams, `validated_names_of_effects_to_include`
+        # beams of no thickness.
         assert isinstance(shoe.body, Beam) and shoe.body.thickness is not None
         face = axis.distance - shoe.body.thickness / 2
         thickness = face - (brake.size + lining.thickness) * np.cos(theta)

@@ -43,7 +43,7 @@ class DrumFace(NamedTuple):
         """
         return self.sign * motions[:, :2]
 
-    def slide_by_motions(self, motions: Floats) -> Floats:
+    def slide_by_rigid_shoe_motions(self, motions: Floats) -> Floats:
         """Factors (k, 3) of cos, sin and 1 in the slide along e_theta by k rigid-body motions.
 
         A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
@@ -113,7 +113,7 @@ class DrumFace(NamedTuple):
             moment=drag * self.radius * float(loads[2]),
         )
 
-    def sign_of_pressure_that_bears_force(self, c: Floats, start: float, end: float) -> int:
+    def sign_of_pressure_with_given_resultant(self, c: Floats, start: float, end: float) -> int:
         """The sign of the normal stress on a lining that can have a given resultant.
 
         It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can.
@@ -147,7 +147,7 @@ class PlaneFace(NamedTuple):
         """Factors (k, 2) of 1 and x in the closing of the gap by rigid-body motions (k, 3)."""
         return -motions[:, 1:]
 
-    def slide_by_motions(self, motions: Floats) -> Floats:
+    def slide_by_rigid_shoe_motions(self, motions: Floats) -> Floats:
         """Factors (k, 3) of 1, x and 0 in the slide along +x by rigid-body motions (k, 3)."""
         return np.column_stack([motions[:, 0], np.zeros((len(motions), 2))])
 
@@ -196,7 +196,7 @@ class PlaneFace(NamedTuple):
         normal, friction = np.array([0.0, loads[0]]), np.array([drag * loads[0], 0.0])
         return Resultant(normal, friction, float(loads[1]))
 
-    def sign_of_pressure_that_bears_force(self, c: Floats, start: float, end: float) -> int:
+    def sign_of_pressure_with_given_resultant(self, c: Floats, start: float, end: float) -> int:
         """The sign of the normal stress on a lining that can have a given resultant.
 
         It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can.

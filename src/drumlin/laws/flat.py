@@ -121,7 +121,7 @@ class FlatLaw:
         """Braking force mu N [N] under an actuation moment [N m]; nan if the shoe locks itself."""
         return mu * self.pressure_amplitude(moment, 1.0, mu, pad) * self.load(pad).total
 
-    def sensitivity_to_friction(self, mu: Values, pad: FlatLayout) -> Floats:
+    def sensitivity_of_braking_effect_to_friction(self, mu: Values, pad: FlatLayout) -> Floats:
         """Sensitivity S = (mu/F) dF/dmu of the braking force F at fixed actuation.
 
         S is nan if the shoe locks itself.

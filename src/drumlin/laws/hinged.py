@@ -28,7 +28,7 @@ from drumlin.response.balance import (
 )
 from drumlin.response.merit import (
     response_with_figures_of_merit,
-    sign_of_friction_moment_double_delta,
+    sign_of_friction_moment_about_hinge,
 )
 from drumlin.response.response import Response, ShoeResponse, response_of_shoe_without_contact
 from drumlin.response.resultants import Resultant, planar_cross_product
@@ -43,7 +43,7 @@ def angles_and_radii_of_hinged_shoe(brake: Brake, shoe: Shoe) -> Layout:
         *shoe.arc,
         R=brake.size,
         a=shoe.pin.radius,
-        dD=sign_of_friction_moment_double_delta(brake, shoe),
+        dD=sign_of_friction_moment_about_hinge(brake, shoe),
     )
 
 

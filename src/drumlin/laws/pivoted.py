@@ -51,7 +51,7 @@ class MomentEquilibriumMatrix(NamedTuple):
     h_sin: Floats
 
     @property
-    def matrix_determinant(self) -> Floats:
+    def determinant_of_equilibrium_matrix(self) -> Floats:
         """Determinant of the matrix [m^2]; zero at the friction where the lever locks itself."""
         return np.asarray(self.g_cos * self.h_sin - self.g_sin * self.h_cos)
 
@@ -105,7 +105,7 @@ def pressure_factors_of_cos_and_sin(
     x, y : the pivot in the shoe's frame [m], in which the lever's pin is at (a, 0)
     """
     rows = _matrix_of_moment_equilibria(mu, arc, x, y)
-    scale = moment / (width * arc.R * rows.matrix_determinant)
+    scale = moment / (width * arc.R * rows.determinant_of_equilibrium_matrix)
     return np.asarray(-rows.g_sin * scale), np.asarray(rows.g_cos * scale)
 
 
@@ -141,8 +141,8 @@ def torque_sensitivity_of_pivoted_shoe(mu: Values, arc: Layout, x: Values, y: Va
     )
     g = change.g_cos * A + change.g_sin * B
     h = change.h_cos * A + change.h_sin * B
-    dA = -(rows.h_sin * g - rows.g_sin * h) / rows.matrix_determinant
-    dB = -(rows.g_cos * h - rows.h_cos * g) / rows.matrix_determinant
+    dA = -(rows.h_sin * g - rows.g_sin * h) / rows.determinant_of_equilibrium_matrix
+    dB = -(rows.g_cos * h - rows.h_cos * g) / rows.determinant_of_equilibrium_matrix
     of_cos, of_sin = integrals_of_cos_phi_pressure(arc).total, integrals_of_sine_pressure(arc).total
     return np.asarray(1 + mu * (dA * of_cos + dB * of_sin) / (A * of_cos + B * of_sin))
 
@@ -155,7 +155,7 @@ def self_locking_friction_of_pivoted_shoe(arc: Layout, x: float, y: float) -> fl
     """
     # The determinant is a parabola in mu: its values at mu = 0, 1 and 2 give its coefficients.
     at_0, at_1, at_2 = (
-        float(_matrix_of_moment_equilibria(mu, arc, x, y).matrix_determinant)
+        float(_matrix_of_moment_equilibria(mu, arc, x, y).determinant_of_equilibrium_matrix)
         for mu in (0.0, 1.0, 2.0)
     )
     second = (at_2 - 2 * at_1 + at_0) / 2

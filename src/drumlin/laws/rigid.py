@@ -104,7 +104,7 @@ def equilibrium_matrices_of_rigid_shoe(
         face.gap_closing_by_motions(free.motions),
     )
     N = face.gap_closing_by_motions(free.tests) @ products[:2] @ shapes.T
-    return N, face.slide_by_motions(free.tests) @ products @ shapes.T
+    return N, face.slide_by_rigid_shoe_motions(free.tests) @ products @ shapes.T
 
 
 def self_locking_friction_on_arcs(
@@ -146,7 +146,7 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
     width = shoe.lining.width
     limits = [
         self_locking_friction_on_arcs(face, shoe.freedoms(sense), width, arcs, brake.sign_of_motion)
-        for sense in shoe.senses
+        for sense in shoe.senses_of_abutment_friction_to_try
     ]
     return min(limits)
 
@@ -176,7 +176,7 @@ def find_contact_of_rigid_shoe(
     # Friction at an abutment must oppose the motion of the foot. The first sense of friction for
     # which the solution fulfils this condition is the answer.
     failure: NoAnswer | None = None
-    for sense in shoe.senses:
+    for sense in shoe.senses_of_abutment_friction_to_try:
         try:
             found = _find_contact_for_friction_sense(brake, shoe, face, sense, whole)
         except NoAnswer as error:
@@ -186,7 +186,7 @@ def find_contact_of_rigid_shoe(
             -shoe.actuation.force_vector
             - _contact_resultant_of_rigid_shoe(brake, shoe, found).force
         )
-        if shoe.stands(reaction, sense, float(found.amounts[-1])):
+        if shoe.can_abutment_exert_reaction_on_foot(reaction, sense, float(found.amounts[-1])):
             return found
     raise failure or NoAnswer(f"shoe {shoe.name!r}: no equilibrium, its foot leaves the abutment")
 
@@ -198,7 +198,7 @@ def sign_of_pressure_that_balances_actuation(brake: Brake, shoe: Shoe) -> int:
     out.
     """
     face, ends = friction_surface_of_shoe(brake, shoe), (shoe.lining.start, shoe.lining.end)
-    free = shoe.freedoms(shoe.senses[-1])
+    free = shoe.freedoms(shoe.senses_of_abutment_friction_to_try[-1])
     shapes = face.gap_closing_by_motions(free.tests)
     if len(shapes) == 1:
         # With one mode, a pressure at some place of the lining must work against the actuation.
@@ -206,7 +206,7 @@ def sign_of_pressure_that_balances_actuation(brake: Brake, shoe: Shoe) -> int:
         return 1 if works.max() > 1e-12 * np.abs(works).max() else -1
     try:
         resultant = np.asarray(np.linalg.solve(shapes, free.work), dtype=float)
-        return face.sign_of_pressure_that_bears_force(resultant, *ends)
+        return face.sign_of_pressure_with_given_resultant(resultant, *ends)
     except np.linalg.LinAlgError:
         return 0
 
@@ -299,7 +299,9 @@ def response_of_rigid_shoe(
     contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.flat
     ends = (shoe.lining.start, shoe.lining.end)
     # The pressure on a plane is linear in x, so that two steps between nodes are enough.
-    place = places_of_pressure_nodes(ends, found.arcs, 2 if flat else PRESSURE_NODES - 1)
+    place = node_places_of_pressure_along_lining(
+        ends, found.arcs, 2 if flat else PRESSURE_NODES - 1
+    )
     about_pin = _pressure_and_friction_moments_about_pin(shoe, contact)
     of_actuation = shoe.actuation.moment_of_force_about_point(shoe.pin)
     guided = shoe.guide is not None
@@ -365,7 +367,9 @@ def _pressure_and_friction_moments_about_pin(shoe: Shoe, contact: Resultant) -> 
     )
 
 
-def places_of_pressure_nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
+def node_places_of_pressure_along_lining(
+    ends: tuple[float, float], arcs: Arcs, steps: int
+) -> Floats:
     """The places (n,) of the nodes at which the pressure over a lining is given.
 
     The nodes belong to quadratic pieces. Each end of the contact is an end of a piece, and between
@@ -395,7 +399,9 @@ def brake_with_forces_shared_by_rigid_law(brake: Brake, *, whole: bool = False) 
     shoes: list[Shoe] = list(brake.shoes)
     place = {shoe.name: i for i, shoe in enumerate(shoes)}
     if brake.actuation is not None and brake.actuation.is_cam:
-        _share_cam_force_among_shoes(brake, shoes, brake.actuation.total, whole)
+        _share_cam_force_among_shoes(
+            brake, shoes, brake.actuation.force_of_cylinder_or_sum_of_cam_forces, whole
+        )
     # A strut pushes a shoe with the force that the foot of the shoe before it exerts.
     for link in brake.links:
         source, to = shoes[place[link.source]], place[link.to]
@@ -403,7 +409,7 @@ def brake_with_forces_shared_by_rigid_law(brake: Brake, *, whole: bool = False) 
         force = 0.0
         if found is not None:
             force = math.hypot(*response_of_rigid_shoe(brake, source, found).hinge_reaction)
-        shoes[to] = shoes[to].under(force)
+        shoes[to] = shoes[to].shoe_with_changed_actuation_force(force)
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
@@ -428,7 +434,7 @@ def _share_cam_force_among_shoes(
     # The tips are springs side by side: the sum of their stiffnesses carries the cam's force.
     stiffness = math.fsum(1 / motion for motion in motions_per_force)
     for i, motion in zip(on_cam, motions_per_force, strict=True):
-        shoes[i] = shoes[i].under(total / (motion * stiffness))
+        shoes[i] = shoes[i].shoe_with_changed_actuation_force(total / (motion * stiffness))
 
 
 def solve_brake_by_rigid_shoe_law(

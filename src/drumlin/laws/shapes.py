@@ -228,7 +228,7 @@ class Law:
         effect = mu * self.friction(arc) * arc.R * self.load(arc).total
         return effect / np.where(resistance > 0, resistance, np.nan)
 
-    def sensitivity_to_friction(self, mu: Values, arc: Layout) -> Floats:
+    def sensitivity_of_braking_effect_to_friction(self, mu: Values, arc: Layout) -> Floats:
         """Sensitivity S = (mu/T) dT/dmu = m eta at fixed actuation (UWA notes, eq. 8).
 
         S is nan if the shoe locks itself.

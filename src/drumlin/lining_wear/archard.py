@@ -174,7 +174,7 @@ class WearInterface(NamedTuple):
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
 
     @property
-    def abutment_friction_cases(self) -> tuple[Footing, ...]:
+    def ways_in_which_abutment_friction_may_act(self) -> tuple[Footing, ...]:
         """All ways in which friction may act at the abutments; that of `problem` comes first."""
         return (Footing(self.problem, self.stands), *self.others)
 
@@ -293,10 +293,10 @@ def wear_linings(
         distance=distance,
         tolerance=tolerance,
     )
-    while not wear_run.has_reached_distance and not until(wear_run.last_state):
+    while not wear_run.has_reached_distance and not until(wear_run.last_wear_state):
         if len(wear_run.states) > MAX_WEAR_STEPS:
             raise NoAnswer(f"not converged: the wear is not settled after {MAX_WEAR_STEPS} steps")
-        wear_run.take_step()
+        wear_run.take_wear_step()
     return wear_run.states
 
 
@@ -344,33 +344,33 @@ class _WearRunInProgress:
         self._forward = True
         self._next_turn = reverse
         self.states = [forward.state_of_unworn_linings()]
-        self._step = forward.length_of_first_step(self.last_state, tolerance)
+        self._step = forward.length_of_first_step(self.last_wear_state, tolerance)
         # The first step after a reversal is as long as the first step after the last reversal, or
         # after the start, could have been.
         self._opening_step = self._step
         self._just_turned = True
 
     @property
-    def last_state(self) -> WearState:
+    def last_wear_state(self) -> WearState:
         """The last state of the wear run so far."""
         return self.states[-1]
 
     @property
     def has_reached_distance(self) -> bool:
         """Whether the wear run has reached its sliding distance, up to round-off."""
-        return self.last_state.s >= self._distance * (1 - 1e-12)
+        return self.last_wear_state.s >= self._distance * (1 - 1e-12)
 
-    def take_step(self) -> None:
+    def take_wear_step(self) -> None:
         """Append the state after the next step, or shorten the step if its error is too large.
 
         Raises NoAnswer if the step has no solution or becomes too short.
         """
         # A step ends at the latest where the run ends or the drum is reversed.
         end = min(self._distance, self._next_turn)
-        left = end - self.last_state.s
+        left = end - self.last_wear_state.s
         size = self._length_of_next_step(left)
         after, error = self._steppers[self._forward].state_and_error_after_step(
-            self.last_state, size
+            self.last_wear_state, size
         )
         # The error of the embedded first-order method grows with the square of the step.
         growth = 0.9 * math.sqrt(self._tolerance / max(error, 1e-30))
@@ -405,7 +405,7 @@ class _WearRunInProgress:
         Raises NoAnswer if the step is below SHORTEST_STEP, relative to the distance so far.
         """
         self._step = step
-        s = self.last_state.s
+        s = self.last_wear_state.s
         if step < SHORTEST_STEP * max(s, 1e-300) and s > 0:
             raise NoAnswer("not converged: the step of the wear shrinks to nothing")
 
@@ -414,7 +414,7 @@ class _WearRunInProgress:
         self._forward = not self._forward
         self._next_turn += self._reverse
         stepper = self._steppers[self._forward]
-        self.states.append(stepper.state_after_drum_reversal(self.last_state, self._forward))
+        self.states.append(stepper.state_after_drum_reversal(self.last_wear_state, self._forward))
         self._step, self._just_turned = self._opening_step, True
 
 
@@ -433,13 +433,15 @@ def wear_linings_in_given_steps(
     return states
 
 
-def join_groups_of_linings(interfaces: WearInterfaces) -> WearInterface:
+def join_contact_problems_of_lining_groups(interfaces: WearInterfaces) -> WearInterface:
     """Several groups of linings as one group, with one common contact problem.
 
     Each group may have several footings, the ways in which friction acts at its abutments. The
     joint group has a footing for every combination of these.
     """
-    combinations = product(*(interface.abutment_friction_cases for interface in interfaces))
+    combinations = product(
+        *(interface.ways_in_which_abutment_friction_may_act for interface in interfaces)
+    )
     first, *others = map(_joint_abutment_friction_case, combinations)
     all_settle = all(map(attrgetter("settle"), interfaces))
     return WearInterface(
@@ -472,14 +474,14 @@ def _joint_abutment_friction_case(footings: Sequence[Footing]) -> Footing:
         C=block_diag(*map(attrgetter("problem.C"), footings)),
         h=_concatenate_attribute_of_objects(footings, "problem.h"),
     )
-    return Footing(problem, partial(_is_friction_allowed_at_all_abutments, footings))
+    return Footing(problem, partial(_is_friction_consistent_at_all_abutments, footings))
 
 
-def _is_friction_allowed_at_all_abutments(footings: Sequence[Footing], contact: Contact) -> bool:
+def _is_friction_consistent_at_all_abutments(footings: Sequence[Footing], contact: Contact) -> bool:
     """Whether the solution of a joint contact problem agrees with the friction in all its groups.
 
-    `abutment_friction_cases` are the ways in which friction acts at the abutments of each group of
-    linings.
+    `ways_in_which_abutment_friction_may_act` are the ways in which friction acts at the abutments
+    of each group of linings.
     """
     unknowns = slices_of_consecutive_parts(len(footing.problem.q) for footing in footings)
     motions = slices_of_consecutive_parts(len(footing.problem.h) for footing in footings)
@@ -505,7 +507,7 @@ def _find_contact_of_all_worn_linings(
         own_number, active = interface.settle(depth[part])
         # `itertools.product` counts combinations like digits: the choice of the last group changes
         # from each combination to the next.
-        number = number * len(interface.abutment_friction_cases) + own_number
+        number = number * len(interface.ways_in_which_abutment_friction_may_act) + own_number
         active_sets.append(active)
     return number, np.concatenate(active_sets)
 
@@ -533,7 +535,7 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
     """
     failure: NoAnswer | None = None
     compliance_of_wear = np.diagonal(interface.weight) * interface.pressure
-    for number, footing in enumerate(interface.abutment_friction_cases):
+    for number, footing in enumerate(interface.ways_in_which_abutment_friction_may_act):
         try:
             contact = _solve_steady_wear_for_abutment_friction(interface, footing, law)
         except NoAnswer as error:
@@ -752,7 +754,9 @@ class _WearStepper:
         self.law, self.held = law, torque
         # A given torque is that of all linings together, which then have one contact problem.
         self.interfaces = (
-            list(interfaces) if torque is None else [join_groups_of_linings(interfaces)]
+            list(interfaces)
+            if torque is None
+            else [join_contact_problems_of_lining_groups(interfaces)]
         )
         self.parts = slices_of_consecutive_parts(
             len(interface.area) for interface in self.interfaces
@@ -770,7 +774,7 @@ class _WearStepper:
         If the wear run keeps a given torque, the problems have this torque in place of a force.
         """
         problems: list[ContactProblem] = list(
-            map(attrgetter("problem"), interface.abutment_friction_cases)
+            map(attrgetter("problem"), interface.ways_in_which_abutment_friction_may_act)
         )
         if self.held is None:
             return problems
@@ -783,7 +787,7 @@ class _WearStepper:
         return self._make_wear_state(0.0, depth, pressure, _WearIntegrals(0.0, 0.0, 0.0))
 
     def state_after_drum_reversal(self, state: WearState, forward: bool) -> WearState:
-        """The state of linings, worn as in `last_state`, after the drum turns the other way.
+        """The state of linings, worn as in `last_wear_state`, after the drum turns the other way.
 
         `forward` tells whether the drum now turns in the direction that the brake file states.
         """
@@ -834,7 +838,7 @@ class _WearStepper:
         # Its depth is wrong by GAMMA ds (r2 - r1). The tangent of the last stage turns this error
         # of the depth into an error of the pressure.
         depth_error = GAMMA * ds * (second.rate - first.rate)
-        error = self._norm_of_pressure(
+        error = self._norm_of_pressure_over_all_linings(
             self._pressure_change_by_worn_depth(second.tangents, depth_error)
         )
         # The tangent is right only if the same unknowns were in contact, with the same friction at
@@ -843,7 +847,7 @@ class _WearStepper:
         same_set = ((state.pressure > 0) == pressed).all() and ((first.p > 0) == pressed).all()
         if not same_set or self.footing != footing:
             error = max(error, self._pressure_distance_from_euler_step(state, ds, second.p))
-        error /= self._norm_of_pressure(second.p) or 1.0
+        error /= self._norm_of_pressure_over_all_linings(second.p) or 1.0
 
         def integral_over_step(at_first: Floats, at_second: Floats, row: Floats) -> float:
             """The integral over the step of row . values, from the values at the two stages."""
@@ -882,9 +886,9 @@ class _WearStepper:
         last = list(self.footing), list(self.sets)
         euler = self._solve_contact_of_all_linings(state.depth, ds)
         self.footing, self.sets = last
-        return self._norm_of_pressure(euler.p - p)
+        return self._norm_of_pressure_over_all_linings(euler.p - p)
 
-    def _norm_of_pressure(self, p: Floats) -> float:
+    def _norm_of_pressure_over_all_linings(self, p: Floats) -> float:
         """The L2 norm of a pressure (n,) [Pa] over the area of all linings."""
         return math.sqrt(float(np.abs(self.area) @ p**2))
 
@@ -892,7 +896,7 @@ class _WearStepper:
         self, s: float, depth: Floats, p: Floats, integrals: _WearIntegrals
     ) -> WearState:
         """The state at a distance s [m] with worn depth (n,) [m], pressure p (n,) and integrals."""
-        force = self._actuation_factor_of_pressures(0, p)
+        force = self._actuation_factor_that_balances_pressures(0, p)
         return WearState(s, depth, p, float(self.lever @ p), force, self.forward, *integrals)
 
     def _solve_contact_of_all_linings(self, depth: Floats, ds: float) -> _WornContact:
@@ -913,7 +917,7 @@ class _WearStepper:
             tangents=list(map(attrgetter("contact.pressure_change"), bearings)),
         )
 
-    def _actuation_factor_of_pressures(self, i: int, p: Floats) -> float:
+    def _actuation_factor_that_balances_pressures(self, i: int, p: Floats) -> float:
         """The factor on the actuation that balances pressures p (n,) of the linings' group `i`.
 
         The factor is 1 unless the wear run keeps a given torque.
@@ -921,7 +925,7 @@ class _WearStepper:
         if self.held is None:
             return 1.0
         interface = self.interfaces[i]
-        problem = interface.abutment_friction_cases[self.footing[i]].problem
+        problem = interface.ways_in_which_abutment_friction_may_act[self.footing[i]].problem
         main = int(np.argmax(np.abs(problem.h)))
         return float(problem.C[main] @ (p / interface.pressure)) / float(problem.h[main])
 
@@ -934,7 +938,7 @@ class _WearStepper:
         """
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
-        footings = self.interfaces[i].abutment_friction_cases
+        footings = self.interfaces[i].ways_in_which_abutment_friction_may_act
         # The way in which friction acted at the abutments in the last solution is tried first.
         for number in sorted(range(len(footings)), key=lambda number: number != last_footing):
             self.footing[i], self.sets[i] = number, last_set
@@ -943,7 +947,7 @@ class _WearStepper:
             except NoAnswer as error:
                 failure = failure or error
                 continue
-            force = self._actuation_factor_of_pressures(i, bearing.p)
+            force = self._actuation_factor_that_balances_pressures(i, bearing.p)
             # Whether the friction opposes the slide of the feet is judged under the actuation of
             # the brake file, so the solution is scaled to it.
             contact = bearing.contact
@@ -1034,7 +1038,7 @@ def wear_linings_by_explicit_euler(
     return states
 
 
-def checkerboard_amplitude(p: Floats, margin: int = 5) -> float:
+def amplitude_of_node_to_node_pressure_ripple(p: Floats, margin: int = 5) -> float:
     """The part of nodal pressures p (n,) that alternates from node to node, relative to p.
 
     It is the norm of the fourth difference (1, -4, 6, -4, 1)/16 of p over the norm of p. The fourth
@@ -1073,7 +1077,7 @@ def interpolate_wear_state_at_distance(states: Sequence[WearState], s: float) ->
     a = states[after - 1]
     t = (s - a.s) / (b.s - a.s)
 
-    def interpolate_number(x: float, y: float) -> float:
+    def interpolate_number_at_distance(x: float, y: float) -> float:
         """The value at the distance s, between x at the earlier state and y at the later one."""
         return (1 - t) * x + t * y
 
@@ -1081,12 +1085,12 @@ def interpolate_wear_state_at_distance(states: Sequence[WearState], s: float) ->
         s=s,
         depth=(1 - t) * a.depth + t * b.depth,
         pressure=(1 - t) * a.pressure + t * b.pressure,
-        torque=interpolate_number(a.torque, b.torque),
-        force=interpolate_number(a.force, b.force),
+        torque=interpolate_number_at_distance(a.torque, b.torque),
+        force=interpolate_number_at_distance(a.force, b.force),
         forward=b.forward,
-        removed=interpolate_number(a.removed, b.removed),
-        pressed=interpolate_number(a.pressed, b.pressed),
-        work=interpolate_number(a.work, b.work),
+        removed=interpolate_number_at_distance(a.removed, b.removed),
+        pressed=interpolate_number_at_distance(a.pressed, b.pressed),
+        work=interpolate_number_at_distance(a.work, b.work),
     )
 
 

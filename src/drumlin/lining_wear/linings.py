@@ -16,7 +16,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.fields import table_from_arrays
+from drumlin.brake.fields import table_rows_from_coordinates_and_values
 from drumlin.brake.file import vary
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
@@ -136,7 +136,9 @@ def wear_setup_by_finite_elements(
             group.members, group.substructures_of_shoes, group.shoes, strict=True
         ):
             theta = shoe.frame.theta(body.line.phi)
-            placed.append(_PlacedLining(i, theta, body.line.interpolation_degree))
+            placed.append(
+                _PlacedLining(i, theta, body.line.interpolation_degree_along_contact_line)
+            )
         surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)
         interfaces.append(_wear_contact_problem_of_shoe_group(group))
     return _make_wear_setup(brake, "fem", interfaces, surfaces)
@@ -147,10 +149,10 @@ def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
 
     It has a footing for each way in which friction may act at the abutments of the shoes.
     """
-    first, *others = group.groups_with_each_choice_of_friction_senses()
+    first, *others = group.groups_with_each_direction_of_foot_friction()
     couplings = list(map(attrgetter("coupling"), group.substructures_of_shoes))
     gap = np.concatenate(group.gaps_of_unloaded_linings)
-    problem = _problem_in_newtons(first)
+    problem = _contact_problem_in_newtons(first)
     return WearInterface(
         problem=problem,
         loaded=problem.q - group.mass_matrix_of_contact_nodes @ gap,
@@ -160,7 +162,9 @@ def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
         torque=group.brake.friction * np.concatenate(list(map(attrgetter("lever"), couplings))),
         stands=partial(_is_abutment_friction_as_assumed, first),
         others=tuple(
-            Footing(_problem_in_newtons(way), partial(_is_abutment_friction_as_assumed, way))
+            Footing(
+                _contact_problem_in_newtons(way), partial(_is_abutment_friction_as_assumed, way)
+            )
             for way in others
         ),
         settle=partial(_find_contact_of_worn_linings, (first, *others)),
@@ -185,7 +189,7 @@ def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> t
     """
     worn = replace(ways[0], brake=_brake_with_worn_linings_of_group(ways[0], depth))
     try:
-        settled, contact = worn.solve_contact()
+        settled, contact = worn.solve_contact_and_abutment_friction()
     except NoAnswer:
         # A search without a first guess may miss an equilibrium. The contact of ever stiffer
         # linings, from very soft ones on, gives a first guess.
@@ -194,10 +198,10 @@ def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> t
         )
         if active is None:
             raise
-        settled, contact = worn.solve_contact(active)
+        settled, contact = worn.solve_contact_and_abutment_friction(active)
     # The senses of the friction at the abutments tell to which of the `ways` the solution belongs.
-    senses = list(map(attrgetter("known_abutment_friction_senses"), ways))
-    return senses.index(settled.known_abutment_friction_senses), contact.active
+    senses = list(map(attrgetter("known_abutment_friction_directions"), ways))
+    return senses.index(settled.known_abutment_friction_directions), contact.active
 
 
 def _brake_with_worn_linings_of_group(group: ShoeGroup, depth: Floats) -> Brake:
@@ -225,13 +229,15 @@ def brake_with_added_worn_depths(
     shoes = list(brake.shoes)
     for i, (theta, depth) in depths.items():
         lining = shoes[i].lining
-        clearance = table_from_arrays(theta, lining.clearance_at_coordinates(theta) + depth)
+        clearance = table_rows_from_coordinates_and_values(
+            theta, lining.clearance_at_surface_coordinates(theta) + depth
+        )
         worn = lining.model_copy(update={"clearance": clearance})
         shoes[i] = shoes[i].model_copy(update={"lining": worn})
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def _problem_in_newtons(group: ShoeGroup) -> ContactProblem:
+def _contact_problem_in_newtons(group: ShoeGroup) -> ContactProblem:
     """The contact problem of a group of shoes in newtons, in place of the group's unit of force."""
     size, problem = group.largest_actuation_force, group.contact_problem_of_group
     return problem._replace(q=size * problem.q, h=size * problem.h)
@@ -271,7 +277,7 @@ def wear_setup_by_foundation_model(
     reason = foundation.reason_against_foundation_model(brake)
     if reason is not None:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
-    names = foundation.names_of_included_effects(brake, lift)
+    names = foundation.validated_names_of_effects_to_include(brake, lift)
     touching = [i for i, shoe in enumerate(brake.shoes) if actuation_moment_towards_drum(shoe) > 0]
     # Shoes influence each other only if the own pressure of each shoe loads an elastic ring.
     meet = brake.ring is not None and "own-pressure" in names

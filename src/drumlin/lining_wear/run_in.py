@@ -67,7 +67,8 @@ def end_of_wear_by_rigid_shoe_law(
     """The pressure and the torque to which wear tends as the mesh is refined.
 
     For finite elements and the exponent 1 of the wear law, the pressure is that of the rigid-shoe
-    law. For the foundation model and for other exponents, the result is `end_of_wear_on_mesh`.
+    law. For the foundation model and for other exponents, the result is
+    `final_pressure_and_torque_of_wear_on_mesh`.
 
     Parameters
     ----------
@@ -82,7 +83,7 @@ def end_of_wear_by_rigid_shoe_law(
     """
     # The rigid-shoe law holds only if wear is proportional to the pressure.
     if setup.model != "fem" or (law is not None and law.exponent != 1):
-        return end_of_wear_on_mesh(setup, law, torque)
+        return final_pressure_and_torque_of_wear_on_mesh(setup, law, torque)
     forced = rigid.brake_with_forces_shared_by_rigid_law(setup.brake)
     pressures = []
     total: float = 0
@@ -91,10 +92,10 @@ def end_of_wear_by_rigid_shoe_law(
         pressures.append(rigid.pressure_of_rigid_shoe_at_places(pressed, surface.theta))
         if pressed:
             total += _lining_torque_by_rigid_shoe_law(setup, surface, pressed)
-    return _end_of_wear_at_held_torque(np.concatenate(pressures), total, torque)
+    return _final_pressure_scaled_to_held_torque(np.concatenate(pressures), total, torque)
 
 
-def end_of_wear_on_mesh(
+def final_pressure_and_torque_of_wear_on_mesh(
     setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
 ) -> WearTarget:
     """The pressure and the torque at the end of wear on the mesh, or the sectors, of a setup.
@@ -110,10 +111,12 @@ def end_of_wear_on_mesh(
         p = interface.pressure * solve_steady_wear(interface, law).contact.p
         pressures.append(p)
         total += float(interface.torque @ p)
-    return _end_of_wear_at_held_torque(np.concatenate(pressures), total, torque)
+    return _final_pressure_scaled_to_held_torque(np.concatenate(pressures), total, torque)
 
 
-def _end_of_wear_at_held_torque(p: Floats, total: float, torque: float | None) -> WearTarget:
+def _final_pressure_scaled_to_held_torque(
+    p: Floats, total: float, torque: float | None
+) -> WearTarget:
     """The end of wear with the pressures p (n,) [Pa], scaled to a held torque if there is one.
 
     Parameters
@@ -137,7 +140,7 @@ def _lining_torque_by_rigid_shoe_law(
     pressed : contact of the rigid shoe
     """
     brake, lining = setup.brake, setup.brake.shoes[surface.shoe].lining
-    theta = rigid.places_of_pressure_nodes(
+    theta = rigid.node_places_of_pressure_along_lining(
         (lining.start, lining.end), pressed.arcs, rigid.PRESSURE_NODES - 1
     )
     # The law's pressure is replaced by parabolas through its nodal values, which the Gauss rule
@@ -162,34 +165,38 @@ class TargetDistance(NamedTuple):
     torque: float
 
 
-def relative_distance_from_end_of_wear(
+def relative_difference_from_end_of_wear(
     setup: WearSetup, state: WearState, goal: WearTarget
 ) -> TargetDistance:
     """The relative differences in pressure and torque of a state from the end of wear `goal`."""
     return TargetDistance(
-        pressure=largest_pressure_distance_of_linings(setup, state.pressure, goal.pressure),
+        pressure=largest_pressure_difference_of_linings(setup, state.pressure, goal.pressure),
         torque=state.torque / goal.torque - 1 if goal.torque else 0.0,
     )
 
 
-def largest_pressure_distance_of_linings(setup: WearSetup, p: Floats, goal: Floats) -> float:
+def largest_pressure_difference_of_linings(setup: WearSetup, p: Floats, goal: Floats) -> float:
     """The relative L2 distance of pressures p (n,) from pressures `goal` (n,).
 
     It is that of the lining with the largest distance.
     """
     distances = []
     for surface in setup.surfaces:
-        size = norm_of_pressure_on_lining(surface, surface.own_values_by_growing_angle(goal))
+        size = norm_of_values_on_lining_without_ends(
+            surface, surface.own_values_by_growing_angle(goal)
+        )
         # A lining without pressure at the end of wear has no relative distance.
         if size:
             distances.append(
-                norm_of_pressure_on_lining(surface, surface.own_values_by_growing_angle(p - goal))
+                norm_of_values_on_lining_without_ends(
+                    surface, surface.own_values_by_growing_angle(p - goal)
+                )
                 / size
             )
     return max(distances, default=0.0)
 
 
-def norm_of_pressure_on_lining(surface: WornLining, values: Floats) -> float:
+def norm_of_values_on_lining_without_ends(surface: WornLining, values: Floats) -> float:
     """The L2 norm over theta of values (n,) on a lining, without one element at each end."""
     inner = slice(surface.order, len(values) - surface.order)
     _, at_points, weight = polynomial_values_at_gauss_points(
@@ -206,16 +213,16 @@ def make_test_for_end_of_wear(
     Parameters
     ----------
     setup : the brake with the contact problems of its linings
-    goal : end of wear on the mesh, by `end_of_wear_on_mesh`. The rigid-shoe law would not do,
-        because wear on a mesh does not reach it.
+    goal : end of wear on the mesh, by `final_pressure_and_torque_of_wear_on_mesh`. The rigid-shoe
+        law would not do, because wear on a mesh does not reach it.
     within : largest relative difference of pressure and torque from the end of wear
     """
     return lambda state: (
-        max(map(abs, relative_distance_from_end_of_wear(setup, state, goal))) <= within
+        max(map(abs, relative_difference_from_end_of_wear(setup, state, goal))) <= within
     )
 
 
-def run_brake_linings_in(
+def wear_brake_linings_until_worn_in(
     setup: WearSetup,
     law: WearLaw | None = None,
     *,
@@ -249,7 +256,9 @@ def run_brake_linings_in(
             raise BadInput(
                 "a brake whose drum turns both ways does not settle: a distance must be given"
             )
-        until = make_test_for_end_of_wear(setup, end_of_wear_on_mesh(setup, law, torque))
+        until = make_test_for_end_of_wear(
+            setup, final_pressure_and_torque_of_wear_on_mesh(setup, law, torque)
+        )
     return archard.wear_linings(
         setup.interfaces,
         law,
@@ -273,7 +282,7 @@ def _require_three_elements_per_lining(setup: WearSetup) -> None:
             )
 
 
-def unit_of_sliding_distance(setup: WearSetup, law: WearLaw) -> float:
+def sliding_distance_of_e_fold_pressure_change(setup: WearSetup, law: WearLaw) -> float:
     """The unit of sliding distance 1/(k K) [m]; inf if the wear coefficient k is 0.
 
     K is the stiffness E/t of the lining. Over this distance, wear reduces by a factor e the
@@ -376,7 +385,7 @@ def compute_life_of_linings(
             end = min(end, s[-1] + (allowed - deepest[-1]) / rate)
     # Pressure and torque count as worn in from where they stay within the bound.
     distances = np.array(
-        [relative_distance_from_end_of_wear(setup, state, goal) for state in states]
+        [relative_difference_from_end_of_wear(setup, state, goal) for state in states]
     )
     pressures, torques = distances.T.tolist()
     pressure_near = archard.distance_after_which_values_stay_small(s, pressures, within)
@@ -396,7 +405,8 @@ class RunChecks(NamedTuple):
     energy : difference between the volume of the worn shape and k W/mu, with the friction energy W
         and the wear coefficient k; None without friction and for other exponents than 1
     ripple : largest part of the pressure that alternates from node to node, in any state after the
-        first, by `archard.checkerboard_amplitude`; None if the linings have too few nodes
+        first, by `archard.amplitude_of_node_to_node_pressure_ripple`; None if the linings have too
+        few nodes
     """
 
     volume: float
@@ -415,7 +425,7 @@ def compute_checks_of_wear_run(
     ripples = []
     for state in states[1:]:
         for surface in setup.surfaces:
-            ripple = archard.checkerboard_amplitude(
+            ripple = archard.amplitude_of_node_to_node_pressure_ripple(
                 surface.own_values_by_growing_angle(state.pressure)
             )
             # A lining of few nodes has no value of the ripple.
@@ -497,7 +507,7 @@ def wear_run_as_json_data(
 
     def wear_state_as_json_data(state: WearState) -> dict[str, Any]:
         """A state of the wear run as plain data for JSON."""
-        off = relative_distance_from_end_of_wear(setup, state, goal)
+        off = relative_difference_from_end_of_wear(setup, state, goal)
         return {
             "distance": state.s,
             "forward": state.forward,
@@ -517,7 +527,9 @@ def wear_run_as_json_data(
     return {
         "model": setup.model,
         "law": law._asdict(),
-        "unit_distance": unit_of_sliding_distance(setup, law) if law.coefficient else None,
+        "unit_distance": sliding_distance_of_e_fold_pressure_change(setup, law)
+        if law.coefficient
+        else None,
         "shoes": shoes,
         "worn_in": {"torque": goal.torque, "pressure": values_of_each_lining(goal.pressure)},
         "states": list(map(wear_state_as_json_data, states)),
@@ -570,7 +582,9 @@ def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
     brake, surface = setup.brake, setup.brake.surface
     wears = ": nothing wears"
     if law.coefficient:
-        wears = f", 1/(k K) = {unit_of_sliding_distance(setup, law) * 1e-3:.5g} km"
+        wears = (
+            f", 1/(k K) = {sliding_distance_of_e_fold_pressure_change(setup, law) * 1e-3:.5g} km"
+        )
     effect_unit = f"[{surface.effect_unit}]"
     return [
         f"{brake.title}: {setup.model}, {brake.motion}, mu = {brake.friction:g}, "
@@ -586,11 +600,12 @@ def _table_line_of_wear_state(
     setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw
 ) -> str:
     """The line of one state in a wear run's table; parameters as of `report_lines_of_wear_run`."""
-    off = relative_distance_from_end_of_wear(setup, state, goal)
+    off = relative_difference_from_end_of_wear(setup, state, goal)
     force = state.force * setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     peak = peak_nodal_pressure_of_wear_state(setup, state) * 1e-6
+    relative = state.s / sliding_distance_of_e_fold_pressure_change(setup, law)
     return (
-        f"{state.s * 1e-3:9.5g}{state.s / unit_of_sliding_distance(setup, law):9.4g}"
+        f"{state.s * 1e-3:9.5g}{relative:9.4g}"
         f"{state.torque:10.6g}{force:9.5g}{peak:9.4g}"
         f"{100 * off.pressure:11.3f}{100 * off.torque:+11.4f}{state.depth.max() * 1e3:10.4g}"
     )
@@ -602,9 +617,9 @@ def _line_on_mesh_error_of_wear_end(setup: WearSetup, goal: WearTarget, law: Wea
     The list is empty if the relative difference of the pressures is at most WEAR_SETTLED.
     Parameters are those of `report_lines_of_wear_run`.
     """
-    end = end_of_wear_on_mesh(setup, law)
+    end = final_pressure_and_torque_of_wear_on_mesh(setup, law)
     factor = goal.torque / end.torque if end.torque else 1.0
-    off = largest_pressure_distance_of_linings(setup, end.pressure * factor, goal.pressure)
+    off = largest_pressure_difference_of_linings(setup, end.pressure * factor, goal.pressure)
     if off <= WEAR_SETTLED:
         return []
     return [

@@ -24,8 +24,8 @@ from drumlin.lining_wear.run_in import (
     end_of_wear_by_rigid_shoe_law,
     report_lines_of_wear_run,
     require_linings_not_worn_through,
-    run_brake_linings_in,
-    unit_of_sliding_distance,
+    sliding_distance_of_e_fold_pressure_change,
+    wear_brake_linings_until_worn_in,
     wear_run_as_json_data,
 )
 
@@ -116,7 +116,7 @@ def make_wear_setups_of_brake(
     brake : the brake
     model : name of the model, "fem" or "foundation"
     both_ways : whether the drum also turns the other way
-    options : options of `prepared_model_of_finest_division` for "fem", of
+    options : options of `prepared_model_with_finest_elements` for "fem", of
         `wear_setup_by_foundation_model` for "foundation"
 
     Raises
@@ -134,9 +134,9 @@ def make_wear_setups_of_brake(
         )
         return WearSetups(forward, backward)
     # The import takes long, and only finite elements need it.
-    from drumlin.fem.solve import prepared_model_of_finest_division  # noqa: PLC0415
+    from drumlin.fem.solve import prepared_model_with_finest_elements  # noqa: PLC0415
 
-    scene = prepared_model_of_finest_division(brake, **options)
+    scene = prepared_model_with_finest_elements(brake, **options)
     forward = wear_setup_by_finite_elements(scene, brake)
     backward = None if turned_back is None else wear_setup_by_finite_elements(scene, turned_back)
     return WearSetups(forward, backward)
@@ -195,15 +195,15 @@ def wear_whole_brake(
         for no equilibrium, no convergence, self-locking, or a lining that is worn through
     """
     setup, backward = setups
-    unit = unit_of_sliding_distance(setup, law)
-    # Options that are not given keep the defaults of `run_brake_linings_in`.
+    unit = sliding_distance_of_e_fold_pressure_change(setup, law)
+    # Options that are not given keep the defaults of `wear_brake_linings_until_worn_in`.
     given = {"tolerance": tolerance, "torque": torque}
     options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
     if reverse is not None:
         options["reverse"] = sliding_distance_from_option("--reverse", reverse, unit)
     if distance is not None:
         options["distance"] = sliding_distance_from_option("--distance", distance, unit)
-    states = run_brake_linings_in(setup, law, backward=backward, **options)
+    states = wear_brake_linings_until_worn_in(setup, law, backward=backward, **options)
     require_linings_not_worn_through(setup, states)
     goal = end_of_wear_by_rigid_shoe_law(setup, law, torque)
     return WearRun(setup, law, tuple(states), goal)

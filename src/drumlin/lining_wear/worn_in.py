@@ -43,14 +43,14 @@ import scipy.linalg
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.fields import Rows, table_from_arrays
+from drumlin.brake.fields import Rows, table_rows_from_coordinates_and_values
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.foundation.model import (
     RING_SECTIONS,
     contact_problem_of_shoe_group,
-    names_of_included_effects,
+    validated_names_of_effects_to_include,
 )
 from drumlin.foundation.post import brake_angles_from_beam_angles
 from drumlin.laws import solve_brake_by_sine_law
@@ -84,9 +84,9 @@ def solve_worn_in_brake(brake: Brake, *, penalty: float = PENALTY, **options: An
     ----------
     brake : the brake, whose clearances and misfit are replaced
     penalty : factor alpha of the contact stiffness alpha E/t per area
-    options : options of `prepared_model_of_finest_division`
+    options : options of `prepared_model_with_finest_elements`
     """
-    scene = prepared_model_of_finest_division(brake, **options)
+    scene = prepared_model_with_finest_elements(brake, **options)
     worn = brake_with_worn_in_clearances(scene, brake)
     return response_with_figures_of_merit(brake, solve_prepared_model(scene, worn, penalty=penalty))
 
@@ -109,7 +109,9 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
         gap = _gap_of_unloaded_worn_in_linings(interface, linings)
         for surface in surfaces:
             along = gap[surface.local][surface.forward]
-            gaps[surface.shoe] = table_from_arrays(surface.angles_in_growing_order, along)
+            gaps[surface.shoe] = table_rows_from_coordinates_and_values(
+                surface.angles_in_growing_order, along
+            )
     return brake_without_misfit(brake_without_misfit(brake), gaps)
 
 
@@ -130,12 +132,17 @@ def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[sli
         if there is no steady wear, or if friction at an abutment may act in more than one way
     """
     end = solve_steady_wear(interface, WearLaw(1.0))
-    footing, M, p = interface.abutment_friction_cases[end.footing], interface.weight, end.contact.p
+    footing, M, p = (
+        interface.ways_in_which_abutment_friction_may_act[end.footing],
+        interface.weight,
+        end.contact.p,
+    )
     A, q, B, *_ = footing.problem
     # While the unloaded shoe rests, each foot on a rough abutment stays where it is. The footing
     # of this case is the one with the fewest motions.
     resting = min(
-        map(attrgetter("problem.B"), interface.abutment_friction_cases), key=lambda B: B.shape[1]
+        map(attrgetter("problem.B"), interface.ways_in_which_abutment_friction_may_act),
+        key=lambda B: B.shape[1],
     )
     solved = scipy.linalg.solve(M, np.column_stack([q + A @ p, resting]), assume_a="pos")
     # `opened` is the opening c, and approach @ y is the closing of the gap by motions y.
@@ -232,7 +239,7 @@ def post_brake_with_worn_in_clearances(
     NoAnswer
         for a self-locking shoe
     """
-    names, law = names_of_included_effects(brake, lift), solve_brake_by_sine_law(brake)
+    names, law = validated_names_of_effects_to_include(brake, lift), solve_brake_by_sine_law(brake)
     fitting = brake_without_misfit(brake, drum=True)
     shoes = list(range(len(brake.shoes)))
     gaps: dict[int, Rows] = {}
@@ -254,5 +261,7 @@ def post_brake_with_worn_in_clearances(
             own, theta = parts[k], angles[k]
             # The turn is the smallest with which no clearance is negative: it is 0 at one place.
             gap = post.closing[0] * np.max(own / post.closing[0]) - own
-            gaps[group[k]] = table_from_arrays(theta[:: post.axis.sense], gap[:: post.axis.sense])
+            gaps[group[k]] = table_rows_from_coordinates_and_values(
+                theta[:: post.axis.sense], gap[:: post.axis.sense]
+            )
     return brake_without_misfit(fitting, gaps)

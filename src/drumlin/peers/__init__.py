@@ -13,10 +13,16 @@ from drumlin.response.merit import response_with_figures_of_merit
 PEERS = {"calculix": "CalculiX", "getfem": "GetFEM"}
 """The peers: the name in options and files, and the name as the program writes it."""
 
-__all__ = ["PEERS", "Peer", "PeerMissing", "install_hint_if_missing", "solve_by_peer"]
+__all__ = [
+    "PEERS",
+    "Peer",
+    "PeerMissing",
+    "install_hint_if_missing",
+    "solve_brake_by_calculix_or_getfem",
+]
 
 
-def solve_by_peer(name: str, brake: Brake, **options: Any) -> Peer:
+def solve_brake_by_calculix_or_getfem(name: str, brake: Brake, **options: Any) -> Peer:
     """Solve a brake by a peer, another finite-element program.
 
     Parameters
@@ -39,7 +45,11 @@ def solve_by_peer(name: str, brake: Brake, **options: Any) -> Peer:
 
     if name not in PEERS:
         raise BadInput(f"peer = {name!r}: unknown; allowed: {', '.join(PEERS)}")
-    solve = calculix.solve_by_calculix if name == "calculix" else getfem.solve_by_getfem
+    solve = (
+        calculix.solve_brake_by_calculix
+        if name == "calculix"
+        else getfem.solve_brake_in_getfem_process
+    )
     peer: Peer = solve(brake, **options)
     return peer._replace(response=response_with_figures_of_merit(brake, peer.response))
 

@@ -48,11 +48,11 @@ from drumlin.peers.peer import (
     Peer,
     PeerForces,
     PeerMissing,
-    brake_response_from_shoes,
+    brake_response_from_shoe_responses,
     hinged_shoes_under_actuation,
-    response_of_untouched_shoe,
-    run_peer_process,
+    run_command_of_peer_program,
     shoe_response_from_peer_forces,
+    zero_response_of_shoe_turned_away_from_drum,
 )
 from drumlin.response.response import Balance, ShoeResponse
 
@@ -139,12 +139,12 @@ def calculix_version() -> str:
     return found[1] if found else "unknown"
 
 
-def export_calculix_decks(
+def export_calculix_deck_of_each_shoe(
     brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND
 ) -> tuple[list[Path], list[str]]:
-    """Write a CalculiX deck for each shoe of a brake, set as `solve_by_calculix` begins.
+    """Write a CalculiX deck for each shoe of a brake, set as `solve_brake_by_calculix` begins.
 
-    CalculiX need not be installed. Raises BadInput as `solve_by_calculix` does.
+    CalculiX need not be installed. Raises BadInput as `solve_brake_by_calculix` does.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def export_calculix_decks(
     setting, decks = DeckSetting(), []
     for loaded in hinged_shoes_under_actuation(brake, elements, kind):
         decks.append(ShoeDeck(loaded, partial(plane_stress_deck_text, brake, loaded, setting)))
-    return write_deck_files(decks, folder, stem)
+    return write_decks_of_shoes_pressed_on_drum(decks, folder, stem)
 
 
 class ShoeDeck(NamedTuple):
@@ -171,7 +171,7 @@ class ShoeDeck(NamedTuple):
     text: Callable[[str], str]
 
 
-def write_deck_files(
+def write_decks_of_shoes_pressed_on_drum(
     decks: Sequence[ShoeDeck], folder: Path, stem: str, ending: str = ""
 ) -> tuple[list[Path], list[str]]:
     """Write a CalculiX deck for each shoe that its actuation presses on the drum.
@@ -198,7 +198,7 @@ def write_deck_files(
     return paths, apart
 
 
-def solve_by_calculix(
+def solve_brake_by_calculix(
     brake: Brake,
     *,
     elements: int = ELEMENTS,
@@ -231,10 +231,10 @@ def solve_by_calculix(
     points = []
     for loaded in hinged_shoes_under_actuation(brake, elements, kind, mesher):
         if not loaded.approaches:
-            tally.answers.append(response_of_untouched_shoe(loaded))
+            tally.answers.append(zero_response_of_shoe_turned_away_from_drum(loaded))
             continue
         state, rotation = run_until_lining_slips(brake, loaded, setting or DeckSetting())
-        tally.add_shoe_state(loaded, state)
+        tally.add_results_and_costs_of_shoe(loaded, state)
         points.append(
             f"shoe {loaded.shoe.name!r}: "
             f"{state.points} contact points on {state.touching} elements, "
@@ -245,7 +245,7 @@ def solve_by_calculix(
         "a further load case is a new run: nothing is reused",
         *points,
     )
-    return tally.result_of_brake(installed, notes)
+    return tally.result_of_brake_from_added_shoes(installed, notes)
 
 
 class RunTally:
@@ -255,20 +255,20 @@ class RunTally:
         self.answers: list[tuple[ShoeResponse, Balance]] = []
         self._iterations, self._unknowns, self._seconds = 0, 0, 0.0
 
-    def add_shoe_state(self, loaded: LoadedShoe, state: CalculixState) -> None:
+    def add_results_and_costs_of_shoe(self, loaded: LoadedShoe, state: CalculixState) -> None:
         """Add the results of a shoe, and the iterations, unknowns and time of its run."""
         self.answers.append(shoe_response_of_calculix_state(loaded, state))
         self._iterations = max(self._iterations, state.iterations)
         self._unknowns += state.unknowns
         self._seconds += state.seconds
 
-    def result_of_brake(self, installed: str, notes: tuple[str, ...]) -> Peer:
+    def result_of_brake_from_added_shoes(self, installed: str, notes: tuple[str, ...]) -> Peer:
         """The collected result for the whole brake; `installed` is the version of CalculiX."""
         seconds = self._seconds
         return Peer(
             name="calculix",
             version=installed,
-            response=brake_response_from_shoes(
+            response=brake_response_from_shoe_responses(
                 "calculix", self.answers, self._iterations, {"calculix": seconds}
             ),
             seconds=seconds,
@@ -310,7 +310,7 @@ def run_until_lining_slips(
         if CalculiX fails, or the lining sticks at the largest rotation
     """
     for _ in range(MOST_DOUBLINGS + 1):
-        state = run_calculix(brake, loaded, setting, posed)
+        state = run_calculix_on_deck_of_shoe(brake, loaded, setting, posed)
         require_equilibrium_and_contact(loaded, state)
         if state.sticking <= MOST_STICKING:
             return state, setting.rotation
@@ -322,7 +322,7 @@ def run_until_lining_slips(
     )
 
 
-def run_calculix(
+def run_calculix_on_deck_of_shoe(
     brake: Brake, loaded: LoadedShoe, setting: DeckSetting, posed: DeckFormat | None = None
 ) -> CalculixState:
     """Write the deck of a shoe into a temporary folder, run `ccx` on one thread, read its results.
@@ -345,7 +345,7 @@ def run_calculix(
     with tempfile.TemporaryDirectory(prefix="drumlin-calculix-") as name:
         folder = Path(name)
         (folder / "shoe.inp").write_text(text, encoding="utf-8")
-        ended = run_peer_process(["ccx", "shoe"], folder, LONGEST_CALCULIX)
+        ended = run_command_of_peer_program(["ccx", "shoe"], folder, LONGEST_CALCULIX)
         if ended.status or "Job finished" not in ended.output:
             reason = (
                 _last_error_line(ended.output) or f"its process ended with status {ended.status}"
@@ -389,7 +389,7 @@ def _read_numbers_of_results_file(dat: str) -> _Results:
 
     Raises LookupError or ValueError if numbers are missing.
     """
-    blocks = _number_rows_by_heading(dat)
+    blocks = _rows_of_numbers_below_each_heading(dat)
     return _Results(
         drum=_numbers_below_heading(blocks, "forces (fx,fy,fz) for set NDRUM"),
         pin=_numbers_below_heading(blocks, "displacements (vx,vy,vz) for set PIN")[0, 1:3],
@@ -455,7 +455,7 @@ def read_calculix_state(
     )
 
 
-def _number_rows_by_heading(dat: str) -> dict[str, str]:
+def _rows_of_numbers_below_each_heading(dat: str) -> dict[str, str]:
     """The rows of numbers in CalculiX's file of results, by the heading above them.
 
     If a heading comes several times, the rows below the last one are returned.

@@ -142,7 +142,7 @@ def plane_stress_deck_text(
         for linear elements and for a clearance
     """
     require_lining_without_gap(brake, loaded)
-    grid = _shoe_mesh_for_deck(loaded)
+    grid = _shoe_mesh_in_form_of_calculix_deck(loaded)
     drum_mesh = mesh_drum_arc(brake, loaded, FirstLabels(grid.turn + 1, len(grid.cells) + 1))
     lining_faces = deck_lines_of_element_faces(grid.cells, grid.edges["contact"], grid.corners)
     drum_face = "S1" if loaded.shoe.sign > 0 else "S3"
@@ -170,7 +170,7 @@ def require_lining_without_gap(brake: Brake, loaded: LoadedShoe) -> None:
         )
 
 
-def _shoe_mesh_for_deck(loaded: LoadedShoe) -> DeckGrid:
+def _shoe_mesh_in_form_of_calculix_deck(loaded: LoadedShoe) -> DeckGrid:
     """The mesh of a shoe in the form of a CalculiX deck. Raises BadInput for linear elements."""
     shoe, parts = loaded.shoe, loaded.parts
     cell = element_kind_of_mesh(parts.mesh).cell
@@ -178,7 +178,7 @@ def _shoe_mesh_for_deck(loaded: LoadedShoe) -> DeckGrid:
         raise BadInput("--kind: CalculiX gets quadratic elements only; allowed: quad2, tri2")
     kind, corners = DECK_CELLS[cell]
     xy = shoe.frame.convert_to_brake_frame(parts.basis.doflocs.T) * MM_PER_METRE
-    cells = cells_in_counter_clockwise_order(
+    cells = cells_with_nodes_counter_clockwise(
         xy, parts.basis.element_dofs.T[:, : 2 * corners], corners
     )
     edges = {}
@@ -427,7 +427,7 @@ def deck_header_lines(
     ]
 
 
-def cells_in_counter_clockwise_order(xy: Floats, cells: Ints, corners: int) -> Ints:
+def cells_with_nodes_counter_clockwise(xy: Floats, cells: Ints, corners: int) -> Ints:
     """The cells with their nodes in counter-clockwise order.
 
     Parameters

@@ -31,7 +31,7 @@ from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE
 from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
 from drumlin.fem.substructure.elasticity import (
     elastic_layers_of_shoe,
-    isotropic_and_directional_constants,
+    isotropic_and_orthotropic_elastic_constants,
 )
 from drumlin.peers.peer import (
     LoadedShoe,
@@ -39,12 +39,12 @@ from drumlin.peers.peer import (
     Peer,
     PeerForces,
     PeerMissing,
-    brake_response_from_shoes,
-    mesh_shoes_for_peer,
-    response_of_untouched_shoe,
-    run_peer_process,
+    brake_response_from_shoe_responses,
+    meshed_shoe_with_actuation_and_support,
+    meshes_of_shoes_for_peer_program,
+    run_command_of_peer_program,
     shoe_response_from_peer_forces,
-    shoe_under_actuation,
+    zero_response_of_shoe_turned_away_from_drum,
 )
 from drumlin.response.response import Balance, ShoeResponse
 
@@ -95,7 +95,7 @@ def path_of_python_with_getfem() -> str:
     raise PeerMissing(INSTALL_GETFEM)
 
 
-def solve_by_getfem(
+def solve_brake_in_getfem_process(
     brake: Brake,
     *,
     elements: int = ELEMENTS,
@@ -128,12 +128,14 @@ def solve_by_getfem(
             f"formulation = {formulation!r}: unknown; allowed: {', '.join(FORMULATIONS)}"
         )
     interpreter = path_of_python_with_getfem()
-    meshed = mesh_shoes_for_peer(brake, elements, kind, mesher)
+    meshed = meshes_of_shoes_for_peer_program(brake, elements, kind, mesher)
     solver = _Solver(interpreter, brake, meshed, formulation, repeats)
-    answers = _shoe_results_by_name(brake, solver)
+    answers = _solve_shoes_and_return_results_by_name(brake, solver)
     each = [answers[shoe.name][:2] for shoe in brake.shoes]
-    costs = solver.costs_of_all_runs()
-    response = brake_response_from_shoes("getfem", each, costs.steps, {"getfem": costs.cold})
+    costs = solver.steps_times_and_unknowns_of_all_runs()
+    response = brake_response_from_shoe_responses(
+        "getfem", each, costs.steps, {"getfem": costs.cold}
+    )
     if not max(response.balance.force, response.balance.moment) < LARGEST_ANSWER_IMBALANCE:
         raise NoAnswer(
             f"GetFEM: forces balance only to {response.balance.force:.1e}, "
@@ -187,7 +189,7 @@ class _Solver:
     interpreter : path of the Python that runs the script
     brake : the brake
     meshed : meshed shoes of the brake
-    formulation, repeats : the arguments of `solve_by_getfem`
+    formulation, repeats : the arguments of `solve_brake_in_getfem_process`
     """
 
     def __init__(
@@ -205,11 +207,11 @@ class _Solver:
 
     def run(self, shoes: list[LoadedShoe]) -> list[dict[str, Any]]:
         """Run the script for some shoes; returns its results, a dictionary for each shoe."""
-        problem = _problem_for_getfem_script(self.brake, shoes, self._formulation, self._repeats)
+        problem = _brake_data_for_getfem_script(self.brake, shoes, self._formulation, self._repeats)
         self._runs.append(_run_getfem_script(self._interpreter, problem))
         return list(self._runs[-1].result["answers"][0])
 
-    def costs_of_all_runs(self) -> _Costs:
+    def steps_times_and_unknowns_of_all_runs(self) -> _Costs:
         """Steps, times and unknowns of all runs so far."""
         steps, unknowns, rests = [0], [0], []
         for ran in self._runs:
@@ -217,17 +219,17 @@ class _Solver:
             unknowns.append(ran.result["unknowns"])
             # A process may hold several solves. The time for its start counts once.
             rests.append(ran.seconds - sum(map(sum, ran.result["seconds"])))
-        cold = self._total_median_seconds(0)
+        cold = self._median_seconds_summed_over_all_runs(0)
         return _Costs(
             steps=max(steps),
             cold=cold,
-            warm=self._total_median_seconds(1),
+            warm=self._median_seconds_summed_over_all_runs(1),
             process=math.fsum(rests) + cold,
             unknowns=max(unknowns),
             version=self._runs[-1].result["version"] if self._runs else "",
         )
 
-    def _total_median_seconds(self, case: int) -> float:
+    def _median_seconds_summed_over_all_runs(self, case: int) -> float:
         """The time [s] of load case 0 or 1: the median of the repeats, summed over all runs."""
         medians = []
         for ran in self._runs:
@@ -250,13 +252,15 @@ class ShoeAnswer(NamedTuple):
     tip: float
 
 
-def _shoe_results_by_name(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
+def _solve_shoes_and_return_results_by_name(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
     """The results of all shoes by name; a shoe that pushes another shoe is solved before it."""
     pushed_by = {link.to: link.source for link in brake.links}
     answers: dict[str, ShoeAnswer] = {}
     if brake.actuation is not None and brake.actuation.is_cam:
         both = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed_by}
-        answers |= _shoe_results_under_cam(brake.actuation.total, both, solver)
+        answers |= _shoe_results_under_cam(
+            brake.actuation.force_of_cylinder_or_sum_of_cam_forces, both, solver
+        )
     # A shoe is ready to be solved if its force is known, either from the brake file or as the
     # support reaction of the shoe that pushes it by a strut.
     while len(answers) < len(brake.shoes):
@@ -269,8 +273,8 @@ def _shoe_results_by_name(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer
                 ready[i] = shoe
             elif source in answers:
                 reaction = answers[source].response.hinge_reaction
-                ready[i] = shoe.under(float(np.hypot(*reaction)))
-        answers |= _shoe_results_on_abutments(ready, solver)
+                ready[i] = shoe.shoe_with_changed_actuation_force(float(np.hypot(*reaction)))
+        answers |= _solve_shoes_trying_abutment_friction_senses(ready, solver)
     return answers
 
 
@@ -300,10 +304,10 @@ def _shoe_results_under_cam(
     part = 0.5
     for _ in range(MOST_FORCE_PARTS):
         pushed = {
-            one: shoes[one].under(part * total),
-            other: shoes[other].under((1 - part) * total),
+            one: shoes[one].shoe_with_changed_actuation_force(part * total),
+            other: shoes[other].shoe_with_changed_actuation_force((1 - part) * total),
         }
-        answers = _shoe_results_on_abutments(pushed, solver)
+        answers = _solve_shoes_trying_abutment_friction_senses(pushed, solver)
         a, b = (answers[shoe.name].tip for shoe in shoes.values())
         if not min(a, b) > 0:
             raise NoAnswer("GetFEM: a shoe is not pressed by the cam")
@@ -328,7 +332,9 @@ def _result_with_actuation_force(answer: ShoeAnswer, shoe: Shoe) -> ShoeAnswer:
     return answer._replace(response=replace(answer.response, force=shoe.actuation.force))
 
 
-def _shoe_results_on_abutments(shoes: Mapping[int, Shoe], solver: _Solver) -> dict[str, ShoeAnswer]:
+def _solve_shoes_trying_abutment_friction_senses(
+    shoes: Mapping[int, Shoe], solver: _Solver
+) -> dict[str, ShoeAnswer]:
     """Solve some shoes; returns their results by name.
 
     The friction at an abutment may act in several senses, which are tried in turn until the foot of
@@ -338,11 +344,15 @@ def _shoe_results_on_abutments(shoes: Mapping[int, Shoe], solver: _Solver) -> di
     answers: dict[str, ShoeAnswer] = {}
     left = dict(shoes)
     # Shoes without a result are tried again with another sense of the friction at the abutment.
-    for attempt in range(max(len(shoe.senses) for shoe in shoes.values())):
+    for attempt in range(
+        max(len(shoe.senses_of_abutment_friction_to_try) for shoe in shoes.values())
+    ):
         tried = {}
         for i, shoe in left.items():
-            sense = shoe.senses[attempt]
-            tried[i] = shoe_under_actuation(solver.brake, shoe, solver.meshed[i], sense)
+            sense = shoe.senses_of_abutment_friction_to_try[attempt]
+            tried[i] = meshed_shoe_with_actuation_and_support(
+                solver.brake, shoe, solver.meshed[i], sense
+            )
         # One process solves all shoes that are pressed on the drum.
         touching = [loaded for loaded in tried.values() if loaded.approaches]
         found = iter(solver.run(touching) if touching else ())
@@ -352,7 +362,7 @@ def _shoe_results_on_abutments(shoes: Mapping[int, Shoe], solver: _Solver) -> di
                     solver.brake, loaded, attempt, next(found)
                 )
             else:
-                answer = ShoeAnswer(*response_of_untouched_shoe(loaded), 0.0)
+                answer = ShoeAnswer(*zero_response_of_shoe_turned_away_from_drum(loaded), 0.0)
             if answer is not None:
                 answers[loaded.shoe.name] = answer
                 del left[i]
@@ -377,7 +387,7 @@ def _shoe_result_if_foot_stays_on_abutment(
         if the last sense gives no result
     """
     shoe = loaded.shoe
-    is_last = attempt == len(shoe.senses) - 1
+    is_last = attempt == len(shoe.senses_of_abutment_friction_to_try) - 1
     try:
         answer = _shoe_result_in_si_units(brake, loaded, found)
     except NoAnswer:
@@ -385,14 +395,16 @@ def _shoe_result_if_foot_stays_on_abutment(
             raise
         return None
     slide = found["amounts"][-1]
-    if shoe.stands(answer.response.hinge_reaction, shoe.senses[attempt], slide):
+    if shoe.can_abutment_exert_reaction_on_foot(
+        answer.response.hinge_reaction, shoe.senses_of_abutment_friction_to_try[attempt], slide
+    ):
         return answer
     if is_last:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM: its foot leaves the abutment")
     return None
 
 
-def _problem_for_getfem_script(
+def _brake_data_for_getfem_script(
     brake: Brake, shoes: Sequence[LoadedShoe], formulation: str, repeats: int
 ) -> dict[str, Any]:
     """The problem as the GetFEM script reads it: arrays by name, and under "data" a JSON text.
@@ -403,7 +415,7 @@ def _problem_for_getfem_script(
     ----------
     brake : the brake
     shoes : the shoes to solve
-    formulation, repeats : the arguments of `solve_by_getfem`
+    formulation, repeats : the arguments of `solve_brake_in_getfem_process`
     """
     arrays: dict[str, Any] = {}
     for loaded in shoes:
@@ -427,7 +439,7 @@ def _mesh_and_material_arrays(brake: Brake, loaded: LoadedShoe) -> dict[str, Any
     for name, elements in mesh.subdomains.items():
         layer = elastic_layers_of_shoe(shoe)[name]
         constants[:, elements] = (
-            isotropic_and_directional_constants(layer.stiffness)[:, None] / width / E
+            isotropic_and_orthotropic_elastic_constants(layer.stiffness)[:, None] / width / E
         )
         if layer.along is not None:
             straight[:, elements] = layer.along[:, None]
@@ -511,7 +523,7 @@ def _run_getfem_script(interpreter: str, problem: dict[str, Any]) -> _Run:
         # The script is copied, because `import getfem` beside this module would import this module.
         script = shutil.copy(GETFEM_SCRIPT, folder)
         command = [interpreter, str(script), str(source), str(target)]
-        ended = run_peer_process(command, folder, LONGEST_GETFEM)
+        ended = run_command_of_peer_program(command, folder, LONGEST_GETFEM)
         if ended.status or not target.is_file():
             reason = (ended.output.strip() or "nothing").splitlines()[-1]
             raise NoAnswer(f"GetFEM: its process ended with status {ended.status}: {reason[:200]}")
@@ -547,7 +559,7 @@ def _shoe_result_in_si_units(brake: Brake, loaded: LoadedShoe, found: dict[str, 
     mode_sizes = np.linalg.norm(loaded.motions / [R, R, 1.0], axis=1)
     amounts = np.array(found["amounts"]) / mode_sizes
     pressure = E * np.array(found["pressure"])[order]
-    degree = loaded.parts.line.interpolation_degree
+    degree = loaded.parts.line.interpolation_degree_along_contact_line
     answer = shoe_response_from_peer_forces(loaded, phi[order], pressure, degree, forces, amounts)
     tip = float(loaded.tip @ amounts)
     if loaded.is_force_on_body:

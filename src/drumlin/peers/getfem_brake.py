@@ -151,8 +151,8 @@ class PeerBody:
         self._add_elastic_stiffness(
             problem[f"constants{number}"], problem[f"straight{number}"], numbers
         )
-        self._add_support(shoe)
-        self._add_actuation(shoe)
+        self._add_shoe_support_to_model(shoe)
+        self._add_shoe_actuation_to_model(shoe)
         self.nodes = self.scalar.basic_dof_on_region(CONTACT_REGION)
         self.xy = self.scalar.basic_dof_nodes(self.nodes)
         self._add_contact_with_drum(shoe)
@@ -177,7 +177,8 @@ class PeerBody:
         Parameters
         ----------
         constants : lambda, mu and the two further stiffnesses of each cell (4, cells), as
-            drumlin.fem.substructure.elasticity.isotropic_and_directional_constants returns them
+            drumlin.fem.substructure.elasticity.isotropic_and_orthotropic_elastic_constants returns
+            them
         straight : direction along the layer of each cell (2, cells); (0, 0) in a layer that is
             curved around the origin
         numbers : GetFEM's numbers of the cells
@@ -211,7 +212,7 @@ class PeerBody:
             tested = f"(along{k}.(Grad_Test_u*along{k}))"
             self.model.add_linear_term(self.inside, f"stiff{k}*{stretch}*{tested}")
 
-    def _add_support(self, shoe: dict[str, Any]) -> None:
+    def _add_shoe_support_to_model(self, shoe: dict[str, Any]) -> None:
         """Add the support to the model: the edge at the hinge moves by rigid-body modes only.
 
         The unknown traction `hold` acts on this edge. Equilibrium of the holder is that `hold` and
@@ -233,7 +234,7 @@ class PeerBody:
             balance = f"(hold.moved(test{k}) - work{k}/{length!r})*Test_{amount}"
             self.model.add_linear_term(self.inside, f"{motion} + {balance}", HINGE_REGION)
 
-    def _add_actuation(self, shoe: dict[str, Any]) -> None:
+    def _add_shoe_actuation_to_model(self, shoe: dict[str, Any]) -> None:
         """Add the actuation to the model: tractions on the loaded end of the shoe.
 
         The tractions equal a force and a couple about the point `centre`. A shoe whose force acts
@@ -320,7 +321,7 @@ class PeerBody:
         # The friction coefficient with the sign of the sense in which the drum drags the lining.
         md, drag = self.model, friction * shoe["drag_sense"]
         self._set_loads_and_modes(shoe, drag)
-        self._set_gap_to_drum(shoe, drag)
+        self._set_gap_between_lining_and_drum(shoe, drag)
         for name, value in (shoe.get("state") or self.start(shoe)).items():
             md.set_variable(name, value)
         options = {"max_iter": MOST_NEWTON_STEPS, "max_res": NEWTON_RESIDUAL, "lsolver": "mumps"}
@@ -331,7 +332,7 @@ class PeerBody:
             arguments += option
         steps, converged = md.solve(*arguments)
         shoe["state"] = {name: md.variable(name) for name in (*MODEL_UNKNOWNS, *self.amounts)}
-        return self._results_of_shoe(int(steps), bool(converged), drag)
+        return self._results_of_solved_shoe_as_plain_numbers(int(steps), bool(converged), drag)
 
     def _set_loads_and_modes(self, shoe: dict[str, Any], drag: float) -> None:
         """Set force, couple, friction and rigid-body modes of a shoe in the model."""
@@ -344,7 +345,7 @@ class PeerBody:
             md.set_variable(f"test{k}", np.atleast_1d(shoe["tests"][k]))
             md.set_variable(f"work{k}", np.atleast_1d(shoe["work"][k]))
 
-    def _set_gap_to_drum(self, shoe: dict[str, Any], drag: float) -> None:
+    def _set_gap_between_lining_and_drum(self, shoe: dict[str, Any], drag: float) -> None:
         """Set the gap between lining and drum in the model.
 
         The "coulomb" formulation needs the distance of each node from the drum instead.
@@ -365,7 +366,9 @@ class PeerBody:
         )
         md.set_variable("mu", np.array([abs(drag)]))
 
-    def _results_of_shoe(self, steps: int, converged: bool, drag: float) -> dict[str, Any]:
+    def _results_of_solved_shoe_as_plain_numbers(
+        self, steps: int, converged: bool, drag: float
+    ) -> dict[str, Any]:
         """The results of a solved shoe as plain numbers for the result file.
 
         "slipping" is the torque of the shear divided by that of mu p, which is 1 in full slip.

@@ -135,7 +135,7 @@ class LoadedShoe:
         return float(np.hypot(*line.xy).mean())
 
 
-def mesh_shoes_for_peer(
+def meshes_of_shoes_for_peer_program(
     brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
 ) -> list[MeshedShoe]:
     """Mesh the shoes of a brake by drumlin's mesher; returns their meshes and matrices.
@@ -171,7 +171,7 @@ def mesh_shoes_for_peer(
     return meshed
 
 
-def shoe_under_actuation(
+def meshed_shoe_with_actuation_and_support(
     brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1
 ) -> LoadedShoe:
     """A meshed shoe with its actuation, its support and the friction of the drum.
@@ -185,7 +185,7 @@ def shoe_under_actuation(
     """
     parts = meshed.parts
     factors, moment = load_factors_and_pin_moment_per_newton(parts, shoe)
-    load = parts.load_columns.factors_of_load_with_name(ACTUATION, factors)
+    load = parts.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, factors)
     size, free = abs(shoe.actuation.force), shoe.freedoms(sense)
     if shoe.kind_of_support == "hinge" and not shoe.flat:
         # A rotation of 1 about the pin at (a, 0) closes the gap at (x, y) by -sign a y / r.
@@ -199,7 +199,7 @@ def shoe_under_actuation(
         body=meshed.body,
         force=size * load[:2],
         couple=size * float(load[2]),
-        drag=brake.friction_per_pressure_on_shoe(shoe),
+        drag=brake.signed_friction_per_pressure_in_shoe_frame(shoe),
         approaches=approaches,
         motions=pin_motions_by_rigid_body_motions(shoe, free.motions).T,
         tests=pin_motions_by_rigid_body_motions(shoe, free.tests).T,
@@ -213,15 +213,15 @@ def hinged_shoes_under_actuation(
 ) -> list[LoadedShoe]:
     """The hinged shoes of a brake, meshed by drumlin's mesher, each under its own actuation.
 
-    The parameters are those of `mesh_shoes_for_peer`. Raises BadInput as `mesh_shoes_for_peer`
-    does, and for a shoe without a hinge.
+    The parameters are those of `meshes_of_shoes_for_peer_program`. Raises BadInput as
+    `meshes_of_shoes_for_peer_program` does, and for a shoe without a hinge.
     """
-    if brake.surface.straight:
+    if brake.surface.is_plane_and_not_drum:
         raise BadInput("CalculiX takes brakes on a drum: its shoes press on a plane")
     brake.check_all_shoes_are_hinged("CalculiX")
-    meshed = mesh_shoes_for_peer(brake, elements, kind, mesher)
+    meshed = meshes_of_shoes_for_peer_program(brake, elements, kind, mesher)
     return [
-        shoe_under_actuation(brake, shoe, own)
+        meshed_shoe_with_actuation_and_support(brake, shoe, own)
         for shoe, own in zip(brake.shoes, meshed, strict=True)
     ]
 
@@ -335,7 +335,7 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
     return Balance(balance.force, moment)
 
 
-def response_of_untouched_shoe(loaded: LoadedShoe) -> tuple[ShoeResponse, Balance]:
+def zero_response_of_shoe_turned_away_from_drum(loaded: LoadedShoe) -> tuple[ShoeResponse, Balance]:
     """The response, without pressure, of a shoe that its actuation turns away from the drum."""
     return response_of_shoe_without_contact(
         loaded.shoe, -loaded.shoe.actuation.force_vector
@@ -350,7 +350,9 @@ class EndedProcess(NamedTuple):
     seconds: float
 
 
-def run_peer_process(command: Sequence[str], folder: Path, longest: float) -> EndedProcess:
+def run_command_of_peer_program(
+    command: Sequence[str], folder: Path, longest: float
+) -> EndedProcess:
     """Run a peer's command in a folder, on one thread.
 
     PYTHONPATH and PYTHONHOME of this process are not passed on. Raises NoAnswer if the command
@@ -380,7 +382,7 @@ def run_peer_process(command: Sequence[str], folder: Path, longest: float) -> En
     return EndedProcess(done.returncode, done.stdout, spent)
 
 
-def brake_response_from_shoes(
+def brake_response_from_shoe_responses(
     model: str,
     answers: Sequence[tuple[ShoeResponse, Balance]],
     iterations: int,

@@ -19,10 +19,21 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
-from drumlin.fem.solid.body import end_forces, friction_face, hinge_nodes
-from drumlin.fem.solid.fields import orient_cells, serendipity_cells
-from drumlin.fem.solid.mesh import Solid, solid_mesh
-from drumlin.fem.solid.model import SOLID_LINING_ELEMENTS, elements_across, why_not
+from drumlin.fem.solid.body import (
+    friction_surface_of_solid_shoe,
+    nodal_forces_of_unit_loads_on_solid_end,
+    solid_nodes_that_move_with_pin,
+)
+from drumlin.fem.solid.fields import (
+    hexahedra_turned_to_positive_volume,
+    hexahedra_with_twenty_nodes_in_vtk_order,
+)
+from drumlin.fem.solid.mesh import Solid, mesh_of_half_solid_shoe
+from drumlin.fem.solid.model import (
+    SOLID_LINING_ELEMENTS,
+    default_element_count_over_half_width,
+    reason_why_solid_model_does_not_apply,
+)
 from drumlin.peers import calculix
 from drumlin.peers.deck import (
     DRUM_LAYER,
@@ -46,7 +57,7 @@ from drumlin.peers.peer import (
     LoadedShoe,
     Peer,
     hinged_shoes_under_actuation,
-    response_of_untouched_shoe,
+    zero_response_of_shoe_turned_away_from_drum,
 )
 
 SOLID_DRUM_ROTATION = 4e-3
@@ -108,7 +119,7 @@ def export_solid_calculix_decks(
         decks.append(
             calculix.ShoeDeck(loaded, partial(solid_shoe_deck_text, brake, loaded, solid, setting))
         )
-    return calculix.write_deck_files(decks, folder, stem, "_solid")
+    return calculix.write_decks_of_shoes_pressed_on_drum(decks, folder, stem, "_solid")
 
 
 def solve_solid_by_calculix(
@@ -120,7 +131,7 @@ def solve_solid_by_calculix(
 ) -> Peer:
     """Solve a brake with three-dimensional shoes by CalculiX.
 
-    Raises the errors of `calculix.solve_by_calculix`.
+    Raises the errors of `calculix.solve_brake_by_calculix`.
 
     Parameters
     ----------
@@ -136,15 +147,15 @@ def solve_solid_by_calculix(
     tally = calculix.RunTally()
     for loaded, solid in _solid_shoes_under_actuation(brake, elements, across):
         if not loaded.approaches:
-            tally.answers.append(response_of_untouched_shoe(loaded))
+            tally.answers.append(zero_response_of_shoe_turned_away_from_drum(loaded))
             continue
         pose = calculix.DeckFormat(
             text=partial(solid_shoe_deck_text, brake, loaded, solid),
             along=partial(nodal_forces_on_drum_arc, loaded),
         )
         state, _ = calculix.run_until_lining_slips(brake, loaded, start, pose)
-        tally.add_shoe_state(loaded, state)
-    return tally.result_of_brake(
+        tally.add_results_and_costs_of_shoe(loaded, state)
+    return tally.result_of_brake_from_added_shoes(
         installed, (f"CalculiX {installed}, C3D20R, face-to-face penalty",)
     )
 
@@ -156,13 +167,18 @@ def _solid_shoes_under_actuation(
 
     Raises BadInput if drumlin's model of solid shoes cannot solve the brake.
     """
-    reason = why_not(brake)
+    reason = reason_why_solid_model_does_not_apply(brake)
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
     posed = []
     for loaded in hinged_shoes_under_actuation(brake, elements):
         shoe = loaded.shoe
-        solid = solid_mesh(shoe, brake.size, elements, across or elements_across(shoe, elements))
+        solid = mesh_of_half_solid_shoe(
+            shoe,
+            brake.size,
+            elements,
+            across or default_element_count_over_half_width(shoe, elements),
+        )
         posed.append(_SolidShoe(loaded, solid))
     return posed
 
@@ -190,16 +206,18 @@ def solid_shoe_deck_text(
     # Nodes keep their numbers in drumlin's mesh; those in the middle of faces and cells are unused.
     x = solid.basis.doflocs
     points = np.column_stack([shoe.frame.convert_to_brake_frame(x[:2].T), x[2]]) * MM_PER_METRE
-    cells = orient_cells(points, serendipity_cells(solid.basis.element_dofs))
+    cells = hexahedra_turned_to_positive_volume(
+        points, hexahedra_with_twenty_nodes_in_vtk_order(solid.basis.element_dofs)
+    )
     used = np.unique(cells)
-    held = np.intersect1d(hinge_nodes(solid, shoe), used)
+    held = np.intersect1d(solid_nodes_that_move_with_pin(solid, shoe), used)
     grid = _solid_shoe_mesh_for_deck(loaded, points, cells, held)
     drum_mesh = mesh_solid_drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
     # The nodes of the mid-plane are fixed along z. In a rigid shoe so are those on the lining's
     # back.
     mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
     bonded = held if shoe.body is None else held[:0]
-    face = friction_face(solid, shoe, brake.size).nodes
+    face = friction_surface_of_solid_shoe(solid, shoe, brake.size).nodes
     lines = [
         *deck_header_lines(brake, loaded, setting, name),
         "** half of the shoe, z >= 0: what is called thickness above is that half",
@@ -313,7 +331,7 @@ def _deck_lines_of_solid_actuation(
     """
     if "actuation" not in solid.section.boundaries:
         return deck_lines_of_load_on_pin(loaded, setting, grid)
-    unit, _ = end_forces(solid)
+    unit, _ = nodal_forces_of_unit_loads_on_solid_end(solid)
     nodal = (unit @ np.array([*loaded.force, loaded.couple]))[:, :2]
     forces = setting.thickness * loaded.shoe.frame.convert_to_brake_frame(
         _forces_moved_from_face_middles(solid, nodal)
@@ -357,7 +375,7 @@ class _DrumNodeRow(NamedTuple):
     z: float
 
     @property
-    def node_positions(self) -> Floats:
+    def positions_of_drum_nodes_in_row(self) -> Floats:
         """The positions of the nodes (k, 3) [m]."""
         r, t = self.radius, self.theta
         return np.column_stack([r * np.cos(t), r * np.sin(t), np.full(len(t), self.z)])
@@ -385,7 +403,7 @@ def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> Dru
         _DrumNodeRow((R + back) / 2, ends, 0.0),
         _DrumNodeRow((R + back) / 2, ends, outer),
     ]
-    xyz = np.concatenate([row.node_positions for row in rows]) * MM_PER_METRE
+    xyz = np.concatenate([row.positions_of_drum_nodes_in_row for row in rows]) * MM_PER_METRE
     lines = ["*NODE, NSET=NDRUM"]
     lines += map(_deck_line_of_solid_node, count(first.node), xyz)
     lines.append("*ELEMENT, TYPE=C3D20, ELSET=DRUM")

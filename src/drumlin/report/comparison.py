@@ -43,7 +43,9 @@ class WrittenComparison(NamedTuple):
     columns: tuple[TableColumn, ...]
 
 
-def pressure_panels_of_shoes(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
+def panel_title_and_responses_of_each_shoe(
+    comparison: Comparison[Any],
+) -> list[tuple[str, dict[str, Any]]]:
     """For each shoe, the title of its panel in the pressure figure and its responses by model."""
     brake = comparison.brake
     made: list[tuple[str, dict[str, Any]]] = []
@@ -84,11 +86,11 @@ def write_and_draw_stress_fields(
         stress_and_displacement_fields_of_bodies,
         write_fields_to_vtu_file,
     )
-    from drumlin.fem.solve import prepared_model_of_finest_division  # noqa: PLC0415
+    from drumlin.fem.solve import prepared_model_with_finest_elements  # noqa: PLC0415
     from drumlin.report.render import draw_fields_and_return_failure_reason  # noqa: PLC0415
 
     brake.check_shoes_can_be_meshed()
-    scene = prepared_model_of_finest_division(brake, **options)
+    scene = prepared_model_with_finest_elements(brake, **options)
     write_fields_to_vtu_file(
         folder / f"{name}.vtu", stress_and_displacement_fields_of_bodies(scene, brake, response)
     )
@@ -128,7 +130,7 @@ def _model_answer_as_plain_data(outcome: Outcome) -> dict[str, Any]:
     return {**answer, "run_time": outcome.seconds, "repeats": outcome.repeats}
 
 
-def write_comparison_page(
+def compare_models_and_write_html_page(
     brake: Brake, source: str, folder: Path, options: dict[str, Any]
 ) -> WrittenComparison:
     """Compare all models that apply to a brake, and write the HTML page and its data.
@@ -155,8 +157,8 @@ def write_comparison_page(
     table = comparison.rows
     write_text(folder / "results.csv", table_as_csv_text(table))
     write_text(folder / "results.json", comparisons_as_json([comparison]))
-    pressure_figure = figures.draw_pressure_panels(
-        pressure_panels_of_shoes(comparison), surface=brake.surface
+    pressure_figure = figures.draw_pressure_along_lining_of_each_shoe(
+        panel_title_and_responses_of_each_shoe(comparison), surface=brake.surface
     )
     figures.save_figure(pressure_figure, folder / "pressure.svg")
     # Draw the stress field of the finite elements, if at least one shoe touches.
@@ -170,7 +172,7 @@ def write_comparison_page(
         if options.get("finite_width"):
             fem = MODELS["fem"].solve(brake, **{**options, "finite_width": False})
         not_drawn = write_and_draw_stress_fields(brake, fem, folder, "fields", **mesh_options)
-    notes = _notes_and_refusals_of_models(brake, comparison)
+    notes = _model_notes_and_reasons_against_other_models(brake, comparison)
     page = write_html_page(
         Path(__file__).with_name("comparison.html"),
         folder / "index.html",
@@ -179,13 +181,15 @@ def write_comparison_page(
         columns=comparison_columns_for_brake(brake),
         drawn=drawn,
         not_drawn=not_drawn,
-        notes=notes + _lines_on_neglected_effects(comparison),
+        notes=notes + _sentences_on_effects_that_models_neglect(comparison),
         source_text=source,
     )
     return WrittenComparison(table, notes, page, comparison_columns_for_brake(brake))
 
 
-def _notes_and_refusals_of_models(brake: Brake, comparison: Comparison[Any]) -> list[str]:
+def _model_notes_and_reasons_against_other_models(
+    brake: Brake, comparison: Comparison[Any]
+) -> list[str]:
     """The notes of all models that answered, and the reasons why other models do not apply."""
     notes = []
     for model, response in comparison.responses.items():
@@ -196,7 +200,7 @@ def _notes_and_refusals_of_models(brake: Brake, comparison: Comparison[Any]) -> 
     return notes
 
 
-def _lines_on_neglected_effects(comparison: Comparison[Any]) -> list[str]:
+def _sentences_on_effects_that_models_neglect(comparison: Comparison[Any]) -> list[str]:
     """A line of text for each effect that a model of the comparison neglects."""
     lines = []
     for model, response in comparison.responses.items():

@@ -34,7 +34,7 @@ from drumlin.report.signs import (
 
 def draw_brake(axes: Axes, brake: Brake) -> None:
     """Draw a brake on a drum or a plane into `axes`, in mm and at equal scales of x and y."""
-    if brake.surface.straight:
+    if brake.surface.is_plane_and_not_drum:
         _draw_plane_brake(axes, brake)
     else:
         _draw_drum_brake(axes, brake)
@@ -276,7 +276,7 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     # along this line.
     clear = np.linalg.norm(np.linspace(hinge, load, 50), axis=1)
     if np.all(clear > R) and shoe.sign < 0:
-        foot = _nearest_point_on_lever(hinge, load, middle)
+        foot = _point_of_lever_nearest_to_given_point(hinge, load, middle)
         return [back, np.array([hinge, load]), np.array([middle, foot])]
     # For other shoes, the nearer end of the arc is joined to the hinge, the other end to the force.
     near, far = back[0], back[-1]
@@ -285,7 +285,7 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     return [back, np.array([hinge, near]), np.array([far, load])]
 
 
-def _nearest_point_on_lever(hinge: Floats, load: Floats, point: Floats) -> Floats:
+def _point_of_lever_nearest_to_given_point(hinge: Floats, load: Floats, point: Floats) -> Floats:
     """The point (2,) of the line from hinge to load that is nearest to a point (2,), all in mm."""
     lever = load - hinge
     along = 0.0
@@ -507,11 +507,12 @@ def _draw_force_arrows_with_labels(
     pushed = [shoe for shoe in brake.shoes if shoe.actuation.force]
     if brake.actuation is not None and brake.actuation.is_cam:
         middle = 0.5 * sum(tips[shoe.name] for shoe in pushed)
-        text = f"{_force_as_text_with_unit(brake.actuation.total)} in all"
+        force = brake.actuation.force_of_cylinder_or_sum_of_cam_forces
+        text = f"{_force_as_text_with_unit(force)} in all"
         _write_text_on_pale_box(axes, middle - np.array([0.0, 1.6 * unit]), text, color=FORCE_COLOR)
         return
     # Labels of internal shoes stand on the inner side of the arrows.
-    inside = not brake.surface.straight and brake.shoes[0].sign > 0
+    inside = not brake.surface.is_plane_and_not_drum and brake.shoes[0].sign > 0
     labels: list[_ForceLabel] = []
     for shoe in pushed:
         tip = tips[shoe.name]

@@ -83,7 +83,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
     return path
 
 
-def model_title(model: str) -> str:
+def title_of_model_in_figures(model: str) -> str:
     """The name of a model in figures and tables, by its short name in files and options."""
     return MODEL_TITLES.get(model, model)
 
@@ -183,7 +183,9 @@ def mark_where_curve_leaves_axes(axes: Axes, x: Floats, y: Floats, color: Any) -
         )
 
 
-def smooth_pressure_curve(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
+def evenly_spaced_pressure_curve_of_shoe(
+    shoe: ShoeResponse, points: int = 300
+) -> tuple[Floats, Floats]:
     """The pressure curve of a shoe: angles (n,) [rad; on a plane m] and pressures (n,) [Pa].
 
     The angles are evenly spread. Near both ends of the lining the nodes of the response are added.
@@ -196,7 +198,7 @@ def smooth_pressure_curve(shoe: ShoeResponse, points: int = 300) -> tuple[Floats
     return theta, np.maximum(shoe.pressure_at(theta), 0.0)
 
 
-def draw_pressure_panels(
+def draw_pressure_along_lining_of_each_shoe(
     panels: Sequence[Panel], columns: int = 2, *, surface: FrictionSurface = DRUM
 ) -> Figure:
     """Draw the contact pressure along the lining, in a panel for each shoe.
@@ -254,10 +256,14 @@ def _draw_pressure_panel(
     unit = surface.shown
     axes.set_title(title)
     axes.set_xlabel(surface.figure_axis)
-    curves = {model: smooth_pressure_curve(shoe) for model, shoe in responses.items()}
+    curves = {
+        model: evenly_spaced_pressure_curve_of_shoe(shoe) for model, shoe in responses.items()
+    }
     for model, (theta, p) in curves.items():
         x, y = theta * unit, p * 1e-6
-        axes.plot(x, y, **line_style_of_model(model), lw=1.8, label=model_title(model))
+        axes.plot(
+            x, y, **line_style_of_model(model), lw=1.8, label=title_of_model_in_figures(model)
+        )
         mark_where_curve_leaves_axes(axes, x, y, color_of_model(model))
         if model == "fem":
             axes.fill_between(x, y, color=color_of_model(model), alpha=0.12, lw=0)
@@ -268,7 +274,7 @@ def _draw_pressure_panel(
     lines = [np.interp(even, *curve) * 1e-6 for curve in curves.values()]
     for i, model in enumerate(curves):
         write_name_beside_curve(
-            axes, even * unit, lines, i, model_title(model), color_of_model(model)
+            axes, even * unit, lines, i, title_of_model_in_figures(model), color_of_model(model)
         )
 
 

@@ -50,7 +50,7 @@ def picture_data_uri(path: Path) -> str:
     return f"data:{_MEDIA[path.suffix]};base64,{base64.b64encode(path.read_bytes()).decode()}"
 
 
-def columns_with_values(
+def table_columns_with_value_in_any_row(
     rows: Sequence[dict[str, Any]], columns: Sequence[TableColumn]
 ) -> list[TableColumn]:
     """The columns of a table that have a value in at least one row."""
@@ -125,7 +125,7 @@ def _jinja_environment_for_page(template: Path, page: Path) -> jinja2.Environmen
         "numbered": next_figure_or_table_label,
         "tex": formula_as_mathml,
         "embedded": lambda name: picture_data_uri(page.parent / name),
-        "filled": columns_with_values,
+        "filled": table_columns_with_value_in_any_row,
         "of_words": is_text_column,
         "Column": TableColumn,
         "pi": math.pi,

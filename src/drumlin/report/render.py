@@ -68,7 +68,7 @@ def draw_fields_and_return_failure_reason(
     marks = {
         "surface": surface.line.tolist(),
         "size": surface.size,
-        "flat": brake.surface.straight,
+        "flat": brake.surface.is_plane_and_not_drum,
         "pins": pins,
         "forces": [
             [*shoe.actuation.point.xy, *shoe.actuation.force_vector] for shoe in brake.shoes
@@ -131,7 +131,7 @@ def _friction_surface_to_draw(brake: Brake) -> _SurfaceLine:
 
     This length is the drum's radius, on a plane half the length of the brake.
     """
-    if not brake.surface.straight:
+    if not brake.surface.is_plane_and_not_drum:
         turn = np.linspace(0, 2 * math.pi, 361)
         return _SurfaceLine(brake.size * np.column_stack([np.cos(turn), np.sin(turn)]), brake.size)
     places: list[float] = []
@@ -190,14 +190,17 @@ def draw_fields_in_this_process(fields: Path, picture: Path, marks: dict[str, An
         disc = pv.Disc(center=(x, y, 0), inner=0, outer=0.035 * size, c_res=40)
         plotter.add_mesh(disc, color=INK)
     plotter.add_text(
-        _title_and_key_of_picture(marks, factor), position="upper_left", font_size=12, color="black"
+        _title_and_legend_text_of_picture(marks, factor),
+        position="upper_left",
+        font_size=12,
+        color="black",
     )
     # Choose the visible part so that shoes, surface, pins and arrows are inside.
     plotter.view_xy()
     plotter.enable_parallel_projection()
     corners = np.reshape(deformed.bounds[:4], (2, 2)).T
     places = [line.min(axis=0), line.max(axis=0), *marks["pins"], *arrow_ends, *corners]
-    _aim_camera_at_places(plotter.camera, np.array(places), margin=0.2 * size)
+    _aim_camera_so_that_all_points_are_visible(plotter.camera, np.array(places), margin=0.2 * size)
     plotter.screenshot(str(picture))
 
 
@@ -250,7 +253,7 @@ def _add_force_arrows_to_picture(
     return ends
 
 
-def _title_and_key_of_picture(marks: dict[str, Any], factor: float) -> str:
+def _title_and_legend_text_of_picture(marks: dict[str, Any], factor: float) -> str:
     """The text in the picture: its title, the factor on displacements, and what the signs mean."""
     surface = "plane" if marks["flat"] else "drum"
     return (
@@ -261,7 +264,7 @@ def _title_and_key_of_picture(marks: dict[str, Any], factor: float) -> str:
     )
 
 
-def _aim_camera_at_places(camera: Any, places: Floats, margin: float) -> None:
+def _aim_camera_so_that_all_points_are_visible(camera: Any, places: Floats, margin: float) -> None:
     """Aim the camera so that all places (n, 2) [m] are left of the colour bar and below the text.
 
     The colour bar takes 16 % of the width, the text 10 % of the height.

@@ -39,7 +39,7 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
 
     grid = pv.read(fields)
     grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
-    factor = _enlargement_of_displacements(grid)
+    factor = _factor_that_enlarges_drawn_displacements(grid)
     # The second half is the first one mirrored at the middle plane z = 0.
     halves = []
     for side in (1.0, -1.0):
@@ -77,7 +77,7 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
     plotter.screenshot(str(picture))
 
 
-def _enlargement_of_displacements(grid: Any) -> float:
+def _factor_that_enlarges_drawn_displacements(grid: Any) -> float:
     """The factor by which the picture enlarges the displacements.
 
     It is 1, 2 or 5 times a power of ten, and the largest at which no displacement is drawn longer

@@ -9,7 +9,7 @@ from drumlin.base.arrays import Ints
 from drumlin.brake.brake import Brake
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.preparation.bodies import ShoeSubstructure
-from drumlin.fem.solve import prepared_model_of_finest_division
+from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.models import reasons_why_models_do_not_apply
 from drumlin.report.drawing import draw_brake
 
@@ -30,7 +30,7 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
     if "fem" in reasons_why_models_do_not_apply(brake):
         return figure
     for shoe, body in zip(
-        brake.shoes, prepared_model_of_finest_division(brake, **options).bodies, strict=True
+        brake.shoes, prepared_model_with_finest_elements(brake, **options).bodies, strict=True
     ):
         # Each element is drawn as the polygon of the nodes around it.
         xy = shoe.points(body.basis.doflocs).T * 1e3  # mm

@@ -51,7 +51,7 @@ def brake_with_forces_of_response(brake: BrakeType, response: Response) -> Brake
     for i, answer in enumerate(response.shoes):
         # The force is None for a shoe that keeps the force of the brake file.
         if answer.force is not None:
-            shoes[i] = shoes[i].under(answer.force)
+            shoes[i] = shoes[i].shoe_with_changed_actuation_force(answer.force)
     unchanged = all(answer.force is None for answer in response.shoes)
     return brake if unchanged else brake.model_copy(update={"shoes": tuple(shoes)})
 

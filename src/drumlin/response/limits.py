@@ -20,7 +20,7 @@ must be wrong.
 """
 
 
-def require_possible_strain_of_lining(
+def require_lining_strain_below_limit(
     shoe: Shoe, scale_factor: float, force: float, contact: float
 ) -> None:
     """Raise NoAnswer if a force would strain a lining through its thickness beyond LARGEST_STRAIN.
@@ -47,7 +47,9 @@ def require_possible_strain_of_lining(
         )
 
 
-def warnings_on_strain_and_overlap(brake: Brake, peaks: dict[str, float]) -> tuple[str, ...]:
+def warnings_on_large_strains_and_lining_overlap(
+    brake: Brake, peaks: dict[str, float]
+) -> tuple[str, ...]:
     """Lines for the reader that warn of strains beyond LARGE_STRAIN and of linings that overlap.
 
     `peaks` holds the peak pressure [Pa] of each shoe by its name.

@@ -6,7 +6,7 @@ Scieszka 1987, eq. 22-26). The formulas of the short shoe therefore hold for any
 notes, eq. 8): the ratio of torque T to actuation moment M is eta = T/M = 1/(m - dD n), and the
 sensitivity to the friction coefficient is S = m eta. Here m is the moment of the normal pressure
 about the hinge over T, n the moment of the friction about the hinge over T, and dD the sign
-`sign_of_friction_moment_double_delta`.
+`sign_of_friction_moment_about_hinge`.
 """
 
 import math
@@ -21,7 +21,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.response.balance import brake_with_forces_of_response, resultant_of_contact_on_shoe
-from drumlin.response.limits import warnings_on_strain_and_overlap
+from drumlin.response.limits import warnings_on_large_strains_and_lining_overlap
 from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
 from drumlin.response.resultants import (
     Resultant,
@@ -32,7 +32,7 @@ from drumlin.response.resultants import (
 BrakeVar = TypeVar("BrakeVar", bound=Brake)
 
 
-def sign_of_friction_moment_double_delta(brake: Brake, shoe: Shoe) -> int:
+def sign_of_friction_moment_about_hinge(brake: Brake, shoe: Shoe) -> int:
     """The sign dD (double delta) of the friction's moment in the UWA notes, eq. 6: +1 or -1.
 
     The sign is +1 for an external shoe whose lining the drum drags away from the hinge, and for an
@@ -79,7 +79,7 @@ def figures_of_merit_of_shoe_on_drum(
         mechanical_advantage=_quotient_or_none(T, abs(M)),
         m=_quotient_or_none(-math.copysign(1, M) * M_N, T),
         n=_quotient_or_none(M_F, contact.moment),
-        double_delta=sign_of_friction_moment_double_delta(brake, shoe),
+        double_delta=sign_of_friction_moment_about_hinge(brake, shoe),
         sensitivity_at_fixed_shape=_quotient_or_none(-M_N, M) if N else None,
     )
 
@@ -110,7 +110,7 @@ def barecki_shoe_factor(
     delta : radius of the hinge over R
     gamma : arm of the actuation force P about the hinge over R
     sense : +1 for a leading shoe of the paper, -1 for a trailing shoe, as
-        `sign_of_friction_moment_double_delta`. On a leading external shoe the friction points from
+        `sign_of_friction_moment_about_hinge`. On a leading external shoe the friction points from
         the hinge to the loaded end.
     """
     resisting = delta * (np.sin(angle) / mu + sense * np.cos(angle))
@@ -151,8 +151,8 @@ def response_with_figures_of_merit(brake: Brake, response: Response) -> Response
     """The response with figures of merit, the load on the drum's bearings, and warnings added."""
     shoes, brake = response.shoes, brake_with_forces_of_response(brake, response)
     peaks = {shoe.name: shoe.peak_pressure for shoe in shoes}
-    notes = (*warnings_on_strain_and_overlap(brake, peaks), *response.notes)
-    if brake.surface.straight:
+    notes = (*warnings_on_large_strains_and_lining_overlap(brake, peaks), *response.notes)
+    if brake.surface.is_plane_and_not_drum:
         # A shoe on a plane has no torque. Its braking force is one of the figures of merit.
         return replace(
             response,

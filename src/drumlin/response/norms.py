@@ -34,7 +34,9 @@ class PressureDifference:
     pressure: Floats
 
     @classmethod
-    def between_responses(cls, a: ShoeResponse, b: ShoeResponse, *zones: float) -> Self:
+    def pressure_difference_of_two_responses(
+        cls, a: ShoeResponse, b: ShoeResponse, *zones: float
+    ) -> Self:
         """Evaluate the difference between the pressures of two responses of the same shoe.
 
         Parameters
@@ -75,7 +77,7 @@ class PressureDifference:
         return math.inf if off.any() else 0.0
 
     @property
-    def element_numbers_of_pieces(self) -> Ints:
+    def index_of_element_that_contains_each_piece(self) -> Ints:
         """The numbers (pieces,) of the elements of response b that contain the pieces."""
         ends, starts = self.b.theta[:: self.b.order], self.theta[:, 0]
         return np.asarray(np.searchsorted(ends, starts, side="right") - 1)
@@ -87,7 +89,9 @@ class PressureDifference:
         the cancellation.
         """
         # The sum of numbers with random signs is the root of the sum of their squares.
-        forces = np.bincount(self.element_numbers_of_pieces, (self.weight * self.off).sum(axis=1))
+        forces = np.bincount(
+            self.index_of_element_that_contains_each_piece, (self.weight * self.off).sum(axis=1)
+        )
         return float(np.linalg.norm(forces) / np.vdot(self.weight, self.pressure))
 
     def relative_difference_near_peak(self, zone: float) -> float:
@@ -95,7 +99,10 @@ class PressureDifference:
 
         Zones [rad] at the ends of the lining do not count.
         """
-        inside, columns = self.is_piece_outside_end_zones(zone), self.element_numbers_of_pieces
+        inside, columns = (
+            self.is_piece_outside_end_zones(zone),
+            self.index_of_element_that_contains_each_piece,
+        )
         highest = np.where(inside, self.pressure.max(axis=1), -math.inf).argmax()
         off = self.off[inside & (columns == columns[highest])]
         return float(np.abs(off).max(initial=0.0)) / self.b.peak_pressure
@@ -111,7 +118,9 @@ def relative_distance_of_pressures(
     the distance is 0 if p_a vanishes, too, and infinite otherwise.
     """
     edge = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, edge)
-    return PressureDifference.between_responses(a, b, edge).relative_norm_outside_end_zones(edge)
+    return PressureDifference.pressure_difference_of_two_responses(
+        a, b, edge
+    ).relative_norm_outside_end_zones(edge)
 
 
 def relative_distance_of_vectors(a: Floats, b: Floats) -> float:

@@ -11,7 +11,7 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM, FrictionSurface
-from drumlin.response.limits import require_possible_strain_of_lining
+from drumlin.response.limits import require_lining_strain_below_limit
 from drumlin.response.resultants import (
     LiningWithoutEndZones,
     Resultant,
@@ -541,7 +541,7 @@ def response_of_pressed_elastic_shoe(
     force = (
         shoe.lining.width * scale_factor * integral_of_piecewise_polynomial(theta, pressure, order)
     )
-    require_possible_strain_of_lining(
+    require_lining_strain_below_limit(
         shoe, scale_factor, force, sum(end - start for start, end in arcs)
     )
     if surface is not None:

@@ -102,7 +102,7 @@ def _legendre_polynomial_values(order: int, xi: Floats) -> Floats:
 
 
 @cache
-def _legendre_coefficients_of_shape_integrals(order: int) -> Floats:
+def _legendre_coefficients_of_integrated_shapes(order: int) -> Floats:
     """The Legendre coefficients (order + 1, order + 2) of the integrated Lagrange shape functions.
 
     Each row belongs to the integral of one shape function from -1 to x, as a function of x.
@@ -213,7 +213,7 @@ class LiningWithoutEndZones:
     zone: float
 
     @cached_property
-    def nodal_weights_of_integrals(self) -> Floats:
+    def nodal_weights_with_and_without_end_zones(self) -> Floats:
         """The weights (2, n) of nodal values in two integrals over theta.
 
         The first row is for the integral over the whole lining, the second row for the integral
@@ -227,9 +227,9 @@ class LiningWithoutEndZones:
         # the piece becomes the nearer end of the piece.
         xi = np.minimum(np.maximum((limits[:, None] - ends[:-1]) / half - 1, -1.0), 1.0)
         # Integrals of the shape functions of each piece from the begin of the piece up to a limit.
-        integrals = _legendre_coefficients_of_shape_integrals(order) @ _legendre_polynomial_values(
-            order + 1, xi
-        ).swapaxes(0, 1)
+        integrals = _legendre_coefficients_of_integrated_shapes(
+            order
+        ) @ _legendre_polynomial_values(order + 1, xi).swapaxes(0, 1)
         up_to = half[:, None] * integrals.swapaxes(1, 2)
         between = up_to[3:1:-1] - up_to[:2]
         # A node that two pieces share gets the sum of the weights from both pieces.
@@ -243,7 +243,7 @@ class LiningWithoutEndZones:
 
         `values` (n,) are the nodal values of a piecewise polynomial, such as pressures.
         """
-        whole, inside = (self.nodal_weights_of_integrals @ values).tolist()
+        whole, inside = (self.nodal_weights_with_and_without_end_zones @ values).tolist()
         return float(inside / (whole or 1.0))
 
     @cached_property

@@ -24,7 +24,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.mesh.content import digest_of_mesh_file
 from drumlin.fem.preparation.cache import Cache
-from drumlin.models import model_by_name
+from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.sweeps.workers import SayLine, message_on_waiting_for_workers
@@ -108,7 +108,7 @@ class CaseAnswer(NamedTuple):
     again: bool = False
 
 
-def brake_and_response_of_case(
+def solve_case_and_return_brake_and_response(
     case: SweepCase, cache: Cache | None = None
 ) -> tuple[Brake, Response]:
     """Solve a case; returns the brake with its changed values, and the response of the model.
@@ -121,10 +121,10 @@ def brake_and_response_of_case(
     options = dict(case.options)
     if case.model in {"fem", "solid"}:
         options["cache"] = cache
-    return brake, model_by_name(case.model, brake).solve(brake, **options)
+    return brake, model_with_name_that_applies_to_brake(case.model, brake).solve(brake, **options)
 
 
-def results_or_failure_of_case(case: SweepCase, cache: Cache | None = None) -> Row:
+def solve_case_and_return_results_or_failure(case: SweepCase, cache: Cache | None = None) -> Row:
     """Solve a case. Returns its results by name, or its failure, and never raises."""
     return solve_case_without_raising(case, cache).row
 
@@ -136,7 +136,9 @@ def solve_case_without_raising(case: SweepCase, cache: Cache | None = None) -> C
     of memory or files may pass. Faults of drumlin are neither lasting nor tried again.
     """
     try:
-        return CaseAnswer(results_of_response_by_name(*brake_and_response_of_case(case, cache)))
+        return CaseAnswer(
+            results_of_response_by_name(*solve_case_and_return_brake_and_response(case, cache))
+        )
     # An error in one case must not end the sweep. It is written into the row of the case.
     except Exception as error:
         return _answer_of_failed_case(case, error)
@@ -225,7 +227,7 @@ def _result_as_plain_python_value(value: Any) -> Any:
     return value if value is None or isinstance(value, str | int) else float(value)
 
 
-def solve_cases(
+def solve_all_cases_of_sweep(
     cases: Sequence[SweepCase],
     *,
     executor: Executor | None = None,
@@ -298,11 +300,11 @@ def _positions_of_unsolved_cases(
     unsolved = [i for i, key in enumerate(keys) if key not in journal]
     distinct = {json.dumps(keys[i]): i for i in unsolved}
 
-    def order(i: int) -> tuple[str, str, int]:
+    def sort_key_of_case_at_position(i: int) -> tuple[str, str, int]:
         """The sort key of the case at position i: its model, then its shoes, then the position."""
         return cases[i].model, key_of_cases_with_equal_shoe_stiffness(cases[i]), i
 
-    return sorted(distinct.values(), key=order)
+    return sorted(distinct.values(), key=sort_key_of_case_at_position)
 
 
 def journal_keys_of_cases(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:

@@ -31,7 +31,7 @@ from drumlin.brake.file import (
 from drumlin.brake.plane_brake import make_brake_from_data, read_any
 from drumlin.brake.units import quantity_in_si
 from drumlin.fem.mesh.content import read_bytes_of_mesh_file
-from drumlin.foundation.model import names_of_included_effects
+from drumlin.foundation.model import validated_names_of_effects_to_include
 from drumlin.models import MODELS
 from drumlin.sweeps.cases import SweepCase, is_key_of_mesh_file, paths_of_mesh_files
 from drumlin.sweeps.options import MODEL_OPTIONS
@@ -150,7 +150,7 @@ Done = Callable[[int, int], None]
 """A function that shows progress: it takes the number of checked values, and of all values."""
 
 
-def read_sweep(path: Path, done: Done = lambda judged, of: None) -> Sweep:
+def read_sweep_from_toml_file(path: Path, done: Done = lambda judged, of: None) -> Sweep:
     """Read a sweep from the TOML file `path`.
 
     `done` is called with the number of values checked so far, and of all values. Raises BadInput
@@ -208,7 +208,7 @@ def sweep_from_file_data(
     # Combine the values of all keys to cases, and check that brakes can have these values.
     plan = _plan_of_listed_and_drawn_keys(file, specs)
     changes = _new_values_of_each_case(file, specs, plan, len(models))
-    _check_some_brake_allows_each_value(brake, file.combine, specs, plan, changes, done)
+    _require_brake_that_allows_each_value(brake, file.combine, specs, plan, changes, done)
     for name in models:
         reason = MODELS[name].why_not(brake)
         if reason is not None:
@@ -245,8 +245,8 @@ def _validated_model_options(
         )
         models[name] = checked.model_dump(exclude_none=True)
         # The effects named by `lift` are checked. On a plane the model itself is refused later.
-        if "lift" in models[name] and not brake.surface.straight:
-            names_of_included_effects(brake, models[name]["lift"])
+        if "lift" in models[name] and not brake.surface.is_plane_and_not_drum:
+            validated_names_of_effects_to_include(brake, models[name]["lift"])
     return models
 
 
@@ -333,7 +333,7 @@ def _new_values_of_each_case(
     return changes
 
 
-def _check_some_brake_allows_each_value(
+def _require_brake_that_allows_each_value(
     brake: Brake,
     combine: str,
     specs: Mapping[str, _KeySpec],
@@ -411,8 +411,8 @@ def _values_of_keys_in_vary_line(
     if "distribution" in given:
         return _values_of_key_given_as_distribution(brake, where, name, given, unit)
     span = _validated_table_of_sweep_file(where, Range, given)
-    start = _number_in_si(f"{where}.from", span.start, unit)
-    end = _number_in_si(f"{where}.to", span.to, unit)
+    start = _value_of_sweep_file_as_number_in_si(f"{where}.from", span.start, unit)
+    end = _value_of_sweep_file_as_number_in_si(f"{where}.to", span.to, unit)
     return {name: _values_of_key_given_as_range(where, start, end, span)}
 
 
@@ -475,7 +475,7 @@ def _values_of_key_given_as_distribution(
     for key in keys:
         nominal = values_of_brake_key(brake, key)
         specs[key] = _KeySpec(
-            None, _inverse_cumulative_function_to_list(where, distribution, unit, nominal)
+            None, _inverse_cumulative_function_returning_list(where, distribution, unit, nominal)
         )
     return specs
 
@@ -507,7 +507,7 @@ def _listed_value_in_si(where: str, value: Any, unit: str | None) -> Any:
         if unit and not _has_only_text_entries(value):
             raise BadInput(f"{where}: {value}: every number of a table needs its unit")
         return value
-    return _number_in_si(where, value, unit)
+    return _value_of_sweep_file_as_number_in_si(where, value, unit)
 
 
 def _has_only_text_entries(rows: list[Any]) -> bool:
@@ -519,7 +519,7 @@ def _has_only_text_entries(rows: list[Any]) -> bool:
     return True
 
 
-def _number_in_si(where: str, value: Any, unit: str) -> float:
+def _value_of_sweep_file_as_number_in_si(where: str, value: Any, unit: str) -> float:
     """A value of the sweep file as a number in SI; unchanged where `unit` is "" (no unit)."""
     if unit:
         try:
@@ -546,7 +546,7 @@ def _values_of_key_given_as_range(where: str, start: float, end: float, span: Ra
     )
 
 
-def _inverse_cumulative_function_to_list(
+def _inverse_cumulative_function_returning_list(
     where: str, distribution: Distribution, unit: str, nominal: Sequence[Any]
 ) -> Callable[[Floats], list[float]]:
     """A function that turns random numbers u (n,) in (0, 1) into a list of values of a key.
@@ -612,7 +612,7 @@ def _mean_or_mode_in_si(
     nominal : values of the key in the brake file
     """
     if given is not None:
-        return _number_in_si(where, given, unit)
+        return _value_of_sweep_file_as_number_in_si(where, given, unit)
     # If the shoes have different values in the brake file, a common mean has to be given.
     if len(set(nominal)) > 1 or not isinstance(nominal[0], float):
         raise BadInput(f"{where}: is missing, and the brake file has no single number there")
@@ -623,7 +623,7 @@ def _limit_of_distribution_in_si(where: str, given: float | str, unit: str) -> f
     """The lower or upper limit of a distribution in SI; an infinite limit stays infinite."""
     if isinstance(given, float) and math.isinf(given):
         return given
-    return _number_in_si(where, given, unit)
+    return _value_of_sweep_file_as_number_in_si(where, given, unit)
 
 
 def _inverse_normal_distribution(mean: float, deviation: float) -> Callable[[Floats], Floats]:
@@ -730,7 +730,7 @@ def _standard_deviation_in_si(where: str, given: float | str, mean: float, unit:
         except ValueError as error:
             raise BadInput(f'{where} = {given!r}: must be such as "5 %" of the mean') from error
     else:
-        value = _number_in_si(where, given, unit)
+        value = _value_of_sweep_file_as_number_in_si(where, given, unit)
     if not 0 < value < math.inf:
         reason = " (the mean is 0)" if mean == 0 else ""
         raise BadInput(f"{where} = {given!r}: must be greater than 0{reason}")

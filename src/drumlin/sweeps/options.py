@@ -29,7 +29,7 @@ class FemOptions(ContactOptions):
     model_error: bool | None = None
 
     @model_validator(mode="after")
-    def _check_elements_or_tolerance(self) -> Self:
+    def _require_not_both_elements_and_tolerance(self) -> Self:
         """Raise ValueError if both a tolerance and the elements or their kind are given."""
         if self.tolerance is not None and (self.elements is not None or self.kind is not None):
             raise ValueError("tolerance chooses the elements; leave out elements and kind")
@@ -44,7 +44,7 @@ class SolidOptions(ContactOptions):
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
 
     @model_validator(mode="after")
-    def _check_division_or_tolerance(self) -> Self:
+    def _require_not_both_division_and_tolerance(self) -> Self:
         """Raise ValueError if both a tolerance and numbers of elements are given."""
         if self.tolerance is not None and (self.elements is not None or self.across is not None):
             raise ValueError("tolerance chooses the division; leave out elements and across")

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from drumlin.base.errors import NoAnswer, Stopped
 from drumlin.base.journal import Journal, checksum_of_source_and_libraries
-from drumlin.sweeps.cases import Row, solve_cases
-from drumlin.sweeps.file import Sweep, read_sweep
+from drumlin.sweeps.cases import Row, solve_all_cases_of_sweep
+from drumlin.sweeps.file import Sweep, read_sweep_from_toml_file
 from drumlin.sweeps.table import table_lines_of_cases
-from drumlin.sweeps.workers import provide_workers
+from drumlin.sweeps.workers import provide_workers_for_cases_of_sweep
 
 Say = Callable[[str], None]
 """A function that shows a line of text to the user."""
@@ -37,9 +37,9 @@ def solve_sweep_file(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
     BadInput
         for a file that cannot be read or is no sweep file; the message is one line
     """
-    prepared = read_sweep(Path(path))
-    with provide_workers(jobs) as (pool, workers):
-        rows = solve_cases(prepared.cases, executor=pool, workers=workers)
+    prepared = read_sweep_from_toml_file(Path(path))
+    with provide_workers_for_cases_of_sweep(jobs) as (pool, workers):
+        rows = solve_all_cases_of_sweep(prepared.cases, executor=pool, workers=workers)
     return rows_of_sweep_table(prepared, rows, Path(path))
 
 
@@ -73,7 +73,7 @@ def solve_sweep_with_journal(
 
     Parameters
     ----------
-    prepared : the sweep, as `read_sweep` returns it
+    prepared : the sweep, as `read_sweep_from_toml_file` returns it
     table_file : path of the table; the journal has this path with ".journal" added
     jobs : number of processes that solve cases; None: one for each core
     scheduler : address of a Dask scheduler whose workers solve the cases; None: processes do
@@ -99,10 +99,10 @@ def solve_sweep_with_journal(
             say(line)
         try:
             with (
-                provide_workers(jobs, scheduler, say) as (pool, workers),
+                provide_workers_for_cases_of_sweep(jobs, scheduler, say) as (pool, workers),
                 progress(prepared.title) as done,
             ):
-                return solve_cases(
+                return solve_all_cases_of_sweep(
                     prepared.cases,
                     executor=pool,
                     workers=workers,

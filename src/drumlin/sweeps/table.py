@@ -108,7 +108,7 @@ def write_table_file(lines: Sequence[Row], path: Path) -> None:
     if path.suffix != ".parquet":
         write_text(path, table_as_csv_text(lines))
         return
-    parquet = _require_parquet_module()
+    parquet = _import_parquet_module_or_refuse_output()
     arrow = importlib.import_module("pyarrow")
     columns: dict[str, list[Any]] = {}
     # The columns stand in the order in which their names first occur in the lines.
@@ -122,7 +122,7 @@ def write_table_file(lines: Sequence[Row], path: Path) -> None:
         parquet.write_table(arrow.table(columns), partial)
 
 
-def _require_parquet_module() -> Any:
+def _import_parquet_module_or_refuse_output() -> Any:
     """The Python module that writes Parquet files. Raises BadInput where it is not installed."""
     try:
         return importlib.import_module("pyarrow.parquet")
@@ -140,4 +140,4 @@ def check_table_file_is_writable(path: Path) -> None:
     if path.suffix not in {".csv", ".parquet"}:
         raise BadInput(f"--output = {str(path)!r}: must end in .csv or .parquet")
     if path.suffix == ".parquet":
-        _require_parquet_module()
+        _import_parquet_module_or_refuse_output()

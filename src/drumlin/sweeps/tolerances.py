@@ -60,7 +60,7 @@ def uniform_distribution(low: float, high: float) -> Any:
     return uniform(low, high - low)
 
 
-def draw_random_deviations(
+def random_deviations_of_brakes_in_all_samples(
     tolerances: Sequence[ManufacturingTolerance], n: int, seed: int
 ) -> Floats:
     """Draw the deviations of all brakes of the samples A, B, AB_1 ... AB_d.
@@ -109,7 +109,7 @@ def cases_with_random_deviations(
     ----------
     brake : the base brake, without deviations
     tolerances : the d tolerances
-    deviates : deviations (..., d), as `draw_random_deviations` returns them
+    deviates : deviations (..., d), as `random_deviations_of_brakes_in_all_samples` returns them
     model, options : model that solves the cases, and its options
 
     Raises
@@ -228,7 +228,8 @@ def sobol_indices_of_tolerances(
     Parameters
     ----------
     tolerances : the d tolerances
-    values : the result (d + 2, n) of each brake in each sample of `draw_random_deviations`
+    values : the result (d + 2, n) of each brake in each sample of
+        `random_deviations_of_brakes_in_all_samples`
     seed : seed of the bootstrap
     confidence : probability of the confidence intervals
     resamples : number of bootstrap samples
@@ -291,7 +292,7 @@ def torque_and_peak_during_run_in(
     setup = wear_setup_by_finite_elements(
         make_prepared_model(on_round_drum, elements=elements), on_round_drum
     )
-    states = run_in.run_brake_linings_in(setup, tolerance=tolerance)
+    states = run_in.wear_brake_linings_until_worn_in(setup, tolerance=tolerance)
     settled_at = states[-1].s
     # The computation ends where pressure and torque no longer change. Later states equal the last.
     states_at = [

@@ -85,7 +85,7 @@ class Workers(NamedTuple):
 
 
 @contextmanager
-def provide_workers(
+def provide_workers_for_cases_of_sweep(
     jobs: int | None = None, scheduler: str | None = None, say: SayLine = lambda _: None
 ) -> Iterator[Workers]:
     """Provide workers for the cases of a sweep while the block of the `with` statement runs.
@@ -296,13 +296,13 @@ def _end_process_when_parent_ends() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 
-    def wait_for_end_of_parent() -> None:
+    def end_this_process_after_end_of_parent() -> None:
         """Wait for the end of the parent process, then end this worker process."""
         if parent is not None:
             parent.join()
             os._exit(1)
 
-    threading.Thread(target=wait_for_end_of_parent, daemon=True).start()
+    threading.Thread(target=end_this_process_after_end_of_parent, daemon=True).start()
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import read_text
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.file import first_differing_key
+from drumlin.brake.file import first_key_in_which_two_brakes_differ
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.brake.units import LARGEST_NUMBER_SI, quantity_in_si
@@ -24,14 +24,14 @@ from drumlin.verification.reference import Reference, ShoeReference
 from drumlin.verification.reference_file import LARGEST_REFERENCE_FILE
 
 
-def _place_column_heading(surface: FrictionSurface) -> str:
+def _heading_of_column_of_angles_or_places(surface: FrictionSurface) -> str:
     """The heading of the column of angles or places, with its unit: "theta [deg]" or "x [mm]"."""
     return f"{surface.coordinate} [{surface.shown_unit}]"
 
 
-def _allowed_columns(surface: FrictionSurface) -> str:
+def _columns_allowed_in_pressure_table_as_text(surface: FrictionSurface) -> str:
     """The columns that a table of p(theta) may have, in words for messages."""
-    place = _place_column_heading(surface)
+    place = _heading_of_column_of_angles_or_places(surface)
     return f"columns 'shoe', {place!r} and 'p [MPa]', or other units"
 
 
@@ -79,7 +79,7 @@ class Verdict(NamedTuple):
 
 def pressure_curves_as_csv(response: Response, surface: FrictionSurface = DRUM) -> str:
     """The pressures of all shoes as a CSV table, which `read_pressure_curves` can read."""
-    heading = _place_column_heading(surface)
+    heading = _heading_of_column_of_angles_or_places(surface)
     rows = []
     for shoe in response.shoes:
         places, p = shoe.curve()
@@ -102,8 +102,10 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
     surface = brake.surface
     wanted = {surface.coordinate: surface.unit, "p": "Pa"}
     if not lines:
-        raise BadInput(f"{path}: is empty; must have {_allowed_columns(surface)}")
-    columns = _columns_from_heading(path, lines[0], wanted, surface)
+        raise BadInput(
+            f"{path}: is empty; must have {_columns_allowed_in_pressure_table_as_text(surface)}"
+        )
+    columns = _columns_of_pressure_table_from_heading(path, lines[0], wanted, surface)
     names = [shoe.name for shoe in brake.shoes]
     if "shoe" not in columns and len(names) > 1:
         raise BadInput(f"{path}: line 1: no column 'shoe'; the brake has {', '.join(names)}")
@@ -124,7 +126,7 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
                 f"{path}: line {number}: shoe = {name!r}: unknown; allowed: {', '.join(names)}"
             )
         place = f"{path}: line {number}: "
-        point = [_number_of_cell_in_si(place, line, key, columns[key]) for key in wanted]
+        point = [_value_of_table_cell_in_si(place, line, key, columns[key]) for key in wanted]
         points[name].append(point)
     return {
         shoe.name: _sorted_pressure_curve(path, shoe, points[shoe.name]) for shoe in brake.shoes
@@ -138,7 +140,7 @@ class _NumberColumn(NamedTuple):
     factor: float
 
 
-def _columns_from_heading(
+def _columns_of_pressure_table_from_heading(
     path: Path, heading: Sequence[str], wanted: Mapping[str, str], surface: FrictionSurface
 ) -> dict[str, _NumberColumn]:
     """The columns of a table of pressures by name, read from cells such as 'theta [deg]'.
@@ -171,12 +173,12 @@ def _columns_from_heading(
         if name not in columns:
             raise BadInput(
                 f"{path}: line 1: no column {name!r} with its unit; "
-                f"must have {_allowed_columns(surface)}"
+                f"must have {_columns_allowed_in_pressure_table_as_text(surface)}"
             )
     return columns
 
 
-def _number_of_cell_in_si(
+def _value_of_table_cell_in_si(
     place: str, line: Sequence[str], key: str, column: _NumberColumn
 ) -> float:
     """The number in a cell of a table, in SI.
@@ -225,12 +227,12 @@ def _sorted_pressure_curve(path: Path, shoe: Shoe, points: list[list[float]]) ->
     # Two points at one angle would give the curve two pressures there.
     same = np.diff(theta) <= 0
     if same.any():
-        place = _angle_or_place_text(shoe, theta[:-1][same][0])
+        place = _angle_or_place_in_words_with_unit(shoe, theta[:-1][same][0])
         raise BadInput(f"{path}: shoe {shoe.name!r}: {place} stands twice")
     return PressureTable(theta, p)
 
 
-def _angle_or_place_text(shoe: Shoe, at: float) -> str:
+def _angle_or_place_in_words_with_unit(shoe: Shoe, at: float) -> str:
     """An angle [rad] on a shoe, or a place [m] on a flat shoe, in words with its unit."""
     return f"{shoe.surface.coordinate} = {shoe.surface.place(at)}"
 
@@ -247,7 +249,7 @@ def compare_curves_with_reference(
         said = ", ".join(shoe.name for shoe in known.shoes)
         raise BadInput(f"the reference is of another brake, with the shoes {said}")
     # The reference keeps the text of its brake file, which is compared with this brake.
-    key = first_differing_key(brake, read_any(Path("brake_file"), known.text))
+    key = first_key_in_which_two_brakes_differ(brake, read_any(Path("brake_file"), known.text))
     if key is not None:
         raise BadInput(f"the reference is of another brake: {key} is not the same")
     verdicts = []
@@ -282,10 +284,10 @@ def _verdict_on_pressure_curve(
         )
     if curve.theta[0] > theta[0] + 1e-9 or curve.theta[-1] < theta[-1] - 1e-9:
         raise BadInput(
-            f"shoe {known.name!r}: from {_angle_or_place_text(spec, curve.theta[0])} "
-            f"to {_angle_or_place_text(spec, curve.theta[-1])}: must reach "
-            f"from {_angle_or_place_text(spec, theta[0])} "
-            f"to {_angle_or_place_text(spec, theta[-1])}"
+            f"shoe {known.name!r}: from {_angle_or_place_in_words_with_unit(spec, curve.theta[0])} "
+            f"to {_angle_or_place_in_words_with_unit(spec, curve.theta[-1])}: must reach "
+            f"from {_angle_or_place_in_words_with_unit(spec, theta[0])} "
+            f"to {_angle_or_place_in_words_with_unit(spec, theta[-1])}"
         )
     # The curve is interpolated linearly to the angles of the reference.
     off = np.interp(theta, *curve) - p
@@ -295,9 +297,9 @@ def _verdict_on_pressure_curve(
     torque_off, torque = abs(lever * float(np.trapezoid(off, theta))), known.torque.value
     return Verdict(
         shoe=known.name,
-        distance=_difference_over_size(math.sqrt(float(off @ off)), math.sqrt(float(p @ p))),
-        largest=_difference_over_size(abs(float(off[worst])), known.peak_pressure.value),
-        at=_angle_or_place_text(spec, float(theta[worst])),
+        distance=_difference_relative_to_size(math.sqrt(float(off @ off)), math.sqrt(float(p @ p))),
+        largest=_difference_relative_to_size(abs(float(off[worst])), known.peak_pressure.value),
+        at=_angle_or_place_in_words_with_unit(spec, float(theta[worst])),
         torque=lever * _pressure_integral_along_lining(spec, curve),
         torque_error=torque_off / torque if torque else 0.0,
         floor=known.distance,
@@ -305,7 +307,7 @@ def _verdict_on_pressure_curve(
     )
 
 
-def _difference_over_size(difference: float, size: float) -> float:
+def _difference_relative_to_size(difference: float, size: float) -> float:
     """A difference divided by a size; for the size 0 infinite, or 0 if the difference is 0."""
     return difference / size if size else math.inf if difference else 0.0
 
@@ -326,7 +328,7 @@ def are_verdicts_within_tolerance(verdicts: Sequence[Verdict], tolerance: float)
     return all(max(each.distance, each.torque_error) <= tolerance for each in verdicts)
 
 
-def verdict_text_lines(
+def text_lines_on_errors_of_pressure_table(
     verdicts: Sequence[Verdict], tolerance: float, surface: FrictionSurface = DRUM
 ) -> list[str]:
     """The verdicts as text: one line for each shoe, then whether all are within the tolerance.

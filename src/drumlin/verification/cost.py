@@ -28,13 +28,13 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.meshes import Mesher
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solve import require_division_options_have_effect
+from drumlin.fem.solve import require_element_options_have_effect
 from drumlin.fem.substructure.body import (
     scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.models import model_by_name
+from drumlin.models import model_with_name_that_applies_to_brake
 
 COST_ELEMENTS = 140
 """Elements along each lining of a brake whose cost is measured, unless the user gives a number.
@@ -127,7 +127,7 @@ def measure_time_and_memory_of_fem(
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in bodies:
             bodies[id(body)] = body
-            parts += _assembly_and_factorisation_seconds(body, shoe, repeats)
+            parts += _seconds_to_assemble_and_factorise_stiffness(body, shoe, repeats)
     assembly, factorisation, substitution = parts.tolist()
     if repeats > 1:
         solve = _median_seconds_of_call(mesh_and_solve_brake, repeats)
@@ -151,7 +151,9 @@ def _brake_with_less_friction(brake: Brake) -> Brake:
     return brake.model_copy(update={"friction": 0.9 * brake.friction})
 
 
-def _assembly_and_factorisation_seconds(body: ShoeSubstructure, shoe: Shoe, repeats: int) -> Floats:
+def _seconds_to_assemble_and_factorise_stiffness(
+    body: ShoeSubstructure, shoe: Shoe, repeats: int
+) -> Floats:
     """The times (3,) [s] of assembling, factorising and back-substituting one shoe's stiffness.
 
     The shoe is clamped at its hinge. Each time is the median of `repeats` runs.
@@ -195,7 +197,7 @@ def shoe_mesh_of_given_size(unknowns: int, shoe: Shoe, radius: float) -> object:
     )
 
 
-def _run_in_new_process(task: Callable[..., Any], *arguments: Any) -> Any:
+def _result_of_call_in_new_process(task: Callable[..., Any], *arguments: Any) -> Any:
     """The result of task(*arguments), run in a new process.
 
     The largest memory of that process is then the memory of this task alone.
@@ -223,7 +225,7 @@ def cost_by_size_table_lines(
             mesher=partial(shoe_mesh_of_given_size, size),
             repeats=repeats,
         )
-        row: Cost = _run_in_new_process(task)
+        row: Cost = _result_of_call_in_new_process(task)
         yield (
             f"{row.unknowns:8d}  {row.contact_nodes:13d}  {row.solve:9.3f}  "
             f"{row.solve_ratio:12.2f}  {row.further * 1e3:12.1f}  {row.memory / 2**30:12.2f}"
@@ -267,7 +269,9 @@ def solid_shoe_cost_table_lines(
     """
     yield "unknowns  contact nodes  solve [s]  further [s]  peak memory [GiB]"
     for count in elements:
-        row: _SolidCost = _run_in_new_process(_measure_time_and_memory_of_solid, brake, count)
+        row: _SolidCost = _result_of_call_in_new_process(
+            _measure_time_and_memory_of_solid, brake, count
+        )
         yield (
             f"{row.unknowns:8d}  {row.nodes:13d}  {row.first:9.2f}  "
             f"{row.further:11.2f}  {row.memory / 2**30:17.2f}"
@@ -280,7 +284,7 @@ def _measure_time_and_memory_of_solid(brake: Brake, elements: int) -> _SolidCost
     from drumlin.fem.solid import model as solid  # noqa: PLC0415
 
     start = time.process_time()
-    scene = solid.prepare(brake, elements=elements)
+    scene = solid.prepare_model_of_solid_shoes(brake, elements=elements)
     solve_prepared_model(scene, brake)
     first = time.process_time() - start
     memory, start = peak_memory_of_process(), time.process_time()
@@ -312,9 +316,9 @@ def time_and_memory_report_lines(
     """
     if model not in {"fem", "solid"}:
         raise BadInput(f"--model = {model!r}: has no cost to print; allowed: fem, solid")
-    model_by_name(model, brake)
+    model_with_name_that_applies_to_brake(model, brake)
     brake.check_shoes_can_be_meshed()
-    require_division_options_have_effect(brake, elements=options.get("elements"))
+    require_element_options_have_effect(brake, elements=options.get("elements"))
     if options and (by_size or model == "solid"):
         chooses = "--table" if by_size else "--model solid"
         raise BadInput(f"{chooses} chooses the elements itself; leave out --elements and --penalty")

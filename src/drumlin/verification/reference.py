@@ -23,7 +23,7 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.surface import DRUM, FrictionSurface
-from drumlin.comparison import uncompared_edge_length
+from drumlin.comparison import length_of_uncompared_zone_at_lining_end
 from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import Level
@@ -106,7 +106,7 @@ class ReferenceResponses(NamedTuple):
     other: Response | None
 
     @property
-    def other_responses(self) -> tuple[Response, ...]:
+    def responses_that_give_uncertainty(self) -> tuple[Response, ...]:
         """The responses whose distances from `value` give the uncertainty."""
         return (self.before,) if self.other is None else (self.before, self.other)
 
@@ -136,16 +136,20 @@ def solve_brake_for_reference_values(
         last = solve_exactly(make_prepared_model(brake, level, singular_points), brake, start=last)
         found.append(last)
     before, value = found
-    return ReferenceResponses(value, before, _response_by_triangles(brake, value, refinement))
+    return ReferenceResponses(
+        value, before, _brake_response_by_curved_triangle_elements(brake, value, refinement)
+    )
 
 
-def _response_by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Response | None:
+def _brake_response_by_curved_triangle_elements(
+    brake: Brake, like: Response, refinement: Refinement
+) -> Response | None:
     """The response by the finest mesh of curved triangles, or None if they cannot solve the brake.
 
     Triangles cannot solve a brake on a plane surface and some kinds of shoes. The values that the
     triangles do not give, such as whether a shoe is self-energising, are copied from `like`.
     """
-    if not refinement.triangles or brake.surface.straight:
+    if not refinement.triangles or brake.surface.is_plane_and_not_drum:
         return None
     try:
         *_, solutions = triangles.solve_on_triangle_level_sequence(brake, refinement.triangles)
@@ -294,7 +298,7 @@ def compute_reference_values(
     return Reference(brake.title, text, command, method, versions, torque, shoes, brake.surface)
 
 
-def _value_with_uncertainty(values: Sequence[Any]) -> UncertainValue:
+def _first_value_and_largest_distance_from_others(values: Sequence[Any]) -> UncertainValue:
     """The first of `values` with its uncertainty, its largest distance from the other values.
 
     The distance is infinite if an array has another shape, such as another number of contact arcs.
@@ -314,7 +318,9 @@ def _contact_force_on_lining(brake: Brake, index: int, response: ShoeResponse) -
         return resultant_of_contact_on_shoe(brake, index, response).force
     # On a plane surface the contact force follows from equilibrium of the shoe: contact force,
     # hinge reaction and actuation add up to zero.
-    pushed = shoe if response.force is None else shoe.under(response.force)
+    pushed = (
+        shoe if response.force is None else shoe.shoe_with_changed_actuation_force(response.force)
+    )
     return -response.hinge_reaction - pushed.actuation.force_vector
 
 
@@ -326,7 +332,9 @@ def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses
     # The pressure is listed at whole degrees, on a plane at whole millimetres.
     step = 1e-3 if spec.flat else ONE_DEGREE
     theta = np.arange(math.ceil(first / step + 1e-6), last / step - 1e-6) * step
-    answers = [response.shoes[index] for response in (trio.value, *trio.other_responses)]
+    answers = [
+        response.shoes[index] for response in (trio.value, *trio.responses_that_give_uncertainty)
+    ]
     cited, *others = answers
     pressure = cited.pressure_at(theta)
     differences, distances = [], [0.0]
@@ -335,22 +343,30 @@ def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses
         # A lining without any pressure has no relative distance.
         if cited.pressure.any():
             distances.append(
-                relative_distance_of_pressures(other, cited, uncompared_edge_length(brake))
+                relative_distance_of_pressures(
+                    other, cited, length_of_uncompared_zone_at_lining_end(brake)
+                )
             )
 
-    def quantity_with_uncertainty(quantity: Callable[[ShoeResponse], Any]) -> UncertainValue:
+    def reference_quantity_of_shoe_with_uncertainty(
+        quantity: Callable[[ShoeResponse], Any],
+    ) -> UncertainValue:
         """A quantity of the shoe in the reference solution, with its uncertainty."""
-        return _value_with_uncertainty([quantity(answer) for answer in answers])
+        return _first_value_and_largest_distance_from_others(
+            [quantity(answer) for answer in answers]
+        )
 
     return ShoeReference(
         name=spec.name,
-        torque=quantity_with_uncertainty(attrgetter("torque")),
-        contact_force=quantity_with_uncertainty(partial(_contact_force_on_lining, brake, index)),
-        hinge_reaction=quantity_with_uncertainty(attrgetter("hinge_reaction")),
-        peak_pressure=quantity_with_uncertainty(
+        torque=reference_quantity_of_shoe_with_uncertainty(attrgetter("torque")),
+        contact_force=reference_quantity_of_shoe_with_uncertainty(
+            partial(_contact_force_on_lining, brake, index)
+        ),
+        hinge_reaction=reference_quantity_of_shoe_with_uncertainty(attrgetter("hinge_reaction")),
+        peak_pressure=reference_quantity_of_shoe_with_uncertainty(
             partial(peak_pressure_between_edge_zones, edge=edge)
         ),
-        contact_arcs=quantity_with_uncertainty(
+        contact_arcs=reference_quantity_of_shoe_with_uncertainty(
             lambda answer: np.reshape(answer.contact_arcs, (-1, 2))
         ),
         ends=(first, last),

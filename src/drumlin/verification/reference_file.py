@@ -75,10 +75,10 @@ REFERENCE_READING_ERRORS = (
 """Errors that are raised when a file is read as reference values but holds other data."""
 
 
-def _round_to_significant_digits(value: Any, digits: int = FILE_DIGITS) -> Any:
+def _numbers_rounded_to_significant_digits(value: Any, digits: int = FILE_DIGITS) -> Any:
     """The number, or nested lists of numbers, rounded to a number of significant digits."""
     if isinstance(value, list):
-        return [_round_to_significant_digits(each, digits) for each in value]
+        return [_numbers_rounded_to_significant_digits(each, digits) for each in value]
     return float(f"{value:.{digits}g}")
 
 
@@ -86,8 +86,8 @@ def _uncertain_value_as_json_data(sure: UncertainValue) -> dict[str, Any]:
     """A value and its uncertainty as a dictionary for JSON; an infinite uncertainty is null."""
     uncertainty = None
     if math.isfinite(sure.uncertainty):
-        uncertainty = _round_to_significant_digits(sure.uncertainty, 3)
-    return {"value": _round_to_significant_digits(sure.value), "uncertainty": uncertainty}
+        uncertainty = _numbers_rounded_to_significant_digits(sure.uncertainty, 3)
+    return {"value": _numbers_rounded_to_significant_digits(sure.value), "uncertainty": uncertainty}
 
 
 def reference_values_as_json_data(found: Reference) -> dict[str, Any]:
@@ -110,12 +110,14 @@ def _shoe_reference_as_json_data(shoe: ShoeReference) -> dict[str, Any]:
     return {
         "name": shoe.name,
         **{key: _uncertain_value_as_json_data(getattr(shoe, key)) for key in UNCERTAIN_QUANTITIES},
-        "lining": _round_to_significant_digits(list(shoe.ends)),
-        "edge": _round_to_significant_digits(shoe.edge),
-        "pressure_distance": _round_to_significant_digits(shoe.distance, 3),
-        "theta": _round_to_significant_digits(shoe.theta.tolist()),
-        "pressure": _round_to_significant_digits(shoe.pressure.tolist()),
-        "pressure_uncertainty": _round_to_significant_digits(shoe.uncertainty.tolist(), 3),
+        "lining": _numbers_rounded_to_significant_digits(list(shoe.ends)),
+        "edge": _numbers_rounded_to_significant_digits(shoe.edge),
+        "pressure_distance": _numbers_rounded_to_significant_digits(shoe.distance, 3),
+        "theta": _numbers_rounded_to_significant_digits(shoe.theta.tolist()),
+        "pressure": _numbers_rounded_to_significant_digits(shoe.pressure.tolist()),
+        "pressure_uncertainty": _numbers_rounded_to_significant_digits(
+            shoe.uncertainty.tolist(), 3
+        ),
     }
 
 
@@ -138,13 +140,13 @@ def read_reference_file(path: Path) -> Reference:
         if data["format"] != REFERENCE_FORMAT:
             raise BadInput(f"{path}: format = {data['format']!r}: must be {REFERENCE_FORMAT!r}")
         return Reference(
-            title=_require_text(data["title"]),
-            text=_require_text(data["brake_file"]),
-            command=_require_text(data["command"]),
-            method=_require_text(data["method"]),
-            versions=dict(map(_require_text_pair, data["versions"].items())),
-            torque=_read_uncertain_value(data["torque"]),
-            shoes=tuple(map(_read_shoe_reference, data["shoes"])),
+            title=_require_value_to_be_text(data["title"]),
+            text=_require_value_to_be_text(data["brake_file"]),
+            command=_require_value_to_be_text(data["command"]),
+            method=_require_value_to_be_text(data["method"]),
+            versions=dict(map(_require_both_values_to_be_text, data["versions"].items())),
+            torque=_uncertain_value_from_json_data(data["torque"]),
+            shoes=tuple(map(_reference_values_of_shoe_from_json_data, data["shoes"])),
             surface=PLANE if data["units"]["theta"] == PLANE.unit else DRUM,
         )
     except REFERENCE_READING_ERRORS as error:
@@ -153,7 +155,9 @@ def read_reference_file(path: Path) -> Reference:
         ) from error
 
 
-def reference_summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
+def rows_that_summarise_reference_values(
+    values: Mapping[str, Any], name: str
+) -> list[dict[str, Any]]:
     """Rows of a table that summarises the reference values of a brake, one row for each shoe.
 
     `values` are the reference values as `reference_values_as_json_data` returns them; `name` is the
@@ -194,16 +198,16 @@ def _refuse_non_finite_json_number(word: str) -> float:
     raise ValueError(f"{word} is no number of JSON")
 
 
-def _require_text(value: object) -> str:
+def _require_value_to_be_text(value: object) -> str:
     """Return the value if it is a text, else raise TypeError."""
     if not isinstance(value, str):
         raise TypeError("not a text")
     return value
 
 
-def _require_text_pair(pair: tuple[object, object]) -> tuple[str, str]:
+def _require_both_values_to_be_text(pair: tuple[object, object]) -> tuple[str, str]:
     """Return the pair if both of its values are texts, else raise TypeError."""
-    return _require_text(pair[0]), _require_text(pair[1])
+    return _require_value_to_be_text(pair[0]), _require_value_to_be_text(pair[1])
 
 
 def _require_finite_array_of_shape(value: object, *shape: int) -> Floats:
@@ -223,7 +227,7 @@ def _require_finite_array_of_shape(value: object, *shape: int) -> Floats:
     return array
 
 
-def _read_uncertain_value(data: dict[str, Any], *shape: int) -> UncertainValue:
+def _uncertain_value_from_json_data(data: dict[str, Any], *shape: int) -> UncertainValue:
     """Read a value of the given shape and its uncertainty; null is an infinite uncertainty."""
     given = data["uncertainty"]
     uncertainty = math.inf if given is None else _require_non_negative_number(given)
@@ -240,7 +244,7 @@ def _require_non_negative_number(value: object) -> float:
     return size
 
 
-def _read_shoe_reference(data: dict[str, Any]) -> ShoeReference:
+def _reference_values_of_shoe_from_json_data(data: dict[str, Any]) -> ShoeReference:
     """The reference values of a shoe from the data of a file.
 
     Raises one of the errors UNREADABLE if the data are not reference values.
@@ -250,12 +254,12 @@ def _read_shoe_reference(data: dict[str, Any]) -> ShoeReference:
     if not first < last or (np.diff(theta) <= 0).any():
         raise ValueError("angles that do not grow")
     return ShoeReference(
-        name=_require_text(data["name"]),
-        torque=_read_uncertain_value(data["torque"]),
-        contact_force=_read_uncertain_value(data["contact_force"], 2),
-        hinge_reaction=_read_uncertain_value(data["hinge_reaction"], 2),
-        peak_pressure=_read_uncertain_value(data["peak_pressure"]),
-        contact_arcs=_read_uncertain_value(data["contact_arcs"], -1, 2),
+        name=_require_value_to_be_text(data["name"]),
+        torque=_uncertain_value_from_json_data(data["torque"]),
+        contact_force=_uncertain_value_from_json_data(data["contact_force"], 2),
+        hinge_reaction=_uncertain_value_from_json_data(data["hinge_reaction"], 2),
+        peak_pressure=_uncertain_value_from_json_data(data["peak_pressure"]),
+        contact_arcs=_uncertain_value_from_json_data(data["contact_arcs"], -1, 2),
         ends=(first, last),
         edge=_require_non_negative_number(data["edge"]),
         theta=theta,

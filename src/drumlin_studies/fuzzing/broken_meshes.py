@@ -43,7 +43,7 @@ def valid_mesh_files_by_suffix() -> dict[str, bytes]:
         return {path.suffix: path.read_bytes() for path in paths} | {"brake": data_as_toml(data)}
 
 
-def brake_file_with_mesh(brake_file: bytes, name: str) -> bytes:
+def brake_file_that_refers_to_mesh_file(brake_file: bytes, name: str) -> bytes:
     """The brake file, with its first shoe taking its mesh from the file `name`."""
     data = tomllib.loads(brake_file.decode())
     data["shoe"][0]["mesh"] = name
@@ -68,7 +68,7 @@ def input_with_mesh_file(
     """
     name = f"m{suffix}"
     files = {
-        "b.toml": brake_file_with_mesh(valid_mesh_files_by_suffix()["brake"], name),
+        "b.toml": brake_file_that_refers_to_mesh_file(valid_mesh_files_by_suffix()["brake"], name),
         name: mesh,
     }
     words = ["solve", "b.toml", "--json", "r.json"]
@@ -193,7 +193,7 @@ def _mesh_with_infinite_coordinate(
     return points, cells, at, on
 
 
-def _mesh_with_folded_corner(
+def _mesh_with_corner_node_moved_far_away(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
 ) -> SpoiledMesh:
     """The mesh with a random corner moved by 0.3 m, far across the neighbouring elements."""
@@ -253,7 +253,7 @@ def _mesh_with_point_off_plane(
     return points, cells, at, on
 
 
-def _mesh_with_missing_node(
+def _mesh_with_element_of_nonexistent_node(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
 ) -> SpoiledMesh:
     """The mesh with a random element that refers to a node that does not exist."""
@@ -276,13 +276,13 @@ MESH_SPOILERS: dict[str, Callable[..., SpoiledMesh]] = {
     "disconnected parts": _mesh_torn_in_two,
     "doubled node": _mesh_with_doubled_node,
     "NaN or infinity": _mesh_with_infinite_coordinate,
-    "folded": _mesh_with_folded_corner,
+    "folded": _mesh_with_corner_node_moved_far_away,
     "doubled element": _mesh_with_doubled_element,
     "group missing": _mesh_with_missing_group,
     "element in no group or in two": _mesh_with_wrong_groups,
     "another unit": _mesh_in_other_length_unit,
     "not plane": _mesh_with_point_off_plane,
-    "undefined node": _mesh_with_missing_node,
+    "undefined node": _mesh_with_element_of_nonexistent_node,
     "middle node far off": _mesh_with_far_middle_node,
 }
 """The functions that spoil a mesh, by a short name of the fault that they cause."""

@@ -134,7 +134,9 @@ def make_input_with_broken_sweep(rng: random.Random) -> BrokenInput:
             "vary": {"friction": rng.choice([[0.1, 0.3], {"from": 0.1, "to": 0.4, "count": 3}])},
         }
         if rng.random() < 0.7:
-            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = _random_values_to_vary(rng)
+            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = (
+                _random_values_for_varied_sweep_key(rng)
+            )
         if rng.random() < 0.4:
             data[rng.choice(["seed", "cases", "combine", "brake", "model", "title", "x"])] = (
                 rng.choice([random_toml_value(rng), 3, "zip", "grid", 1])
@@ -157,7 +159,9 @@ def make_input_with_changed_sweep(rng: random.Random) -> BrokenInput:
         if kind < 0.1:
             table.pop(key, None)
         elif kind < 0.5 and isinstance(data.get("vary"), dict):
-            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = _random_values_to_vary(rng)
+            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = (
+                _random_values_for_varied_sweep_key(rng)
+            )
         elif key in SWEEP_LENGTH_KEYS:
             table[key] = rng.choice(WRONG_LENGTHS)
         else:
@@ -222,7 +226,7 @@ def _random_table_in_sweep_data(rng: random.Random, data: dict[str, Any]) -> dic
     return table
 
 
-def _random_values_to_vary(rng: random.Random) -> Any:
+def _random_values_for_varied_sweep_key(rng: random.Random) -> Any:
     """Random values for a key under `vary`: a list, a range or a distribution, valid or not."""
     # Values come from one pool: numbers, forces, lengths, or wrong ones.
     pool = rng.choice(

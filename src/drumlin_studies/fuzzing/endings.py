@@ -146,7 +146,7 @@ def _limit_run_time() -> Iterator[None]:
             signal.signal(sign, handler)
 
 
-def run_input_in_subprocess(given: BrokenInput, **more: Any) -> Ending:
+def run_command_of_input_in_new_process(given: BrokenInput, **more: Any) -> Ending:
     """Run the command line of an input in a new process; returns how the run ended.
 
     `more` are further arguments of subprocess.run.
@@ -155,7 +155,7 @@ def run_input_in_subprocess(given: BrokenInput, **more: Any) -> Ending:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write_files_of_broken_input(given, folder)
-        start = _children_processor_time()
+        start = _processor_time_of_ended_child_processes()
         words = [os.fsencode(word) for word in given.words]
         try:
             done = subprocess.run(
@@ -168,12 +168,12 @@ def run_input_in_subprocess(given: BrokenInput, **more: Any) -> Ending:
             )
         except subprocess.TimeoutExpired:
             return Ending(-1, "", "no end", {}, LONGEST_WAIT)
-        seconds = _children_processor_time() - start
+        seconds = _processor_time_of_ended_child_processes() - start
         out, err = (text.decode(errors="replace") for text in (done.stdout, done.stderr))
         return Ending(done.returncode, out, err, contents_of_written_files(folder, given), seconds)
 
 
-def _children_processor_time() -> float:
+def _processor_time_of_ended_child_processes() -> float:
     """Processor time [s] of the child processes that have ended.
 
     On a busy machine the wall-clock time would depend on other programs.

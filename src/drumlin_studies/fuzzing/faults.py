@@ -18,7 +18,10 @@ from typing import Any
 from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.studies import REPOSITORY
-from drumlin_studies.fuzzing.broken_meshes import brake_file_with_mesh, valid_mesh_files_by_suffix
+from drumlin_studies.fuzzing.broken_meshes import (
+    brake_file_that_refers_to_mesh_file,
+    valid_mesh_files_by_suffix,
+)
 from drumlin_studies.fuzzing.inputs import (
     FEW_ELEMENTS,
     SOUND_BRAKES,
@@ -36,7 +39,7 @@ from drumlin_studies.fuzzing.wrong_values import (
     WRONG_WORDS,
     random_toml_value,
     random_value_near_type,
-    tables_and_keys_by_schema,
+    tables_and_allowed_keys_in_brake_data,
 )
 
 REFERENCE_FILE = "reports/reference/values/double_shoe_brake.json"
@@ -50,7 +53,7 @@ def content_of_reference_file() -> bytes:
 
 
 @cache
-def csv_table_of_pressures() -> bytes:
+def csv_table_of_pressure_over_angle() -> bytes:
     """A CSV table of p(theta) of the double-shoe brake, as a user gives it to `drumlin check`."""
     from drumlin.models import MODELS  # noqa: PLC0415
     from drumlin.verification.check import pressure_curves_as_csv  # noqa: PLC0415
@@ -96,7 +99,9 @@ def make_input_with_wrong_values(rng: random.Random) -> BrokenInput:
     data = tomllib.loads(content_of_brake_file(rng.choice(SOUND_BRAKES)).decode())
     # A change may remove a key, add an unknown one, or give a key another value.
     for _ in range(rng.choice([1, 1, 2, 3])):
-        places = list(tables_and_keys_by_schema(Brake.brake_class_for_file_data(data), data))
+        places = list(
+            tables_and_allowed_keys_in_brake_data(Brake.brake_class_for_file_data(data), data)
+        )
         table, key, annotation = rng.choice(places)
         if not isinstance(table, dict):
             continue
@@ -166,7 +171,7 @@ def make_input_with_broken_mesh(rng: random.Random) -> BrokenInput:
         data += rng.choice(INP_ENDS)
     else:
         data = bytes_with_random_noise(rng, data, WRONG_WORDS)
-    text = brake_file_with_mesh(files["brake"], f"m{suffix}")
+    text = brake_file_that_refers_to_mesh_file(files["brake"], f"m{suffix}")
     contents = {"b.toml": text, f"m{suffix}": data}
     words = ["solve", "b.toml", "--json", "r.json"]
     return BrokenInput(f"mesh: {suffix}", contents, words)
@@ -216,7 +221,7 @@ def make_input_with_broken_reference(rng: random.Random) -> BrokenInput:
     files = {
         "b.toml": content_of_brake_file(SOUND_BRAKES[0]),
         "ref.json": text,
-        "r.csv": csv_table_of_pressures(),
+        "r.csv": csv_table_of_pressure_over_angle(),
     }
     return BrokenInput(
         "reference values", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"]
@@ -238,7 +243,7 @@ def _tables_and_keys_in_nested_data(data: Any) -> Iterator[tuple[Any, Any]]:
 
 def make_input_with_broken_pressure_table(rng: random.Random) -> BrokenInput:
     """An input of `drumlin check` whose table of p(theta) has wrong cells or broken bytes."""
-    text = csv_table_of_pressures()
+    text = csv_table_of_pressure_over_angle()
     if rng.random() < 0.5:
         text = bytes_with_random_noise(rng, text, WRONG_WORDS)
     else:
@@ -289,7 +294,7 @@ def make_input_with_random_command(rng: random.Random) -> BrokenInput:
         required = option.param_type_name == "argument" or option.name == "to"
         if option.name in {"brake_file", "brake_files"} or (not required and rng.random() < 0.65):
             continue
-        value = _random_word_for_option(rng, option)
+        value = _random_value_for_command_option(rng, option)
         if option.param_type_name == "argument":
             words.append(str(value))
         else:
@@ -303,7 +308,7 @@ def make_input_with_random_command(rng: random.Random) -> BrokenInput:
         "b.toml": content_of_brake_file(
             rng.choice([SOUND_BRAKES[0], SOUND_BRAKES[0], *SOUND_BRAKES])
         ),
-        "r.csv": csv_table_of_pressures(),
+        "r.csv": csv_table_of_pressure_over_angle(),
         "ref.json": content_of_reference_file(),
     }
     for option in chosen.values():
@@ -311,7 +316,7 @@ def make_input_with_random_command(rng: random.Random) -> BrokenInput:
     return BrokenInput(f"command line: {name}", files, words)
 
 
-def _random_word_for_option(rng: random.Random, option: Any) -> str | None:
+def _random_value_for_command_option(rng: random.Random, option: Any) -> str | None:
     """A random word as the value of an option, chosen by its name and type; None for a flag."""
     if getattr(option, "is_flag", False) or getattr(option, "is_bool_flag", False):
         return None

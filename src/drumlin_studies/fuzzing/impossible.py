@@ -37,10 +37,12 @@ def make_input_with_broken_structure(rng: random.Random) -> BrokenInput:
     name = rng.choice(SOUND_BRAKES)
     data = tomllib.loads(content_of_brake_file(name).decode())
     # Titles and names are left out, since any text is valid for them.
-    keyed = [place for place in _paths_of_leaf_values(data) if isinstance(place[-1], str)]
+    keyed = [
+        place for place in _key_paths_of_values_in_nested_data(data) if isinstance(place[-1], str)
+    ]
     named = [place for place in keyed if place[-1] not in {"title", "name"}]
     *parents, key = rng.choice(named)
-    owner = _value_at_path(data, tuple(parents))
+    owner = _value_at_key_path_in_nested_data(data, tuple(parents))
     if rng.random() < 0.5:
         owner[key + rng.choice(["_", "x", " "])] = owner.pop(key)
     else:
@@ -97,19 +99,21 @@ def _models_that_can_solve_brake(name: str) -> tuple[str, ...]:
     return tuple(model.name for model in applicable_models(brake))
 
 
-def _paths_of_leaf_values(data: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+def _key_paths_of_values_in_nested_data(
+    data: Any, place: tuple[Any, ...] = ()
+) -> Iterator[tuple[Any, ...]]:
     """Yield the place of each number and text in nested data, as keys and indices from the top."""
     if isinstance(data, dict):
         for key, value in data.items():
-            yield from _paths_of_leaf_values(value, (*place, key))
+            yield from _key_paths_of_values_in_nested_data(value, (*place, key))
     elif isinstance(data, list):
         for i, value in enumerate(data):
-            yield from _paths_of_leaf_values(value, (*place, i))
+            yield from _key_paths_of_values_in_nested_data(value, (*place, i))
     else:
         yield place
 
 
-def _value_at_path(data: Any, place: tuple[Any, ...]) -> Any:
+def _value_at_key_path_in_nested_data(data: Any, place: tuple[Any, ...]) -> Any:
     """The value in nested data at a place, given as keys and indices from the top."""
     for step in place:
         data = data[step]

@@ -56,10 +56,12 @@ def kill_and_finish_one_sweep(case: dict[str, Any]) -> dict[str, Any]:
         (folder / "b.toml").write_bytes(content_of_brake_file(SOUND_BRAKES[0]))
         (folder / "s.toml").write_text(KILLED_SWEEP, encoding="utf-8")
         whole = _run_sweep_to_its_end(folder, "whole.csv", ["--jobs", "1"])
-        with _options_to_run_sweep(case["way"], folder) as words:
-            met = sum(_kill_sweep_at_row(moment, folder, words) for moment in moments)
+        with _sweep_command_options_for_way_of_running(case["way"], folder) as words:
+            met = sum(
+                _kill_sweep_at_number_of_journal_cases(moment, folder, words) for moment in moments
+            )
             table = _run_sweep_to_its_end(folder, "t.csv", words)
-        keys = _case_keys_in_journal(folder / "t.csv.journal")
+        keys = _keys_of_cases_in_sweep_journal(folder / "t.csv.journal")
     # The final table must be that of the undisturbed run, with each case once in the journal.
     wrong, different = [], len(set(keys))
     if table != whole:
@@ -72,7 +74,7 @@ def kill_and_finish_one_sweep(case: dict[str, Any]) -> dict[str, Any]:
 
 
 @contextmanager
-def _options_to_run_sweep(way: str, folder: Path) -> Iterator[list[str]]:
+def _sweep_command_options_for_way_of_running(way: str, folder: Path) -> Iterator[list[str]]:
     """The options of `drumlin sweep` for a way to run it, during a `with` block.
 
     For the way "Dask" a scheduler and a worker run on this machine during the block.
@@ -134,7 +136,7 @@ def _run_sweep_to_its_end(folder: Path, output: str, words: list[str]) -> bytes:
     return (folder / output).read_bytes() if status == 0 else f"status {status}".encode()
 
 
-def _kill_sweep_at_row(moment: int, folder: Path, words: list[str]) -> bool:
+def _kill_sweep_at_number_of_journal_cases(moment: int, folder: Path, words: list[str]) -> bool:
     """Start the sweep of a folder and kill it as soon as its journal has `moment` cases.
 
     Returns whether the sweep was still running when it was killed.
@@ -148,11 +150,11 @@ def _kill_sweep_at_row(moment: int, folder: Path, words: list[str]) -> bool:
     met = process.poll() is None
     process.kill()
     process.wait()
-    _wait_for_unlocked_journal(journal)
+    _wait_until_sweep_journal_is_unlocked(journal)
     return met
 
 
-def _wait_for_unlocked_journal(journal: Path) -> None:
+def _wait_until_sweep_journal_is_unlocked(journal: Path) -> None:
     """Wait until no process locks the journal: the workers of a killed sweep may still run."""
     end = time.monotonic() + RUN_LIMIT
     while time.monotonic() < end:
@@ -171,7 +173,7 @@ def _lock_open_file(handle: int) -> None:
     fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-def _case_keys_in_journal(journal: Path) -> list[str]:
+def _keys_of_cases_in_sweep_journal(journal: Path) -> list[str]:
     """The keys of the cases in the journal of a sweep, a key for each line below the first."""
     return [
         json.loads(line)["key"] for line in journal.read_text(encoding="utf-8").splitlines()[1:]

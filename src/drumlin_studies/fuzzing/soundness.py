@@ -63,7 +63,7 @@ def explain_wrong_response(brake: Brake, response: Response) -> str:
     if max(response.balance.force, response.balance.moment) > SOUND_IMBALANCE:
         return f"out of balance by {response.balance}"
     # On a plane there is no torque, and the foundation model takes the torque from its springs.
-    if brake.surface.straight or response.model == "foundation":
+    if brake.surface.is_plane_and_not_drum or response.model == "foundation":
         return ""
     for i, shoe in enumerate(response.shoes):
         by_pressure = abs(resultant_of_contact_on_shoe(brake, i, shoe).moment)

@@ -21,7 +21,7 @@ from drumlin_studies.fuzzing.broken_sweeps import (
 )
 from drumlin_studies.fuzzing.endings import (
     describe_fault_of_run,
-    run_input_in_subprocess,
+    run_command_of_input_in_new_process,
     run_input_in_this_process,
 )
 from drumlin_studies.fuzzing.impossible import (
@@ -114,7 +114,7 @@ COUNTED_STATUSES = {"answers": 0, "refused": 2, "no answer": 3}
 """The exit statuses of runs that end well, by the column of the table that counts them."""
 
 
-def make_numbered_input(generator: str, number: int) -> BrokenInput:
+def make_input_of_generator_with_number(generator: str, number: int) -> BrokenInput:
     """Make the input of a generator with a number. The same number gives the same input."""
     return GENERATORS[generator][0](random.Random(f"{generator} {number}"))
 
@@ -125,9 +125,9 @@ def run_and_judge_input(generator: str, number: int, apart: bool = False) -> Inp
     If `apart` is true, the input runs in a new process, else in this one.
     """
     # A word with a NUL byte cannot be given to a new process.
-    given = make_numbered_input(generator, number)
+    given = make_input_of_generator_with_number(generator, number)
     apart = apart and all(map(can_be_process_argument, given.words))
-    end = run_input_in_subprocess(given) if apart else run_input_in_this_process(given)
+    end = run_command_of_input_in_new_process(given) if apart else run_input_in_this_process(given)
     fault = describe_fault_of_run(given, end)
     # A successful solve is repeated in this process to check its numbers.
     if not fault and end.status == 0 and given.words[0] == "solve" and not apart:
@@ -208,7 +208,9 @@ def run_and_judge_generators(
     return verdicts
 
 
-def verdict_summary_rows(verdicts: dict[str, list[InputVerdict]]) -> list[dict[str, Any]]:
+def rows_of_verdict_counts_by_generator(
+    verdicts: dict[str, list[InputVerdict]],
+) -> list[dict[str, Any]]:
     """Summarise verdicts in a table with a row for each generator, and a last row for all.
 
     A row counts the inputs by how they ended and the faults, and holds the longest time [s].

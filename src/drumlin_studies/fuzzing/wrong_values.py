@@ -193,7 +193,9 @@ def _pydantic_models_in_annotation(kind: Any) -> Iterator[type[BaseModel]]:
             yield from _pydantic_models_in_annotation(part)
 
 
-def tables_and_keys_by_schema(kind: type[BaseModel], data: Any) -> Iterator[tuple[Any, str, Any]]:
+def tables_and_allowed_keys_in_brake_data(
+    kind: type[BaseModel], data: Any
+) -> Iterator[tuple[Any, str, Any]]:
     """Yield each key that the tables of nested data may have, by the pydantic model of the data.
 
     Yields the table, the key, and the type annotation of the key. The data are a brake file's.
@@ -205,7 +207,7 @@ def tables_and_keys_by_schema(kind: type[BaseModel], data: Any) -> Iterator[tupl
         for model in dict.fromkeys(_pydantic_models_in_annotation(field.annotation)):
             for part in inside if isinstance(inside, list) else [inside]:
                 if isinstance(part, dict):
-                    yield from tables_and_keys_by_schema(model, part)
+                    yield from tables_and_allowed_keys_in_brake_data(model, part)
 
 
 def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> Any:

@@ -68,15 +68,15 @@ class GroupAdjoint(NamedTuple):
 def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     """Solve a group's contact problem, and the adjoint problem for the sum of its torques.
 
-    Raises NoAnswer as `ShoeGroup.solve_contact` does.
+    Raises NoAnswer as `ShoeGroup.solve_contact_and_abutment_friction` does.
     """
-    group, contact = group.solve_contact()
+    group, contact = group.solve_contact_and_abutment_friction()
     size, mu = group.largest_actuation_force, group.brake.friction
-    lever, n = group.torque_per_pressure, len(contact.p)
+    lever, n = group.torque_of_each_shoe_per_nodal_pressure, len(contact.p)
     without_friction = _equation_matrix_of_shoe_group(group, 0.0)
     per_friction = _equation_matrix_of_shoe_group(group, 1.0) - without_friction
-    y = group.generalised_coordinates_of_shoes(contact)
-    F = np.abs(group.actuation_forces(contact.p))
+    y = group.rigid_body_coordinates_of_each_shoe(contact)
+    F = np.abs(group.actuation_forces_under_contact_pressures(contact.p))
     coordinates = sum(map(len, y))
     # The last unknown is the travel of a cam's tips. In no equation the coefficient of the travel
     # depends on the friction mu, so that zeros may stand for the travel here.
@@ -106,7 +106,7 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
         friction_slopes=size * by_friction,
         ring_modulus_slope=_torque_slope_by_ring_modulus(group, a, contact.p),
         given_forces_slope=size * group.relative_sum_of_cam_forces * float(c[-1])
-        if group.numbers_of_shoes_under_cam
+        if group.indices_of_shoes_under_cam
         else given,
     )
 
@@ -146,9 +146,9 @@ def _equation_matrix_of_shoe_group(group: ShoeGroup, friction: float) -> Floats:
     see `contact_matrix_with_forces_as_unknowns`.
     """
     blocks = group.contact_problem_without_shared_forces(friction)
-    effects = group.effects_of_actuation_forces(friction)
+    effects = group.contact_effects_of_actuation_force_per_shoe(friction)
     return contact_matrix_with_forces_as_unknowns(
-        blocks, effects, group.pushing_and_pushed_shoe_of_struts, group.numbers_of_shoes_under_cam
+        blocks, effects, group.pushing_and_pushed_shoe_of_struts, group.indices_of_shoes_under_cam
     )
 
 

@@ -21,9 +21,9 @@ from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.sharing import ForceEffects, make_contact_problem_with_shared_forces
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.bodies import (
-    contact_stiffness_by_penalty,
     load_factors_and_pin_moment_per_newton,
     load_factors_under_actuation_force,
+    penalty_stiffness_of_contact_per_area,
 )
 
 
@@ -42,7 +42,7 @@ def make_stick_slip_problem_of_shoe_group(group: ShoeGroup) -> tuple[FrictionalP
     problem = feet.stick_slip_problem_with_foot_nodes(
         _stick_slip_problem_with_free_feet(still, shoes), still
     )
-    if group.pushing_and_pushed_shoe_of_struts or group.numbers_of_shoes_under_cam:
+    if group.pushing_and_pushed_shoe_of_struts or group.indices_of_shoes_under_cam:
         problem = _stick_slip_problem_with_shared_forces(still, problem, shoes)
     lever = np.concatenate([body.coupling.lever for body in group.substructures_of_shoes])
     return problem, np.append(lever, np.zeros(len(feet.shoe_numbers)))
@@ -99,8 +99,10 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
     bearing = np.zeros(n)
     if shoe.abutment is not None:
         nodal = T.reshape(n, -1, 2).sum(axis=1)
-        bearing = -shoe.frame.convert_to_brake_frame(nodal) @ shoe.bearing
-    effects = group.effects_of_actuation_forces(0.0)[k]
+        bearing = (
+            -shoe.frame.convert_to_brake_frame(nodal) @ shoe.unit_vector_of_abutment_force_on_foot
+        )
+    effects = group.contact_effects_of_actuation_force_per_shoe(0.0)[k]
     return _TractionMatrices(
         # Displacements u of the contact nodes close the weighted gaps by N u. The nodal forces of
         # tractions t are T^T t.
@@ -195,7 +197,7 @@ class FeetOnRoughAbutments(NamedTuple):
             on.append(k)
             senses[k] = UNHELD
             area = float(group.substructures_of_shoes[k].coupling.areas_of_contact_nodes.sum())
-            stiffness.append(contact_stiffness_by_penalty(shoe, penalty) * area)
+            stiffness.append(penalty_stiffness_of_contact_per_area(shoe, penalty) * area)
         return cls(group, on, tuple(senses), 1 / np.array(stiffness))
 
     def brake_with_smooth_abutments(self, friction: float) -> Brake:
@@ -275,7 +277,9 @@ def _stick_slip_problem_with_shared_forces(
     )
     effects = []
     # The effects of each actuation force on gaps and on slips are stacked in the same way.
-    for normal, shoe in zip(still.effects_of_actuation_forces(0.0), shoes, strict=True):
+    for normal, shoe in zip(
+        still.contact_effects_of_actuation_force_per_shoe(0.0), shoes, strict=True
+    ):
         nodes, tangential = np.arange(n)[normal.nodes], shoe.effects
         both = normal._replace(
             nodes=np.concatenate([nodes, n + nodes]),
@@ -293,7 +297,7 @@ def _stick_slip_problem_with_shared_forces(
         effects,
         still.relative_actuation_forces_of_file,
         still.pushing_and_pushed_shoe_of_struts,
-        still.numbers_of_shoes_under_cam,
+        still.indices_of_shoes_under_cam,
         still.relative_sum_of_cam_forces,
     )
     # The stacked problem is split into the parts of pressures and of tractions again.

@@ -11,7 +11,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
 from drumlin.fem.analysis.fields import (
-    nodal_pressures_of_shoes,
+    nodal_contact_pressures_of_each_lining,
     stress_and_displacement_fields_of_shoe,
 )
 from drumlin.fem.preparation.scene import PreparedModel
@@ -48,7 +48,7 @@ def inward_displacement_of_ring_surface(
     if ring is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no displacement")
     displacement = ring.displacement_of_ring_nodes(
-        nodal_pressures_of_shoes(brake, response), brake.drag
+        nodal_contact_pressures_of_each_lining(brake, response), brake.drag
     )
     nodes = ring.basis.get_dofs(ring.mesh.boundaries["contact"]).flatten()
     x, u = ring.basis.doflocs[:, nodes], displacement[:, nodes]

@@ -170,7 +170,9 @@ def stress_and_displacement_fields_of_ring(
     ring, section = scene.ring, brake.ring.section if brake.ring else None
     if ring is None or section is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
-    u = ring.displacement_of_ring_nodes(nodal_pressures_of_shoes(brake, response), brake.drag)
+    u = ring.displacement_of_ring_nodes(
+        nodal_contact_pressures_of_each_lining(brake, response), brake.drag
+    )
     no_pressure = np.zeros(ring.basis.N)
     solved = _SolvedBody(ring.mesh, ring.basis, elastic_layers_of_ring(section), u, no_pressure)
     return _fields_of_body_in_brake_frame(
@@ -178,7 +180,7 @@ def stress_and_displacement_fields_of_ring(
     )
 
 
-def nodal_pressures_of_shoes(brake: Brake, response: Response) -> list[Floats]:
+def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> list[Floats]:
     """The pressures (n_i,) [Pa] at the lining nodes of each shoe.
 
     The nodes are in the order of the shoe's own frame.
@@ -216,7 +218,8 @@ def nodal_displacements_of_shoe(
     load = load_factors_under_actuation_force(body, shoe, shoe.actuation.force)
     # These forces (2n,) [N] of pressure and friction act on the contact nodes.
     nodal = (
-        brake.friction_per_pressure_on_shoe(shoe) * (body.coupling.T.T @ p) - body.coupling.N.T @ p
+        brake.signed_friction_per_pressure_in_shoe_frame(shoe) * (body.coupling.T.T @ p)
+        - body.coupling.N.T @ p
     )
     motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))
     return body.condensed.nodal_displacements_in_load_cases(
@@ -304,7 +307,7 @@ def _shape_gradients_at_element_nodes(mesh: Any, elements: Ints) -> _ElementNode
         dofs = mesh.element_dofs[:, elements]
         return _ElementNodes(
             dofs,
-            mesh.shape_gradients_at_nodes_of_elements(elements),
+            mesh.shape_function_gradients_at_element_nodes(elements),
             mesh.quadrilaterals_between_element_nodes,
         )
     element = element_kind_of_mesh(mesh).scikit_fem_element_class()

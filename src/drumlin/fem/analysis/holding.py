@@ -31,7 +31,11 @@ from drumlin.contact.stick_slip import (
     SlipHistory,
 )
 from drumlin.fem.analysis.at_rest import FeetOnRoughAbutments, make_stick_slip_problem_of_shoe_group
-from drumlin.fem.equilibrium.group import ShoeGroup, divide_shoes_into_groups, find_pressed_shoes
+from drumlin.fem.equilibrium.group import (
+    ShoeGroup,
+    divide_shoes_into_groups,
+    indices_of_pressed_shoes_in_brake,
+)
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 
@@ -251,8 +255,8 @@ def states_of_holding_brake_at_rotations(
         for a brake without friction
     """
     paths = []
-    for held in _apply_forces_to_groups_at_rest(scene, brake, len(rotations), penalty):
-        say(f"holding: {held.group.shoe_names}")
+    for held in _apply_actuation_forces_to_resting_groups(scene, brake, len(rotations), penalty):
+        say(f"holding: {held.group.names_of_shoes}")
         paths.append(_turn_drum_through_rotations(held, rotations))
     return [
         _state_of_brake_at_rotation(brake, paths, k, float(rotation))
@@ -263,7 +267,7 @@ def states_of_holding_brake_at_rotations(
 # First part of the path: the actuation force comes on while the drum rests
 
 
-def _apply_forces_to_groups_at_rest(
+def _apply_actuation_forces_to_resting_groups(
     scene: PreparedModel, brake: Brake, increments: int, penalty: float
 ) -> Iterator[_LoadedGroupAtRest]:
     """Put the actuation force on each group of shoes while the drum is at rest.
@@ -273,17 +277,19 @@ def _apply_forces_to_groups_at_rest(
     """
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
-    touching = find_pressed_shoes(scene, brake)
+    touching = indices_of_pressed_shoes_in_brake(scene, brake)
     for i, shoe in enumerate(brake.shoes):
         if i not in touching:
             raise NoAnswer(
                 f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it"
             )
     for group in divide_shoes_into_groups(scene, brake, list(range(len(brake.shoes))), penalty):
-        yield _apply_force_to_group_at_rest(group, increments)
+        yield _apply_actuation_force_to_resting_group(group, increments)
 
 
-def _apply_force_to_group_at_rest(group: ShoeGroup, increments: int) -> _LoadedGroupAtRest:
+def _apply_actuation_force_to_resting_group(
+    group: ShoeGroup, increments: int
+) -> _LoadedGroupAtRest:
     """Put the actuation force on a group of shoes, in increments, while the drum is at rest.
 
     Raises NoAnswer as `states_of_holding_brake_at_rotations` does.
@@ -305,9 +311,10 @@ def _apply_force_to_group_at_rest(group: ShoeGroup, increments: int) -> _LoadedG
     try:
         rest, spent = _increase_actuation_force_at_rest(problem, gap, friction, start, increments)
     except NoAnswer as error:
-        # On a brake that locks itself `solve_contact` raises a NoAnswer that states the limit.
-        group.solve_contact()
-        raise NoAnswer(f"{group.shoe_names}: {error}, the drum at rest") from error
+        # On a brake that locks itself `solve_contact_and_abutment_friction` raises a NoAnswer that
+        # states the limit.
+        group.solve_contact_and_abutment_friction()
+        raise NoAnswer(f"{group.names_of_shoes}: {error}, the drum at rest") from error
     per_rotation = lever * (group.brake.sign_of_motion / group.largest_actuation_force)
     return _LoadedGroupAtRest(group, problem, per_rotation, friction, rest, spent)
 
@@ -376,10 +383,13 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
                 )
                 increment = step
         except NoAnswer as error:
-            # On a brake that locks itself `solve_contact` raises a NoAnswer with the limit.
+            # On a brake that locks itself `solve_contact_and_abutment_friction` raises a NoAnswer
+            # with the limit.
             turning = brake if rotation > reached else brake.brake_with_reversed_motion()
-            _shoe_group_with_changed_brake(group, turning).solve_contact()
-            raise NoAnswer(f"{group.shoe_names}: {error}, turned by {rotation:.3g} rad") from error
+            _shoe_group_with_changed_brake(group, turning).solve_contact_and_abutment_friction()
+            raise NoAnswer(
+                f"{group.names_of_shoes}: {error}, turned by {rotation:.3g} rad"
+            ) from error
         reached = float(rotation)
         increments.append(increment)
         spent.append(energy * group.largest_actuation_force**2)
@@ -519,13 +529,13 @@ def _solve_contact_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _
         held.group, brake if sense == brake.sign_of_motion else brake.brake_with_reversed_motion()
     )
     try:
-        group, contact = group.solve_contact()
+        group, contact = group.solve_contact_and_abutment_friction()
     except NoAnswer as error:
         return _SlidingDrumSolution(group, None, math.nan, str(error))
     torque = (
         brake.friction
         * group.largest_actuation_force
-        * float(group.torque_per_pressure.sum(axis=1) @ contact.p)
+        * float(group.torque_of_each_shoe_per_nodal_pressure.sum(axis=1) @ contact.p)
     )
     return _SlidingDrumSolution(group, contact, sense * brake.sign_of_motion * torque, "")
 
@@ -537,7 +547,7 @@ def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str
     on the path.
     """
     held, at = path.held, path.increments[k]
-    sense = _sense_of_full_slip(held, at)
+    sense = _direction_of_full_slip_or_zero(held, at)
     if sense == 0:
         return []
     torque, sliding = held.torque(at), path.solve_under_sliding_drum(sense)
@@ -545,7 +555,7 @@ def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str
         return []
     surface = held.group.brake.surface
     unit, moving = surface.effect_unit, surface.moving
-    text = f"{held.group.shoe_names}: at full slip the {surface.effect} is {torque:.6g} {unit}"
+    text = f"{held.group.names_of_shoes}: at full slip the {surface.effect} is {torque:.6g} {unit}"
     if sliding.contact is None:
         return [f"{text}; solve has none: {sliding.refusal}"]
     text += f", by solve {sliding.torque:.6g} {unit}"
@@ -560,7 +570,7 @@ def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str
     ]
 
 
-def _sense_of_full_slip(held: _LoadedGroupAtRest, at: Increment) -> int:
+def _direction_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: Increment) -> int:
     """The sense, +1 or -1, in which all touching nodes of the linings slip.
 
     It is 0 if some touching nodes stick, or slip the other way.
@@ -586,14 +596,17 @@ def _feet_whose_friction_differs_from_solve(
         shoe = group.shoes[k]
         x, y = group.abutment_force_on_foot(contact, k)
         # The force on the foot has a component normal to the abutment and another along it.
-        bearing, along = float(shoe.bearing @ (x, y)), float(shoe.bearing @ (y, -x))
+        bearing, along = (
+            float(shoe.unit_vector_of_abutment_force_on_foot @ (x, y)),
+            float(shoe.unit_vector_of_abutment_force_on_foot @ (y, -x)),
+        )
         if at.p[node] > 0:
             difference = abs(at.t[node] / at.p[node] - along / bearing)
             if difference <= LARGEST_FRICTION_RATIO_DIFFERENCE:
                 continue
         slide = (
-            float(group.generalised_coordinates_of_shoes(contact)[k][-1])
-            if group.known_abutment_friction_senses[k]
+            float(group.rigid_body_coordinates_of_each_shoe(contact)[k][-1])
+            if group.known_abutment_friction_directions[k]
             else 0.0
         )
         # The slip of a node counts against the slide of its foot. Subtraction from 0.0 avoids -0.
@@ -627,13 +640,13 @@ def find_full_slip_rotation(
     """
     shoes = solve_prepared_model(scene, brake, penalty=penalty).shoes
     ends = []
-    for held in _apply_forces_to_groups_at_rest(scene, brake, increments, penalty):
+    for held in _apply_actuation_forces_to_resting_groups(scene, brake, increments, penalty):
         target = sum(shoes[i].torque for i in held.group.members)
         slipping = FORWARD if brake.sign_of_motion > 0 else BACKWARD
         try:
             ends.append(_find_full_slip_rotation_of_group(held, target, slipping))
         except NoAnswer as error:
-            raise NoAnswer(f"{held.group.shoe_names}: {error}") from error
+            raise NoAnswer(f"{held.group.names_of_shoes}: {error}") from error
     return (1 + EXTRA_ROTATION) * max(ends)
 
 

@@ -41,7 +41,7 @@ from drumlin.fem.substructure.body import (
     quadrature_points_of_elements,
     shape_function_values_at_points,
 )
-from drumlin.fem.substructure.elasticity import isotropic_and_directional_constants
+from drumlin.fem.substructure.elasticity import isotropic_and_orthotropic_elastic_constants
 
 ELEMENTS_AT_A_TIME = 500
 """Number of hp elements whose shape-function gradients are in memory at once.
@@ -113,7 +113,7 @@ class _LayerDirections(NamedTuple):
         return np.asarray(np.where(self.straight[elements, None], axis, around))
 
 
-def mutual_work_by_part(
+def mutual_elastic_work_in_each_part_of_body(
     basis: Any, layers: Mapping[str, ElasticLayer], u: Floats, v: Floats
 ) -> dict[str, float]:
     """The mutual work v^T K u [N m] of displacements u and v in each part of a body.
@@ -138,7 +138,7 @@ def mutual_work_by_part(
         work[sample.elements] = np.einsum("eqcd,eqcd,eq->e", stress, strain, sample.area)
     return {
         name: float(work[elements].sum())
-        for name, elements in _mesh_of_basis(basis).subdomains.items()
+        for name, elements in _mesh_of_finite_element_basis(basis).subdomains.items()
     }
 
 
@@ -203,20 +203,21 @@ def _stress_of_displacement_gradients(H: Floats, constants: Floats, along: Float
     Parameters
     ----------
     H : displacement gradients (e, q, 2, 2)
-    constants : elastic constants (e, 4) [N/m] of `elasticity.isotropic_and_directional_constants`
+    constants : elastic constants (e, 4) [N/m] of
+        `elasticity.isotropic_and_orthotropic_elastic_constants`
     along : unit vectors (e, q, 2) along the layers; None if all layers are isotropic
     """
     lam, mu, a, b = constants.T[:, :, None, None, None]
     volumetric = lam * np.trace(H, axis1=2, axis2=3)[..., None, None] * np.eye(2)
     stress = volumetric + mu * (H + H.swapaxes(2, 3))
     if along is not None:
-        for stiffer, d in ((a, along), (b, _thickness_unit_vectors_of_layers(along))):
+        for stiffer, d in ((a, along), (b, _unit_vectors_across_layers(along))):
             stretch = np.einsum("eqc,eqcd,eqd->eq", d, H, d)[..., None, None]
             stress = stress + stiffer * stretch * d[..., None] * d[..., None, :]
     return np.asarray(stress)
 
 
-def _thickness_unit_vectors_of_layers(along: Floats) -> Floats:
+def _unit_vectors_across_layers(along: Floats) -> Floats:
     """The unit vectors (..., 2) in the thickness direction of layers.
 
     `along` (..., 2) are the unit vectors along the layers.
@@ -232,7 +233,8 @@ def _work_change_per_turn_of_layer_directions(
     Parameters
     ----------
     of_u, of_v : displacement gradients (e, q, 2, 2)
-    constants : elastic constants (e, 4) [N/m] of `elasticity.isotropic_and_directional_constants`
+    constants : elastic constants (e, 4) [N/m] of
+        `elasticity.isotropic_and_orthotropic_elastic_constants`
     along : unit vectors (e, q, 2) along the layers
     """
     of_first = _strains_in_layer_directions(of_u, constants, along)
@@ -257,11 +259,11 @@ class _DirectionStrains(NamedTuple):
 def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) -> _DirectionStrains:
     """The shear and stretch of displacement gradients H (e, q, 2, 2) in the layers' directions.
 
-    `constants` (e, 4) [N/m] are those of `elasticity.isotropic_and_directional_constants`, and
-    `along` (e, q, 2) the unit vectors along the layers.
+    `constants` (e, 4) [N/m] are those of `elasticity.isotropic_and_orthotropic_elastic_constants`,
+    and `along` (e, q, 2) the unit vectors along the layers.
     """
     a, b = constants[:, 2:3], constants[:, 3:4]
-    through = _thickness_unit_vectors_of_layers(along)
+    through = _unit_vectors_across_layers(along)
     eps_along = np.einsum("eqc,eqcd,eqd->eq", along, H, along)
     eps_through = np.einsum("eqc,eqcd,eqd->eq", through, H, through)
     shear = np.einsum("eqc,eqcd,eqd->eq", along, H + H.swapaxes(2, 3), through)
@@ -271,11 +273,11 @@ def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) ->
 def _elastic_constants_of_elements(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats:
     """The constants lambda, mu, a, b (elements, 4) [N/m] of each element.
 
-    See `isotropic_and_directional_constants`.
+    See `isotropic_and_orthotropic_elastic_constants`.
     """
     constants = np.zeros((basis.element_dofs.shape[1], 4))
-    for name, elements in _mesh_of_basis(basis).subdomains.items():
-        constants[elements] = isotropic_and_directional_constants(layers[name].stiffness)
+    for name, elements in _mesh_of_finite_element_basis(basis).subdomains.items():
+        constants[elements] = isotropic_and_orthotropic_elastic_constants(layers[name].stiffness)
     return constants
 
 
@@ -283,7 +285,7 @@ def _layer_directions_at_quadrature_points(
     basis: Any, layers: Mapping[str, ElasticLayer]
 ) -> _LayerDirections | None:
     """The directions of a body's layers at its quadrature points; None if all are isotropic."""
-    subdomains = _mesh_of_basis(basis).subdomains
+    subdomains = _mesh_of_finite_element_basis(basis).subdomains
     if not any(is_elasticity_matrix_orthotropic(layers[name].elasticity) for name in subdomains):
         return None
     if isinstance(basis, ColumnGrid):
@@ -301,7 +303,7 @@ def _layer_directions_at_quadrature_points(
     return _LayerDirections(np.moveaxis(along, 0, 2), curvature, straight)
 
 
-def _mesh_of_basis(basis: Any) -> Any:
+def _mesh_of_finite_element_basis(basis: Any) -> Any:
     """The mesh of a basis, which knows the subdomains. A grid of hp elements is its own mesh."""
     return basis if isinstance(basis, ColumnGrid) else basis.mesh
 

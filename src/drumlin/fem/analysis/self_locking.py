@@ -12,7 +12,7 @@ from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.preparation.scene import PreparedModel
 
 
-def self_locking_limits_of_shoe_groups(
+def self_locking_friction_of_shoe_groups(
     scene: PreparedModel,
     brake: Brake,
     most: float = LARGEST_SOUGHT_FRICTION,
@@ -54,9 +54,13 @@ def shoe_torques_at_friction_coefficients(
         at, active = group, None
         # The contact set of one friction is the best guess of the contact set at the next friction.
         for row, mu in zip(values, frictions, strict=True):
-            at, contact = at.group_with_drum_friction(mu).solve_contact(active)
+            at, contact = at.group_with_drum_friction(mu).solve_contact_and_abutment_friction(
+                active
+            )
             active = contact.active
             row[list(group.members)] = (
-                mu * group.largest_actuation_force * (group.torque_per_pressure.T @ contact.p)
+                mu
+                * group.largest_actuation_force
+                * (group.torque_of_each_shoe_per_nodal_pressure.T @ contact.p)
             )
     return values

@@ -42,7 +42,10 @@ from drumlin.fem.analysis.moving import (
     contact_lines_with_moved_nodes,
     node_motions_by_moved_shoe_point,
 )
-from drumlin.fem.analysis.mutual_work import mutual_work_by_part, mutual_work_change_by_node_motions
+from drumlin.fem.analysis.mutual_work import (
+    mutual_elastic_work_in_each_part_of_body,
+    mutual_work_change_by_node_motions,
+)
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
 from drumlin.fem.model import PENALTY, require_positive_penalty
@@ -261,9 +264,9 @@ class _TorqueSlopesOfShoe:
         self.group: ShoeGroup = adjoint.group
         self.own: ShoeAdjoint = adjoint.shoes[k]
         self.body, self.shoe = self.group.substructures_of_shoes[k], self.group.shoes[k]
-        self.drag = self.group.brake.friction_per_pressure_on_shoe(self.shoe)
+        self.drag = self.group.brake.signed_friction_per_pressure_in_shoe_frame(self.shoe)
         # Under a cam the travel of the shoe's tip enters the equation of the shoe's force.
-        self.under_cam = k in self.group.numbers_of_shoes_under_cam
+        self.under_cam = k in self.group.indices_of_shoes_under_cam
         self.tip_multiplier = self.own.force_multiplier if self.under_cam else 0.0
         names = np.array(self.shoe.freedoms(self.group.friction_senses[k]).names)
         # A rotation counts with another sign in the brake's frame if the shoe's frame is mirrored.
@@ -285,7 +288,7 @@ class _TorqueSlopesOfShoe:
         moduli, bending_stiffness = self._torque_slopes_by_moduli(by_penalty)
         # The brake file does not give the force of a shoe under a cam or behind a strut.
         shares_force = k in [
-            *group.numbers_of_shoes_under_cam,
+            *group.indices_of_shoes_under_cam,
             *(to for _, to in group.pushing_and_pushed_shoe_of_struts),
         ]
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
@@ -305,7 +308,7 @@ class _TorqueSlopesOfShoe:
             density=-shoe.lining.width * own.gap_multipliers[forward],
         )
 
-    def _numbers_of_shoes_pushed_by_struts(self) -> list[int]:
+    def _indices_of_shoes_pushed_by_struts(self) -> list[int]:
         """The numbers, within the group, of the shoes that struts from this shoe push."""
         return [
             to for source, to in self.group.pushing_and_pushed_shoe_of_struts if source == self.k
@@ -316,7 +319,7 @@ class _TorqueSlopesOfShoe:
     @cached_property
     def displacements_by_loads_and_adjoint_loads(self) -> _LoadedDisplacements:
         """The displacements of the shoe under its loads, and under the adjoint loads."""
-        own, load = self.own, self.group.actuations_by_one_newton[self.k].load_factors
+        own, load = self.own, self.group.actuation_of_each_shoe_by_one_newton[self.k].load_factors
         N, T = self.body.coupling.N, self.body.coupling.T
         nodal = np.column_stack(
             [self.drag * (T.T @ own.pressures) - N.T @ own.pressures, N.T @ own.gap_multipliers]
@@ -338,7 +341,9 @@ class _TorqueSlopesOfShoe:
         u, v = self.displacements_by_loads_and_adjoint_loads
         effects: dict[str, float] = {}
         layers = elastic_layers_of_shoe(self.shoe)
-        for part, work in mutual_work_by_part(self.body.basis, layers, u, v).items():
+        for part, work in mutual_elastic_work_in_each_part_of_body(
+            self.body.basis, layers, u, v
+        ).items():
             name = _material_name_of_part(part)
             more = by_penalty if part == "lining" else 0.0
             effects[name] = effects.get(name, 0.0) - work + more
@@ -365,7 +370,7 @@ class _TorqueSlopesOfShoe:
             moves = node_motions_by_moved_shoe_point(group.scene, group.members[k], self.shoe, key)
             if moves:
                 effects[key] = effects[key] + self._torque_slopes_by_node_motions(moves)
-        for to in self._numbers_of_shoes_pushed_by_struts():
+        for to in self._indices_of_shoes_pushed_by_struts():
             _add_torque_slopes_by_strut_line_of_action(
                 effects, _TorqueSlopesOfShoe(self.adjoint, to)
             )
@@ -475,8 +480,10 @@ class _TorqueSlopesOfShoe:
         value += float(nodal @ (v - aside * (turns @ own.equilibrium_multipliers)))
         # A strut pushes the next shoe with the part of these nodal forces that the foot bears.
         whole = shoe.frame.convert_to_brake_frame(nodal.reshape(-1, 2).sum(axis=0))
-        for to in self._numbers_of_shoes_pushed_by_struts():
-            value -= self.adjoint.shoes[to].force_multiplier * float(whole @ shoe.bearing)
+        for to in self._indices_of_shoes_pushed_by_struts():
+            value -= self.adjoint.shoes[to].force_multiplier * float(
+                whole @ shoe.unit_vector_of_abutment_force_on_foot
+            )
         return value
 
     def _gaps_by_ring_times_adjoint(self, line: ContactLine) -> float:
@@ -519,7 +526,7 @@ class _TorqueSlopesOfShoe:
             else shoe.frame.sense * (moment - float(planar_cross_product(centre, force)))
         )
         pushing = np.array([*shoe.frame.convert_to_shoe_frame(force), couple])
-        load = body.load_columns.factors_of_all_load_columns({ACTUATION: pushing})
+        load = body.unit_load_vectors_by_name.factors_of_all_load_columns({ACTUATION: pushing})
         work = free.tests @ np.array([*force, moment])
         tested = self.mode_signs * self.works * work
         return own.force * float(
@@ -555,11 +562,11 @@ class _TorqueSlopesOfShoe:
             turned, float(planar_cross_product(point, turned))
         )
         # If the foot of this shoe stands on a further strut, this strut pushes the next shoe.
-        for to in self._numbers_of_shoes_pushed_by_struts():
+        for to in self._indices_of_shoes_pushed_by_struts():
             slope -= (
                 self.adjoint.shoes[to].force_multiplier
                 * self.own.force
-                * float(shoe.bearing @ turned)
+                * float(shoe.unit_vector_of_abutment_force_on_foot @ turned)
             )
         return slope
 
@@ -725,7 +732,7 @@ class _ProbedSlope(NamedTuple):
     per_force: float = 1.0
 
 
-def compare_slopes_with_differences_of_solves(
+def compare_torque_slopes_with_solve_differences(
     brake: Brake, index: int, *, elements: int, penalty: float = PENALTY
 ) -> tuple[Sensitivity, list[dict[str, Any]]]:
     """Compare exact slopes of the whole torque with central differences of complete solves.
@@ -773,36 +780,48 @@ def _torque_slopes_to_compare(brake: Brake, index: int, slopes: Sensitivity) -> 
     force, x, y = shoe.actuation.force, shoe.pin.x, shoe.pin.y
     by_x, by_y = own.held["hinge"].tolist()
 
-    def keys_with_scaled_moduli(
+    def brake_file_values_with_scaled_moduli(
         part: str, values: Mapping[str, float], step: float
     ) -> dict[str, Any]:
         """The keys of all moduli of a part, with values that are larger by a relative step."""
         return {f"{key}{part}.material.{name}": E * (1 + step) for name, E in values.items()}
 
-    def keys_with_increased_friction(step: float) -> dict[str, Any]:
+    def brake_file_values_with_increased_friction(step: float) -> dict[str, Any]:
         """The key of the friction coefficient, with its value increased by a step."""
         return {"friction": brake.friction + step}
 
-    def keys_with_increased_force(step: float) -> dict[str, Any]:
+    def brake_file_values_with_increased_force(step: float) -> dict[str, Any]:
         """The key of the actuation force, with its value increased by a relative step."""
         return {key + "actuation.force": force * (1 + step)}
 
-    def keys_with_increased_clearance(step: float) -> dict[str, Any]:
+    def brake_file_values_with_increased_clearance(step: float) -> dict[str, Any]:
         """The key of the clearance, with its value increased by a step [m]."""
         return {key + "lining.clearance": gap + step}
 
-    def keys_with_moved_hinge(along_x: float, along_y: float, step: float) -> dict[str, Any]:
+    def brake_file_values_with_moved_hinge(
+        along_x: float, along_y: float, step: float
+    ) -> dict[str, Any]:
         """The key of the hinge, with its place moved by a step [m] along a unit vector."""
         return {key + "hinge": {"x": x + along_x * step, "y": y + along_y * step}}
 
-    lining_moduli = partial(keys_with_scaled_moduli, "lining", linings)
-    body_moduli = partial(keys_with_scaled_moduli, "body", bodies)
+    lining_moduli = partial(brake_file_values_with_scaled_moduli, "lining", linings)
+    body_moduli = partial(brake_file_values_with_scaled_moduli, "body", bodies)
     return [
-        _ProbedSlope("dT/dμ", "N m", slopes.friction, keys_with_increased_friction, 1e-5),
-        _ProbedSlope("dT/dF", "m", own.force or 0.0, keys_with_increased_force, 1e-4, force),
+        _ProbedSlope(
+            "dT/dμ", "N m", slopes.friction, brake_file_values_with_increased_friction, 1e-5
+        ),
+        _ProbedSlope(
+            "dT/dF", "m", own.force or 0.0, brake_file_values_with_increased_force, 1e-4, force
+        ),
         _ProbedSlope("dT/d ln E, lining", "N m", own.moduli["lining"], lining_moduli, 1e-4),
         _ProbedSlope("dT/d ln E, shoe", "N m", own.moduli["shoe"], body_moduli, 1e-4),
-        _ProbedSlope("dT/d clearance", "N", own.clearance, keys_with_increased_clearance, 1e-9),
-        _ProbedSlope("dT/dx, hinge", "N", by_x, partial(keys_with_moved_hinge, 1.0, 0.0), 1e-6),
-        _ProbedSlope("dT/dy, hinge", "N", by_y, partial(keys_with_moved_hinge, 0.0, 1.0), 1e-6),
+        _ProbedSlope(
+            "dT/d clearance", "N", own.clearance, brake_file_values_with_increased_clearance, 1e-9
+        ),
+        _ProbedSlope(
+            "dT/dx, hinge", "N", by_x, partial(brake_file_values_with_moved_hinge, 1.0, 0.0), 1e-6
+        ),
+        _ProbedSlope(
+            "dT/dy, hinge", "N", by_y, partial(brake_file_values_with_moved_hinge, 0.0, 1.0), 1e-6
+        ),
     ]

@@ -101,7 +101,7 @@ class ShoeGroup(GroupProblems):
                 shoe,
                 xy,
                 self.gaps_of_unloaded_linings[k],
-                self.actuations_by_one_newton[k].moment_about_pin,
+                self.actuation_of_each_shoe_by_one_newton[k].moment_about_pin,
             )
         law = min(map(self.locking_friction_of_rigid_shoe, self.members))
         try:
@@ -120,12 +120,12 @@ class ShoeGroup(GroupProblems):
                 refusal := self._error_text_if_force_pulls_at_limit(error.limit)
             ):
                 raise SharedForceWouldPull(refusal) from error
-            raise NoAnswer(f"{self.shoe_names}: {error}") from error
-        for k, coordinates in enumerate(self.generalised_coordinates_of_shoes(contact)):
+            raise NoAnswer(f"{self.names_of_shoes}: {error}") from error
+        for k, coordinates in enumerate(self.rigid_body_coordinates_of_each_shoe(contact)):
             turns = self.largest_actuation_force * coordinates
             reach.require_small_turns_in_solution(
                 self.shoes[k],
-                self.known_abutment_friction_senses[k],
+                self.known_abutment_friction_directions[k],
                 self.gaps_of_unloaded_linings[k],
                 turns,
             )
@@ -155,7 +155,7 @@ class ShoeGroup(GroupProblems):
             ""
             if sharing is None
             else self._error_text_if_actuation_force_pulls(
-                sharing.actuation_forces(limit.last_contact.p)
+                sharing.actuation_forces_under_contact_pressures(limit.last_contact.p)
             )
         )
 
@@ -168,7 +168,9 @@ class ShoeGroup(GroupProblems):
 
     # These methods find the senses of friction at the abutments that agree with the solution.
 
-    def solve_contact(self, first_contact_set: Bools | None = None) -> SolvedGroup:
+    def solve_contact_and_abutment_friction(
+        self, first_contact_set: Bools | None = None
+    ) -> SolvedGroup:
         """Solve the contact of the group, and find the senses of friction at its abutments.
 
         The senses must agree with the solution that they lead to. The drum turns already as the
@@ -194,8 +196,8 @@ class ShoeGroup(GroupProblems):
 
         If no choice of senses agrees, the error of the first trial is raised.
         """
-        failure = NoAnswer(f"{self.shoe_names}: {FOOT_LEAVES_TEXT}")
-        for number, group in enumerate(self.groups_with_each_choice_of_friction_senses()):
+        failure = NoAnswer(f"{self.names_of_shoes}: {FOOT_LEAVES_TEXT}")
+        for number, group in enumerate(self.groups_with_each_direction_of_foot_friction()):
             try:
                 contact = group.solve_contact_for_known_friction_senses(first_contact_set)
             except NoAnswer as error:
@@ -206,17 +208,17 @@ class ShoeGroup(GroupProblems):
                 return SolvedGroup(group, contact)
         raise failure
 
-    def groups_with_each_choice_of_friction_senses(self) -> Iterator["ShoeGroup"]:
+    def groups_with_each_direction_of_foot_friction(self) -> Iterator["ShoeGroup"]:
         """Yield the group with each possible choice of senses of friction at its abutments.
 
         The present senses come first, or the senses of the rigid shoes if the senses are unknown.
         """
         begin = self.friction_senses or tuple(
-            _abutment_friction_sense_of_rigid_shoe(self.brake, shoe) for shoe in self.shoes
+            _abutment_friction_direction_of_rigid_shoe(self.brake, shoe) for shoe in self.shoes
         )
         choices = []
         for own, shoe in zip(begin, self.shoes, strict=True):
-            others = [sense for sense in shoe.senses if sense != own]
+            others = [sense for sense in shoe.senses_of_abutment_friction_to_try if sense != own]
             choices.append((own, *others))
         for senses in product(*choices):
             yield self if senses == self.friction_senses else replace(self, friction_senses=senses)
@@ -229,9 +231,11 @@ class ShoeGroup(GroupProblems):
         shoe = self.shoes[k]
         if shoe.abutment is None:
             return True
-        slide = float(self.generalised_coordinates_of_shoes(contact)[k][-1])
-        return shoe.stands(
-            self.abutment_force_on_foot(contact, k), self.known_abutment_friction_senses[k], slide
+        slide = float(self.rigid_body_coordinates_of_each_shoe(contact)[k][-1])
+        return shoe.can_abutment_exert_reaction_on_foot(
+            self.abutment_force_on_foot(contact, k),
+            self.known_abutment_friction_directions[k],
+            slide,
         )
 
     def abutment_force_on_foot(self, contact: active_set.Contact, k: int) -> Floats:
@@ -241,12 +245,15 @@ class ShoeGroup(GroupProblems):
         """
         shoe, body = self.shoes[k], self.substructures_of_shoes[k]
         drag, p = (
-            self.brake.friction_per_pressure_on_shoe(shoe),
+            self.brake.signed_friction_per_pressure_in_shoe_frame(shoe),
             contact.p[self.contact_node_slices_of_shoes[k]],
         )
         # The reaction balances the contact and the actuation.
         normal, dragged = body.resultants_of_contact_node_forces @ p
-        push = self.actuation_forces(contact.p)[k] * shoe.actuation.unit_vector_of_force
+        push = (
+            self.actuation_forces_under_contact_pressures(contact.p)[k]
+            * shoe.actuation.unit_vector_of_force
+        )
         return np.asarray(-shoe.frame.convert_to_brake_frame((drag * dragged - normal)[:2]) - push)
 
     def _error_text_if_shoe_on_abutment_locks(self) -> str:
@@ -269,7 +276,7 @@ class ShoeGroup(GroupProblems):
         locked = self_locking.self_locking_error_text(
             friction, end.limit.friction, rigid_law_limit=law, brake_words=ELASTIC_BRAKE_WORDS
         )
-        return end.pulling_part or f"{self.shoe_names}: {locked}"
+        return end.pulling_part or f"{self.names_of_shoes}: {locked}"
 
     # These methods follow the solution as the friction coefficient of the drum grows.
 
@@ -284,7 +291,7 @@ class ShoeGroup(GroupProblems):
         # Without struts, cam and abutments there is nothing to check on the way.
         if (
             not self.pushing_and_pushed_shoe_of_struts
-            and not self.numbers_of_shoes_under_cam
+            and not self.indices_of_shoes_under_cam
             and all(shoe.abutment is None for shoe in self.shoes)
         ):
             limit = self_locking.find_friction_limit_of_contact(
@@ -345,7 +352,7 @@ class ShoeGroup(GroupProblems):
         except NoAnswer:
             return None
         pulls = found.group._error_text_if_actuation_force_pulls(
-            found.group.actuation_forces(found.contact.p)
+            found.group.actuation_forces_under_contact_pressures(found.contact.p)
         )
         return None if pulls else found
 
@@ -384,15 +391,19 @@ class ShoeGroup(GroupProblems):
             return str(error)
         except NoAnswer:
             return ""
-        pull = self._error_text_if_actuation_force_pulls(self.actuation_forces(contact.p))
+        pull = self._error_text_if_actuation_force_pulls(
+            self.actuation_forces_under_contact_pressures(contact.p)
+        )
         if pull:
             return pull
         for k, shoe in enumerate(self.shoes):
             if (
                 shoe.abutment is not None
-                and not self.abutment_force_on_foot(contact, k) @ shoe.bearing > 0
+                and not self.abutment_force_on_foot(contact, k)
+                @ shoe.unit_vector_of_abutment_force_on_foot
+                > 0
             ):
-                return f"{self.shoe_names}: {FOOT_LEAVES_TEXT}"
+                return f"{self.names_of_shoes}: {FOOT_LEAVES_TEXT}"
         return ""
 
 
@@ -403,7 +414,7 @@ def divide_pressed_shoes_into_groups(
 
     Raises NoAnswer if a cam presses only one of its shoes.
     """
-    touching = find_pressed_shoes(scene, brake)
+    touching = indices_of_pressed_shoes_in_brake(scene, brake)
     if brake.actuation is not None and brake.actuation.is_cam:
         lacking = [shoe.name for i, shoe in enumerate(brake.shoes) if i not in touching]
         if lacking:
@@ -411,7 +422,7 @@ def divide_pressed_shoes_into_groups(
     return divide_shoes_into_groups(scene, brake, touching, penalty)
 
 
-def find_pressed_shoes(scene: PreparedModel, brake: Brake) -> list[int]:
+def indices_of_pressed_shoes_in_brake(scene: PreparedModel, brake: Brake) -> list[int]:
     """The positions in the brake of the shoes that a force or a strut presses on the drum."""
     touching = {
         i
@@ -437,7 +448,7 @@ def divide_shoes_into_groups(
     ----------
     scene : the prepared model
     brake : the brake
-    numbers_of_pressed_shoes : positions of the shoes that are pressed on the drum
+    indices_of_shoes_pressed_on_drum : positions of the shoes that are pressed on the drum
     penalty : factor alpha of the contact stiffness alpha E/t
     """
     alone = (scene.ring is None or scene.apart) and brake.shares is None
@@ -448,17 +459,17 @@ def divide_shoes_into_groups(
         group = ShoeGroup(scene, brake, each, penalty)
         # Without friction at abutments the senses of this friction need not be found.
         if not group.has_abutment_with_friction:
-            group = replace(group, friction_senses=group.known_abutment_friction_senses)
+            group = replace(group, friction_senses=group.known_abutment_friction_directions)
         groups.append(group)
     return groups
 
 
-def _abutment_friction_sense_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
+def _abutment_friction_direction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
     """The sense of friction at the abutment of a shoe by the law of the rigid shoe.
 
     The sense is +1, -1, or 0 for a foot that stands; it is +1 if the law has no solution.
     """
-    if len(shoe.senses) == 1:
+    if len(shoe.senses_of_abutment_friction_to_try) == 1:
         return 1
     try:
         footing = rigid.find_contact_of_rigid_shoe(brake, shoe)

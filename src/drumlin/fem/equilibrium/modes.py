@@ -61,7 +61,7 @@ def make_rigid_body_modes(
     if shoe.kind_of_support == "hinge":
         return _rigid_body_mode_of_turn_about_pin(body, moment)
     # A shoe that gets its force from a strut has the modes of a shoe under a unit force.
-    loaded = shoe if shoe.actuation.force else shoe.under(1.0)
+    loaded = shoe if shoe.actuation.force else shoe.shoe_with_changed_actuation_force(1.0)
     free = loaded.freedoms(sense)
     size = abs(shoe.actuation.force) or 1.0
     modes = RigidBodyModes(

@@ -48,7 +48,7 @@ class GroupProblems(GroupState):
 
         The prepared model must include friction.
         """
-        return FrictionDependentProblem.from_problems_at_two_frictions(
+        return FrictionDependentProblem.friction_dependent_problem_from_two_frictions(
             self.contact_problem_of_group_at_friction(0.0),
             self.contact_problem_of_group_at_friction(1.0),
         )
@@ -87,7 +87,7 @@ class GroupProblems(GroupState):
 
     def _contact_problem_of_single_shoe(self, k: int, friction: float) -> ContactProblem:
         """The contact problem of shoe `k` alone on a rigid drum, at a friction coefficient."""
-        drag = self._friction_with_sign_of_drag_on_shoe(self.shoes[k], friction)
+        drag = self._friction_coefficient_signed_by_drag_on_shoe(self.shoes[k], friction)
         terms, closures = self.terms_independent_of_friction[k], self.gap_closures_of_test_modes[k]
         A = _shoe_compliance_with_penalty(
             self.substructures_of_shoes[k], drag, self.contact_stiffness_per_area_of_shoes[k]
@@ -95,7 +95,7 @@ class GroupProblems(GroupState):
         C = (drag * closures.tangential - closures.normal).T
         return ContactProblem(A, terms.q, terms.B, C, terms.h)
 
-    def _friction_with_sign_of_drag_on_shoe(self, shoe: Shoe, friction: float) -> float:
+    def _friction_coefficient_signed_by_drag_on_shoe(self, shoe: Shoe, friction: float) -> float:
         """The friction coefficient, positive or negative by the sense of drag in a shoe's frame."""
         return friction * self.brake.sign_of_motion * shoe.frame.sense
 
@@ -108,22 +108,22 @@ class GroupProblems(GroupState):
 
     def _force_sharing_at_friction(self, friction: float) -> ForceSharing | None:
         """How the shoes share forces by struts and a cam at a friction coefficient, or None."""
-        if not self.pushing_and_pushed_shoe_of_struts and not self.numbers_of_shoes_under_cam:
+        if not self.pushing_and_pushed_shoe_of_struts and not self.indices_of_shoes_under_cam:
             return None
         blocks, effects = (
             self.contact_problem_without_shared_forces(friction),
-            self.effects_of_actuation_forces(friction),
+            self.contact_effects_of_actuation_force_per_shoe(friction),
         )
         return make_contact_problem_with_shared_forces(
             blocks,
             effects,
             self.relative_actuation_forces_of_file,
             self.pushing_and_pushed_shoe_of_struts,
-            self.numbers_of_shoes_under_cam,
+            self.indices_of_shoes_under_cam,
             self.relative_sum_of_cam_forces,
         )
 
-    def effects_of_actuation_forces(self, friction: float) -> list[ForceEffects]:
+    def contact_effects_of_actuation_force_per_shoe(self, friction: float) -> list[ForceEffects]:
         """The effects of each shoe's actuation force on gaps, equilibria, tip and foot.
 
         The effects are linear in the friction coefficient.
@@ -139,8 +139,8 @@ class GroupProblems(GroupState):
             self.shoes[k],
             self.rigid_body_modes_of_shoes[k],
         )
-        load = self.actuations_by_one_newton[k].load_factors
-        drag = self._friction_with_sign_of_drag_on_shoe(shoe, friction)
+        load = self.actuation_of_each_shoe_by_one_newton[k].load_factors
+        drag = self._friction_coefficient_signed_by_drag_on_shoe(shoe, friction)
         tip = -(load @ body.closure_by_load.T)
         # A model that is prepared without friction does not know how friction moves the tip.
         if body.load_motion_by_friction is not None:
@@ -152,8 +152,13 @@ class GroupProblems(GroupState):
         )[:2].T  # (n, 2)
         bearing, direct = np.zeros(len(tip)), 0.0
         if shoe.abutment is not None:
-            bearing = -shoe.frame.convert_to_brake_frame(contact) @ shoe.bearing
-            direct = -float(shoe.bearing @ shoe.actuation.unit_vector_of_force)
+            bearing = (
+                -shoe.frame.convert_to_brake_frame(contact)
+                @ shoe.unit_vector_of_abutment_force_on_foot
+            )
+            direct = -float(
+                shoe.unit_vector_of_abutment_force_on_foot @ shoe.actuation.unit_vector_of_force
+            )
         return ForceEffects(
             nodes=self.contact_node_slices_of_shoes[k],
             modes=self.rigid_body_mode_slices_of_shoes[k],
@@ -166,7 +171,7 @@ class GroupProblems(GroupState):
             foot_force_by_force=direct,
         )
 
-    def actuation_forces(self, p: Floats) -> Floats:
+    def actuation_forces_under_contact_pressures(self, p: Floats) -> Floats:
         """The actuation force (shoes,) of each shoe under pressures p (n,).
 
         Forces and pressures are per newton of `largest_actuation_force`.
@@ -174,17 +179,17 @@ class GroupProblems(GroupState):
         return (
             self.relative_actuation_forces_of_file
             if self.force_sharing_by_struts_and_cam is None
-            else self.force_sharing_by_struts_and_cam.actuation_forces(p)
+            else self.force_sharing_by_struts_and_cam.actuation_forces_under_contact_pressures(p)
         )
 
-    def generalised_coordinates_of_shoes(self, contact: Contact) -> list[Floats]:
+    def rigid_body_coordinates_of_each_shoe(self, contact: Contact) -> list[Floats]:
         """The coordinates (k_i,) of each shoe's rigid-body modes in a solution.
 
         They are per newton of `largest_actuation_force`.
         """
         y = contact.y
         if self.force_sharing_by_struts_and_cam is not None:
-            y = self.force_sharing_by_struts_and_cam.generalised_coordinates_from_solution(
+            y = self.force_sharing_by_struts_and_cam.rigid_body_coordinates_from_contact_solution(
                 contact.p, contact.y
             )
         return [y[part] for part in self.rigid_body_mode_slices_of_shoes]

@@ -82,11 +82,11 @@ class ForceSharing:
     coordinates_by_unknown: Floats
     coordinates_by_pressure: Floats
 
-    def actuation_forces(self, p: Floats) -> Floats:
+    def actuation_forces_under_contact_pressures(self, p: Floats) -> Floats:
         """The actuation forces (m,) under the pressures p (n,)."""
         return self.forces_without_pressure + self.forces_by_pressure @ p
 
-    def generalised_coordinates_from_solution(self, p: Floats, y: Floats) -> Floats:
+    def rigid_body_coordinates_from_contact_solution(self, p: Floats, y: Floats) -> Floats:
         """The generalised coordinates (k,) of all shoes, from pressures p (n,) and motions y (k',).
 
         y are the motions of the contact problem with shared forces.
@@ -123,10 +123,10 @@ def make_contact_problem_with_shared_forces(
     effects : the effects of the m actuation forces
     relative_actuation_forces_of_file : the actuation forces (m,) in `problem`
     struts : numbers of the shoes from which and to which each strut pushes
-    numbers_of_shoes_under_cam : numbers of the two shoes under a cam; empty without a cam
+    indices_of_shoes_under_cam : numbers of the two shoes under a cam; empty without a cam
     relative_sum_of_cam_forces : sum of the cam's forces
     """
-    forces = _linear_forces_of_cam_and_struts(problem, effects, own_forces, struts, cam_shoes)
+    forces = _actuation_forces_linear_in_pressures(problem, effects, own_forces, struts, cam_shoes)
     with_forces = _contact_problem_with_forces_replaced(problem, effects, own_forces, forces)
     n, k = problem.B.shape
     if not cam_shoes:
@@ -136,7 +136,7 @@ def make_contact_problem_with_shared_forces(
     )
 
 
-def _linear_forces_of_cam_and_struts(
+def _actuation_forces_linear_in_pressures(
     problem: ContactProblem,
     effects: list[ForceEffects],
     own_forces: Floats,
@@ -201,7 +201,7 @@ def _contact_problem_with_cam_travel_as_unknown(
     body_system_with_further_loads : the problem with the shared forces
     effects : the effects of the actuation forces
     forces : the shared forces
-    numbers_of_shoes_under_cam : numbers of the two shoes under the cam
+    indices_of_shoes_under_cam : numbers of the two shoes under the cam
     relative_sum_of_cam_forces : sum of the cam's forces
     """
     A, q, B, C, h = with_forces
@@ -258,7 +258,7 @@ def contact_matrix_with_forces_as_unknowns(
     problem : the problem of the group if no shoe shares its force
     effects : the effects of the m actuation forces
     struts : numbers of the shoes from which and to which each strut pushes
-    numbers_of_shoes_under_cam : numbers of the two shoes under a cam; empty without a cam
+    indices_of_shoes_under_cam : numbers of the two shoes under a cam; empty without a cam
     """
     n, k = problem.B.shape
     count = len(effects)

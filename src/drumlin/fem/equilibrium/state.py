@@ -18,9 +18,9 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.modes import RigidBodyModes, make_rigid_body_modes
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    contact_stiffness_by_penalty,
     load_factors_and_pin_moment_per_newton,
     load_factors_under_actuation_force,
+    penalty_stiffness_of_contact_per_area,
 )
 from drumlin.fem.preparation.scene import PreparedModel
 
@@ -84,8 +84,8 @@ class GroupState:
     members : positions of the shoes in the brake
     penalty : factor alpha of the contact stiffness alpha E/t; inf for exact contact
     friction_senses : sense of the friction at each shoe's abutment, see `Held.freedoms`; empty
-        until `ShoeGroup.solve_contact` has found the senses. A group with a rough abutment has no
-        contact problem before the senses are known.
+        until `ShoeGroup.solve_contact_and_abutment_friction` has found the senses. A group with a
+        rough abutment has no contact problem before the senses are known.
     """
 
     scene: PreparedModel
@@ -107,25 +107,25 @@ class GroupState:
         return tuple(self.scene.bodies[i] for i in self.members)
 
     @property
-    def shoe_names(self) -> str:
+    def names_of_shoes(self) -> str:
         """The names of the shoes as a text, with which error messages begin."""
         return self.brake.names(self.members)
 
     @property
     def has_abutment_with_friction(self) -> bool:
         """Whether friction acts at an abutment of the group."""
-        return any(len(shoe.senses) > 1 for shoe in self.shoes)
+        return any(len(shoe.senses_of_abutment_friction_to_try) > 1 for shoe in self.shoes)
 
     @property
-    def known_abutment_friction_senses(self) -> tuple[int, ...]:
+    def known_abutment_friction_directions(self) -> tuple[int, ...]:
         """The sense of each shoe's friction at its abutment, +1 for a smooth or missing abutment.
 
         Raises RuntimeError if an abutment is rough and its sense is not known yet.
         """
         if not self.friction_senses and self.has_abutment_with_friction:
             raise RuntimeError(
-                f"{self.shoe_names}: friction at the abutment has no sense yet, "
-                "ask for `solve_contact`"
+                f"{self.names_of_shoes}: friction at the abutment has no sense yet, "
+                "ask for `solve_contact_and_abutment_friction`"
             )
         return self.friction_senses or (1,) * len(self.members)
 
@@ -160,7 +160,7 @@ class GroupState:
         )
 
     @cached_property
-    def actuations_by_one_newton(self) -> tuple[UnitLoad, ...]:
+    def actuation_of_each_shoe_by_one_newton(self) -> tuple[UnitLoad, ...]:
         """The actuation of each shoe by a force of one newton."""
         return tuple(
             UnitLoad(*each)
@@ -173,8 +173,8 @@ class GroupState:
     def rigid_body_modes_of_shoes(self) -> tuple[RigidBodyModes, ...]:
         """The rigid-body modes of each shoe."""
         found = []
-        for k, sense in enumerate(self.known_abutment_friction_senses):
-            moment = self.actuations_by_one_newton[k].moment_about_pin
+        for k, sense in enumerate(self.known_abutment_friction_directions):
+            moment = self.actuation_of_each_shoe_by_one_newton[k].moment_about_pin
             found.append(
                 make_rigid_body_modes(self.substructures_of_shoes[k], self.shoes[k], moment, sense)
             )
@@ -193,7 +193,9 @@ class GroupState:
     @cached_property
     def contact_stiffness_per_area_of_shoes(self) -> tuple[float, ...]:
         """The contact stiffness of each shoe per area [Pa/m]."""
-        return tuple(contact_stiffness_by_penalty(shoe, self.penalty) for shoe in self.shoes)
+        return tuple(
+            penalty_stiffness_of_contact_per_area(shoe, self.penalty) for shoe in self.shoes
+        )
 
     @cached_property
     def gap_closures_of_test_modes(self) -> tuple[ModeClosures, ...]:
@@ -236,7 +238,7 @@ class GroupState:
     # These properties are integrals over the linings.
 
     @cached_property
-    def torque_per_pressure(self) -> Floats:
+    def torque_of_each_shoe_per_nodal_pressure(self) -> Floats:
         """The torque (n, shoes) [m^3] of each shoe per nodal pressure, at a friction of 1."""
         return np.asarray(
             block_diag(*map(attrgetter("coupling.lever"), self.substructures_of_shoes)).T
@@ -281,7 +283,7 @@ class GroupState:
         return links
 
     @cached_property
-    def numbers_of_shoes_under_cam(self) -> list[int]:
+    def indices_of_shoes_under_cam(self) -> list[int]:
         """The numbers, in the group, of the shoes that a cam pushes; empty without a cam.
 
         The cam moves the tips of these shoes by the same travel.
@@ -295,9 +297,12 @@ class GroupState:
     @cached_property
     def relative_sum_of_cam_forces(self) -> float:
         """The sum of the cam's forces, per newton of `largest_actuation_force`; 0 without a cam."""
-        if not self.brake.actuation or not self.numbers_of_shoes_under_cam:
+        if not self.brake.actuation or not self.indices_of_shoes_under_cam:
             return 0.0
-        return self.brake.actuation.total / self.largest_actuation_force
+        return (
+            self.brake.actuation.force_of_cylinder_or_sum_of_cam_forces
+            / self.largest_actuation_force
+        )
 
 
 def unloaded_lining_gaps_at_points(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:

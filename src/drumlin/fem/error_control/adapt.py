@@ -271,7 +271,7 @@ def errors_with_singular_points_included(
             )
             errors = _errors_of_shoe_with_unknown_pressure(errors)
         shoes.append(errors)
-    return Errors.from_torque_and_shoes(error.brake["torque"], shoes), text
+    return Errors.brake_errors_from_torque_and_shoe_errors(error.brake["torque"], shoes), text
 
 
 def _length_of_shortest_contact(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> float:
@@ -344,7 +344,7 @@ def _missing_fraction_of_peak_under_gap_tips(
     start, end, order = shoe.lining.start, shoe.lining.end, answer.order
     theta, p = answer.theta, answer.pressure
     zone = edge_zone_that_does_not_count(theta, p, order, zone)
-    modulus = shoe.lining.material.E_half_plane
+    modulus = shoe.lining.material.young_modulus_of_equivalent_half_plane
     missing = 0.0
     # Each tip outside the zones at the ends may show a peak higher than the computed one.
     for tip, slope in clearance.gap_kinks_that_point_to_drum(shoe.lining):

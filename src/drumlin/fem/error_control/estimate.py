@@ -67,7 +67,7 @@ class Factors(NamedTuple):
     cancelled: float
     peak: float
 
-    def factors_of_level_differences(self, shoes: int) -> Floats:
+    def error_factors_of_refinement_differences(self, shoes: int) -> Floats:
         """The factor (1 + 4 shoes,) of each distance, ordered as `LevelDifferences`."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
@@ -104,7 +104,9 @@ class Errors(NamedTuple):
     shoes: tuple[Mapping[str, float], ...]
 
     @classmethod
-    def from_torque_and_shoes(cls, torque: float, shoes: Sequence[Mapping[str, float]]) -> "Errors":
+    def brake_errors_from_torque_and_shoe_errors(
+        cls, torque: float, shoes: Sequence[Mapping[str, float]]
+    ) -> "Errors":
         """Make the errors of a brake from the error of its torque and the errors of its shoes.
 
         For each other quantity the brake has the largest error of a shoe.
@@ -140,7 +142,7 @@ def estimate_errors_from_two_levels(
     """
     moved = relative_differences_of_two_levels(brake, before, last)
     found = (
-        factors.factors_of_level_differences(len(last.shoes)) * moved.steps
+        factors.error_factors_of_refinement_differences(len(last.shoes)) * moved.steps
         + factors.cancelled * moved.chance
     )
     # Quantities that are exactly equal on both levels, such as those of a shoe without contact,
@@ -148,7 +150,7 @@ def estimate_errors_from_two_levels(
     found = np.where(found > 0, found + sum_of_penalty_and_round_off_errors(last.shoes), found)
     rows = np.reshape(found[1:], (-1, len(QUANTITIES))).tolist()
     errors_of_shoes = [dict(zip(QUANTITIES, row, strict=True)) for row in rows]
-    return Errors.from_torque_and_shoes(float(found[0]), errors_of_shoes)
+    return Errors.brake_errors_from_torque_and_shoe_errors(float(found[0]), errors_of_shoes)
 
 
 def sum_of_penalty_and_round_off_errors(shoes: Sequence[ShoeResponse]) -> Floats:
@@ -186,7 +188,7 @@ def relative_differences_of_two_levels(brake: Brake, a: Response, b: Response) -
     rows = []
     for shoe, (of_a, of_b) in zip(brake.shoes, pairs, strict=True):
         zone = length_of_edge_zone_without_peak(shoe, brake.scale_factor)
-        rows.append(_relative_differences_of_shoe_on_two_levels(zone, brake.unit, of_a, of_b))
+        rows.append(_relative_shoe_response_differences_of_levels(zone, brake.unit, of_a, of_b))
     of_shoes = np.array(rows)  # (shoes, 2, 4)
     # The torque of the brake differs by the sum over its shoes, each with its share of the torque.
     total = b.torque or a.torque or 1.0
@@ -199,7 +201,7 @@ def relative_differences_of_two_levels(brake: Brake, a: Response, b: Response) -
     return LevelDifferences(steps, chance)
 
 
-def _relative_differences_of_shoe_on_two_levels(
+def _relative_shoe_response_differences_of_levels(
     zone: float, unit: float, a: ShoeResponse, b: ShoeResponse
 ) -> tuple[tuple[float, ...], ...]:
     """The relative differences of two responses of a shoe, and the changes by random signs.
@@ -223,7 +225,7 @@ def _relative_differences_of_shoe_on_two_levels(
     singular = length_of_uncompared_edge_zone(float(b.theta[-1] - b.theta[0]), unit)
     edge = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, singular)
     peak_zone = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, zone)
-    step = PressureDifference.between_responses(a, b, edge, peak_zone)
+    step = PressureDifference.pressure_difference_of_two_responses(a, b, edge, peak_zone)
     pressure = step.relative_norm_outside_end_zones(edge)
     peak = max(peak, math.sqrt(pressure * step.relative_difference_near_peak(peak_zone)))
     # The pressures on both levels balance the same actuation. A change of p within a short contact

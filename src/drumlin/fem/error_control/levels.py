@@ -71,7 +71,7 @@ class LevelRule(NamedTuple):
     corner: float
     largest: float
 
-    def level_with_number(self, k: int) -> Level:
+    def refinement_level_with_number(self, k: int) -> Level:
         """The degree and grading of the level with the number k, counted from 1."""
         p = self.first_degree + k - 1
         e = self.first_error / self.fall ** (k - 1)
@@ -131,7 +131,7 @@ of forces is the one for torques and reactions; a larger factor makes stated err
   unknowns, and stated errors are no nearer to the true ones.
 - largest: with 60 deg the torque was three times as far off on the first level.
 """
-LEVELS = tuple(LEVEL_RULE.level_with_number(k) for k in range(1, 7))
+LEVELS = tuple(LEVEL_RULE.refinement_level_with_number(k) for k in range(1, 7))
 """The six levels of a solve, from coarse to fine: degree and grading of their hp elements."""
 MOST_PASSES = 8
 """Largest number of divisions, or passes, on one level of a solve.

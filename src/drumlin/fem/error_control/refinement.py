@@ -222,7 +222,7 @@ def assemble_full_system_of_group(
             slice(int(end) - modes.actuation_work.size, int(end))
             for end, modes in zip(ends, group.rigid_body_modes_of_shoes, strict=True)
         ),
-        lever=_torque_per_unknown(group, layout),
+        lever=_group_torque_per_unknown_of_full_equations(group, layout),
         scale=_scale_factors_of_full_system(matrix, int(layout.pressure_starts[0])),
     )
 
@@ -279,7 +279,7 @@ def _right_side_of_full_system(
     return right
 
 
-def _torque_per_unknown(group: ShoeGroup, layout: _Layout) -> Floats:
+def _group_torque_per_unknown_of_full_equations(group: ShoeGroup, layout: _Layout) -> Floats:
     """The torque of the group per unknown (unknowns,) of the full system; 0 except for pressures.
 
     The torque [m^3] is per pressure and contains the friction coefficient.
@@ -317,7 +317,7 @@ def _part_of_shoe_in_full_system(
         acting / group.largest_actuation_force
     )
     N, T = body.coupling.N.astype(LONG_DOUBLE), body.coupling.T.astype(LONG_DOUBLE)
-    drag = LONG_DOUBLE(group.brake.friction_per_pressure_on_shoe(shoe))
+    drag = LONG_DOUBLE(group.brake.signed_friction_per_pressure_in_shoe_frame(shoe))
     pushing = (N - drag * T).T
     contact_modes = modes.contact_modes.astype(LONG_DOUBLE)
     test_modes = modes.test_modes.astype(LONG_DOUBLE)
@@ -367,14 +367,14 @@ def _part_of_ring_in_full_system(scene: PreparedModel, brake: Brake) -> _RingBlo
     couplings = []
     for normal, tangential in ring.coupling_matrices:
         N, T = (
-            _sparse_matrix_with_columns_at_places(part, dofs, K.shape[0])
+            _sparse_matrix_with_columns_at_indices(part, dofs, K.shape[0])
             for part in (normal, tangential)
         )
         couplings.append(_RingCoupling(N, T))
     return _RingBlock(K, couplings)
 
 
-def _sparse_matrix_with_columns_at_places(values: Floats, dofs: Any, count: int) -> Any:
+def _sparse_matrix_with_columns_at_indices(values: Floats, dofs: Any, count: int) -> Any:
     """A sparse matrix with `count` columns in which column j of `values` is column dofs[j]."""
     entries = sp.coo_matrix(values.astype(LONG_DOUBLE))
     places = (entries.row, dofs[entries.col])

@@ -114,7 +114,7 @@ def _singular_points_of_lining(
         last = min(max(_rounded_angle_of_contact_end(arc_end, length), start), end)
         points.append(SingularPoint(first, last - first, Singularity.END))
         points.append(SingularPoint(last, last - first, Singularity.END))
-    for opening in _openings_within_contacts(shoe, answer, arcs):
+    for opening in _openings_within_contact_arcs_of_lining(shoe, answer, arcs):
         at = _rounded_angle_of_contact_end(opening.at, opening.width)
         points.append(SingularPoint(at, opening.width, Singularity.END))
     return points
@@ -228,7 +228,9 @@ def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Flo
     spacing = np.maximum(np.diff(ends), 0.0)
     slope = np.abs(clearance.clearance_slope_changes(lining)) / scale_factor
     material = lining.material
-    half_plane = material.E_half_plane / material.E_through / math.sqrt(48)
+    half_plane = (
+        material.young_modulus_of_equivalent_half_plane / material.E_through / math.sqrt(48)
+    )
     layer = scale_factor * spacing / (math.sqrt(720) * lining.thickness)
     stiffness = half_plane + layer
     return np.asarray(material.E_through * slope * stiffness * np.sqrt(spacing))
@@ -266,7 +268,7 @@ def contact_arcs_merged_over_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> 
     return arcs
 
 
-def _openings_within_contacts(
+def _openings_within_contact_arcs_of_lining(
     shoe: Shoe, answer: ShoeResponse, arcs: list[list[float]]
 ) -> list[_Opening]:
     """The openings inside the contacts of a lining: open nodes between two pressed nodes.

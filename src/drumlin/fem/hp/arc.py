@@ -29,7 +29,7 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.fem.hp.columns import (
     condensed_element_column_stiffness,
-    order_of_element_column_unknowns,
+    numbering_of_element_column_unknowns,
 )
 from drumlin.fem.hp.element import (
     gauss_points_and_weights_on_0_to_1,
@@ -37,7 +37,7 @@ from drumlin.fem.hp.element import (
     replace_each_by_schur_complement,
     shape_function_values_and_slopes,
 )
-from drumlin.fem.substructure.elasticity import isotropic_and_directional_constants
+from drumlin.fem.substructure.elasticity import isotropic_and_orthotropic_elastic_constants
 
 
 class NodalFunctions(NamedTuple):
@@ -290,7 +290,7 @@ def condensed_arc_element_stiffness(
     """
     functions = nodal_functions_along_element_column(p)
     A = A.reshape(-1, *A.shape[2:])
-    constants = isotropic_and_directional_constants(elasticity)[:, : A.shape[-1] // 4]
+    constants = isotropic_and_orthotropic_elastic_constants(elasticity)[:, : A.shape[-1] // 4]
     condensed = np.empty((len(constants), len(A), 4 * p, 4 * p))
     for layer, B in enumerate(_radial_factors_of_layer_stiffness(radii, constants, p, plane)):
         K = (A @ B).reshape(len(A), -1)
@@ -321,7 +321,7 @@ def condensed_arc_column_stiffness(
     loads : (c, 2 (p + 1), m) unit loads on the edge farthest from the contact; the factors of the
         m loads become extra unknowns
     """
-    half = order_of_element_column_unknowns(p, len(parts), contact=contact, held=held, sides=1)
+    half = numbering_of_element_column_unknowns(p, len(parts), contact=contact, held=held, sides=1)
     n = 2 * (p + 1) * contact
     folded = None
     if loads is not None:

@@ -194,7 +194,7 @@ def _equations_of_shoe_before_condensation(
         # The back of the shoe is held. Unit force x, unit force y and unit couple act on the frame.
         loads = np.zeros((constraints.matrix.shape[1], FRAME))
         loads[-FRAME:] = np.eye(FRAME)
-    return InnerSystem.system_from_whole_stiffness(
+    return InnerSystem.body_system_from_stiffness_of_all_nodes(
         basis.stiffness(elastic_layers_of_shoe(shoe)), constraints, loads
     )
 
@@ -234,7 +234,7 @@ def _spread_end_face_forces_to_all_nodes(grid: ColumnGrid, forces: Floats) -> Fl
     return full.reshape(-1, count)
 
 
-def contact_line_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLine:
+def contact_line_of_lining_face_nodes(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLine:
     """The contact line of a shoe: the nodes on the lining's face, which come first in the grid.
 
     Parameters

@@ -51,7 +51,7 @@ class ColumnUnknowns(NamedTuple):
 
 
 @cache
-def order_of_element_column_unknowns(
+def numbering_of_element_column_unknowns(
     p: int, layers: int, *, contact: bool, held: bool, sides: int = 2
 ) -> ColumnUnknowns:
     """The order of the unknowns of an element column: where those of each element stand in it.
@@ -224,13 +224,13 @@ def assemble_row_of_element_columns(
     row = [first.setdefault(id(piece), k) for k, piece in enumerate(pieces)]
     made_of: dict[tuple[int, int], int] = {}
 
-    def number_of_unknowns_of_each_pair(row: list[int]) -> list[int]:
+    def unknown_counts_of_neighbours_if_joined(row: list[int]) -> list[int]:
         """The number of unknowns that each pair of neighbours in the row would have, assembled."""
         return [len(made[i].K) + len(made[j].K) - 2 * made[i].right for i, j in pairwise(row)]
 
     # The list `row` has the numbers of the substructures that are still separate. In each step two
     # neighbours are replaced by one.
-    sizes = number_of_unknowns_of_each_pair(row)
+    sizes = unknown_counts_of_neighbours_if_joined(row)
     while sizes:
         k = sizes.index(min(sizes))
         pair = row[k], row[k + 1]
@@ -240,7 +240,7 @@ def assemble_row_of_element_columns(
         row[k : k + 2] = [made_of[pair]]
         # The numbers of unknowns change only for the pairs with the new substructure.
         near = max(k - 1, 0)
-        sizes[near : k + 2] = number_of_unknowns_of_each_pair(row[near : k + 2])
+        sizes[near : k + 2] = unknown_counts_of_neighbours_if_joined(row[near : k + 2])
     return made[row[0]]
 
 

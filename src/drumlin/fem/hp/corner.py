@@ -175,13 +175,16 @@ def pressure_exponent_at_orthotropic_corner(
     slopes = compliances.mixed * mu + compliances.through / mu
     of_drum = None if drum is None else _plane_stress_compliances(drum)
 
-    def determinant_of_corner_equations(root: float, friction: float) -> float:
+    def determinant_of_pressure_exponent_equations(root: float, friction: float) -> float:
         """The determinant of the four equations for c_1 and c_2, at l = `root`."""
         rotated = mu ** (root - 1)
         slope = slopes
         if drum is not None and of_drum is not None:
             local = math.sqrt(of_drum.along * of_drum.through) + of_drum.mixed
-            slope_of_drum = 2 / drum.E_half_plane / math.tan(math.pi * root) + local * friction
+            slope_of_drum = (
+                2 / drum.young_modulus_of_equivalent_half_plane / math.tan(math.pi * root)
+                + local * friction
+            )
             slope = slopes + width_ratio * slope_of_drum
         rows = np.array([mu**2 * rotated, mu * rotated, mu + friction, slope * unit])
         return float(np.linalg.det(np.hstack([rows.real, -rows.imag])))
@@ -189,12 +192,16 @@ def pressure_exponent_at_orthotropic_corner(
     # The determinant is evaluated at many exponents. Its smallest zero lies at its first change of
     # sign.
     roots = np.linspace(SMALLEST_ROOT, 1 - BOUNDED_EXPONENT, ROOTS_TRIED)
-    values = [determinant_of_corner_equations(root, inward_friction) for root in roots.tolist()]
+    values = [
+        determinant_of_pressure_exponent_equations(root, inward_friction) for root in roots.tolist()
+    ]
     signs = np.sign(values)
     changes = np.flatnonzero(signs[1:] != signs[:-1])
     if not len(changes):
         # Without a zero, either p is bounded, or the zero lies below the smallest root tried.
-        below_smallest = signs[0] != np.sign(determinant_of_corner_equations(SMALLEST_ROOT, 0.0))
+        below_smallest = signs[0] != np.sign(
+            determinant_of_pressure_exponent_equations(SMALLEST_ROOT, 0.0)
+        )
         return SMALLEST_ROOT - 1 if below_smallest else 0.0
     first = int(changes[0])
     # scipy.optimize is loaded here, since only few brakes press with a corner.
@@ -203,7 +210,7 @@ def pressure_exponent_at_orthotropic_corner(
     return (
         float(
             brentq(
-                determinant_of_corner_equations,
+                determinant_of_pressure_exponent_equations,
                 roots[first],
                 roots[first + 1],
                 args=(inward_friction,),
@@ -248,7 +255,7 @@ def pressure_exponents_at_both_lining_corners(brake: Brake, index: int) -> tuple
     The second exponent is that of the lining's end.
     """
     shoe, ring = brake.shoes[index], brake.ring
-    lining, inward_friction = shoe.lining, brake.friction_per_pressure_on_shoe(shoe)
+    lining, inward_friction = shoe.lining, brake.signed_friction_per_pressure_in_shoe_frame(shoe)
     drum = None if ring is None else ring.section
     materials = [lining.material] if drum is None else [lining.material, drum.material]
     if any(
@@ -312,14 +319,14 @@ def response_with_power_laws_at_corners(brake: Brake, response: Response) -> Res
     error leaves out p in the zone at the lining's ends, see `edge_zone_that_does_not_count`.
     """
     shoes = tuple(
-        _shoe_response_with_corner_power_laws(brake, i, shoe)
+        _shoe_response_with_pressure_power_laws(brake, i, shoe)
         for i, shoe in enumerate(response.shoes)
     )
     unchanged = all(new is old for new, old in zip(shoes, response.shoes, strict=True))
     return response if unchanged else replace(response, shoes=shoes)
 
 
-def _shoe_response_with_corner_power_laws(
+def _shoe_response_with_pressure_power_laws(
     brake: Brake, index: int, response: ShoeResponse
 ) -> ShoeResponse:
     """The response of shoe `index` with a power law in place of p at each unbounded corner."""
@@ -551,7 +558,9 @@ def logarithmic_pressures_at_gap_tips(shoe: Shoe, scale_factor: float) -> list[L
     the length [m] of one unit of the surface's coordinate.
     """
     # The factor c of a tip whose slope changes by 1 per unit of the surface's coordinate.
-    half_plane = shoe.lining.material.E_half_plane / (2 * math.pi * scale_factor)
+    half_plane = shoe.lining.material.young_modulus_of_equivalent_half_plane / (
+        2 * math.pi * scale_factor
+    )
     tips = clearance.gap_kinks_that_point_to_drum(shoe.lining)
     return [LogarithmicPressure(theta, half_plane * slope) for theta, slope in tips]
 

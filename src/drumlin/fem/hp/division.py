@@ -235,7 +235,7 @@ class ShoeDivision:
         return (len(self.angles) - 1) * self.degree + 1
 
 
-def piece_sizes_small_at_both_ends(
+def element_sizes_growing_from_both_ends(
     length: float,
     left: float,
     right: float,
@@ -358,7 +358,7 @@ def divide_shoe_into_hp_elements(
     grading_points = _grading_points_along_lining(shoe, radius, level, points, contact, end_sizes)
     angles = []
     for a, b in pairwise(grading_points):
-        sizes = piece_sizes_small_at_both_ends(
+        sizes = element_sizes_growing_from_both_ends(
             b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio
         )
         angles.append(piece_ends_from_piece_sizes(sizes, a.at, b.at)[:-1])
@@ -463,7 +463,7 @@ def _extent_of_lining_contacts(
         lengths=lengths,
         longest=longest,
         open_lengths=(positions[0] - start, end - positions[-1]),
-        reaching_lengths=_lengths_of_contacts_at_lining_ends(shoe, t, level, contact_ends),
+        reaching_lengths=_shortest_contact_lengths_at_lining_ends(shoe, t, level, contact_ends),
         coarsens=not deep and (shoe.body is None or one_short),
     )
 
@@ -586,13 +586,15 @@ def _element_column_ends_beyond_lining(
     largest = max(body, level.largest)
     # A body that ends with the lining, up to round-off, has no columns beyond it.
     if start - near > 1e-9:
-        sizes = piece_sizes_small_at_both_ends(
+        sizes = element_sizes_growing_from_both_ends(
             start - near, left, size_at_hinge, level.ratio, largest
         )
         before = start - piece_ends_from_piece_sizes(sizes, 0.0, start - near)
     if far - end > 1e-9:
         size_at_load = min(size_at_hinge, far - end) if grades_loaded_end else far - end
-        sizes = piece_sizes_small_at_both_ends(far - end, right, size_at_load, level.ratio, largest)
+        sizes = element_sizes_growing_from_both_ends(
+            far - end, right, size_at_load, level.ratio, largest
+        )
         after = end + piece_ends_from_piece_sizes(sizes, 0.0, far - end)
     return before, after
 
@@ -662,7 +664,7 @@ def _element_column_size_at_gap_tip(level: Level, thickness: float, length: floa
     return 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
 
 
-def _lengths_of_contacts_at_lining_ends(
+def _shortest_contact_lengths_at_lining_ends(
     shoe: Shoe, thickness: float, level: Level, contact_ends: Sequence[SingularPoint]
 ) -> tuple[float, float]:
     """The lengths of the shortest contacts that reach the lining's start and end [rad].
@@ -778,7 +780,7 @@ def _depths_and_parts_of_element_layers(
         # The hinge holds this layer, and the stress is singular at the corners of the held face.
         if layer.part == "shoe":
             inner = level.hinge * t
-        sizes = piece_sizes_small_at_both_ends(t, outer, inner, level.through, t)
+        sizes = element_sizes_growing_from_both_ends(t, outer, inner, level.through, t)
         ends = piece_ends_from_piece_sizes(sizes, 0.0, t)[1:]
         depths.append(at + (ends / t if straight else ends))
         part += [layer.part] * len(sizes)

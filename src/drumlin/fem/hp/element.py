@@ -17,7 +17,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dgemm, dpotrf, dtrsm
 from drumlin.fem.substructure.elasticity import (
-    isotropic_and_directional_constants,
+    isotropic_and_orthotropic_elastic_constants,
     thickness_directions_of_layers,
 )
 from drumlin.response.resultants import gauss_lobatto_points
@@ -162,8 +162,8 @@ def plane_stress_stiffness_of_elements(xy: Any, elasticity: Any, p: int, along: 
     """The plane-stress stiffness (e, a, 2, a, 2) [N/m] of e elements, in the precision of xy.
 
     The nodes are in the order of `ReferenceElement`. The elastic constants lambda, mu, a and b are
-    those of `elasticity.isotropic_and_directional_constants`. The unit vectors d are t along the
-    layers and n through them. The stiffness is
+    those of `elasticity.isotropic_and_orthotropic_elastic_constants`. The unit vectors d are t
+    along the layers and n through them. The stiffness is
 
         K_ai,bj = Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k
                       + sum_d s_d d_i (d . grad psi_a) d_j (d . grad psi_b) dA,   s_t = a,  s_n = b.
@@ -188,7 +188,7 @@ class _ElementIntegrals(NamedTuple):
     ----------
     products : (e, 2, a, 2, a) integrals Int psi_a,i psi_b,j dA of products of the gradients of two
         shape functions; the axes after the first are i, a, j, b
-    constants : (e, 4) lambda, mu, a, b of `elasticity.isotropic_and_directional_constants`
+    constants : (e, 4) lambda, mu, a, b of `elasticity.isotropic_and_orthotropic_elastic_constants`
     directed : (m,) numbers of the elements of orthotropic material
     strains : (2, m, a, 2, q) strains along and through the layers due to unit displacements, of the
         orthotropic elements at their Gauss points, times the root of dA
@@ -214,16 +214,16 @@ class _ElementIntegrals(NamedTuple):
         np.add(lam * xy, mu * yx, out=K[:, :, 0, :, 1])
         np.add(lam * yx, mu * xy, out=K[:, :, 1, :, 0])
         if len(self.directed):
-            K[self.directed] += self._part_of_stiffness_by_orthotropy(rows, columns)
+            K[self.directed] += self._element_stiffness_added_by_orthotropy(rows, columns)
         return K
 
-    def _part_of_stiffness_by_orthotropy(self, rows: slice, columns: slice) -> Any:
+    def _element_stiffness_added_by_orthotropy(self, rows: slice, columns: slice) -> Any:
         """The part of the stiffness (m, rows, 2, columns, 2) that orthotropy adds.
 
         It is that of the m orthotropic elements, and has the rows and columns of `stiffness`.
         """
 
-        def integrals_of_strain_products(strain: Any) -> Any:
+        def integrals_of_products_of_two_strains(strain: Any) -> Any:
             """The integrals of products of two strains: of a node in `rows`, one in `columns`."""
             left, right = strain[:, rows], strain[:, columns]
             count, points = len(strain), strain.shape[-1]
@@ -233,7 +233,9 @@ class _ElementIntegrals(NamedTuple):
 
         a, b = self.constants[self.directed, 2:].T[:, :, None, None, None, None]
         along, through = self.strains
-        return a * integrals_of_strain_products(along) + b * integrals_of_strain_products(through)
+        return a * integrals_of_products_of_two_strains(
+            along
+        ) + b * integrals_of_products_of_two_strains(through)
 
 
 def _integrals_for_element_stiffness(
@@ -245,7 +247,7 @@ def _integrals_for_element_stiffness(
     """
     slopes, constants = (
         _gradients_times_root_of_gauss_areas(xy, p),
-        isotropic_and_directional_constants(elasticity),
+        isotropic_and_orthotropic_elastic_constants(elasticity),
     )
     e, _, a, q = slopes.shape
     flat = slopes.reshape(e, 2 * a, q)
@@ -257,13 +259,13 @@ def _integrals_for_element_stiffness(
         t = np.moveaxis(along[directed], 1, 0)  # (2, m, q)
         own = slopes[directed]
         strains = (
-            _strains_in_direction_by_unit_motions(own, t),
-            _strains_in_direction_by_unit_motions(own, thickness_directions_of_layers(t)),
+            _strains_along_direction_by_unit_displacements(own, t),
+            _strains_along_direction_by_unit_displacements(own, thickness_directions_of_layers(t)),
         )
     return _ElementIntegrals(products, constants, directed, strains)
 
 
-def _strains_in_direction_by_unit_motions(slopes: Any, direction: Any) -> Any:
+def _strains_along_direction_by_unit_displacements(slopes: Any, direction: Any) -> Any:
     """The strains (m, a, 2, q) in a direction due to unit displacements of m elements.
 
     `slopes` (m, 2, a, q) are the gradients of the shape functions at the Gauss points, and
@@ -406,8 +408,8 @@ class CondensedForces(NamedTuple):
     """Forces on the inner nodes of e elements of degree p, condensed to their boundary nodes.
 
     `forces` (e, 8 p, k) are the equivalent forces on the boundary nodes for k load cases.
-    `integrals_of_strain_products` (k, k) is the work of the inner forces on the displacements due
-    to them, while the boundary nodes are held.
+    `integrals_of_products_of_two_strains` (k, k) is the work of the inner forces on the
+    displacements due to them, while the boundary nodes are held.
     """
 
     forces: Floats

@@ -131,7 +131,7 @@ class ColumnGrid:
         around = np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])
         return self.element_dofs[around]
 
-    def shape_gradients_at_nodes_of_elements(self, elements: Ints) -> Floats:
+    def shape_function_gradients_at_element_nodes(self, elements: Ints) -> Floats:
         """The gradients (a, 2, elements, a) [1/m] of shape functions at the nodes of elements.
 
         The first axis counts shape functions, the second x and y, the last nodes. `elements` are
@@ -216,7 +216,7 @@ class ColumnGrid:
         return forces.ravel()
 
     @cached_property
-    def skeleton_without_inner_element_nodes(self) -> "Skeleton":
+    def grid_without_inner_element_nodes(self) -> "Skeleton":
         """The skeleton of the grid: the nodes on the boundaries of its elements."""
         dofs = self.element_nodes_boundary_nodes_first[
             :, : reference_element_of_degree(self.degree).outer
@@ -395,7 +395,7 @@ class GridUnknowns:
         """The eliminated displacements of a body without further unit loads."""
         return cls(grid, layers, whole_system, np.zeros((2 * grid.N, 0)))
 
-    def equations_of_whole_body(self) -> InnerSystem:
+    def equations_of_body_before_condensation(self) -> InnerSystem:
         """The body's system of equations before condensation, on all nodes of its grid."""
         return self._system_with_further_unit_loads(self.whole_system(self.grid), self.further)
 
@@ -408,7 +408,7 @@ class GridUnknowns:
 
         The inner nodes of elements are eliminated first, and then the rest of the skeleton.
         """
-        sides = self.grid.skeleton_without_inner_element_nodes
+        sides = self.grid.grid_without_inner_element_nodes
         on_sides, inner_work = sides.condense_forces_to_element_boundaries(
             self.layers, self.further
         )
@@ -427,7 +427,7 @@ class GridUnknowns:
         `nodal` and `frame` are the displacements of the contact nodes and of the hinge's frame, and
         `loads` the factors of the unit loads, in m load cases.
         """
-        sides, count = self.grid.skeleton_without_inner_element_nodes, self.further.shape[1]
+        sides, count = self.grid.grid_without_inner_element_nodes, self.further.shape[1]
         system = self.whole_system(sides)
         # Without further loads no force acts inside elements.
         if not count:

@@ -26,21 +26,21 @@ from drumlin.fem.hp.columns import (
     ColumnSubstructure,
     assemble_row_of_element_columns,
     eliminate_nodes_on_column_side,
-    order_of_element_column_unknowns,
+    numbering_of_element_column_unknowns,
     rotate_node_axes_of_matrix,
     rotate_node_axes_of_vectors,
 )
 from drumlin.fem.hp.division import (
     Level,
+    element_sizes_growing_from_both_ends,
     piece_ends_from_piece_sizes,
-    piece_sizes_small_at_both_ends,
 )
 from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
 from drumlin.fem.hp.shoe import (
     axis_angles_at_contact_nodes,
     distinct_sizes_up_to_round_off,
+    node_positions_in_each_element_of_row,
     node_positions_of_element_row,
-    node_positions_of_elements,
 )
 from drumlin.fem.substructure.body import (
     FRAME,
@@ -162,7 +162,7 @@ def divide_ring_into_hp_elements(
         pieces = [b - a]
         if not covered:
             before, after = sizes[k - 1], sizes[(k + 1) % len(sizes)]
-            pieces = piece_sizes_small_at_both_ends(
+            pieces = element_sizes_growing_from_both_ends(
                 b - a, before, after, level.ratio, level.largest
             )
         angles.append(piece_ends_from_piece_sizes(pieces, a, b)[1:])
@@ -170,7 +170,7 @@ def divide_ring_into_hp_elements(
 
     # The layers grow from the friction surface through the thickness.
     t = section.thickness
-    layers = piece_sizes_small_at_both_ends(
+    layers = element_sizes_growing_from_both_ends(
         t, min(level.back * t, singular_layer_size), t, level.through, t
     )
     ends = origin + np.concatenate(angles)
@@ -209,11 +209,13 @@ def condensed_ring_in_hp_elements(
     assert ring is not None and ring.section is not None
     ends = []
     for shoe, line in zip(brake.shoes, linings, strict=True):
-        ends.append(np.sort(shoe.frame.theta(line.phi[:: line.interpolation_degree])))
+        ends.append(
+            np.sort(shoe.frame.theta(line.phi[:: line.interpolation_degree_along_contact_line]))
+        )
     div = divide_ring_into_hp_elements(ring.section, radius, ends, level, singular_layer_size)
     # A free ring is held by nothing: unit loads on its rim balance the forces of the linings.
     free = ring.support == "free"
-    grid = grid_of_all_nodes_of_ring(radius, sign, div)
+    grid = element_grid_of_whole_drum_ring(radius, sign, div)
     rim = np.zeros((2 * grid.N, 0))
     if free:
         rim = nodal_forces_of_unit_rim_loads(radius + sign * ring.section.thickness, div, grid)
@@ -246,7 +248,7 @@ def _condense_ring_to_contact_nodes(
     Parameters
     ----------
     ring : the ring, which has a section
-    radius, sign, div : as in `_stiffness_of_ring_contacts_and_gaps`
+    radius, sign, div : as in `_ring_stiffness_under_and_between_linings`
     grid : all nodes and elements of the ring
     rim : (2 N, l) unit loads on the rim, as nodal forces; l is 0 if the rim is fixed
     """
@@ -255,10 +257,12 @@ def _condense_ring_to_contact_nodes(
     extra = rim.shape[1]
     free = extra > 0
     layers = len(div.depths) - 1
-    line = order_of_element_column_unknowns(div.degree, layers, contact=True, held=not free).line
+    line = numbering_of_element_column_unknowns(
+        div.degree, layers, contact=True, held=not free
+    ).line
     n = 2 * len(div.contact_nodes)
     A = _assemble_stiffness_of_closed_ring(
-        _stiffness_of_ring_contacts_and_gaps(section, radius, sign, div, free=free),
+        _ring_stiffness_under_and_between_linings(section, radius, sign, div, free=free),
         div,
         line,
         extra,
@@ -287,7 +291,7 @@ def _condense_ring_to_contact_nodes(
     )
 
 
-def _stiffness_of_ring_contacts_and_gaps(
+def _ring_stiffness_under_and_between_linings(
     section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
 ) -> list[Floats]:
     """The condensed stiffness (n, n) of each run of element columns of the drum's ring.
@@ -326,7 +330,7 @@ def _stiffness_of_ring_contacts_and_gaps(
     for first, last in pairwise([*div.first_columns_of_contacts_and_gaps, len(which)]):
         contact = bool(div.contact[first])
         kinds, kind_of = np.unique(which[first:last], return_inverse=True)
-        line = order_of_element_column_unknowns(p, layers, contact=contact, held=not free).line
+        line = numbering_of_element_column_unknowns(p, layers, contact=contact, held=not free).line
         own = None if loads is None else loads[kinds]
         made = condensed_arc_column_stiffness(
             K[:, :, kinds], p, contact=contact, held=not free, loads=own
@@ -467,7 +471,7 @@ def _ring_stiffness_without_rigid_motion(
     return A[keep[:, None], keep]
 
 
-def grid_of_all_nodes_of_ring(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
+def element_grid_of_whole_drum_ring(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
     """The grid of all nodes and hp elements of the drum's ring.
 
     The node set "surface" is the friction surface, "contact" its part under the linings, and
@@ -475,7 +479,7 @@ def grid_of_all_nodes_of_ring(radius: float, sign: int, div: RingDivision) -> Co
 
     Parameters
     ----------
-    radius, sign, div : as in `_stiffness_of_ring_contacts_and_gaps`
+    radius, sign, div : as in `_ring_stiffness_under_and_between_linings`
     """
     p = div.degree
     depth, along = (
@@ -513,7 +517,7 @@ def nodal_forces_of_unit_rim_loads(radius: float, div: RingDivision, grid: Colum
     p, count = div.degree, len(div.contact)
     forces = np.zeros((grid.N, 2, FRAME))
     pieces = _unit_rim_loads_on_element_columns(
-        radius, node_positions_of_elements(div.angles, p), p
+        radius, node_positions_in_each_element_of_row(div.angles, p), p
     )
     edges = (np.arange(count)[:, None] * p + np.arange(p + 1)) % (count * p)
     np.add.at(forces, grid.sets["support"][edges], pieces.reshape(count, p + 1, 2, FRAME))
@@ -541,4 +545,6 @@ def _equations_of_ring_before_condensation(
         basis, contact, fixed_nodes_of_ring(ring, far_edge), np.zeros(2), alone
     )
     loads = constraints.matrix.T @ rim[basis.dofs]
-    return InnerSystem.system_from_whole_stiffness(ring_stiffness(basis, ring), constraints, loads)
+    return InnerSystem.body_system_from_stiffness_of_all_nodes(
+        ring_stiffness(basis, ring), constraints, loads
+    )

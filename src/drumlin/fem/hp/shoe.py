@@ -26,7 +26,7 @@ from drumlin.fem.hp.columns import (
     assemble_row_of_element_columns,
     condensed_element_column_stiffness,
     eliminate_nodes_on_column_side,
-    order_of_element_column_unknowns,
+    numbering_of_element_column_unknowns,
     rotate_node_axes_of_matrix,
     rotate_node_axes_of_vectors,
 )
@@ -187,7 +187,7 @@ def _point_function_of_straight_beam_shoe(shoe: Shoe, radius: float) -> PointMap
     return beam_shoe_point_at_depth_and_angle
 
 
-def node_positions_of_elements(ends: Floats, p: int) -> Floats:
+def node_positions_in_each_element_of_row(ends: Floats, p: int) -> Floats:
     """The positions (m, p + 1) of the nodes of m elements of degree p in a row.
 
     `ends` (m + 1,) are the positions of the ends of the elements.
@@ -201,7 +201,7 @@ def node_positions_of_element_row(ends: Floats, p: int) -> Floats:
 
     `ends` (m + 1,) are the positions of the ends of the elements.
     """
-    return np.append(node_positions_of_elements(ends, p)[:, :-1].ravel(), ends[-1])
+    return np.append(node_positions_in_each_element_of_row(ends, p)[:, :-1].ravel(), ends[-1])
 
 
 def node_coordinates_of_layers_and_columns(
@@ -219,7 +219,9 @@ def node_coordinates_of_layers_and_columns(
     p : degree of the elements
     """
     # The array xy (2, layers, columns, p + 1, p + 1) has the points of the nodes of all elements.
-    xy = place(node_positions_of_elements(depths, p)[:, None, :, None], along[:, None, :])
+    xy = place(
+        node_positions_in_each_element_of_row(depths, p)[:, None, :, None], along[:, None, :]
+    )
     xy = xy.reshape(*xy.shape[:3], -1).transpose(1, 2, 0, 3)
     return np.ascontiguousarray(xy[..., reference_element_of_degree(p).order])
 
@@ -304,7 +306,7 @@ def kinds_of_equal_element_columns(
     if div.index_of_first_body_layer < div.number_of_element_layers:
         rows += [div.before[::-1], div.after]
     if isinstance(shoe.body, Beam):
-        along = np.concatenate([node_positions_of_elements(ends, p) for ends in rows])
+        along = np.concatenate([node_positions_in_each_element_of_row(ends, p) for ends in rows])
         return _ColumnKinds(along, None, np.arange(len(along)))
     sizes, which = distinct_sizes_up_to_round_off(
         np.concatenate([ends[1:] - ends[:-1] for ends in rows])
@@ -344,7 +346,7 @@ def _condensed_hp_columns_of_shoe(
         # numpy.unique would load numpy's masked arrays, which bincount does not.
         kinds = np.flatnonzero(np.bincount(row))
         depths, own = div.depths[layer:], elasticity[layer:]
-        unknowns = order_of_element_column_unknowns(
+        unknowns = numbering_of_element_column_unknowns(
             p, div.number_of_element_layers - layer, contact=contact, held=held
         )
         if kinds_of_columns.angular is None:
@@ -519,7 +521,7 @@ def _condense_shoe_that_hinge_holds(
     # the lining. The assembled row has the unknowns [frame | contact nodes | unit loads].
     columns = row.under.copy()
     columns[0] = _join_first_column_to_body_at_hinge(columns[0], row.before, hinge_modes)
-    loaded = condensed_stiffness_of_loaded_body_part(row.after, end_forces)
+    loaded = condensed_stiffness_of_body_behind_lining(row.after, end_forces)
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], loaded, len(end_forces), right=True)
     A = assemble_row_of_element_columns(columns, 2).K
 
@@ -568,7 +570,7 @@ def condensed_shoe_with_balanced_loads(
     # The forces that put the condensed loads in balance are added to the contact nodes.
     imbalance = end.force_and_moment_about_pin(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
-    corrected = correct_stiffness_for_rigid_body_modes(S, R, forces_in_frame(A[frame, contact]).T)
+    corrected = stiffness_without_forces_by_rigid_motion(S, R, forces_in_frame(A[frame, contact]).T)
     actuation = end.columns.column_slice_of_each_load[ACTUATION]
     return CondensedShoe(
         S=stiffness_of_frame_and_contact_nodes(corrected.S, R),
@@ -646,14 +648,14 @@ def _join_first_column_to_body_at_hinge(
     held : (n, 3) rigid-body modes of the nodes on the face that the hinge holds
     """
     if not before:
-        return eliminate_nodes_on_column_side(_constrain_column_side_to_hinge_frame(first, held))
+        return eliminate_nodes_on_column_side(_constrain_element_column_side_to_hinge(first, held))
     body = assemble_row_of_element_columns(
-        [_constrain_column_side_to_hinge_frame(before[0], held), *before[1:]], 0
+        [_constrain_element_column_side_to_hinge(before[0], held), *before[1:]], 0
     )
     return eliminate_nodes_on_column_side(first, body.K, len(held))
 
 
-def condensed_stiffness_of_loaded_body_part(
+def condensed_stiffness_of_body_behind_lining(
     after: list[ColumnSubstructure], load: Floats
 ) -> Floats:
     """The condensed stiffness of the part of a shoe's body behind the lining, with its unit loads.
@@ -671,7 +673,7 @@ def condensed_stiffness_of_loaded_body_part(
     return assemble_row_of_element_columns([*after[:-1], last], 0).K
 
 
-def _constrain_column_side_to_hinge_frame(
+def _constrain_element_column_side_to_hinge(
     piece: ColumnSubstructure, held: Floats
 ) -> ColumnSubstructure:
     """The element column at the hinge, with the held nodes of its left side moved by the frame.
@@ -705,7 +707,7 @@ class _CorrectedStiffness(NamedTuple):
     round_off_forces: Floats
 
 
-def correct_stiffness_for_rigid_body_modes(
+def stiffness_without_forces_by_rigid_motion(
     S: Floats, R: Floats, held: Floats
 ) -> _CorrectedStiffness:
     """The stiffness of the contact nodes, corrected so that rigid-body modes cause no strain.

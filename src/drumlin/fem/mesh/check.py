@@ -98,7 +98,7 @@ def check_mesh_and_drop_unneeded_groups(
     """
     mesh = _mesh_with_only_needed_groups(mesh, shoe, fault, names)
     _check_nodes_are_near_and_distinct(mesh, shoe, radius, fault)
-    _check_elements_are_valid_and_bonded(mesh, shoe, fault)
+    _check_elements_are_valid_and_connected(mesh, shoe, fault)
     _check_named_edges_are_on_outline(mesh, fault)
     _check_contact_is_face_of_lining(mesh, shoe, radius, fault)
     _check_hinge_is_nearer_to_pin(mesh, shoe, fault)
@@ -215,7 +215,7 @@ def _check_nodes_are_near_and_distinct(mesh: Any, shoe: Shoe, radius: float, fau
         )
 
 
-def _check_elements_are_valid_and_bonded(mesh: Any, shoe: Shoe, fault: str) -> None:
+def _check_elements_are_valid_and_connected(mesh: Any, shoe: Shoe, fault: str) -> None:
     """Refuse a mesh with bent, inverted or folded elements, or with more than one part."""
     # The middle node of each edge must be near the middle of the edge's chord.
     basis = skfem.Basis(

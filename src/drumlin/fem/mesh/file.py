@@ -399,7 +399,7 @@ def _mesh_with_named_groups_of_file(
 
 def _check_given_groups_are_in_file(content: FileContent, shoe: Shoe, fault: str) -> None:
     """Refuse names in a shoe's key `groups` that the mesh file does not have."""
-    for name in shoe.groups.given:
+    for name in shoe.groups.element_groups_named_in_brake_file:
         missing = [
             alias
             for alias in shoe.groups.names_of_group_in_mesh_file(name)

@@ -114,14 +114,14 @@ def notes_on_mesh_file(
         if by > SMALLEST_REPORTED_MOVE * compression:
             yield (
                 f"{lead}: {count} {nodes} of the contact line were put on the {surface}, "
-                f"by up to {_text_of_distance_and_its_ratio(by, compression)}: {cause}"
+                f"by up to {_text_of_distance_and_ratio_to_compression(by, compression)}: {cause}"
             )
     # Offsets that remain count as a gap, unless they are a zigzag.
     off = shoe.off(xy, radius)
     _check_contact_is_no_zigzag(off, compression, lead, surface)
     most = float(np.abs(off).max())
     if most > SMALLEST_REPORTED_MOVE * compression:
-        distance = _text_of_distance_and_its_ratio(most, compression)
+        distance = _text_of_distance_and_ratio_to_compression(most, compression)
         yield (
             f"{lead}: the contact line lies up to {distance} off the {surface}; "
             "this counts as the lining's shape, a gap"
@@ -140,7 +140,7 @@ def mean_compression_of_lining(shoe: Shoe, response: ShoeResponse) -> float:
     return mean * shoe.lining.thickness / shoe.lining.material.E_through
 
 
-def _text_of_distance_and_its_ratio(distance: float, compression: float) -> str:
+def _text_of_distance_and_ratio_to_compression(distance: float, compression: float) -> str:
     """The text of a distance [m], with its ratio to the lining's mean compression [m]."""
     ratio = f"{distance / compression:.2g}"
     return f"{distance * 1e6:.3g} um ({ratio} of the lining's mean compression p t/E)"
@@ -165,7 +165,7 @@ def _check_contact_is_no_zigzag(off: Floats, compression: float, lead: str, surf
         raise BadInput(
             f"{lead}: the contact line goes off the {surface} and back {turns} times on "
             f"{len(off)} nodes, by up to "
-            f"{_text_of_distance_and_its_ratio(float(np.abs(off).max()), compression)}: "
+            f"{_text_of_distance_and_ratio_to_compression(float(np.abs(off).max()), compression)}: "
             f"a zigzag or a polygon is no lining; put its nodes on the {surface}, "
             "write more digits, or curve its sides"
         )

@@ -149,7 +149,7 @@ def relative_layer_depths_behind_lining(
     return np.arange(1, count + 1) / count
 
 
-def points_with_growing_steps(
+def positions_with_steps_growing_by_constant_ratio(
     length: float, smallest: float, ratio: float, largest: float
 ) -> Floats:
     """Points (n,) from 0 to `length` whose steps grow by a constant ratio up to a limit.

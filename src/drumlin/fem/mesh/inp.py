@@ -198,7 +198,9 @@ class _Assembled:
                 name: _integer_array_of_rows(edges, 2) for name, edges in surfaces.outlines.items()
             },
             rounding=self.rounding,
-            turned=any(body.placement.has_rotation or body.part.turned for body in self.bodies),
+            turned=any(
+                body.placement.has_rotation_of_part_axes or body.part.turned for body in self.bodies
+            ),
             broken=self.broken,
             notes=self._notes_on_ignored_parts(),
         )

@@ -111,10 +111,10 @@ class Deck:
 
     def _add_nodes_of_section(self, section: InputSection) -> None:
         """Add the nodes of a *NODE section; a *SYSTEM section before it may move or turn them."""
-        kind, scope = section.option("SYSTEM") or "R", self._scope
+        kind, scope = section.value_of_option_in_keyword_line("SYSTEM") or "R", self._scope
         if kind not in ("R", "C"):
             raise ValueError(f"*NODE, SYSTEM={kind} is not read; write rectangular coordinates")
-        scope.turned |= kind == "C" or self._system.has_rotation
+        scope.turned |= kind == "C" or self._system.has_rotation_of_part_axes
         for row in section.rows:
             label = parse_node_or_element_label(row[0], "*NODE")
             written = parse_numbers_of_data_line(row[1:], f"node {row[0]}")
@@ -125,7 +125,7 @@ class Deck:
                 xyz = [xyz[0] * math.cos(angle), xyz[0] * math.sin(angle), xyz[2]]
             if self._system is not IN_PLACE:
                 xyz = self._system(np.array(xyz)).tolist()
-            scope.add_node(label, xyz, [*written, 0.0, 0.0][:2])
+            scope.add_labelled_node_to_part(label, xyz, [*written, 0.0, 0.0][:2])
         # The option NSET of a *NODE section makes a set of these nodes.
         labels = InputSection("NSET", {}, [[row[0]] for row in section.rows])
         self._add_members_to_named_set(scope.node_sets, labels, section.options.get("NSET"))
@@ -135,13 +135,13 @@ class Deck:
 
         The number of nodes of each element is checked later.
         """
-        kind, found = section.option("TYPE"), dict[int, list[int]]()
+        kind, found = section.value_of_option_in_keyword_line("TYPE"), dict[int, list[int]]()
         for row in section.rows:
             label, *nodes = (_parse_label_in_element_line(word) for word in row)
             if label in found:
                 raise ValueError(f"element {label} is defined twice")
             found[label] = nodes
-        self._scope.add_elements(kind, found)
+        self._scope.add_labelled_elements_to_part(kind, found)
         # The option ELSET of an *ELEMENT section makes a set of these elements.
         labels = InputSection("ELSET", {}, [[str(label)] for label in found])
         self._add_members_to_named_set(
@@ -180,20 +180,23 @@ class Deck:
         for option, reason in UNREAD_SET_OPTIONS.items():
             if option in section.options:
                 self._scope.refused[name] = f"*SURFACE, {option}= {reason}"
-        self._scope.surfaces[name] = (section.option("TYPE") or "ELEMENT", section.rows)
+        self._scope.surfaces[name] = (
+            section.value_of_option_in_keyword_line("TYPE") or "ELEMENT",
+            section.rows,
+        )
 
-    def _begin_new_part(self, section: InputSection) -> None:
+    def _begin_part_of_input_deck(self, section: InputSection) -> None:
         """Begin a new part; the sections up to *END PART belong to it."""
         name = section.options.get("NAME", "").lower()
         if name in self.parts:
             raise ValueError(f"*PART, NAME={name}: there are two parts of this name")
         self._scope = self.parts[name] = DeckPart(name)
 
-    def _begin_assembly(self, section: InputSection) -> None:
+    def _begin_assembly_of_input_deck(self, section: InputSection) -> None:
         """Begin the assembly; sections between its instances belong to it."""
         self._scope = self._outer = self.assembly
 
-    def _begin_instance(self, section: InputSection) -> None:
+    def _begin_instance_of_part_of_input_deck(self, section: InputSection) -> None:
         """Begin an instance of a part, or an instance with nodes and elements of its own."""
         name, of = (section.options.get(key, "") for key in ("NAME", "PART"))
         part = self.parts.get(of.lower())
@@ -278,9 +281,9 @@ class Deck:
 
 
 SCOPES = {
-    "PART": Deck._begin_new_part,
-    "ASSEMBLY": Deck._begin_assembly,
-    "INSTANCE": Deck._begin_instance,
+    "PART": Deck._begin_part_of_input_deck,
+    "ASSEMBLY": Deck._begin_assembly_of_input_deck,
+    "INSTANCE": Deck._begin_instance_of_part_of_input_deck,
     "END PART": Deck._end_part_instance_or_assembly,
     "END ASSEMBLY": Deck._end_part_instance_or_assembly,
     "END INSTANCE": Deck._end_part_instance_or_assembly,

@@ -70,14 +70,16 @@ class DeckPart:
     surfaces: dict[str, tuple[str, list[list[str]]]] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
 
-    def add_node(self, label: int, xyz: Sequence[float], written: list[float]) -> None:
+    def add_labelled_node_to_part(
+        self, label: int, xyz: Sequence[float], written: list[float]
+    ) -> None:
         """Add a node. ValueError is raised if another node has the same label."""
         if label in self.nodes:
             raise ValueError(f"node {label} is defined twice")
         self.nodes[label] = [*xyz]
         self.written[label] = written
 
-    def add_elements(self, kind: str, elements: dict[int, list[int]]) -> None:
+    def add_labelled_elements_to_part(self, kind: str, elements: dict[int, list[int]]) -> None:
         """Add elements. ValueError is raised if another element has the label of one of them."""
         taken = self.labels & elements.keys()
         if taken:
@@ -101,7 +103,7 @@ class Placement:
         return xyz @ self.turn.T + self.shift
 
     @property
-    def has_rotation(self) -> bool:
+    def has_rotation_of_part_axes(self) -> bool:
         """Whether the placement turns the part's axes."""
         return bool(np.any(self.turn != np.eye(3)))
 
@@ -143,13 +145,13 @@ def placement_of_instance_in_assembly(rows: list[list[str]], name: str) -> Place
             f"*INSTANCE, NAME={name}: its second data line must be two points and an angle"
         )
     # The translated part is turned about the axis, which need not run through the origin.
-    turn = _rotation_matrix(
+    turn = _rotation_matrix_about_axis(
         (second - first) / np.linalg.norm(second - first), math.radians(given[6])
     )
     return Placement(turn, turn @ (shift - first) + first)
 
 
-def _rotation_matrix(axis: Floats, angle: float) -> Floats:
+def _rotation_matrix_about_axis(axis: Floats, angle: float) -> Floats:
     """The rotation matrix (3, 3) for an angle [rad] about a unit vector (3,) (Rodrigues)."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

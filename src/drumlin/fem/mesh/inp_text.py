@@ -30,7 +30,7 @@ class InputSection(NamedTuple):
     options: dict[str, str]
     rows: list[list[str]]
 
-    def option(self, key: str) -> str:
+    def value_of_option_in_keyword_line(self, key: str) -> str:
         """The value of an option in upper case; "" if the option is not given."""
         return self.options.get(key, "").upper()
 

@@ -193,7 +193,7 @@ def _convert_cells_to_quadratic_triangles(
         new.append(place)
         return len(points) + len(new) - 1
 
-    def number_of_middle_node(first: int, last: int) -> int:
+    def find_or_add_middle_node_of_edge(first: int, last: int) -> int:
         """The number of the middle node between two corners, which is added if it is missing."""
         key = (min(first, last), max(first, last))
         if key not in middles:
@@ -209,7 +209,8 @@ def _convert_cells_to_quadratic_triangles(
         for row, cell in enumerate(cells.tolist()):
             first[row] = len(made)
             sides = cell[corners : 2 * corners] or [
-                number_of_middle_node(cell[i], cell[(i + 1) % corners]) for i in range(corners)
+                find_or_add_middle_node_of_edge(cell[i], cell[(i + 1) % corners])
+                for i in range(corners)
             ]
             if corners == 3:
                 made.append([*cell[:3], *sides])

@@ -31,7 +31,7 @@ class ActuatedBody(Protocol):
         """The centre (2,) [m] of the unit actuations in the shoe's frame."""
 
     @property
-    def load_columns(self) -> LoadColumns:
+    def unit_load_vectors_by_name(self) -> LoadColumns:
         """The load columns of the body, by name."""
 
 
@@ -81,7 +81,7 @@ class ShoeSubstructure:
     of_file: ShoeMesh | None = field(default=None, kw_only=True)
 
     @property
-    def load_columns(self) -> LoadColumns:
+    def unit_load_vectors_by_name(self) -> LoadColumns:
         """The load columns of the body, by name."""
         return self.condensed.columns
 
@@ -148,7 +148,7 @@ def couple_shoe_with_drum_or_plane(line: ContactLine, shoe: Shoe) -> Coupling:
         if shoe.flat
         else function_for_drum_normals_and_tangents(shoe.sign)
     )
-    return line.couple_lining_with_counterface(shoe.lining.width, directions)
+    return line.couple_lining_with_drum_or_plane(shoe.lining.width, directions)
 
 
 def make_shoe_substructure(
@@ -226,11 +226,11 @@ def load_factors_and_pin_moment_per_newton(body: ActuatedBody, shoe: Shoe) -> tu
     lever arm. A negative force counts as one newton in the opposite direction. Columns of other
     loads have the factor zero.
     """
-    own, moment = actuation_force_couple_and_pin_moment(body.load_centre, shoe)
-    return body.load_columns.factors_of_all_load_columns({ACTUATION: own}), moment
+    own, moment = actuation_force_and_moments_per_newton(body.load_centre, shoe)
+    return body.unit_load_vectors_by_name.factors_of_all_load_columns({ACTUATION: own}), moment
 
 
-def actuation_force_couple_and_pin_moment(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
+def actuation_force_and_moments_per_newton(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
     """Force x, force y and couple (3,) of a shoe's actuation, and its moment about the pin.
 
     The couple [m] acts about the `centre` (2,) [m] in the shoe's frame. All values are per newton
@@ -265,7 +265,7 @@ def support_reaction_of_shoe(
     return reaction + drag * (body.reaction_to_friction @ p)
 
 
-def contact_stiffness_by_penalty(shoe: Shoe, penalty: float) -> float:
+def penalty_stiffness_of_contact_per_area(shoe: Shoe, penalty: float) -> float:
     """The penalty stiffness of the contact per area [Pa/m]: `penalty` times E/t of the lining.
 
     E is the modulus through the lining's thickness t.

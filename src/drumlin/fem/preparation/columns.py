@@ -12,7 +12,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.fem.hp.body import (
     condensed_shoe_body,
-    contact_line_of_shoe,
+    contact_line_of_lining_face_nodes,
     grid_of_all_nodes_of_shoe,
     nodal_forces_of_unit_actuations,
 )
@@ -31,7 +31,7 @@ from drumlin.fem.preparation.bodies import (
     BodyNodes,
     DividedBody,
     ShoeSubstructure,
-    actuation_force_couple_and_pin_moment,
+    actuation_force_and_moments_per_newton,
     make_shoe_substructure,
 )
 from drumlin.fem.preparation.cache import (
@@ -106,7 +106,10 @@ def make_hp_bodies(
     """
     # Each shape is divided and condensed once.
     shapes = list(dict.fromkeys(alike))
-    rules = {i: _division_rule_of_shape(brake, level, places or {}, alike, i) for i in shapes}
+    rules = {
+        i: _rule_that_divides_shoes_of_one_shape(brake, level, places or {}, alike, i)
+        for i in shapes
+    }
     _require_few_contact_nodes(brake, rules, alike)
     made = {
         i: _cached_or_newly_condensed_body(brake, rule, cache, seconds) for i, rule in rules.items()
@@ -133,9 +136,9 @@ def make_hp_bodies(
 
     # Analyses of changed shoes divide a changed shoe by the same rule as the present shoe.
     nodes_by_shape = {
-        i: partial(_hp_body_nodes_of_changed_shoe, rule, brake.size) for i, rule in rules.items()
+        i: partial(_hp_element_nodes_of_changed_shoe, rule, brake.size) for i, rule in rules.items()
     }
-    nodes_of = partial(_nodes_of_changed_shoe_by_rule_of_shape, nodes_by_shape, alike)
+    nodes_of = partial(_nodes_of_changed_shoe_divided_as_before, nodes_by_shape, alike)
     return DividedBodies(bodies, ring, nodes_of, ring_under)
 
 
@@ -152,7 +155,7 @@ def _require_few_contact_nodes(
         )
 
 
-def _division_rule_of_shape(
+def _rule_that_divides_shoes_of_one_shape(
     brake: Brake, level: Level, places: PointsByShape, alike: Sequence[int], i: int
 ) -> _DivisionRule:
     """The rule that divides the shoes of one shape, whose first shoe has the index `i`."""
@@ -190,7 +193,7 @@ def _condense_and_couple_hp_shoe(
     """Make the condensed body of a parametric shoe, coupled with the drum or the plane."""
     with add_elapsed_time(seconds, "condensation"):
         found = condense_shoe_to_contact_nodes(shoe, radius, division, elastic_layers_of_shoe(shoe))
-        line = contact_line_of_shoe(shoe, radius, division)
+        line = contact_line_of_lining_face_nodes(shoe, radius, division)
         grid = grid_of_all_nodes_of_shoe(shoe, radius, division)
         inner = condensed_shoe_body(shoe, division, found, grid)
     with add_elapsed_time(seconds, "coupling"):
@@ -228,7 +231,7 @@ def _smallest_pressure_exponents_at_lining_ends(
     return at_start, at_end
 
 
-def _hp_body_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> BodyNodes:
+def _hp_element_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> BodyNodes:
     """The nodes that the body of a changed shoe has if it is divided by the rule of its shape.
 
     The singular points keep their distance from the lining's start. The columns of a straight beam
@@ -247,12 +250,12 @@ def _hp_body_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other: Sh
     if "actuation" not in grid.sets:
         return BodyNodes(grid.doflocs, np.zeros(grid.doflocs.shape))
     unit_loads, centre = nodal_forces_of_unit_actuations(division, grid)
-    factors, _ = actuation_force_couple_and_pin_moment(centre, other)
+    factors, _ = actuation_force_and_moments_per_newton(centre, other)
     load = unit_loads @ factors
     return BodyNodes(grid.doflocs, load.reshape(-1, 2).T)
 
 
-def _nodes_of_changed_shoe_by_rule_of_shape(
+def _nodes_of_changed_shoe_divided_as_before(
     nodes_by_shape: Mapping[int, Callable[[Shoe], BodyNodes]],
     alike: Sequence[int],
     i: int,

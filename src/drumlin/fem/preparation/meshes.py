@@ -17,7 +17,7 @@ from drumlin.fem.preparation.bodies import (
     BodyNodes,
     DividedBody,
     ShoeSubstructure,
-    actuation_force_couple_and_pin_moment,
+    actuation_force_and_moments_per_newton,
     make_shoe_substructure,
 )
 from drumlin.fem.preparation.cache import (
@@ -44,7 +44,7 @@ from drumlin.fem.substructure.interface import (
     nodal_forces_of_unit_loads_on_loaded_end,
 )
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
-from drumlin.fem.substructure.ring import condense_ring_on_mesh
+from drumlin.fem.substructure.ring import condense_meshed_drum_ring_to_contact_nodes
 from drumlin.response.response import edge_zone_angle_in_shoe_frame
 
 ELEMENTS = 80
@@ -115,7 +115,7 @@ def make_mesh_bodies(
             made[shape] = cache.get(key, make, memory_of_condensed_body)
     bodies = tuple(made[shape_key_of_shoe(brake, shoe)] for shoe in brake.shoes)
     ring = None
-    ring_under = partial(condense_ring_on_mesh, brake, elements)
+    ring_under = partial(condense_meshed_drum_ring_to_contact_nodes, brake, elements)
     if brake.ring is not None:
         with add_elapsed_time(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
@@ -125,11 +125,11 @@ def make_mesh_bodies(
                 *map(digest_of_mesh_file_of_shoe, brake.shoes),
             )
             ring = cache.get(ring_key, partial(ring_under, lines), memory_of_condensed_body)
-    nodes_of = partial(_meshed_body_nodes_of_changed_shoe, mesher, brake.size, bodies)
+    nodes_of = partial(_mesh_nodes_of_changed_shoe, mesher, brake.size, bodies)
     return DividedBodies(bodies, ring, nodes_of, ring_under)
 
 
-def _meshed_body_nodes_of_changed_shoe(
+def _mesh_nodes_of_changed_shoe(
     mesher: Mesher, radius: float, bodies: tuple[ShoeSubstructure, ...], i: int, shoe: Shoe
 ) -> BodyNodes:
     """The nodes that the meshed body of shoe `i` would have if the shoe were changed to `shoe`.
@@ -144,7 +144,7 @@ def _meshed_body_nodes_of_changed_shoe(
     unit_loads, centre = nodal_forces_of_unit_loads_on_loaded_end(
         basis, mesh.boundaries["actuation"]
     )
-    factors, _ = actuation_force_couple_and_pin_moment(centre, shoe)
+    factors, _ = actuation_force_and_moments_per_newton(centre, shoe)
     load = unit_loads @ factors
     return BodyNodes(basis.doflocs, load.reshape(-1, 2).T)
 
@@ -176,12 +176,12 @@ class AssembledShoe:
     of_file: ShoeMesh | None = None
 
     @cached_property
-    def load_columns(self) -> LoadColumns:
+    def unit_load_vectors_by_name(self) -> LoadColumns:
         """The load columns of the shoe, by name: one column for each unit load."""
         return LoadColumns.load_columns_of_named_loads(self.loads)
 
 
-def contact_line_of_mesh(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
+def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
     """The contact line of a shoe on a mesh.
 
     `facets` are the numbers of the element sides on the friction surface, in the scalar basis of
@@ -212,7 +212,7 @@ def mesh_and_assemble_shoe(
         K = sparse_stiffness_of_body(basis, elastic_layers_of_shoe(shoe))
     with add_elapsed_time(seconds, "ties"):
         pin = shoe.pin_in_shoe_frame
-        line = contact_line_of_mesh(basis, mesh.boundaries["contact"], shoe, brake.size)
+        line = contact_line_of_meshed_shoe(basis, mesh.boundaries["contact"], shoe, brake.size)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         constraints = multi_point_constraints_of_body(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and not shoe.has_support_on_back_of_body:

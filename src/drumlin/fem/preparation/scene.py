@@ -72,7 +72,7 @@ class PreparedModel:
     ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
 
     @cached_property
-    def shape_keys_of_shoes(self) -> list[tuple[object, ...]]:
+    def cache_keys_of_shoe_shapes(self) -> list[tuple[object, ...]]:
         """The key of each shoe's shape, equal for shoes that share a body; `shape_key_of_shoe`."""
         return [shape_key_of_shoe(self.brake, shoe) for shoe in self.brake.shoes]
 
@@ -105,8 +105,8 @@ def reason_why_brake_is_not_modelled(brake: Brake) -> str | None:
 def text_lines_on_shoes_of_equal_shape(brake: Brake, shapes: int) -> list[str]:
     """A line of text on the shoes that share the body of another shoe.
 
-    The list is empty if all shoes have different shapes. `shape_keys_of_shoes` is the number of
-    different shapes.
+    The list is empty if all shoes have different shapes. `cache_keys_of_shoe_shapes` is the number
+    of different shapes.
     """
     count = len(brake.shoes)
     if shapes == count:
@@ -117,7 +117,7 @@ def text_lines_on_shoes_of_equal_shape(brake: Brake, shapes: int) -> list[str]:
 def text_lines_on_rigid_parts(brake: Brake) -> list[str]:
     """A line of text for each part that is rigid because the brake's file gives no elastic part."""
     lines = []
-    if brake.ring is None and not brake.surface.straight:
+    if brake.ring is None and not brake.surface.is_plane_and_not_drum:
         lines.append("drum: rigid, no [drum.ring] in the brake")
     for shoe in brake.shoes:
         if shoe.mesh is None and shoe.body is None:

@@ -14,10 +14,17 @@ from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
-from drumlin.fem.preparation.meshes import contact_line_of_mesh, materials_and_widths_of_shoe_parts
+from drumlin.fem.preparation.meshes import (
+    contact_line_of_meshed_shoe,
+    materials_and_widths_of_shoe_parts,
+)
 from drumlin.fem.preparation.scene import Seconds, add_elapsed_time
-from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
-from drumlin.fem.solid.mesh import Solid, solid_mesh
+from drumlin.fem.solid.face import (
+    ContactFace,
+    contact_surface_over_shoe_width,
+    integrals_of_products_of_width_functions,
+)
+from drumlin.fem.solid.mesh import Solid, mesh_of_half_solid_shoe
 from drumlin.fem.substructure.body import (
     FRAME,
     Constraints,
@@ -42,7 +49,7 @@ class SolidBody(ShoeSubstructure):
         return int(3 * self.basis.N)
 
 
-def solid_layers(shoe: Shoe) -> dict[str, ElasticLayer]:
+def elastic_layers_of_solid_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
     """The elastic layers of a shoe by subdomain, with the stiffness of both halves."""
     layers = {}
     for name, (material, _) in materials_and_widths_of_shoe_parts(shoe).items():
@@ -52,26 +59,28 @@ def solid_layers(shoe: Shoe) -> dict[str, ElasticLayer]:
     return layers
 
 
-def held_subdomain(shoe: Shoe) -> str:
+def subdomain_held_by_hinge(shoe: Shoe) -> str:
     """The subdomain that the hinge holds: the body, or the back part of a rigid shoe's lining."""
     if shoe.body is not None:
         return "shoe"
     return "lining" if shoe.backing is None else "backing"
 
 
-def hinge_nodes(solid: Solid, shoe: Shoe) -> Ints:
+def solid_nodes_that_move_with_pin(solid: Solid, shoe: Shoe) -> Ints:
     """Nodes that move as a rigid line with the pin, across the whole width."""
     line = np.unique(nodes_along_element_edges(solid.plane, solid.section.boundaries["hinge"]))
-    return solid.node[line, : solid.levels(held_subdomain(shoe))].ravel()
+    return solid.node[line, : solid.levels(subdomain_held_by_hinge(shoe))].ravel()
 
 
-def friction_face(solid: Solid, shoe: Shoe, radius: float) -> ContactFace:
+def friction_surface_of_solid_shoe(solid: Solid, shoe: Shoe, radius: float) -> ContactFace:
     """The friction surface of a solid shoe on a drum of this `radius` [m]."""
-    line = contact_line_of_mesh(solid.plane, solid.section.boundaries["contact"], shoe, radius)
-    return contact_face(line, solid.node, solid.z[: solid.levels("lining")])
+    line = contact_line_of_meshed_shoe(
+        solid.plane, solid.section.boundaries["contact"], shoe, radius
+    )
+    return contact_surface_over_shoe_width(line, solid.node, solid.z[: solid.levels("lining")])
 
 
-def constrain_solid(
+def constraints_of_solid_shoe(
     solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool
 ) -> Constraints:
     """The constraints of a solid: inner unknowns by dissection, contact nodes as x, y pairs, frame.
@@ -104,7 +113,7 @@ def constrain_solid(
     )
 
 
-def end_forces(solid: Solid) -> tuple[Floats, Floats]:
+def nodal_forces_of_unit_loads_on_solid_end(solid: Solid) -> tuple[Floats, Floats]:
     """Nodal forces (nodes, 3, 3) of the unit loads on the loaded end, and their centre (2,) [m].
 
     The last axis counts unit force x, unit force y and unit couple, the second one the components.
@@ -115,14 +124,16 @@ def end_forces(solid: Solid) -> tuple[Floats, Floats]:
     )
     nodes = np.unique(nodes_along_element_edges(solid.plane, solid.section.boundaries["actuation"]))
     count = solid.levels("shoe")
-    share = width_matrix(solid.z[:count]).sum(axis=1)
+    share = integrals_of_products_of_width_functions(solid.z[:count]).sum(axis=1)
     forces = np.zeros((solid.basis.N, 3, 3))
     each = line.reshape(-1, 2, 3)[nodes]
     forces[solid.node[nodes, :count], :2] = each[:, None] * (share / share.sum())[:, None, None]
     return forces, centre
 
 
-def _unit_loads(solid: Solid, shoe: Shoe, constraints: Constraints) -> tuple[Floats, Floats]:
+def _unit_actuation_loads_of_solid_shoe(
+    solid: Solid, shoe: Shoe, constraints: Constraints
+) -> tuple[Floats, Floats]:
     """Unit loads (unknowns, 3) of a shoe's actuation, and the point (2,) that they act at [m].
 
     They are unit force x, unit force y and unit couple on the reduced unknowns.
@@ -138,11 +149,11 @@ def _unit_loads(solid: Solid, shoe: Shoe, constraints: Constraints) -> tuple[Flo
         loads = np.zeros((constraints.matrix.shape[1], 3))
         loads[-FRAME:] = np.eye(3)
         return loads, shoe.pin_in_shoe_frame
-    forces, centre = end_forces(solid)
+    forces, centre = nodal_forces_of_unit_loads_on_solid_end(solid)
     return np.asarray(constraints.matrix.T @ forces.reshape(-1, 3)), centre
 
 
-def solid_body(
+def condensed_body_of_solid_shoe(
     brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Seconds
 ) -> ShoeSubstructure:
     """The meshed, assembled and condensed body of a solid shoe.
@@ -154,16 +165,19 @@ def solid_body(
     seconds : time of each phase [s], which this function adds to
     """
     with add_elapsed_time(seconds, "mesh"):
-        solid = solid_mesh(shoe, brake.size, elements, across)
+        solid = mesh_of_half_solid_shoe(shoe, brake.size, elements, across)
     with add_elapsed_time(seconds, "assembly"):
-        K = sparse_stiffness_of_body(solid.basis, solid_layers(shoe))
+        K = sparse_stiffness_of_body(solid.basis, elastic_layers_of_solid_shoe(shoe))
     with add_elapsed_time(seconds, "ties"):
-        face, rigid = friction_face(solid, shoe, brake.size), hinge_nodes(solid, shoe)
+        face, rigid = (
+            friction_surface_of_solid_shoe(solid, shoe, brake.size),
+            solid_nodes_that_move_with_pin(solid, shoe),
+        )
         bonded = shoe.body is None
-        constraints = constrain_solid(
+        constraints = constraints_of_solid_shoe(
             solid, face.nodes, rigid, shoe.pin_in_shoe_frame, bonded=bonded
         )
-        loads, centre = _unit_loads(solid, shoe, constraints)
+        loads, centre = _unit_actuation_loads_of_solid_shoe(solid, shoe, constraints)
     with add_elapsed_time(seconds, "condensation"):
         condensed = condense_body_to_contact_and_frame(
             K, constraints, {ACTUATION: loads}, 2 * len(face.nodes)

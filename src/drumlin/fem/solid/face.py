@@ -41,21 +41,29 @@ class ContactFace(ContactLine):
     @property
     def width(self) -> Floats:
         """The widths 2 Int zeta_k dz (m,) [m] of the levels; their sum is the whole width."""
-        return width_matrix(self.z).sum(axis=1)
+        return integrals_of_products_of_width_functions(self.z).sum(axis=1)
 
-    def couple_lining_with_counterface(self, width: float, directions: Directions) -> Coupling:
+    def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> Coupling:
         """The coupling with a counterface; its width is that of the face, not `width`."""
-        line, m = couple_line(self.line, 1.0, directions), width_matrix(self.z)
+        line, m = (
+            couple_line(self.line, 1.0, directions),
+            integrals_of_products_of_width_functions(self.z),
+        )
         n = len(self.line.nodes)
 
-        def spread(vectors: Floats) -> Floats:
+        def matrix_over_width_from_line_vectors(vectors: Floats) -> Floats:
             """Matrix (n m, 2 n m) of the face from that of the line (n, 2n)."""
             whole = np.einsum("ijc,kl->ikjlc", vectors.reshape(n, n, 2), m)
             return np.ascontiguousarray(whole).reshape(n * len(m), -1)
 
         M = np.asarray(np.kron(line.M, m), dtype=float)
         lever = np.asarray(np.kron(line.lever, m.sum(axis=1)), dtype=float)
-        return Coupling(M, spread(line.N), spread(line.T), lever)
+        return Coupling(
+            M,
+            matrix_over_width_from_line_vectors(line.N),
+            matrix_over_width_from_line_vectors(line.T),
+            lever,
+        )
 
     def angles_and_mean_pressures(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] and mean pressure over the width (n,) [Pa]."""
@@ -68,7 +76,7 @@ class ContactFace(ContactLine):
         return PressureOverWidth(z, np.hstack([half[:, :0:-1], half]))
 
 
-def width_matrix(z: Floats) -> Floats:
+def integrals_of_products_of_width_functions(z: Floats) -> Floats:
     """The matrix 2 Int zeta_k zeta_l dz (m, m) [m] of quadratic functions over levels z (m,)."""
     pieces = np.arange(3)[:, None] + np.arange(0, len(z) - 2, 2)
     psi, _, dz = edge_quadrature_points(np.array([z, np.zeros_like(z)])[:, pieces])
@@ -77,7 +85,7 @@ def width_matrix(z: Floats) -> Floats:
     return matrix
 
 
-def contact_face(line: ContactLine, node: Ints, z: Floats) -> ContactFace:
+def contact_surface_over_shoe_width(line: ContactLine, node: Ints, z: Floats) -> ContactFace:
     """The friction surface over the contact line of a section.
 
     Parameters

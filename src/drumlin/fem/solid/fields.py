@@ -10,7 +10,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.analysis.fields import nodal_displacements_of_shoe, nodal_means_of_element_tensors
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solid.body import solid_layers
+from drumlin.fem.solid.body import elastic_layers_of_solid_shoe
 from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response
 
@@ -29,7 +29,7 @@ _TURNED = [4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19]
 # fmt: on
 
 
-def serendipity_cells(cells: Ints) -> Ints:
+def hexahedra_with_twenty_nodes_in_vtk_order(cells: Ints) -> Ints:
     """Nodes (m, 20) of hexahedra in the order of VTK and of CalculiX's C3D20.
 
     `cells` (27, m) are the nodes in the order of skfem.
@@ -40,7 +40,7 @@ def serendipity_cells(cells: Ints) -> Ints:
     return np.asarray(cells[same.argmax(axis=1)].T)
 
 
-def orient_cells(points: Floats, cells: Ints) -> Ints:
+def hexahedra_turned_to_positive_volume(points: Floats, cells: Ints) -> Ints:
     """The hexahedra `cells` (m, 20), turned over where their volume is negative.
 
     A mirror image makes volumes negative. `points` (n, 3) are the nodes.
@@ -87,7 +87,9 @@ class _SolidPartFields(NamedTuple):
     von_mises: Floats
 
 
-def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) -> SolidFields:
+def recover_fields_in_solid_shoe(
+    scene: PreparedModel, brake: Brake, response: Response, index: int
+) -> SolidFields:
     """The fields in shoe `index` of a brake, from the contact pressure of its response.
 
     Parameters
@@ -106,15 +108,15 @@ def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) 
     u = nodal_displacements_of_shoe(body, brake, shoe, answer, p).reshape(-1, 3).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
-    layers = solid_layers(shoe)
+    layers = elastic_layers_of_solid_shoe(shoe)
 
     # The subdomains follow one another; a node at their interface stands once for each of them.
     parts, cells, part_of_cell, pressures = [], [], [], []
     count = 0
     for i, (name, members) in enumerate(body.mesh.subdomains.items()):
-        part = _part_fields(body.mesh, u, members, layers[name])
+        part = _fields_in_one_subdomain_of_solid(body.mesh, u, members, layers[name])
         parts.append(part)
-        cells.append(serendipity_cells(part.cells) + count)
+        cells.append(hexahedra_with_twenty_nodes_in_vtk_order(part.cells) + count)
         part_of_cell.append(np.full(part.cells.shape[1], i))
         pressures.append(pressure[part.nodes] * (name == "lining"))
         count += len(part.nodes)
@@ -123,7 +125,7 @@ def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) 
     points = np.column_stack([shoe.points(x[:2]).T, x[2]])
     return SolidFields(
         points=points,
-        cells=orient_cells(points, np.concatenate(cells)),
+        cells=hexahedra_turned_to_positive_volume(points, np.concatenate(cells)),
         part=np.concatenate(part_of_cell),
         displacement=np.column_stack([shoe.frame.convert_to_brake_frame(moved[:2].T), moved[2]]),
         von_mises=np.concatenate([part.von_mises for part in parts]),
@@ -131,7 +133,9 @@ def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) 
     )
 
 
-def _part_fields(mesh: Any, u: Floats, elements: Ints, layer: ElasticLayer) -> _SolidPartFields:
+def _fields_in_one_subdomain_of_solid(
+    mesh: Any, u: Floats, elements: Ints, layer: ElasticLayer
+) -> _SolidPartFields:
     """The fields of one subdomain; the stress of a node is the mean over the elements there.
 
     Parameters

@@ -60,14 +60,16 @@ class Solid:
         return int(np.searchsorted(self.z, self.half[name] * (1 + 1e-9)))
 
 
-def half_widths(shoe: Shoe) -> dict[str, float]:
+def half_width_of_each_shoe_subdomain(shoe: Shoe) -> dict[str, float]:
     """Half the width [m] of each subdomain of a shoe."""
     return {
         name: width / 2 for name, (_, width) in materials_and_widths_of_shoe_parts(shoe).items()
     }
 
 
-def width_levels(half: Mapping[str, float], across: int, zone: float) -> Floats:
+def element_end_positions_over_half_width(
+    half: Mapping[str, float], across: int, zone: float
+) -> Floats:
     """Ends (m + 1,) of the elements across half the shoe [m], one end at each free side.
 
     Parameters
@@ -90,7 +92,9 @@ def width_levels(half: Mapping[str, float], across: int, zone: float) -> Floats:
     return np.concatenate(pieces)
 
 
-def solid_mesh(shoe: Shoe, radius: float, elements: int | LiningDivision, across: int) -> Solid:
+def mesh_of_half_solid_shoe(
+    shoe: Shoe, radius: float, elements: int | LiningDivision, across: int
+) -> Solid:
     """The mesh of half a shoe, in the shoe's own frame.
 
     Parameters
@@ -100,12 +104,14 @@ def solid_mesh(shoe: Shoe, radius: float, elements: int | LiningDivision, across
     elements : number of elements along the lining, or its division
     across : number of elements over half the lining's width
     """
-    half = half_widths(shoe)
-    levels = width_levels(half, across, shoe.lining.thickness)
-    return extrude(parametric_mesh_of_shoe(shoe, radius, elements), half, levels)
+    half = half_width_of_each_shoe_subdomain(shoe)
+    levels = element_end_positions_over_half_width(half, across, shoe.lining.thickness)
+    return extrude_shoe_section_to_solid(
+        parametric_mesh_of_shoe(shoe, radius, elements), half, levels
+    )
 
 
-def extrude(section: Any, half: Mapping[str, float], levels: Floats) -> Solid:
+def extrude_shoe_section_to_solid(section: Any, half: Mapping[str, float], levels: Floats) -> Solid:
     """A section of quadratic quadrilaterals, extruded to a solid.
 
     Parameters
@@ -120,7 +126,9 @@ def extrude(section: Any, half: Mapping[str, float], levels: Floats) -> Solid:
     for name, elements in section.subdomains.items():
         exists[:, elements] = outer[:, None] < half[name]
     layer, cell = np.nonzero(exists)
-    mesh = skfem.MeshHex2.from_mesh(_straight_hexahedra(section, levels, layer, cell))
+    mesh = skfem.MeshHex2.from_mesh(
+        _mesh_of_hexahedra_with_straight_edges(section, levels, layer, cell)
+    )
 
     # Nodes within straight edges, faces and cells are moved to where the section has them.
     corners = np.ascontiguousarray(section.p)
@@ -143,12 +151,14 @@ def extrude(section: Any, half: Mapping[str, float], levels: Floats) -> Solid:
     )
 
 
-def _straight_hexahedra(section: Any, levels: Floats, layer: Ints, cell: Ints) -> Any:
+def _mesh_of_hexahedra_with_straight_edges(
+    section: Any, levels: Floats, layer: Ints, cell: Ints
+) -> Any:
     """The mesh of hexahedra with straight edges between the corners of a section's cells.
 
     Parameters
     ----------
-    section, levels : as of `extrude`
+    section, levels : as of `extrude_shoe_section_to_solid`
     layer, cell : (e,) layer of each hexahedron, and the cell of the section below it
     """
     count = section.p.shape[1]

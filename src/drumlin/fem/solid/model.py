@@ -22,7 +22,7 @@ from drumlin.fem.preparation.scene import (
     text_lines_on_shoes_of_equal_shape,
 )
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
-from drumlin.fem.solid.body import solid_body
+from drumlin.fem.solid.body import condensed_body_of_solid_shoe
 from drumlin.fem.width.functions import half_widths_of_parts
 from drumlin.fem.width.ladder import solve_brake_with_widths_to_tolerance
 from drumlin.fem.width.prepare import OTHER_HALF, reason_against_any_model_with_widths
@@ -35,13 +35,13 @@ STIFFNESS = 2500
 """Memory of a row of the stiffness of a solid [bytes], approximately."""
 
 
-def why_not(brake: Brake) -> str | None:
+def reason_why_solid_model_does_not_apply(brake: Brake) -> str | None:
     """Why the solid model does not apply to a brake; None where it applies."""
     on_ring = "its drum is an elastic ring; solid shoes are pressed on a rigid drum"
     return reason_against_any_model_with_widths(brake, "the solid model", on_ring)
 
 
-def elements_across(shoe: Shoe, elements: int) -> int:
+def default_element_count_over_half_width(shoe: Shoe, elements: int) -> int:
     """Default number of elements over half the width of a lining with `elements` along it.
 
     The pressure is uneven over about the lining's thickness from its sides, and smooth there.
@@ -50,7 +50,7 @@ def elements_across(shoe: Shoe, elements: int) -> int:
     return max(2, round(elements / SOLID_LINING_ELEMENTS * min(2 + slender, 6)))
 
 
-def prepare(
+def prepare_model_of_solid_shoes(
     brake: Brake,
     *,
     elements: int = SOLID_LINING_ELEMENTS,
@@ -63,7 +63,8 @@ def prepare(
     ----------
     brake : the brake
     elements : number of elements along each lining
-    across : number of elements over half the width of each lining; by default `elements_across`
+    across : number of elements over half the width of each lining; by default
+        `default_element_count_over_half_width`
     cache : bodies of earlier models; found ones are taken from it, and new ones put there
 
     Raises
@@ -71,7 +72,7 @@ def prepare(
     BadInput
         where the solid model does not apply, or for too many elements
     """
-    reason = why_not(brake)
+    reason = reason_why_solid_model_does_not_apply(brake)
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
     for name, value, most in (
@@ -86,7 +87,7 @@ def prepare(
     keys = [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes]
     for key, shoe in zip(keys, brake.shoes, strict=True):
         if key not in made:
-            counts = elements, across or elements_across(shoe, elements)
+            counts = elements, across or default_element_count_over_half_width(shoe, elements)
             same = (
                 "solid",
                 shoe_without_loads_and_clearances(shoe),
@@ -94,8 +95,8 @@ def prepare(
                 brake.friction > 0,
                 *counts,
             )
-            make = partial(solid_body, brake, shoe, *counts, seconds)
-            made[key] = cache.get(same, make, _size_of)
+            make = partial(condensed_body_of_solid_shoe, brake, shoe, *counts, seconds)
+            made[key] = cache.get(same, make, _memory_size_of_solid_body)
     left_out = [
         "interior fields: recovered only for a picture",
         OTHER_HALF,
@@ -107,7 +108,7 @@ def prepare(
     )
 
 
-def _size_of(body: ShoeSubstructure) -> int:
+def _memory_size_of_solid_body(body: ShoeSubstructure) -> int:
     """The memory [bytes] of a condensed solid body, approximately.
 
     The body keeps its matrices, and the stiffness with which fields are recovered.
@@ -129,7 +130,8 @@ def solve(
 
     Parameters
     ----------
-    brake, elements, across, cache : as of `prepare`; by default SOLID_LINING_ELEMENTS elements
+    brake, elements, across, cache : as of `prepare_model_of_solid_shoes`; by default
+        SOLID_LINING_ELEMENTS elements
     tolerance : tolerance of the estimated relative errors of p (mean over the width, L2) and of the
         torque; the brake is then solved by the hierarchic model of the width, see
         fem/width/ladder.py, in place of hexahedra
@@ -139,33 +141,37 @@ def solve(
     Raises
     ------
     BadInput
-        as `prepare` does, for a file of another kind, and for options of hexahedra beside a
-        tolerance
+        as `prepare_model_of_solid_shoes` does, for a file of another kind, and for options of
+        hexahedra beside a tolerance
     NoAnswer
         where the contact has no answer, and where the tolerance is not reached
     """
     require_positive_penalty(penalty)
     if tolerance is not None:
         given = {"elements": elements, "across": across, "fields": fields}
-        return _to_tolerance(brake, tolerance, given, penalty, cache)
+        return _solve_solid_shoes_to_error_tolerance(brake, tolerance, given, penalty, cache)
     if fields is not None and fields.suffix != ".vtu":
         raise BadInput(f"--fields = {str(fields)!r}: must end in .vtu")
     brake.check_shoes_can_be_meshed()
     elements = SOLID_LINING_ELEMENTS if elements is None else elements
-    scene = prepare(brake, elements=elements, across=across, cache=cache)
+    scene = prepare_model_of_solid_shoes(brake, elements=elements, across=across, cache=cache)
     response = solve_prepared_model(scene, brake, penalty=penalty)
     if fields is not None:
         # The fields load only where they are asked for.
         from drumlin.fem.analysis.fields import write_fields_to_vtu_file  # noqa: PLC0415
-        from drumlin.fem.solid.fields import recover  # noqa: PLC0415
+        from drumlin.fem.solid.fields import recover_fields_in_solid_shoe  # noqa: PLC0415
 
         write_fields_to_vtu_file(
-            fields, [recover(scene, brake, response, i) for i in range(len(brake.shoes))]
+            fields,
+            [
+                recover_fields_in_solid_shoe(scene, brake, response, i)
+                for i in range(len(brake.shoes))
+            ],
         )
     return response_with_figures_of_merit(brake, response)
 
 
-def _to_tolerance(
+def _solve_solid_shoes_to_error_tolerance(
     brake: Brake,
     tolerance: float,
     given: Mapping[str, object],

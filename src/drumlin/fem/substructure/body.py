@@ -22,7 +22,7 @@ from drumlin.base.lapack import dpotrf, solve_lower_triangular_system
 from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
 from drumlin.fem.mesh.arc import element_kind_of_mesh
 from drumlin.fem.substructure.elasticity import (
-    isotropic_and_directional_constants,
+    isotropic_and_orthotropic_elastic_constants,
     thickness_directions_of_layers,
 )
 from drumlin.fem.substructure.elimination import (
@@ -32,7 +32,7 @@ from drumlin.fem.substructure.elimination import (
     elimination_order_by_nested_dissection,
     solve_by_multifrontal_elimination,
 )
-from drumlin.fem.substructure.loads import LoadColumns, stack_load_columns
+from drumlin.fem.substructure.loads import LoadColumns, stack_nodal_loads_as_matrix_columns
 
 FRAME = 3
 """Number of degrees of freedom of a body's frame, a rigid line: dx, dy and rotation about a pin."""
@@ -70,14 +70,14 @@ class InnerSystem(NamedTuple):
     loads: Floats
 
     @classmethod
-    def system_from_whole_stiffness(
+    def body_system_from_stiffness_of_all_nodes(
         cls, K: Any, constraints: Constraints, loads: Floats
     ) -> "InnerSystem":
         """The equations of a body from the stiffness K (2 nodes, 2 nodes) of all its nodes."""
         A = constraints.matrix.T @ K @ constraints.matrix
         return cls(A.tocsc(), constraints, loads)
 
-    def equations_of_whole_body(self) -> "InnerSystem":
+    def equations_of_body_before_condensation(self) -> "InnerSystem":
         """Return the system itself, as the interface `InnerUnknowns` asks of every body."""
         return self
 
@@ -113,7 +113,7 @@ class InnerUnknowns(Protocol):
     when a method needs it, see `hp.grid.GridUnknowns`.
     """
 
-    def equations_of_whole_body(self) -> InnerSystem:
+    def equations_of_body_before_condensation(self) -> InnerSystem:
         """The equations of the body on all its nodes, before condensation."""
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
@@ -163,7 +163,7 @@ class CondensedBody:
 
     def assemble_equations_of_whole_body(self) -> InnerSystem:
         """Assemble and return the equations of the body on all its nodes, before condensation."""
-        return self.inner.equations_of_whole_body()
+        return self.inner.equations_of_body_before_condensation()
 
     @property
     def multi_point_constraints(self) -> Constraints:
@@ -382,16 +382,18 @@ def _orthotropic_part_of_element_stiffness(
     a, d, elements, _ = gradients.shape
     along = layer.directions(points)
 
-    def integrals_of_stretch_products(direction: Any) -> Any:
+    def integrals_of_products_of_strains_in_direction(direction: Any) -> Any:
         """The integrals (e, d a, d a) [1] of products of two stretches in a direction (2, e, q)."""
         grown = np.einsum("ceq,aceq->aeq", direction, gradients)
         stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
 
-    _, _, by_along, by_through = isotropic_and_directional_constants(layer.stiffness)
-    added = by_along * integrals_of_stretch_products(
+    _, _, by_along, by_through = isotropic_and_orthotropic_elastic_constants(layer.stiffness)
+    added = by_along * integrals_of_products_of_strains_in_direction(
         along
-    ) + by_through * integrals_of_stretch_products(thickness_directions_of_layers(along))
+    ) + by_through * integrals_of_products_of_strains_in_direction(
+        thickness_directions_of_layers(along)
+    )
     return added.reshape(elements, a, d, a, d)
 
 
@@ -505,8 +507,8 @@ def condense_body_to_contact_and_frame(
     NoAnswer
         for a singular stiffness
     """
-    system = InnerSystem.system_from_whole_stiffness(
-        K, constraints, stack_load_columns(loads, constraints.matrix.shape[1])
+    system = InnerSystem.body_system_from_stiffness_of_all_nodes(
+        K, constraints, stack_nodal_loads_as_matrix_columns(loads, constraints.matrix.shape[1])
     )
     S, condensed_loads, work = system.condense_loads_and_stiffness()
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)

@@ -36,21 +36,27 @@ def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
         behind = shoe.frame.convert_to_shoe_frame(
             make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy).along
         )
-    layers = {"lining": ElasticLayer.of(lining.material, lining.width, around)}
+    layers = {
+        "lining": ElasticLayer.make_layer_in_plane_stress(lining.material, lining.width, around)
+    }
     if backing is not None:
-        layers["backing"] = ElasticLayer.of(backing.material, lining.width, behind)
+        layers["backing"] = ElasticLayer.make_layer_in_plane_stress(
+            backing.material, lining.width, behind
+        )
     if body is not None:
         for name, plate in body.plates.items():
-            layers[name] = ElasticLayer.of(plate.material, plate.width, behind)
+            layers[name] = ElasticLayer.make_layer_in_plane_stress(
+                plate.material, plate.width, behind
+            )
     return layers
 
 
 def elastic_layers_of_ring(section: Section) -> dict[str, ElasticLayer]:
     """The elastic layer of a drum ring, under the name "drum" of the ring's only subdomain."""
-    return {"drum": ElasticLayer.of(section.material, section.width)}
+    return {"drum": ElasticLayer.make_layer_in_plane_stress(section.material, section.width)}
 
 
-def isotropic_and_directional_constants(elasticity: Any) -> Any:
+def isotropic_and_orthotropic_elastic_constants(elasticity: Any) -> Any:
     """The constants lambda, mu, a, b (..., 4) of elasticity matrices D (..., 3, 3).
 
     The constants have the unit of the matrices. lambda = D_12 and mu = D_33 belong to the isotropic
@@ -83,7 +89,7 @@ def stresses_from_displacement_gradients(
     elasticity : (..., 3, 3) elasticity matrix of each point, or one matrix of all points
     along : (2, ...) unit vectors along the layers; None where all layers are isotropic
     """
-    lam, mu, a, b = np.moveaxis(isotropic_and_directional_constants(elasticity), -1, 0)
+    lam, mu, a, b = np.moveaxis(isotropic_and_orthotropic_elastic_constants(elasticity), -1, 0)
     strain = 0.5 * (gradient + gradient.swapaxes(0, 1))
     stresses = 2 * mu * strain
     # The lambda of plane stress multiplies the sum of the two strains in the plane alone.

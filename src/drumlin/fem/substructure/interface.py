@@ -59,11 +59,11 @@ class ContactLine:
     edge: float = field(default=0.0, kw_only=True)
 
     @property
-    def interpolation_degree(self) -> int:
+    def interpolation_degree_along_contact_line(self) -> int:
         """Polynomial degree of the interpolation along an edge of the contact line."""
         return len(self.pieces) - 1
 
-    def couple_lining_with_counterface(self, width: float, directions: Directions) -> "Coupling":
+    def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> "Coupling":
         """The coupling of this line with the drum or the plane; `width` [m] is the lining's."""
         return weak_coupling_of_contact_line(self, width, directions)
 
@@ -72,7 +72,7 @@ class ContactLine:
         """The part of the contact line in which a peak of the pressure is sought."""
         return LiningWithoutEndZones(
             self.angles_and_mean_pressures(np.zeros(len(self.phi)))[0],
-            self.interpolation_degree,
+            self.interpolation_degree_along_contact_line,
             self.edge,
         )
 

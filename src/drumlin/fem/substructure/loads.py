@@ -68,6 +68,6 @@ class LoadColumns:
         return factors[self.column_slice_of_each_load[name]]
 
 
-def stack_load_columns(loads: Mapping[str, Floats], unknowns: int) -> Floats:
+def stack_nodal_loads_as_matrix_columns(loads: Mapping[str, Floats], unknowns: int) -> Floats:
     """The columns (unknowns, l) of all loads side by side, in the order of the loads."""
     return np.concatenate([np.zeros((unknowns, 0)), *loads.values()], axis=1)

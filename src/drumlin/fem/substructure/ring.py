@@ -215,7 +215,7 @@ def quadratic_mesh_of_closed_ring(
     )
 
 
-def condense_ring_on_mesh(
+def condense_meshed_drum_ring_to_contact_nodes(
     brake: Brake, elements: int, linings: tuple[ContactLine, ...]
 ) -> RingSubstructure:
     """The ring of a brake on a mesh, condensed to its nodes under the linings.
@@ -368,15 +368,17 @@ def coupling_matrices_of_lining_and_ring(
     angle = overlaps.start[:, None] + 0.5 * length * (1 + GAUSS)
     xi = _edge_coordinates_where_rays_cross(own_xy, angle)
     eta = _edge_coordinates_where_rays_cross(ring_xy, angle)
-    psi = lagrange_shape_function_values(lining.interpolation_degree, xi.ravel()).reshape(
-        -1, *xi.shape
-    )
-    phi = lagrange_shape_function_values(ring.interpolation_degree, eta.ravel()).reshape(
-        -1, *eta.shape
-    )
+    psi = lagrange_shape_function_values(
+        lining.interpolation_degree_along_contact_line, xi.ravel()
+    ).reshape(-1, *xi.shape)
+    phi = lagrange_shape_function_values(
+        ring.interpolation_degree_along_contact_line, eta.ravel()
+    ).reshape(-1, *eta.shape)
     x = np.einsum("cki,kiq->ciq", own_xy, psi)
     dx = np.einsum(
-        "cki,kiq->ciq", own_xy, lagrange_shape_function_derivatives(lining.interpolation_degree, xi)
+        "cki,kiq->ciq",
+        own_xy,
+        lagrange_shape_function_derivatives(lining.interpolation_degree_along_contact_line, xi),
     )
     r = np.hypot(*x)
     angle_per_xi = np.abs(x[0] * dx[1] - x[1] * dx[0]) / r**2
@@ -385,7 +387,9 @@ def coupling_matrices_of_lining_and_ring(
     # The friction moves from the lining's arc to the ring's arc, by the vector `arm`. The couple of
     # this motion acts on the slopes of the ring's shape functions.
     r_ring = np.hypot(*np.einsum("cki,kiq->ciq", ring_xy, phi))
-    ring_slopes = lagrange_shape_function_derivatives(ring.interpolation_degree, eta)
+    ring_slopes = lagrange_shape_function_derivatives(
+        ring.interpolation_degree_along_contact_line, eta
+    )
     tau = np.einsum("cki,kiq->ciq", ring_xy, ring_slopes)
     tangent_length = np.hypot(*tau)
     arm = np.array([-tau[1], tau[0]]) / tangent_length * (r - r_ring)

@@ -142,7 +142,7 @@ class ColumnLayers(NamedTuple):
                 found += [WidthUnknown(z, a, row, function) for a in along[z]]
         return found
 
-    def unknowns_of_side_line(
+    def unknowns_on_left_or_right_side_of_column(
         self, along: tuple[tuple[int, ...], tuple[int, ...]]
     ) -> list[WidthUnknown]:
         """The unknowns of the left or the right line of a column, from the contact inwards.
@@ -180,8 +180,8 @@ def column_layers_of_shoe(
     return ColumnLayers(
         p,
         tuple(functions.numbers_of_even_and_odd_functions(half) for half in halves),
-        tuple(function.piece for function in functions.even_functions),
-        tuple(function.piece for function in functions.odd_functions),
+        tuple(function.piece for function in functions.even_functions_across_width),
+        tuple(function.piece for function in functions.odd_functions_across_width),
         contact,
         back,
     )
@@ -213,7 +213,7 @@ class ColumnPlan(NamedTuple):
     """How a column is condensed: the plan of each layer, and numbers of unknowns.
 
     `kept` and `rest` are the numbers of kept and of eliminated unknowns, and
-    `unknowns_of_side_line` that of a side line.
+    `unknowns_on_left_or_right_side_of_column` that of a side line.
     """
 
     layers: tuple[LayerPlan, ...]
@@ -229,7 +229,10 @@ def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnP
     `along` are the unknowns along each row of nodes.
     """
     p, last = stack.p, len(stack.counts)
-    left, right = stack.unknowns_of_side_line(along.left), stack.unknowns_of_side_line(along.right)
+    left, right = (
+        stack.unknowns_on_left_or_right_side_of_column(along.left),
+        stack.unknowns_on_left_or_right_side_of_column(along.right),
+    )
     stays = [*left, *stack.unknowns_of_contact_nodes(along), *right]
     # The column keeps its two lines and its contact. It eliminates the inner nodes on the edges of
     # its layers.
@@ -252,7 +255,7 @@ def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnP
             ]
             within += own
         place = partial(
-            _positions_in_element_stiffness, along=along, counts=counts, p=p, first=k * p
+            _flat_positions_of_element_stiffness_block, along=along, counts=counts, p=p, first=k * p
         )
         layers.append(
             LayerPlan(
@@ -290,7 +293,7 @@ def _runs_of_consecutive_unknowns(
     return tuple((slice(a, b), slice(c, d)) for a, b, c, d in found)
 
 
-def _positions_in_element_stiffness(
+def _flat_positions_of_element_stiffness_block(
     rows: list[WidthUnknown],
     columns: list[WidthUnknown],
     along: AlongRow,
@@ -465,8 +468,10 @@ def condense_mirror_symmetric_columns(
     own = [half[:, :line] for half in halves]
     mirror = np.array(
         [
-            _sign_of_mirrored_unknown(unknown)
-            for unknown in stack.unknowns_of_side_line(unknowns_along_half_row(stack.p, 0).left)
+            _sign_of_displacement_on_mirrored_side(unknown)
+            for unknown in stack.unknowns_on_left_or_right_side_of_column(
+                unknowns_along_half_row(stack.p, 0).left
+            )
         ]
     )
     n = 2 * (stack.p + 1) * stack.counts[0][0] if stack.contact else 0
@@ -484,11 +489,11 @@ def condense_mirror_symmetric_columns(
     np.multiply(whole[:, left, left], mirror, out=right_right)
     right_right *= mirror[:, None]
     if stack.contact:
-        _write_contact_rows_of_mirrored_columns(halves, stack, mirror, whole)
+        _write_contact_stiffness_of_mirrored_columns(halves, stack, mirror, whole)
     return [ColumnSubstructure(K, line, line) for K in whole]
 
 
-def _sign_of_mirrored_unknown(unknown: WidthUnknown) -> float:
+def _sign_of_displacement_on_mirrored_side(unknown: WidthUnknown) -> float:
     """The sign by which a symmetric displacement on the left line is repeated on the right line.
 
     It is -1 for displacements around the drum, and +1 for all others.
@@ -496,7 +501,7 @@ def _sign_of_mirrored_unknown(unknown: WidthUnknown) -> float:
     return -1.0 if unknown.z == 0 and unknown.along == 1 else 1.0
 
 
-def _write_contact_rows_of_mirrored_columns(
+def _write_contact_stiffness_of_mirrored_columns(
     halves: list[Floats], stack: ColumnLayers, mirror: Floats, whole: Floats
 ) -> None:
     """Write the contact's rows and columns of the stiffness of mirrored columns into `whole`.
@@ -542,7 +547,9 @@ def column_with_back_held_beside_grip(
     """
     last = len(stack.counts) * stack.p
     side = unknowns_along_half_row(stack.p, 0).left
-    held = [u.row == last and u.z == 0 for u in stack.unknowns_of_side_line(side)]
+    held = [
+        u.row == last and u.z == 0 for u in stack.unknowns_on_left_or_right_side_of_column(side)
+    ]
     free = np.ones(len(piece.K), dtype=bool)
     place = slice(len(piece.K) - piece.right, None) if right else slice(piece.left)
     free[place] = ~np.array(held)

@@ -20,7 +20,7 @@ from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.width.error import (
     CoarseAnswers,
-    coarse_answers,
+    coarse_solutions_with_and_without_widths,
     distance_of_plane_stress_from_widths,
 )
 from drumlin.fem.width.prepare import reason_against_width_model
@@ -59,7 +59,7 @@ CORRECTED_FORCES = (
 """Attributes of a shoe's response to which the difference of the coarse answers is added."""
 
 
-def correct_for_widths(
+def correct_response_for_shoe_widths(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> Response:
     """The answer of plane stress, corrected for the widths of the shoes.
@@ -81,9 +81,11 @@ def correct_for_widths(
     NoAnswer
         where a coarse answer is missing, or a shoe loses its contact
     """
-    check_correctable(brake)
+    require_brake_that_width_model_applies_to(brake)
     try:
-        answers = coarse_answers(brake, response, penalty=penalty, cache=cache)
+        answers = coarse_solutions_with_and_without_widths(
+            brake, response, penalty=penalty, cache=cache
+        )
     except NoAnswer as error:
         raise NoAnswer(f"--finite-width: the correction is not known: {error}") from error
     change = distance_of_plane_stress_from_widths(brake, *answers)
@@ -91,24 +93,30 @@ def correct_for_widths(
         raise NoAnswer(f"--finite-width: the correction is not known: {change.unknown}")
     shoes = []
     for i in range(len(response.shoes)):
-        shoes.append(corrected_shoe(brake, i, response.shoes[i], answers))
-    corrected = replace(response, shoes=tuple(shoes), plane_stress_error=remaining_error(change))
+        shoes.append(shoe_response_corrected_for_widths(brake, i, response.shoes[i], answers))
+    corrected = replace(
+        response,
+        shoes=tuple(shoes),
+        plane_stress_error=estimated_error_after_width_correction(change),
+    )
     under_forces = brake_with_forces_of_response(brake, corrected)
     balance = largest_imbalance_among_shoes(
         [relative_imbalance_of_shoe(under_forces, i, shoe) for i, shoe in enumerate(shoes)]
     )
     corrected = replace(corrected, balance=balance)
-    return replace(corrected, notes=(*response.notes, correction_note(change, corrected)))
+    return replace(
+        corrected, notes=(*response.notes, note_on_correction_for_shoe_widths(change, corrected))
+    )
 
 
-def check_correctable(brake: Brake) -> None:
+def require_brake_that_width_model_applies_to(brake: Brake) -> None:
     """Raise BadInput where the model of the width does not apply to a brake."""
     reason = reason_against_width_model(brake)
     if reason is not None:
         raise BadInput(f"--finite-width: does not apply to this brake: {reason}")
 
 
-def corrected_shoe(
+def shoe_response_corrected_for_widths(
     brake: Brake, index: int, fine: ShoeResponse, answers: CoarseAnswers
 ) -> ShoeResponse:
     """The response of a shoe by plane stress, plus the difference of the coarse answers.
@@ -131,7 +139,9 @@ def corrected_shoe(
             values[name] = own + (with_widths - without)
     # The first and the last angle may differ by round-off from those of the coarse answers.
     theta = np.clip(fine.theta, plane.theta[0], plane.theta[-1])
-    difference = pressure_in_contact(wide, theta) - pressure_in_contact(plane, theta)
+    difference = pressure_of_shoe_zero_outside_contact(
+        wide, theta
+    ) - pressure_of_shoe_zero_outside_contact(plane, theta)
     # Where only one of the answers is in contact, the sum may be a little below zero.
     pressure = np.maximum(fine.pressure + difference, 0.0)
     zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
@@ -144,7 +154,7 @@ def corrected_shoe(
     )
 
 
-def pressure_in_contact(shoe: ShoeResponse, theta: Floats) -> Floats:
+def pressure_of_shoe_zero_outside_contact(shoe: ShoeResponse, theta: Floats) -> Floats:
     """The pressure [Pa] of a shoe at angles theta (n,) [rad]; 0 outside its arcs in contact.
 
     In the element in which the contact ends, the polynomial of the pressure oscillates about zero
@@ -156,7 +166,7 @@ def pressure_in_contact(shoe: ShoeResponse, theta: Floats) -> Floats:
     return np.where(in_contact, np.maximum(shoe.pressure_at(theta), 0.0), 0.0)
 
 
-def remaining_error(change: ModelError) -> ModelError:
+def estimated_error_after_width_correction(change: ModelError) -> ModelError:
     """The estimated error after the correction, from the relative sizes of the correction."""
     shoes = []
     for shoe in change.shoes:
@@ -165,7 +175,7 @@ def remaining_error(change: ModelError) -> ModelError:
     return ModelError(brake, tuple(shoes), corrected=True)
 
 
-def correction_note(change: ModelError, corrected: Response) -> str:
+def note_on_correction_for_shoe_widths(change: ModelError, corrected: Response) -> str:
     """The note of a corrected response: sizes of the correction, and the balance that is left."""
     torque, pressure, reaction = (
         number_as_text(change.brake[name], ".2%") for name in ("torque", "pressure", "reaction")

@@ -34,7 +34,9 @@ from drumlin.response.response import (
     reference_force_of_reaction_errors,
 )
 
-WIDTH_LEVEL = replace(LEVEL_RULE.level_with_number(0), zone=1.0, edge=1.0, back=1.0, hinge=1.0)
+WIDTH_LEVEL = replace(
+    LEVEL_RULE.refinement_level_with_number(0), zone=1.0, edge=1.0, back=1.0, hinge=1.0
+)
 """Division of the section on which the error of plane stress is estimated.
 
 By the rule of the levels it is one level coarser than the first level of a solve. The rule would
@@ -64,7 +66,7 @@ class CoarseSection(NamedTuple):
     plane: Response
 
 
-def coarse_section_of_brake(
+def plane_stress_solution_on_coarse_division(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> CoarseSection:
     """The coarse section of a brake, with the answer of plane stress on it.
@@ -77,7 +79,9 @@ def coarse_section_of_brake(
     NoAnswer
         where plane stress has no answer on the first level
     """
-    answered = partial(section_of_level, brake, response, penalty=penalty, cache=cache)
+    answered = partial(
+        plane_stress_solution_on_given_hp_elements, brake, response, penalty=penalty, cache=cache
+    )
     try:
         coarse = answered(WIDTH_LEVEL)
     except NoAnswer:
@@ -88,7 +92,7 @@ def coarse_section_of_brake(
     return coarse
 
 
-def section_of_level(
+def plane_stress_solution_on_given_hp_elements(
     brake: Brake,
     response: Response,
     level: Level,
@@ -127,7 +131,7 @@ class CoarseAnswers(NamedTuple):
     wide: Response
 
 
-def coarse_answers(
+def coarse_solutions_with_and_without_widths(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> CoarseAnswers:
     """The answers of plane stress and of the model of the width on a coarse section of a brake.
@@ -140,7 +144,9 @@ def coarse_answers(
         where one of the answers is missing
     """
     try:
-        section = coarse_section_of_brake(brake, response, penalty=penalty, cache=cache)
+        section = plane_stress_solution_on_coarse_division(
+            brake, response, penalty=penalty, cache=cache
+        )
         scene = prepare_brake_with_widths(
             brake, section.level, WIDTH_DEGREE, section.points, cache=cache
         )
@@ -166,7 +172,9 @@ def estimate_error_of_plane_stress(
     if reason is not None:
         return ModelError({}, unknown=reason)
     try:
-        answers = coarse_answers(brake, response, penalty=penalty, cache=cache)
+        answers = coarse_solutions_with_and_without_widths(
+            brake, response, penalty=penalty, cache=cache
+        )
     except NoAnswer as error:
         return ModelError({}, unknown=str(error))
     return distance_of_plane_stress_from_widths(brake, *answers)

@@ -21,7 +21,7 @@ from drumlin.fem.substructure.interface import (
 from drumlin.fem.width.functions import (
     WidthFunctions,
     integrals_over_width_of_part,
-    matrix_from_nodes_to_functions,
+    matrix_from_node_values_to_function_factors,
 )
 from drumlin.response.response import PressureOverWidth
 
@@ -65,19 +65,19 @@ class WidthFace(ContactLine):
 
         zeta_k is the polynomial of z that is 1 at the node k across the width.
         """
-        to_functions = matrix_from_nodes_to_functions(self.functions, self.half)
+        to_functions = matrix_from_node_values_to_function_factors(self.functions, self.half)
         even = integrals_over_width_of_part(self.functions, self.half).even
         return np.asarray(to_functions.T @ even @ to_functions)
 
     @property
-    def widths_of_nodes(self) -> Floats:
+    def tributary_widths_of_nodes_across_width(self) -> Floats:
         """The width Int zeta_k dz (m,) [m] that each node across the width stands for.
 
         The sum of all is the whole width.
         """
         return self.mass_matrix_across_width.sum(axis=1)
 
-    def couple_lining_with_counterface(self, width: float, directions: Directions) -> Coupling:
+    def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> Coupling:
         """The coupling of the face with the drum or the plane.
 
         The width is that of the face, and the argument `width` has no effect.
@@ -94,16 +94,21 @@ class WidthFace(ContactLine):
             return np.asarray(by_node.reshape(n * count, -1))
 
         M = np.asarray(np.kron(line.M, m), dtype=float)
-        lever = np.asarray(np.kron(line.lever, self.widths_of_nodes), dtype=float)
+        lever = np.asarray(
+            np.kron(line.lever, self.tributary_widths_of_nodes_across_width), dtype=float
+        )
         return Coupling(
             M, face_matrix_from_line_matrix(line.N), face_matrix_from_line_matrix(line.T), lever
         )
 
     def angles_and_mean_pressures(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] of the line's nodes, and their pressure (n,) [Pa], averaged over z."""
-        return self.line.phi, p.reshape(
-            -1, len(self.node_distances_from_mid_plane)
-        ) @ self.widths_of_nodes / self.widths_of_nodes.sum()
+        return (
+            self.line.phi,
+            p.reshape(-1, len(self.node_distances_from_mid_plane))
+            @ self.tributary_widths_of_nodes_across_width
+            / self.tributary_widths_of_nodes_across_width.sum(),
+        )
 
     def pressure_over_arc_and_width(self, p: Floats) -> PressureOverWidth:
         """The pressure over arc and whole width of the lining, at even steps of z in each piece.
@@ -118,11 +123,11 @@ class WidthFace(ContactLine):
         steps = np.arange(FACE_STEPS) / FACE_STEPS
         z = np.append((ends[:-1, None] + np.diff(ends)[:, None] * steps).ravel(), ends[-1])
         # The nodal pressures become factors of the even functions, which are evaluated at all z.
-        own = self.functions.even_functions[
+        own = self.functions.even_functions_across_width[
             : self.functions.numbers_of_even_and_odd_functions(self.half)[0]
         ]
         values, _ = self.functions.function_values_and_slopes(own, z)
-        to_functions = matrix_from_nodes_to_functions(self.functions, self.half)
+        to_functions = matrix_from_node_values_to_function_factors(self.functions, self.half)
         half = p.reshape(-1, len(self.node_distances_from_mid_plane)) @ to_functions.T @ values
         # The pressure is symmetric about the mid-plane.
         both = np.concatenate([-z[:0:-1], z])

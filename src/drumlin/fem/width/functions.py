@@ -83,16 +83,16 @@ class WidthFunctions:
     degree: int
 
     @cached_property
-    def even_functions(self) -> tuple[WidthFunction, ...]:
+    def even_functions_across_width(self) -> tuple[WidthFunction, ...]:
         """The even functions, for the displacements u_x and u_y in the section."""
-        return self._functions_of_parity(0)
+        return self._even_or_odd_functions_across_width(0)
 
     @cached_property
-    def odd_functions(self) -> tuple[WidthFunction, ...]:
+    def odd_functions_across_width(self) -> tuple[WidthFunction, ...]:
         """The odd functions, for the displacement u_z; none in plane stress (degree 0)."""
-        return self._functions_of_parity(1) if self.degree > 0 else ()
+        return self._even_or_odd_functions_across_width(1) if self.degree > 0 else ()
 
-    def _functions_of_parity(self, first: int) -> tuple[WidthFunction, ...]:
+    def _even_or_odd_functions_across_width(self, first: int) -> tuple[WidthFunction, ...]:
         """The functions of one parity: even functions for `first` 0, odd functions for `first` 1.
 
         In the first piece their degrees are `first`, `first` + 2 and so on.
@@ -111,8 +111,8 @@ class WidthFunctions:
         """Numbers of even and of odd functions on a part of the shoe of half width `half` [m]."""
         # In plane stress all parts have the one function 1, however narrow they are.
         pieces = max(self.number_of_pieces_in_part(half), 1)
-        even = sum(function.piece < pieces for function in self.even_functions)
-        return even, sum(function.piece < pieces for function in self.odd_functions)
+        even = sum(function.piece < pieces for function in self.even_functions_across_width)
+        return even, sum(function.piece < pieces for function in self.odd_functions_across_width)
 
     def function_values_and_slopes(
         self, functions: tuple[WidthFunction, ...], z: Floats
@@ -179,8 +179,8 @@ def integrals_over_width_of_part(functions: WidthFunctions, half: float) -> Widt
     # The factor 1/2 of the Gauss weights for the length of a piece and the factor 2 for both sides
     # of the mid-plane cancel.
     weights = (lengths[:, None] * WEIGHTS).ravel()
-    e, e_slopes = functions.function_values_and_slopes(functions.even_functions[:n], z)
-    o, o_slopes = functions.function_values_and_slopes(functions.odd_functions[:m], z)
+    e, e_slopes = functions.function_values_and_slopes(functions.even_functions_across_width[:n], z)
+    o, o_slopes = functions.function_values_and_slopes(functions.odd_functions_across_width[:m], z)
     return WidthIntegrals(
         even=(e * weights) @ e.T,
         even_slopes=(e_slopes * weights) @ e_slopes.T,
@@ -192,12 +192,14 @@ def integrals_over_width_of_part(functions: WidthFunctions, half: float) -> Widt
 
 
 @cache
-def matrix_from_nodes_to_functions(functions: WidthFunctions, half: float) -> Floats:
+def matrix_from_node_values_to_function_factors(functions: WidthFunctions, half: float) -> Floats:
     """The matrix (functions, nodes) from values at nodes across a part to even functions' factors.
 
     The even functions are those of a part of half width `half` [m].
     """
-    own = functions.even_functions[: functions.numbers_of_even_and_odd_functions(half)[0]]
+    own = functions.even_functions_across_width[
+        : functions.numbers_of_even_and_odd_functions(half)[0]
+    ]
     values, _ = functions.function_values_and_slopes(
         own, functions.node_distances_across_part(half)
     )

@@ -48,9 +48,9 @@ from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.width.error import (
     WIDTH_DEGREE,
     CoarseSection,
-    coarse_section_of_brake,
+    plane_stress_solution_on_coarse_division,
+    plane_stress_solution_on_given_hp_elements,
     relative_distances_of_shoe_responses,
-    section_of_level,
 )
 from drumlin.fem.width.functions import has_several_widths
 from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_brake_with_widths
@@ -158,17 +158,19 @@ def solve_brake_with_widths_to_tolerance(
     answer, cache = partial(solve_prepared_model, penalty=penalty), cache or Cache()
     climbed: list[SolvedLevel] = []
 
-    def record_solved_levels() -> Iterator[SolvedLevel]:
+    def yield_and_record_refinement_levels() -> Iterator[SolvedLevel]:
         """Yield the levels of a solve by plane stress, and append each one to `climbed`."""
         for step in solve_on_finer_and_finer_levels(brake, answer, cache):
             climbed.append(step)
             yield step
 
     plane = solve_brake_to_tolerance(
-        brake, half, answer, must=False, cache=cache, levels=record_solved_levels()
+        brake, half, answer, must=False, cache=cache, levels=yield_and_record_refinement_levels()
     ).response
-    compared = width_section(brake, plane, penalty=penalty, cache=cache)
-    sections = _solved_sections_with_errors(brake, compared, climbed, plane)
+    compared = plane_stress_solution_to_compare_width_degrees(
+        brake, plane, penalty=penalty, cache=cache
+    )
+    sections = _refinement_levels_of_section_with_errors(brake, compared, climbed, plane)
     width = smallest_width_degree_within_tolerance(
         brake, plane, compared, half, penalty=penalty, cache=cache
     )
@@ -177,7 +179,7 @@ def solve_brake_with_widths_to_tolerance(
         and sections[-1].error.is_within_error_tolerance(half)
     ):
         raise NoAnswer(
-            _text_on_unreached_tolerance(
+            _message_on_unreached_error_tolerance(
                 tolerance, sections[-1].error.sum_with_other_errors(width.error), width.degree
             )
         )
@@ -201,12 +203,12 @@ def solve_brake_with_widths_to_tolerance(
         shoes=tuple(
             replace(shoe, error=own) for shoe, own in zip(response.shoes, found.shoes, strict=True)
         ),
-        error=Errors.from_torque_and_shoes(found.torque, found.shoes).brake,
+        error=Errors.brake_errors_from_torque_and_shoe_errors(found.torque, found.shoes).brake,
         notes=(*response.notes, *warnings, how),
     )
 
 
-def _solved_sections_with_errors(
+def _refinement_levels_of_section_with_errors(
     brake: Brake, compared: CoarseSection, climbed: Sequence[SolvedLevel], last: Response
 ) -> list[_Section]:
     """The levels of the section by plane stress, from the coarsest on, each with its error.
@@ -222,13 +224,13 @@ def _solved_sections_with_errors(
         (last.error or {})["torque"], tuple(dict(s.error or {}) for s in last.shoes)
     )
     degrees = {level.degree: level for level in LEVELS}
-    error = _relative_distances_from_better_response(
+    error = _relative_differences_from_better_response(
         brake, compared.plane, last
     ).sum_with_other_errors(stated)
     found = [_Section(compared.level, compared.plane, error)]
     for step in climbed[:-1]:
-        level = degrees[step.scene.bodies[0].line.interpolation_degree]
-        error = _relative_distances_from_better_response(
+        level = degrees[step.scene.bodies[0].line.interpolation_degree_along_contact_line]
+        error = _relative_differences_from_better_response(
             brake, step.response, last
         ).sum_with_other_errors(stated)
         found.append(_Section(level, step.response, error))
@@ -236,7 +238,9 @@ def _solved_sections_with_errors(
     return [*found, _Section(final, last, stated)]
 
 
-def _text_on_unreached_tolerance(tolerance: Tolerance, error: SolidErrors, degree: int) -> str:
+def _message_on_unreached_error_tolerance(
+    tolerance: Tolerance, error: SolidErrors, degree: int
+) -> str:
     """The text on a tolerance that the finest section and the largest degree do not reach."""
     pressure = max(shoe["pressure"] for shoe in error.shoes)
     return (
@@ -245,7 +249,7 @@ def _text_on_unreached_tolerance(tolerance: Tolerance, error: SolidErrors, degre
     )
 
 
-def width_section(
+def plane_stress_solution_to_compare_width_degrees(
     brake: Brake, plane: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> CoarseSection:
     """The section on which degrees across the width are compared, by the widths of the shoes.
@@ -266,8 +270,10 @@ def width_section(
         where plane stress has no answer on the first level
     """
     if any(has_several_widths(shoe) for shoe in brake.shoes):
-        return section_of_level(brake, plane, LEVELS[0], penalty=penalty, cache=cache)
-    return coarse_section_of_brake(brake, plane, penalty=penalty, cache=cache)
+        return plane_stress_solution_on_given_hp_elements(
+            brake, plane, LEVELS[0], penalty=penalty, cache=cache
+        )
+    return plane_stress_solution_on_coarse_division(brake, plane, penalty=penalty, cache=cache)
 
 
 def smallest_width_degree_within_tolerance(
@@ -287,14 +293,15 @@ def smallest_width_degree_within_tolerance(
     ----------
     brake : the brake
     plane : answer of plane stress
-    section : the section of the brake on which degrees are compared, see `width_section`
+    section : the section of the brake on which degrees are compared, see
+        `plane_stress_solution_to_compare_width_degrees`
     tolerance : relative errors that are allowed for the width's part
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
     """
     answers: dict[int, Response] = {}
 
-    def answer(degree: int) -> Response:
+    def solve_with_degree_across_width(degree: int) -> Response:
         """The answer of a degree across the width on the section."""
         if degree not in answers:
             scene = prepare_brake_with_widths(
@@ -305,8 +312,10 @@ def smallest_width_degree_within_tolerance(
 
     last = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD
     for degree in range(WIDTH_DEGREE, last + 1):
-        further = [answer(degree + k) for k in range(1, LOOKED_AHEAD + 1)]
-        found = _error_of_degree_across_width(brake, degree, answer(degree), further)
+        further = [solve_with_degree_across_width(degree + k) for k in range(1, LOOKED_AHEAD + 1)]
+        found = _error_of_degree_across_width(
+            brake, degree, solve_with_degree_across_width(degree), further
+        )
         if found.error.is_within_error_tolerance(tolerance):
             return found
     return found
@@ -316,21 +325,25 @@ def _error_of_degree_across_width(
     brake: Brake, degree: int, response: Response, further: list[Response]
 ) -> DegreeError:
     """The width's part of the error of a degree, from its answer and those of further degrees."""
-    moved = [_relative_distances_from_better_response(brake, response, other) for other in further]
+    moved = [
+        _relative_differences_from_better_response(brake, response, other) for other in further
+    ]
     shoes = []
     for own in zip(*(each.shoes for each in moved), strict=True):
         shoes.append({name: max(each[name] for each in own) for name in QUANTITIES})
     largest = SolidErrors(max(each.torque for each in moved), tuple(shoes))
-    return DegreeError(degree, largest.errors_times_factor(_distance_factor(degree)))
+    return DegreeError(
+        degree, largest.errors_times_factor(_error_over_difference_from_next_degrees(degree))
+    )
 
 
-def _distance_factor(degree: int) -> float:
+def _error_over_difference_from_next_degrees(degree: int) -> float:
     """The stated error of a degree, over its distance from the next LOOKED_AHEAD degrees."""
     left = (degree / (degree + LOOKED_AHEAD)) ** SLOWEST_FALL
     return WIDTH_SAFETY / (1 - left)
 
 
-def _relative_distances_from_better_response(
+def _relative_differences_from_better_response(
     brake: Brake, response: Response, true: Response
 ) -> SolidErrors:
     """The relative distances of a response from a more exact response `true`."""

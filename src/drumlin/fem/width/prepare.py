@@ -11,7 +11,10 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
-from drumlin.fem.hp.body import condensed_body_with_cholesky_factor, contact_line_of_shoe
+from drumlin.fem.hp.body import (
+    condensed_body_with_cholesky_factor,
+    contact_line_of_lining_face_nodes,
+)
 from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe_into_hp_elements
 from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
 from drumlin.fem.preparation.cache import (
@@ -69,7 +72,7 @@ class UnrecoveredUnknowns:
     They are not recovered after condensation, so that each method raises NotImplementedError.
     """
 
-    def equations_of_whole_body(self) -> InnerSystem:
+    def equations_of_body_before_condensation(self) -> InnerSystem:
         """Raise NotImplementedError instead of returning the body's equations on all nodes."""
         raise NotImplementedError(INTERIOR)
 
@@ -108,13 +111,13 @@ def reason_against_any_model_with_widths(brake: Brake, model: str, on_ring: str)
     if brake.ring is not None:
         return on_ring
     for shoe in brake.shoes:
-        reason = _reason_against_width_model_of_shoe(shoe)
+        reason = _reason_against_modelling_width_of_shoe(shoe)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
     return reason_if_any_part_is_orthotropic(brake, model) or plane_why_not(brake)
 
 
-def _reason_against_width_model_of_shoe(shoe: Shoe) -> str | None:
+def _reason_against_modelling_width_of_shoe(shoe: Shoe) -> str | None:
     """The reason why no model of shoes with widths applies to a shoe; None where one applies."""
     if shoe.mesh is not None:
         return "a mesh of its own is a section without widths"
@@ -239,7 +242,9 @@ def condense_and_couple_shoe_with_width(
         condensed = condensed_body_with_cholesky_factor(found, UnrecoveredUnknowns())
     with add_elapsed_time(seconds, "coupling"):
         face = friction_surface_of_shoe_with_width(shoe, radius, division, functions)
-        basis = NodesOverWidth(number_of_displacements_of_shoe(shoe, division, functions) // 2)
+        basis = NodesOverWidth(
+            number_of_displacement_unknowns_of_shoe(shoe, division, functions) // 2
+        )
         divided = DividedBody(basis, basis, face)
         return make_shoe_substructure(
             ShoeSubstructure, shoe, divided, condensed, found.centre, friction=friction
@@ -250,7 +255,7 @@ def friction_surface_of_shoe_with_width(
     shoe: Shoe, radius: float, division: ShoeDivision, functions: WidthFunctions
 ) -> WidthFace:
     """The friction surface of a divided shoe with functions across the shoe's width."""
-    line, half = contact_line_of_shoe(shoe, radius, division), shoe.lining.width / 2
+    line, half = contact_line_of_lining_face_nodes(shoe, radius, division), shoe.lining.width / 2
     count = len(functions.node_distances_across_part(half))
     return WidthFace(
         nodes=np.arange(len(line.nodes) * count),
@@ -264,7 +269,7 @@ def friction_surface_of_shoe_with_width(
     )
 
 
-def number_of_displacements_of_shoe(
+def number_of_displacement_unknowns_of_shoe(
     shoe: Shoe, division: ShoeDivision, functions: WidthFunctions
 ) -> int:
     """Number of displacements of a divided shoe with functions across the shoe's width.

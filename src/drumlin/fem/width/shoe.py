@@ -26,7 +26,7 @@ from drumlin.fem.hp.shoe import (
     angles_of_displacement_axes,
     condensed_shoe_with_balanced_loads,
     condensed_shoe_with_held_back,
-    condensed_stiffness_of_loaded_body_part,
+    condensed_stiffness_of_body_behind_lining,
     function_from_depth_and_angle_to_point,
     kinds_of_equal_element_columns,
     node_coordinates_of_layers_and_columns,
@@ -51,7 +51,7 @@ from drumlin.fem.width.functions import (
     WidthIntegrals,
     half_widths_of_parts,
     integrals_over_width_of_part,
-    matrix_from_nodes_to_functions,
+    matrix_from_node_values_to_function_factors,
 )
 from drumlin.fem.width.integrals import (
     SYMMETRIES,
@@ -81,7 +81,7 @@ class WidthLayers(NamedTuple):
         """The integrals over the width, of each layer from number `first` inwards."""
         return [integrals_over_width_of_part(self.functions, half) for half in self.halves[first:]]
 
-    def column_layers_from_number(
+    def layers_of_element_column_from_index(
         self, p: int, first: int, *, contact: bool, back: BackEdge
     ) -> ColumnLayers:
         """The unknowns of a column of the layers from number `first` inwards.
@@ -94,10 +94,12 @@ class WidthLayers(NamedTuple):
 
     def unknowns_across_body_thickness(self, div: ShoeDivision) -> "BodyLine":
         """The unknowns across the body's thickness, of layers that continue beyond the lining."""
-        stack = self.column_layers_from_number(
+        stack = self.layers_of_element_column_from_index(
             div.degree, div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
         )
-        line = stack.unknowns_of_side_line(unknowns_along_half_row(div.degree, 0).left)
+        line = stack.unknowns_on_left_or_right_side_of_column(
+            unknowns_along_half_row(div.degree, 0).left
+        )
         z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
         return BodyLine(z, component, row, function, self.halves[div.index_of_first_body_layer])
 
@@ -120,7 +122,7 @@ class BodyLine(NamedTuple):
     function: Ints
     half: float
 
-    def vectors_with_width_functions(self, vectors: Floats, share: Floats) -> Floats:
+    def expand_section_vectors_by_width_functions(self, vectors: Floats, share: Floats) -> Floats:
         """Vectors (n, m) on the unknowns of the line from vectors of the plane section (2 rows, m).
 
         Displacements or forces along z are zero. `share` (functions,) is the factor of each even
@@ -239,7 +241,7 @@ def _condensed_element_columns_of_shoe(
     p = div.degree
     make, which = _function_that_makes_columns(shoe, radius, div, layers)
 
-    def condensed_columns_of_row(
+    def condensed_columns_of_given_column_kinds(
         row: Ints, first: int, *, contact: bool, back: BackEdge
     ) -> list[ColumnSubstructure]:
         """The condensed columns of a row of kinds, with the layers from number `first` inwards.
@@ -251,7 +253,9 @@ def _condensed_element_columns_of_shoe(
         # Each kind of column is condensed once.
         kinds = np.flatnonzero(np.bincount(row))
         columns = make(
-            kinds, first, layers.column_layers_from_number(p, first, contact=contact, back=back)
+            kinds,
+            first,
+            layers.layers_of_element_column_from_index(p, first, contact=contact, back=back),
         )
         made = dict(zip(kinds.tolist(), columns, strict=True))
         return [made[kind] for kind in row.tolist()]
@@ -265,17 +269,19 @@ def _condensed_element_columns_of_shoe(
         if div.index_of_first_body_layer == div.number_of_element_layers
         else BackEdge.FREE
     )
-    free = condensed_columns_of_row(
+    free = condensed_columns_of_given_column_kinds(
         np.concatenate([which[:a], which[b:under]]), 0, contact=True, back=back
     )
-    gripped = condensed_columns_of_row(which[a:b], 0, contact=True, back=BackEdge.GRIPPED)
-    rest = condensed_columns_of_row(
+    gripped = condensed_columns_of_given_column_kinds(
+        which[a:b], 0, contact=True, back=BackEdge.GRIPPED
+    )
+    rest = condensed_columns_of_given_column_kinds(
         which[under:], div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
     )
     row = [*free[:a], *gripped, *free[a:]]
     # A column beside the grip shares its side with a gripped column. The innermost nodes of this
     # side are held.
-    stack = layers.column_layers_from_number(p, 0, contact=True, back=BackEdge.FREE)
+    stack = layers.layers_of_element_column_from_index(p, 0, contact=True, back=BackEdge.FREE)
     if a < b and a > 0:
         row[a - 1] = column_with_back_held_beside_grip(row[a - 1], stack, right=True)
     if a < b < under:
@@ -334,7 +340,7 @@ def condense_shoe_with_width(
     columns[0] = eliminate_nodes_on_column_side(columns[0], ends[0], first)
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], ends[1], last, right=True)
     S = assemble_row_of_element_columns(columns, 2 * count).K
-    face = _FaceAxes.axes_of_contact_face(shoe, div, layers)
+    face = _FaceAxes.conversion_to_displacements_of_face_nodes(shoe, div, layers)
     return condensed_shoe_with_held_back(shoe, face.stiffness_of_face_nodes(S), R)
 
 
@@ -355,11 +361,11 @@ class _FaceAxes(NamedTuple):
     inverse: Floats
 
     @classmethod
-    def axes_of_contact_face(
+    def conversion_to_displacements_of_face_nodes(
         cls, shoe: Shoe, div: ShoeDivision, layers: WidthLayers
     ) -> "_FaceAxes":
         """The change of unknowns for the contact face of a divided shoe."""
-        inverse = matrix_from_nodes_to_functions(layers.functions, layers.halves[0])
+        inverse = matrix_from_node_values_to_function_factors(layers.functions, layers.halves[0])
         angles = np.repeat(rotation_angles_to_shoe_frame(shoe, div), len(inverse))
         return cls(angles, inverse)
 
@@ -424,7 +430,7 @@ def _condense_hinged_shoe_with_width(
         angles_of_displacement_axes(shoe, near),
     )
     end = unit_actuation_loads_on_end_face(place(depths, far), depths, p)
-    end_forces = line.vectors_with_width_functions(
+    end_forces = line.expand_section_vectors_by_width_functions(
         rotate_axes_of_all_nodes_by_one_angle(end.forces, angles_of_displacement_axes(shoe, far)),
         evenly,
     )
@@ -433,7 +439,7 @@ def _condense_hinged_shoe_with_width(
     columns = row.under.copy()
     tied, modes = (
         np.flatnonzero(line.z == 0),
-        line.vectors_with_width_functions(modes, only_first)[line.z == 0],
+        line.expand_section_vectors_by_width_functions(modes, only_first)[line.z == 0],
     )
     if row.before:
         held = _column_with_left_side_tied_to_frame(row.before[0], tied, modes)
@@ -444,11 +450,11 @@ def _condense_hinged_shoe_with_width(
         columns[0] = _column_with_left_side_tied_to_frame(columns[0], own + tied, modes)._replace(
             left=0
         )
-    loaded = condensed_stiffness_of_loaded_body_part(row.after, end_forces)
+    loaded = condensed_stiffness_of_body_behind_lining(row.after, end_forces)
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], loaded, len(end_forces), right=True)
     count = layers.functions.numbers_of_even_and_odd_functions(layers.halves[0])[0]
     A = assemble_row_of_element_columns(columns, 2 * count).K
-    face = _FaceAxes.axes_of_contact_face(shoe, div, layers)
+    face = _FaceAxes.conversion_to_displacements_of_face_nodes(shoe, div, layers)
     return condensed_shoe_with_balanced_loads(
         A, end, R, pin, face.forces_on_face_nodes, face.stiffness_of_face_nodes
     )

@@ -13,7 +13,7 @@ degree. The change of a quantity over the last meshes estimates its error.
 
 from drumlin.verification.triangles.levels import (
     TRIANGLE_LEVELS,
-    solve_on_triangle_level,
+    solve_brake_on_one_triangle_mesh,
     solve_on_triangle_level_sequence,
 )
 from drumlin.verification.triangles.outline import TriangleLevel
@@ -23,6 +23,6 @@ __all__ = [
     "TRIANGLE_LEVELS",
     "ShoeSolution",
     "TriangleLevel",
-    "solve_on_triangle_level",
+    "solve_brake_on_one_triangle_mesh",
     "solve_on_triangle_level_sequence",
 ]

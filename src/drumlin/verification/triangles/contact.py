@@ -135,7 +135,7 @@ def solve_contact_complementarity(
     raise NoAnswer(f"no contact set settles: wrong by {least:.1e}")
 
 
-def solve_contact_forces(
+def contact_forces_of_shoes_in_one_system(
     brake: Brake,
     faces: list[CondensedFace],
     shoes: list[Shoe],
@@ -163,7 +163,11 @@ def solve_contact_forces(
     """
     failure: NoAnswer | None = None
     # Each combination of the senses of friction at the abutments is tried in turn.
-    for chosen in product(*(shoe.senses for shoe in shoes)) if senses is None else [senses]:
+    for chosen in (
+        product(*(shoe.senses_of_abutment_friction_to_try for shoe in shoes))
+        if senses is None
+        else [senses]
+    ):
         try:
             found = _solve_for_abutment_friction_senses(brake, faces, shoes, rim, first, chosen)
         except NoAnswer as error:
@@ -183,7 +187,7 @@ def _is_foot_on_abutment(
     # `drum` is the force of the drum on the lining per unit of normal force, at each node.
     drum = brake.friction * brake.sign_of_motion * one.tangent - one.normal
     reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.actuation.force_vector
-    return shoe.stands(reaction, sense, float(found.motions[-1]))
+    return shoe.can_abutment_exert_reaction_on_foot(reaction, sense, float(found.motions[-1]))
 
 
 def _solve_for_abutment_friction_senses(

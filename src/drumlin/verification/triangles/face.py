@@ -41,7 +41,7 @@ class MeshedBody(NamedTuple):
 
 def body_with_nodes_and_stiffness(shape: Outline, mesh: Triangles, degree: int) -> MeshedBody:
     """The body of outline `shape` with the nodes and the stiffness matrices of its triangles."""
-    nodes = lagrange.make_triangle_nodes(mesh, shape.place, degree)
+    nodes = lagrange.nodes_of_triangle_mesh_of_given_degree(mesh, shape.place, degree)
     K = lagrange.triangle_stiffness_matrices(mesh, nodes, shape.layers, degree)
     surface = np.flatnonzero(nodes.at[:, 1] == 0)
     return MeshedBody(shape, mesh, nodes, K, surface[np.argsort(nodes.at[surface, 0])], degree)
@@ -174,7 +174,11 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
     # The mass matrix of the face turns nodal forces into a pressure.
     place = np.empty(len(nodes.xy), dtype=np.int64)
     place[kept] = np.arange(len(kept))
-    of = place[node_numbers_along_edges(nodes, *body.mesh.edges_on_surface, body.degree)]
+    of = place[
+        node_numbers_along_edges(
+            nodes, *body.mesh.indices_of_triangle_edges_on_friction_surface, body.degree
+        )
+    ]
     psi, _, ds = gauss_rule_on_curved_edges(nodes.xy[kept][of], body.degree)
     mass = np.zeros((len(kept), len(kept)))
     np.add.at(

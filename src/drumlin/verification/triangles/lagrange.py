@@ -22,7 +22,7 @@ from drumlin.verification.triangles.triangulation import (
     PointMap,
     TriangleLayer,
     Triangles,
-    mesh_edges,
+    edges_of_mesh_and_of_each_triangle,
 )
 
 LEAF_TRIANGLES = 8
@@ -122,9 +122,9 @@ class Nodes:
     xy: Floats
 
 
-def make_triangle_nodes(mesh: Triangles, place: PointMap, degree: int) -> Nodes:
+def nodes_of_triangle_mesh_of_given_degree(mesh: Triangles, place: PointMap, degree: int) -> Nodes:
     """The nodes of a mesh of triangles of a polynomial degree: at corners, on edges and inside."""
-    edges, of_edge = mesh_edges(mesh)
+    edges, of_edge = edges_of_mesh_and_of_each_triangle(mesh)
     corners = int(mesh.vertices.max()) + 1
     inner = degree - 1
     m = len(mesh.vertices)
@@ -183,13 +183,13 @@ def triangle_stiffness_matrices(
             own = np.flatnonzero(mesh.layer[part] == number)
             points = np.einsum("mnc,nq->cmq", x[own], values)
             area = np.abs(det[own]) * weights
-            found[part[own]] = _orthotropic_triangle_stiffness(
+            found[part[own]] = _stiffness_matrices_of_orthotropic_triangles(
                 G[own], area, layers[number].elastic, points
             )
     return found
 
 
-def _orthotropic_triangle_stiffness(
+def _stiffness_matrices_of_orthotropic_triangles(
     G: Floats, area: Floats, layer: ElasticLayer, points: Floats
 ) -> Floats:
     """Stiffness matrices (m, 2n, 2n) of triangles in an orthotropic layer [N/m].
@@ -285,7 +285,9 @@ def condense_body_to_kept_nodes(
     loads = np.where(held[:, None], 0.0, loads)
     columns = loads.shape[1]
 
-    def assemble_and_eliminate(parts: list[PartialSchurComplement]) -> PartialSchurComplement:
+    def assemble_parts_and_eliminate_inner_unknowns(
+        parts: list[PartialSchurComplement],
+    ) -> PartialSchurComplement:
         """Assemble parts of the body and eliminate the unknowns that no other part shares."""
         # An unknown can be eliminated if all of its triangles are in these parts.
         all_dofs, where = np.unique(
@@ -325,7 +327,7 @@ def condense_body_to_kept_nodes(
         if len(members) <= LEAF_TRIANGLES:
             free = ~held[dofs[members]]
             none = np.zeros((columns, columns))
-            return assemble_and_eliminate(
+            return assemble_parts_and_eliminate_inner_unknowns(
                 [
                     PartialSchurComplement(
                         d[on],
@@ -339,7 +341,7 @@ def condense_body_to_kept_nodes(
             )
         x = centres[members]
         order = members[np.argsort(x[:, int(np.argmax(np.ptp(x, axis=0)))], kind="stable")]
-        return assemble_and_eliminate(
+        return assemble_parts_and_eliminate_inner_unknowns(
             [
                 schur_complement_of_triangles(order[: len(order) // 2]),
                 schur_complement_of_triangles(order[len(order) // 2 :]),

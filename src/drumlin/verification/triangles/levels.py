@@ -12,7 +12,7 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
-from drumlin.verification.triangles.contact import solve_contact_forces
+from drumlin.verification.triangles.contact import contact_forces_of_shoes_in_one_system
 from drumlin.verification.triangles.face import (
     CondensedFace,
     body_with_nodes_and_stiffness,
@@ -25,7 +25,10 @@ from drumlin.verification.triangles.outline import (
     make_graded_shoe_mesh,
     make_shoe_outline,
 )
-from drumlin.verification.triangles.ring import condense_ring_to_lining_nodes, mesh_linings_and_ring
+from drumlin.verification.triangles.ring import (
+    condense_ring_to_lining_nodes,
+    mesh_drum_ring_to_match_shoe_meshes,
+)
 from drumlin.verification.triangles.shared import solve_shoes_that_share_forces
 from drumlin.verification.triangles.solution import ShoeSolution, solution_from_contact_forces
 
@@ -62,7 +65,7 @@ TRIANGLE_LEVELS = (
 """Degree and grading of the meshes of `solve_on_triangle_level_sequence`, from coarse to fine."""
 
 
-def numbers_of_pressed_shoes(brake: Brake) -> list[int]:
+def indices_of_shoes_pressed_on_drum(brake: Brake) -> list[int]:
     """Numbers of the shoes that the actuation presses on the drum.
 
     A shoe on a hinge is pressed if the moment of its actuation closes the gap at some angle. Shoes
@@ -90,7 +93,7 @@ def _shortest_wavelength_of_drum(brake: Brake) -> float:
     return 2 * math.pi * brake.size / max(highest, 1)
 
 
-def solve_on_triangle_level(
+def solve_brake_on_one_triangle_mesh(
     brake: Brake, level: TriangleLevel, before: Sequence[ShoeSolution] | None = None
 ) -> list[ShoeSolution]:
     """Solve a brake on triangles of one degree and grading; returns the solution of each shoe.
@@ -113,7 +116,7 @@ def solve_on_triangle_level(
     if refusal is not None:
         raise BadInput(refusal)
     shoes = list(brake.shoes)
-    if len(numbers_of_pressed_shoes(brake)) < len(shoes):
+    if len(indices_of_shoes_pressed_on_drum(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")
     earlier = [None] * len(shoes) if before is None else list(before)
     # Each shoe gets a mesh that is graded to its corners and to the ends of its contact.
@@ -130,12 +133,12 @@ def solve_on_triangle_level(
         )
     meshes, opposite = [one.mesh for one in drafts], None
     if brake.ring is not None:
-        meshes, opposite = mesh_linings_and_ring(brake, drafts, level)
+        meshes, opposite = mesh_drum_ring_to_match_shoe_meshes(brake, drafts, level)
     # Shoes that share forces are condensed under a unit force, which is scaled later.
     faces = [
         condense_shoe_to_lining_face(
             brake,
-            shoe.under(1.0) if brake.shares else shoe,
+            shoe.shoe_with_changed_actuation_force(1.0) if brake.shares else shoe,
             body_with_nodes_and_stiffness(one.shape, mesh, level.degree),
         )
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
@@ -148,12 +151,14 @@ def solve_on_triangle_level(
             raise BadInput(f"{brake.shares}, on an elastic ring")
         shoes, found = solve_shoes_that_share_forces(brake, faces, firsts)
     elif opposite is not None:
-        found = solve_contact_forces(
+        found = contact_forces_of_shoes_in_one_system(
             brake, faces, shoes, condense_ring_to_lining_nodes(brake, opposite, faces), firsts
         )
     else:
         found = [
-            solve_contact_forces(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[0]
+            contact_forces_of_shoes_in_one_system(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[
+                0
+            ]
             for i in range(len(shoes))
         ]
     return [
@@ -178,14 +183,17 @@ def _gap_kinks_and_contact_ends(
     # Under a tip of the lining that points to the drum p has no bound: triangles are smaller.
     beyond = 0.5 ** (level.halvings - most)
     places = [
-        (angle, shape.unhalved_triangle_length * (beyond if angle in tips else 1.0))
+        (angle, shape.triangle_length_before_first_halving * (beyond if angle in tips else 1.0))
         for angle in clearance.coordinates_of_gap_kinks(lining)
     ]
     for arc in [] if before is None else before.arcs:
         width = max(
-            (arc[1] - arc[0]) * shape.length, NARROWEST_CONTACT * shape.unhalved_triangle_length
+            (arc[1] - arc[0]) * shape.length,
+            NARROWEST_CONTACT * shape.triangle_length_before_first_halving,
         )
-        places += [(float(end), min(shape.unhalved_triangle_length, width / 4)) for end in arc]
+        places += [
+            (float(end), min(shape.triangle_length_before_first_halving, width / 4)) for end in arc
+        ]
     slack = END_SLACK * (lining.end - lining.start)
     inside = [one for one in places if lining.start + slack < one[0] < lining.end - slack]
     angle, length = np.reshape(inside, (-1, 2)).T
@@ -213,18 +221,18 @@ def solve_on_triangle_level_sequence(
     coefficient of friction: with much friction a brake may have several solutions, and the one
     sought is reached when friction grows from zero.
 
-    Raises BadInput and NoAnswer as `solve_on_triangle_level` does.
+    Raises BadInput and NoAnswer as `solve_brake_on_one_triangle_mesh` does.
     """
     before = None
     # A failed solution at lower friction only means a worse start.
     for part in FIRST_FRICTION_FRACTIONS:
         with suppress(NoAnswer):
-            before = solve_on_triangle_level(
+            before = solve_brake_on_one_triangle_mesh(
                 vary(brake, {"friction": part * brake.friction}), CONTACT_FINDING_LEVEL, before
             )
     # The coarse mesh is graded again until the ends of the contact stay in their places.
     for _ in range(MOST_FINDING_PASSES):
-        after = solve_on_triangle_level(brake, CONTACT_FINDING_LEVEL, before)
+        after = solve_brake_on_one_triangle_mesh(brake, CONTACT_FINDING_LEVEL, before)
         same = before is not None and all(
             _have_same_contact_arcs(a.arcs, b.arcs) for a, b in zip(before, after, strict=True)
         )
@@ -233,7 +241,7 @@ def solve_on_triangle_level_sequence(
             break
     found: list[list[ShoeSolution]] = []
     for level in levels:
-        found.append(solve_on_triangle_level(brake, level, found[-1] if found else before))
+        found.append(solve_brake_on_one_triangle_mesh(brake, level, found[-1] if found else before))
     return found
 
 

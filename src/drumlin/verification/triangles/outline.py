@@ -17,9 +17,9 @@ from drumlin.verification.triangles.triangulation import (
     PointMap,
     TriangleLayer,
     Triangles,
+    coordinates_with_position_dependent_spacing,
     grade_mesh_towards_points,
-    points_with_variable_spacing,
-    triangulate_grid,
+    triangulate_grid_of_layered_body,
 )
 
 LONGEST_TRIANGLE_RATIO = 12.0
@@ -97,7 +97,7 @@ class Outline:
         return len(self.layers) - self.plates
 
     @property
-    def unhalved_triangle_length(self) -> float:
+    def triangle_length_before_first_halving(self) -> float:
         """Length of a triangle before its first halving towards a corner [m]."""
         arc = (self.layers[0].end - self.layers[0].start) * self.length
         return min(float(self.thickness.min()), arc / 4)
@@ -118,7 +118,11 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     )
     # Lining and backing come first, then the plates of the shoe's body; s is the angle theta.
     layers = [
-        TriangleLayer(lining.start, lining.end, ElasticLayer.of(material, lining.width))
+        TriangleLayer(
+            lining.start,
+            lining.end,
+            ElasticLayer.make_layer_in_plane_stress(material, lining.width),
+        )
         for _, material in parts
     ]
     thickness = [t for t, _ in parts]
@@ -128,7 +132,11 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     if body is not None:
         for plate in body.plates.values():
             layers.append(
-                TriangleLayer(body.start, body.end, ElasticLayer.of(plate.material, plate.width))
+                TriangleLayer(
+                    body.start,
+                    body.end,
+                    ElasticLayer.make_layer_in_plane_stress(plate.material, plate.width),
+                )
             )
             thickness.append(plate.thickness)
         s += [body.start, body.end]
@@ -150,7 +158,7 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
             corners += [(end, float(len(layers))) for end in grip]
     depths = np.concatenate([[0.0], np.cumsum(thickness)])
 
-    def points_in_shoe_outline(s: Floats, d: Floats) -> Floats:
+    def shoe_points_at_angles_and_layer_coordinates(s: Floats, d: Floats) -> Floats:
         """Points (..., 2) [m] of the shoe at the angles s and the layer coordinates d."""
         r = R - shoe.sign * np.interp(d, np.arange(len(depths)), depths)
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
@@ -161,7 +169,7 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
         len(layers) - len(parts),
     )
     return Outline(
-        points_in_shoe_outline,
+        shoe_points_at_angles_and_layer_coordinates,
         layers,
         np.array(thickness),
         ends,
@@ -210,9 +218,19 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
 
     block = axis.distance - face - back * min(math.cos(first), math.cos(last))
     layers = [
-        TriangleLayer(first, last, ElasticLayer.of(lining.material, lining.width)),
-        TriangleLayer(first, last, ElasticLayer.of(backing.material, lining.width, axis.along)),
-        TriangleLayer(low, high, ElasticLayer.of(section.material, section.width, axis.along)),
+        TriangleLayer(
+            first, last, ElasticLayer.make_layer_in_plane_stress(lining.material, lining.width)
+        ),
+        TriangleLayer(
+            first,
+            last,
+            ElasticLayer.make_layer_in_plane_stress(backing.material, lining.width, axis.along),
+        ),
+        TriangleLayer(
+            low,
+            high,
+            ElasticLayer.make_layer_in_plane_stress(section.material, section.width, axis.along),
+        ),
     ]
     corners = [(s, d) for s in (first, last) for d in (0.0, 1.0, 2.0)] + [
         (s, d) for s in (low, high) for d in (2.0, 3.0)
@@ -278,7 +296,7 @@ def initial_grid_lines_of_body(
             min(most, float((near + 0.5 * shape.length * np.abs(dense - s)).min())) / shape.length
         )
 
-    s = points_with_variable_spacing(shape.s, grid_step_along_body)
+    s = coordinates_with_position_dependent_spacing(shape.s, grid_step_along_body)
     d = []
     for j, t in enumerate(shape.thickness.tolist()):
         coarsest = t * (1.0 if j == 0 else 0.5) * min(1.0, 1.25 * size)
@@ -287,7 +305,12 @@ def initial_grid_lines_of_body(
             """The distance of two grid lines at the relative depth x of a layer, relative to t."""
             return min(coarsest / t, least / t + min(x, 1 - x))
 
-        d.append(j + points_with_variable_spacing(np.array([0.0, 1.0]), grid_step_across_layer))
+        d.append(
+            j
+            + coordinates_with_position_dependent_spacing(
+                np.array([0.0, 1.0]), grid_step_across_layer
+            )
+        )
     return s, d
 
 
@@ -324,7 +347,9 @@ def make_graded_shoe_mesh(
     points = np.concatenate([shape.corners, np.stack([sharp.s, 0 * sharp.s], axis=1)])
     smallest = np.concatenate(
         [
-            np.full(len(shape.corners), shape.unhalved_triangle_length * 0.5**level.halvings),
+            np.full(
+                len(shape.corners), shape.triangle_length_before_first_halving * 0.5**level.halvings
+            ),
             sharp.smallest,
         ]
     )
@@ -334,6 +359,10 @@ def make_graded_shoe_mesh(
         s,
         sharp,
         grade_mesh_towards_points(
-            triangulate_grid(s, d, shape.layers), shape.place, at, smallest, level.steep
+            triangulate_grid_of_layered_body(s, d, shape.layers),
+            shape.place,
+            at,
+            smallest,
+            level.steep,
         ),
     )

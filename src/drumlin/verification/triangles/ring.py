@@ -25,10 +25,10 @@ from drumlin.verification.triangles.outline import Draft, Outline, TriangleLevel
 from drumlin.verification.triangles.triangulation import (
     TriangleLayer,
     Triangles,
+    coordinates_with_position_dependent_spacing,
     grade_mesh_towards_points,
-    points_with_variable_spacing,
     split_surface_edges_at_breaks,
-    triangulate_grid,
+    triangulate_grid_of_layered_body,
 )
 
 ANGLE_SLACK = 1e-12
@@ -39,7 +39,7 @@ WHOLE_TURN = 2 * math.pi
 """The angle of a full circle [rad]."""
 
 
-def mesh_linings_and_ring(
+def mesh_drum_ring_to_match_shoe_meshes(
     brake: Brake, drafts: list[Draft], level: TriangleLevel
 ) -> tuple[list[Triangles], MeshedBody]:
     """Mesh the drum ring, and refine the shoes' meshes so that the nodes in contact match.
@@ -61,17 +61,17 @@ def mesh_linings_and_ring(
         for shoe in brake.shoes
     ]
 
-    def angles_on_ring(i: int, s: Floats) -> Floats:
+    def ring_angles_of_places_on_lining_face(i: int, s: Floats) -> Floats:
         """Angles on the ring [rad] of the places s on the face of shoe i."""
         shape = drafts[i].shape
         return shape.origin + shape.turn * s - turns[i]
 
-    def places_on_lining_face(i: int, theta: Floats) -> Floats:
+    def lining_face_coordinates_at_ring_angles(i: int, theta: Floats) -> Floats:
         """Places s on the face of shoe i, growing, at angles theta on the ring [rad]."""
         shape = drafts[i].shape
         return np.sort((theta + turns[i] - shape.origin) * shape.turn)
 
-    def points_of_ring(s: Floats, d: Floats) -> Floats:
+    def ring_points_at_angles_and_relative_depths(s: Floats, d: Floats) -> Floats:
         """Points (..., 2) [m] of the ring at the angles s and the fractions d of its thickness."""
         r = R + sign * section.thickness * d
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
@@ -81,12 +81,18 @@ def mesh_linings_and_ring(
     for i, one in enumerate(drafts):
         face = one.shape.layers[0]
         within = (one.s > face.start - ANGLE_SLACK) & (one.s < face.end + ANGLE_SLACK)
-        under.append(np.sort(angles_on_ring(i, one.s[within])))
-    least = min(*(one.shape.unhalved_triangle_length for one in drafts), section.thickness)
-    s, d = _ring_grid_lines(under, section, R, least, level.size)
-    layer = TriangleLayer(-math.inf, math.inf, ElasticLayer.of(section.material, section.width))
+        under.append(np.sort(ring_angles_of_places_on_lining_face(i, one.s[within])))
+    least = min(
+        *(one.shape.triangle_length_before_first_halving for one in drafts), section.thickness
+    )
+    s, d = _grid_line_coordinates_of_first_ring_mesh(under, section, R, least, level.size)
+    layer = TriangleLayer(
+        -math.inf,
+        math.inf,
+        ElasticLayer.make_layer_in_plane_stress(section.material, section.width),
+    )
     shape = Outline(
-        points_of_ring,
+        ring_points_at_angles_and_relative_depths,
         [layer],
         np.array([section.thickness]),
         s[[0, -1]],
@@ -100,15 +106,17 @@ def mesh_linings_and_ring(
     # The ring's mesh is graded to the points below the linings' ends and below the places where
     # the pressure is not smooth.
     ends = np.concatenate([part[[0, -1]] for part in under])
-    sharp = np.concatenate([angles_on_ring(i, one.sharp.s) for i, one in enumerate(drafts)])
+    sharp = np.concatenate(
+        [ring_angles_of_places_on_lining_face(i, one.sharp.s) for i, one in enumerate(drafts)]
+    )
     smallest = np.concatenate(
         [np.full(len(ends), least * 0.5**level.halvings), *(one.sharp.smallest for one in drafts)]
     )
     at = np.concatenate([ends, sharp])
     mesh = grade_mesh_towards_points(
-        triangulate_grid(s, [d], [layer], WHOLE_TURN),
-        points_of_ring,
-        points_of_ring(at, 0 * at),
+        triangulate_grid_of_layered_body(s, [d], [layer], WHOLE_TURN),
+        ring_points_at_angles_and_relative_depths,
+        ring_points_at_angles_and_relative_depths(at, 0 * at),
         smallest,
         level.steep,
     )
@@ -117,13 +125,17 @@ def mesh_linings_and_ring(
     for _ in range(MOST_MATCHING_ROUNDS):
         before = len(mesh.layer), [len(one.layer) for one in meshes]
         above = [
-            angles_on_ring(i, np.unique(one.spans_of_surface_edges()))
+            ring_angles_of_places_on_lining_face(
+                i, np.unique(one.end_coordinates_of_friction_surface_edges())
+            )
             for i, one in enumerate(meshes)
         ]
         mesh = split_surface_edges_at_breaks(mesh, np.unique(np.concatenate(above)), ANGLE_SLACK)
-        breaks = np.unique(mesh.spans_of_surface_edges())
+        breaks = np.unique(mesh.end_coordinates_of_friction_surface_edges())
         meshes = [
-            split_surface_edges_at_breaks(one, places_on_lining_face(i, breaks), ANGLE_SLACK)
+            split_surface_edges_at_breaks(
+                one, lining_face_coordinates_at_ring_angles(i, breaks), ANGLE_SLACK
+            )
             for i, one in enumerate(meshes)
         ]
         if before == (len(mesh.layer), [len(one.layer) for one in meshes]):
@@ -131,7 +143,7 @@ def mesh_linings_and_ring(
     raise AssertionError("ring and linings do not match")
 
 
-def _ring_grid_lines(
+def _grid_line_coordinates_of_first_ring_mesh(
     under: list[Floats], section: Section, R: float, least: float, size: float
 ) -> tuple[Floats, Floats]:
     """The grid lines of the ring's first mesh: their angles [rad], and their d across the ring.
@@ -154,8 +166,11 @@ def _ring_grid_lines(
             """The angle [rad] between two grid lines near the angle x, between two linings."""
             return min(2.5 * t * size / R, least * size / R + 0.5 * float(np.abs(gap - x).min()))
 
-        lines += [part, points_with_variable_spacing(gap, angle_step_between_linings)[1:-1]]
-    across = points_with_variable_spacing(
+        lines += [
+            part,
+            coordinates_with_position_dependent_spacing(gap, angle_step_between_linings)[1:-1],
+        ]
+    across = coordinates_with_position_dependent_spacing(
         np.array([0.0, 1.0]), lambda x: min(0.5, least * size / t + min(x, 1 - x))
     )
     return np.concatenate([*lines, [parts[0][0] + WHOLE_TURN]]), across
@@ -192,10 +207,12 @@ def condense_ring_to_lining_nodes(
     np.add.at(
         spread,
         edges,
-        np.einsum("aq,kqcl,kq->kacl", psi, _rigid_body_displacements(x), ds / ds.sum()),
+        np.einsum(
+            "aq,kqcl,kq->kacl", psi, _displacements_of_points_by_rigid_motions(x), ds / ds.sum()
+        ),
     )
     loads = spread.reshape(-1, 3)
-    rigid = _rigid_body_displacements(nodes.xy).reshape(-1, 3)
+    rigid = _displacements_of_points_by_rigid_motions(nodes.xy).reshape(-1, 3)
     # Three displacements are fixed for the condensation; the mean motion is corrected below.
     right, left = (outer[which(nodes.xy[outer, 0])] for which in (np.argmax, np.argmin))
     held[right] = held[left, 1] = True
@@ -209,7 +226,7 @@ def condense_ring_to_lining_nodes(
     return CondensedRing(moved - own @ np.linalg.solve(loads.T @ rigid, mean), of)
 
 
-def _rigid_body_displacements(xy: Floats) -> Floats:
+def _displacements_of_points_by_rigid_motions(xy: Floats) -> Floats:
     """Displacements (..., 2, 3) of points (..., 2) by the three rigid-body modes.
 
     The modes are a unit displacement along x, one along y, and a unit rotation about the origin.

@@ -14,7 +14,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles.contact import (
     ContactForces,
-    solve_contact_forces,
+    contact_forces_of_shoes_in_one_system,
     tip_displacement_along_force,
 )
 from drumlin.verification.triangles.face import CondensedFace
@@ -49,16 +49,18 @@ def solve_shoes_that_share_forces(
         The solved shoe and its contact forces are stored in `shoes` and `found`.
         """
         # The elastic response to the actuation is in proportion to the force.
-        one, shoe = faces[i], shoes[i].under(force)
+        one, shoe = faces[i], shoes[i].shoe_with_changed_actuation_force(force)
         one = replace(
             one,
             loaded=force * one.loaded,
             elastic_actuation_work=force**2 * one.elastic_actuation_work,
         )
         failure: NoAnswer | None = None
-        for sense in shoe.senses:
+        for sense in shoe.senses_of_abutment_friction_to_try:
             try:
-                (found[i],) = solve_contact_forces(brake, [one], [shoe], None, [first[i]], (sense,))
+                (found[i],) = contact_forces_of_shoes_in_one_system(
+                    brake, [one], [shoe], None, [first[i]], (sense,)
+                )
             except NoAnswer as error:
                 failure = failure or error
                 continue
@@ -71,7 +73,7 @@ def solve_shoes_that_share_forces(
     behind = {names.index(link.to) for link in brake.links}
     free = [i for i in range(len(names)) if i not in behind]
     if brake.actuation is not None and brake.actuation.is_cam:
-        a, b, total = free[0], free[1], brake.actuation.total
+        a, b, total = free[0], free[1], brake.actuation.force_of_cylinder_or_sum_of_cam_forces
         brentq(
             lambda force: (
                 solve_shoe_under_force(a, force) - solve_shoe_under_force(b, total - force)

@@ -45,7 +45,7 @@ class ShoeSolution:
     unknowns: int
 
     @cached_property
-    def _barycentric_weights(self) -> Floats:
+    def _barycentric_interpolation_weights(self) -> Floats:
         """Weights (order + 1,) of the barycentric formula of Lagrange interpolation on a piece."""
         x = lagrange.lobatto_points_on_unit_interval(self.order)
         return np.array([1 / np.prod([a - b for b in x if b != a]) for a in x])
@@ -59,7 +59,7 @@ class ShoeSolution:
         nodes = piece[..., None] * self.order + np.arange(self.order + 1)
         off = at[..., None] - self.theta[nodes]
         with np.errstate(divide="ignore", invalid="ignore"):
-            weight = self._barycentric_weights / off
+            weight = self._barycentric_interpolation_weights / off
             value = (weight * self.pressure[nodes]).sum(axis=-1) / weight.sum(axis=-1)
         # At a node the formula would divide by zero; p is that of the node.
         hit = np.abs(off) < 1e-15
@@ -110,15 +110,15 @@ def _first_and_last_angles_of_contacts(
     return np.array(
         [
             (
-                _angle_of_contact_start(theta, p, i, degree),
-                -_angle_of_contact_start(-theta[::-1], p[::-1], last - j, degree),
+                _angle_at_which_contact_arc_begins(theta, p, i, degree),
+                -_angle_at_which_contact_arc_begins(-theta[::-1], p[::-1], last - j, degree),
             )
             for i, j in zip(firsts.tolist(), lasts.tolist(), strict=True)
         ]
     ).reshape(-1, 2)
 
 
-def _angle_of_contact_start(theta: Floats, p: Floats, node: int, degree: int) -> float:
+def _angle_at_which_contact_arc_begins(theta: Floats, p: Floats, node: int, degree: int) -> float:
     """The angle [rad] at which a contact begins; `node` is its first node in contact."""
     if node == 0:
         return float(theta[0])

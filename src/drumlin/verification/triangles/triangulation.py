@@ -54,7 +54,7 @@ class Triangles:
     layer: Ints
 
     @property
-    def edges_on_surface(self) -> tuple[Ints, Ints]:
+    def indices_of_triangle_edges_on_friction_surface(self) -> tuple[Ints, Ints]:
         """Numbers (k,) of the triangles with an edge on the surface d = 0, and of these edges.
 
         Edge 0 goes from corner 0 to 1, edge 1 from 1 to 2, edge 2 from 2 to 0.
@@ -63,15 +63,15 @@ class Triangles:
         tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
         return tri, edge
 
-    def spans_of_surface_edges(self) -> Floats:
+    def end_coordinates_of_friction_surface_edges(self) -> Floats:
         """The coordinates s (k, 2) of both ends of each edge on the surface d = 0, growing."""
-        tri, edge = self.edges_on_surface
+        tri, edge = self.indices_of_triangle_edges_on_friction_surface
         return np.sort(
             np.stack([self.at[tri, edge, 0], self.at[tri, (edge + 1) % 3, 0]], axis=1), axis=1
         )
 
 
-def triangulate_grid(
+def triangulate_grid_of_layered_body(
     s: Floats, d: Sequence[Floats], layers: Sequence[TriangleLayer], period: float | None = None
 ) -> Triangles:
     """Mesh a layered body by a grid, each cell of which is cut into two triangles.
@@ -124,7 +124,7 @@ def triangulate_grid(
     )
 
 
-def mesh_edges(mesh: Triangles) -> tuple[Ints, Ints]:
+def edges_of_mesh_and_of_each_triangle(mesh: Triangles) -> tuple[Ints, Ints]:
     """The k edges of a mesh, and the numbers (m, 3) of the edges of each triangle.
 
     An edge (2,) is given by the numbers of its two ends, the smaller first.
@@ -138,12 +138,12 @@ def mesh_edges(mesh: Triangles) -> tuple[Ints, Ints]:
     return flat[first], number.reshape(-1, 3)
 
 
-def bisect_triangles(mesh: Triangles, marked: Bools) -> Triangles:
+def bisect_marked_triangles_without_hanging_nodes(mesh: Triangles, marked: Bools) -> Triangles:
     """The mesh with the triangles halved for which `marked` (m,) is true.
 
     Further triangles are halved so that no node hangs on the edge of another triangle.
     """
-    edges, of = mesh_edges(mesh)
+    edges, of = edges_of_mesh_and_of_each_triangle(mesh)
     halved = np.zeros(len(edges), dtype=bool)
     halved[of[marked, 0]] = True
     # A triangle with any halved edge must have its first edge halved, too.
@@ -199,7 +199,7 @@ def grade_mesh_towards_points(
         marked = size > allowed
         if not marked.any():
             return mesh
-        mesh = bisect_triangles(mesh, marked)
+        mesh = bisect_marked_triangles_without_hanging_nodes(mesh, marked)
     raise AssertionError("the triangulation does not end")
 
 
@@ -215,8 +215,8 @@ def split_surface_edges_at_breaks(first: Triangles, breaks: Floats, slack: float
     slack : distance in s from an end of an edge within which a break counts as lying on this end
     """
     for _ in range(MOST_BISECTION_ROUNDS):
-        tri, _ = first.edges_on_surface
-        spans = first.spans_of_surface_edges()
+        tri, _ = first.indices_of_triangle_edges_on_friction_surface
+        spans = first.end_coordinates_of_friction_surface_edges()
         within = np.searchsorted(breaks, spans[:, 1] - slack) > np.searchsorted(
             breaks, spans[:, 0] + slack
         )
@@ -224,11 +224,13 @@ def split_surface_edges_at_breaks(first: Triangles, breaks: Floats, slack: float
             return first
         marked = np.zeros(len(first.layer), dtype=bool)
         marked[tri[within]] = True
-        first = bisect_triangles(first, marked)
+        first = bisect_marked_triangles_without_hanging_nodes(first, marked)
     raise AssertionError("the surfaces do not match")
 
 
-def points_with_variable_spacing(breaks: Floats, size: Callable[[float], float]) -> Floats:
+def coordinates_with_position_dependent_spacing(
+    breaks: Floats, size: Callable[[float], float]
+) -> Floats:
     """Points from the first to the last of the growing `breaks`, with steps of about size(x).
 
     Every break is one of the points.
