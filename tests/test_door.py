@@ -285,6 +285,24 @@ def test_a_module_that_has_moved_answers_by_its_old_name_with_a_warning(old, new
         moved.nonsense  # noqa: B018
 
 
+@pytest.mark.parametrize(
+    ("module", "name", "present"),
+    [
+        ("drumlin.laws", "sine", "solve_brake_by_sine_law"),
+        ("drumlin.foundation", "why_not", "reason_against_foundation_model"),
+        ("drumlin.peers", "missing", "install_hint_if_missing"),
+    ],
+)
+def test_a_renamed_function_answers_by_its_old_name_with_a_warning(module, name, present):
+    owner = importlib.import_module(module)
+    with pytest.warns(DeprecationWarning, match=f"{module}.{name} is now {present}") as said:
+        found = getattr(owner, name)
+    assert found is getattr(owner, present)
+    assert said[0].filename == __file__
+    with pytest.raises(AttributeError, match="nonsense"):
+        owner.nonsense  # noqa: B018
+
+
 def test_a_path_may_be_a_text_and_a_response_carries_its_figures_of_merit(root):
     brake = drumlin.read_brake(str(root / BRAKE))
     response = drumlin.solve(brake, elements=10)

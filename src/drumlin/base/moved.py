@@ -1,4 +1,4 @@
-"""Keep the old names of modules that have moved usable, with a DeprecationWarning."""
+"""Keep old names of modules and of functions usable, with a DeprecationWarning."""
 
 import warnings
 from collections.abc import Callable, Mapping
@@ -29,3 +29,24 @@ def getattr_of_moved_module(
         return value
 
     return object_of_new_module_with_warning
+
+
+def getattr_of_renamed_functions(module: str, renamed: Mapping[str, str]) -> Callable[[str], Any]:
+    """Make the function `__getattr__` of a module whose functions have new names.
+
+    Each look-up of an old name warns and names the new one.
+
+    Parameters
+    ----------
+    module : dotted name of the module
+    renamed : new names of functions by their old names
+    """
+
+    def function_by_old_name_with_warning(name: str) -> Any:
+        """The function that had this name. Raises AttributeError for any other name."""
+        if name not in renamed:
+            raise AttributeError(f"module {module!r} has no attribute {name!r}")
+        warnings.warn(f"{module}.{name} is now {renamed[name]}", DeprecationWarning, stacklevel=2)
+        return getattr(import_module(module), renamed[name])
+
+    return function_by_old_name_with_warning

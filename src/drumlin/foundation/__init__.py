@@ -4,6 +4,9 @@ The shoe is a bending beam, lining and block are springs side by side, and the d
 bends.
 """
 
+from typing import TYPE_CHECKING
+
+from drumlin.base.moved import getattr_of_renamed_functions
 from drumlin.foundation.model import (
     LIFTS,
     RING_SECTIONS,
@@ -19,3 +22,14 @@ __all__ = [
     "ring_displacement_under_each_shoe",
     "solve_brake_by_foundation_model",
 ]
+
+if not TYPE_CHECKING:
+    # Programs of users may still import these functions by the names that they had.
+    __getattr__ = getattr_of_renamed_functions(
+        __name__,
+        {
+            "solve": "solve_brake_by_foundation_model",
+            "why_not": "reason_against_foundation_model",
+            "rim": "ring_displacement_under_each_shoe",
+        },
+    )

@@ -7,6 +7,9 @@ The module `naming` chooses the name of the law for a brake. The module `simscap
 double-shoe brake block of Simscape Driveline.
 """
 
+from typing import TYPE_CHECKING
+
+from drumlin.base.moved import getattr_of_renamed_functions
 from drumlin.laws.hinged import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
 from drumlin.laws.naming import solve_brake_by_its_rigid_shoe_law
 from drumlin.laws.shapes import LAWS, Law, Layout
@@ -19,3 +22,14 @@ __all__ = [
     "solve_brake_by_its_rigid_shoe_law",
     "solve_brake_by_sine_law",
 ]
+
+if not TYPE_CHECKING:
+    # Programs of users may still import these functions by the names that they had.
+    __getattr__ = getattr_of_renamed_functions(
+        __name__,
+        {
+            "sine": "solve_brake_by_sine_law",
+            "law": "solve_brake_by_its_rigid_shoe_law",
+            "locking_friction": "self_locking_friction_of_hinged_shoe",
+        },
+    )

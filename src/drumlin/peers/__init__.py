@@ -3,9 +3,10 @@
 A peer's results are put into the same kind of response as those of drumlin's models.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drumlin.base.errors import BadInput
+from drumlin.base.moved import getattr_of_renamed_functions
 from drumlin.brake.brake import Brake
 from drumlin.peers.peer import Peer, PeerMissing
 from drumlin.response.merit import response_with_figures_of_merit
@@ -63,3 +64,14 @@ def install_hint_if_missing(name: str) -> str | None:
     except PeerMissing as error:
         return str(error)
     return None
+
+
+if not TYPE_CHECKING:
+    # Programs of users may still import these functions by the names that they had.
+    __getattr__ = getattr_of_renamed_functions(
+        __name__,
+        {
+            "solve": "solve_by_peer",
+            "missing": "install_hint_if_missing",
+        },
+    )
