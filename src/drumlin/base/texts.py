@@ -1,4 +1,7 @@
-"""Limit texts of users before they are parsed, and clean texts before they are printed."""
+"""Limit the length of users' texts before they are parsed, and make texts printable.
+
+In a printable text, line breaks and control characters are replaced by escape sequences.
+"""
 
 import difflib
 import re

@@ -193,8 +193,9 @@ class PeerBody:
         # Isotropic layers have no further stiffness.
         if not constants[2:].any():
             return
-        # 1 in cells of curved layers, 0 in those of straight layers: the larger component of a unit
-        # vector is at least 0.7, and is rounded to 1.
+        # `straight` holds unit vectors along straight layers, and zeros in curved layers. The
+        # larger component of a unit vector is at least 0.7 and is rounded to 1, so that `around` is
+        # 1 in cells of curved layers and 0 in cells of straight layers.
         around = 1.0 - np.abs(straight).max(axis=0).round()
         fields = {
             "stiff1": constants[2],

@@ -109,7 +109,9 @@ def _has_nodes_that_move_with_point(scene: PreparedModel, shoe: Shoe, key: str) 
     if shoe.mesh is None:
         beam = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
         return beam or (key == "pivot" and shoe.grip(scene.brake.size) is not None)
-    # A mesh in the frame of the shoe moves with the point that holds the frame.
+    # The coordinates of a mesh in the shoe's own frame begin at one point: the pin, the point where
+    # the foot stands, or the point of actuation of a guided shoe. If the key of this point changes,
+    # the whole mesh moves with it.
     if shoe.guide is not None:
         holds_frame = "actuation.point"
     elif shoe.hinge is not None:

@@ -191,7 +191,8 @@ def _equations_of_shoe_before_condensation(
         )
         loads = constraints.matrix.T @ forces[basis.dofs]
     else:
-        # The back of the shoe is held. Unit force x, unit force y and unit couple act on the frame.
+        # The back of the shoe is fixed to a rigid frame. The three unit loads are a force along x,
+        # a force along y and a couple on the frame.
         loads = np.zeros((constraints.matrix.shape[1], FRAME))
         loads[-FRAME:] = np.eye(FRAME)
     return InnerSystem.body_system_from_stiffness_of_all_nodes(

@@ -712,12 +712,15 @@ def stiffness_without_forces_by_rigid_motion(
 ) -> _CorrectedStiffness:
     """The stiffness of the contact nodes, corrected so that rigid-body modes cause no strain.
 
-    If the contact nodes move with the frame by the modes R, the forces on them vanish: S R = -held.
+    The frame is the rigid body to which the back of the shoe is fixed. `held` are the forces on
+    resting contact nodes when the frame makes a unit motion. If the contact nodes move with the
+    frame by the modes R, no force is left on them: S R + held = 0.
+
     The forces `held` are small beside the stiffness of thin columns, and have more exact digits.
     The first correction changes the 2 x 2 block of each node, which has lost most digits. The
-    second correction is the least symmetric change after which S R = -held exactly. The rest of the
-    stiffness is likely to be wrong by as much as the residual S R + held before both corrections.
-    This residual is therefore the estimate of the forces due to round-off.
+    second correction is the least symmetric change after which S R + held = 0 exactly. The rest of
+    the stiffness is likely to be wrong by as much as the residual S R + held before both
+    corrections. This residual is therefore the estimate of the forces due to round-off.
 
     Parameters
     ----------

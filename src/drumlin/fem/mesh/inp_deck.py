@@ -297,7 +297,10 @@ def _parse_label_in_element_line(word: str) -> int:
 
 
 def _parse_label_in_set(word: str, name: str) -> int:
-    """The label that a word in the set `name` is. ValueError is raised for another word."""
+    """Convert a word of the set `name` to the label of a node or element.
+
+    Raises ValueError, with the name of the set, for a word that is no whole number.
+    """
     if not word.isdigit():
         raise ValueError(f"the set {name.upper()} names {word!r}, which is no label and no set")
     return int(word)

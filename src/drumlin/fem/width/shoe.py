@@ -137,7 +137,10 @@ class BodyLine(NamedTuple):
 def layers_with_width_functions(
     shoe: Shoe, div: ShoeDivision, functions: WidthFunctions
 ) -> WidthLayers:
-    """The layers of a divided shoe of isotropic parts, with functions across the width."""
+    """The element layers of a divided shoe, with their moduli and functions across the width.
+
+    All parts of the shoe are isotropic.
+    """
     halves, lame = half_widths_of_parts(shoe), {}
     for name, (material, _) in materials_and_widths_of_shoe_parts(shoe).items():
         # `prepare.reason_against_width_model` lets only brakes of isotropic materials pass.
