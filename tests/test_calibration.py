@@ -150,6 +150,7 @@ def seen():
     )
 
 
+@pytest.mark.slow
 def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
     brake, levels = seen
     responses = picked(solve_on_finer_and_finer_levels(brake, solve_prepared_model), "response")

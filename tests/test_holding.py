@@ -193,6 +193,7 @@ def _refuse(system, start):
     raise NoAnswer("not this way")
 
 
+@pytest.mark.slow
 def test_another_discretisation_and_another_method_give_the_same_history():
     """Triangles with friction by bounded minimisation give the same history as `hold`, to 0.3 %.
 
@@ -212,6 +213,7 @@ def test_another_discretisation_and_another_method_give_the_same_history():
     assert found[[3, 6]] == pytest.approx(expected[[3, 6]], rel=2e-4)
 
 
+@pytest.mark.slow
 def test_the_history_converges_with_the_increment():
     """With a gap to close, forth and back, errors of moment and energy fall with the increment."""
     brake, scene = any_brake(7)

@@ -96,6 +96,7 @@ def test_an_unsafe_side_that_stays_green_is_not_guarded():
     assert unguarded(Guard("either"), sides | {("X", "down"): ""}) == ["X: neither side is noticed"]
 
 
+@pytest.mark.slow
 def test_a_change_is_noticed_by_the_test_that_fails_with_it(tmp_path):
     test = tmp_path / "test_copy.py"
     test.write_text(

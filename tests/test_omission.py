@@ -274,6 +274,7 @@ def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining(
     assert coarse["pressure"] / fine["pressure"] == pytest.approx(2, rel=0.3)
 
 
+@pytest.mark.slow
 def test_rows_are_summed_up_and_a_case_without_answer_stays():
     rows = table_rows_for_each_part_omitted_from_brake(
         vary(BRAKE, RIGID), "b", elements=8, repeats=1

@@ -631,6 +631,7 @@ def test_a_deck_for_calculix_has_the_nine_constants_and_the_layers_directions(tm
 SWAPPED = {"E_along": 7e10, "E_through": 2e11, "G_along_through": 5e10, "nu_along_through": 0.1}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     install_hint_if_missing("calculix") is not None,
     reason=install_hint_if_missing("calculix") or "",

@@ -428,6 +428,7 @@ def test_getfem_takes_a_pivot_and_a_rough_abutment():
 
 
 @needs_getfem
+@pytest.mark.slow
 def test_getfem_shares_a_cams_force_so_that_both_tips_go_alike():
     """GetFEM shares a cam's force so that both tips move alike.
 

@@ -29,6 +29,7 @@ def test_without_lateral_contraction_it_is_plane_stress(kind: str) -> None:
     np.testing.assert_allclose(solid.hinge_reaction, plane.hinge_reaction, rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_narrow_pad_is_plane_stress_and_a_wide_one_is_not() -> None:
     """A pad of a tenth of its lining's thickness in width is plane stress, a wide one is not.
 

@@ -205,6 +205,7 @@ def test_a_stored_truth_is_found_again_by_its_command(name):
         assert one.torque == pytest.approx(other.torque, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_finer_hp_elements_agree_with_triangles_where_both_have_an_answer():
     """What stands for the truth on planes is held against the independent solution on a drum."""
     from drumlin_studies.stated_true import true_errors_of_response

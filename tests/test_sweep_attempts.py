@@ -210,6 +210,7 @@ def environment(name):
     return os.environ.get(name)
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_takes_its_own_work_alone_and_threads_are_one(monkeypatch):
     monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
     with workers.provide_workers_for_cases_of_sweep(2) as (pool, _):

@@ -55,6 +55,7 @@ def test_stated_errors_are_above_the_true_ones_and_below_the_tolerance(brake, tr
         assert error < found.error[name], name
 
 
+@pytest.mark.slow
 def test_a_finer_tolerance_takes_a_finer_section_or_a_higher_degree(brake):
     coarse, fine = (
         solve_brake_with_widths_to_tolerance(brake, Tolerance(t, t)) for t in (5e-2, 1e-3)
@@ -101,6 +102,7 @@ def test_beside_a_web_the_width_has_its_part_in_the_error():
         assert true["pressure"] < found.error.shoes[0]["pressure"] < 6 * true["pressure"]
 
 
+@pytest.mark.slow
 def test_a_tolerance_that_is_out_of_reach_is_refused_and_says_what_was_reached(brake):
     with pytest.raises(NoAnswer, match=r"tolerance 1e-07 not reached .*: estimated error of p"):
         solve_brake_with_widths_to_tolerance(brake, Tolerance(1e-7, 1e-7))
