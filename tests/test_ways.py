@@ -4,6 +4,7 @@ from itertools import chain, product
 
 import pytest
 
+from conftest import partly
 from drumlin.studies import import_study
 from drumlin_studies.consistency import Check, counts_of_comparison_outcomes_by_check
 from picking import having, picked
