@@ -85,7 +85,7 @@ def _beam_and_rim_displacements(p: SectionedShoe, c: Floats, k: Floats) -> tuple
 
     Parameters
     ----------
-    p : Post
+    p : SectionedShoe
         The beam with its m stations and n sectors.
     c : array (n, n)
         Flexibility of the drum's ring at the sectors [m/N].

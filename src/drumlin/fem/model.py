@@ -533,7 +533,7 @@ class _ForcesOnShoe(NamedTuple):
     resultant_of_pressure : (3,) force x, y [N] and moment about the centre [N m] of the pressures
         on the drum
     force_of_drum : (3,) force x, y [N] and moment about the centre [N m] of the drum on the lining
-    brake_file_values_with_increased_force : (2,) force of the actuation [N]
+    actuation_force : (2,) force of the actuation [N]
     actuation_moment : moment of the actuation about the pin [N m]
     support_force : (2,) force of the support [N]
     guide_moment : moment of a guide [N m]; 0 for other supports

@@ -448,7 +448,7 @@ def divide_shoes_into_groups(
     ----------
     scene : the prepared model
     brake : the brake
-    indices_of_shoes_pressed_on_drum : positions of the shoes that are pressed on the drum
+    pressed_shoes : positions of the shoes that are pressed on the drum
     penalty : factor alpha of the contact stiffness alpha E/t
     """
     alone = (scene.ring is None or scene.apart) and brake.shares is None

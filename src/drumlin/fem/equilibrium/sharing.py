@@ -121,10 +121,10 @@ def make_contact_problem_with_shared_forces(
     ----------
     problem : the problem of the group if no shoe shares its force
     effects : the effects of the m actuation forces
-    relative_actuation_forces_of_file : the actuation forces (m,) in `problem`
+    own_forces : the actuation forces (m,) in `problem`
     struts : numbers of the shoes from which and to which each strut pushes
-    indices_of_shoes_under_cam : numbers of the two shoes under a cam; empty without a cam
-    relative_sum_of_cam_forces : sum of the cam's forces
+    cam_shoes : numbers of the two shoes under a cam; empty without a cam
+    cam_force_sum : sum of the cam's forces
     """
     forces = _actuation_forces_linear_in_pressures(problem, effects, own_forces, struts, cam_shoes)
     with_forces = _contact_problem_with_forces_replaced(problem, effects, own_forces, forces)
@@ -198,11 +198,11 @@ def _contact_problem_with_cam_travel_as_unknown(
     Parameters
     ----------
     blocks : the problem of the group if no shoe shares its force
-    body_system_with_further_loads : the problem with the shared forces
+    with_forces : the problem with the shared forces
     effects : the effects of the actuation forces
     forces : the shared forces
-    indices_of_shoes_under_cam : numbers of the two shoes under the cam
-    relative_sum_of_cam_forces : sum of the cam's forces
+    cam_shoes : numbers of the two shoes under the cam
+    cam_force_sum : sum of the cam's forces
     """
     A, q, B, C, h = with_forces
     n, k = B.shape
@@ -258,7 +258,7 @@ def contact_matrix_with_forces_as_unknowns(
     problem : the problem of the group if no shoe shares its force
     effects : the effects of the m actuation forces
     struts : numbers of the shoes from which and to which each strut pushes
-    indices_of_shoes_under_cam : numbers of the two shoes under a cam; empty without a cam
+    cam_shoes : numbers of the two shoes under a cam; empty without a cam
     """
     n, k = problem.B.shape
     count = len(effects)

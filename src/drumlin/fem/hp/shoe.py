@@ -557,9 +557,9 @@ def condensed_shoe_with_balanced_loads(
     end : the unit loads on the loaded end face
     R : (2n, 3) rigid-body modes of the contact nodes
     pin : (2,) point that the frame turns about [m]
-    contact_forces_in_shoe_frame : function from forces (m, .) on the contact's unknowns in `A` to
+    forces_in_frame : function from forces (m, .) on the contact's unknowns in `A` to
         forces (m, 2n) on the contact nodes in the shoe's frame
-    contact_stiffness_in_shoe_frame : function that does the same for the stiffness of the contact
+    stiffness_in_frame : function that does the same for the stiffness of the contact
     """
     extra = end.columns.number_of_load_columns
     frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)

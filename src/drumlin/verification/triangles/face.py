@@ -60,7 +60,8 @@ class CondensedFace:
         width [m^2]
     compliance : (2n, 2n) displacements of the nodes under unit forces on them [m/N]
     loaded : (2n,) displacements of the nodes under the actuation [m]
-    yields : work of the actuation on the elastic displacement due to the actuation alone [N m]
+    elastic_actuation_work : work of the actuation on the elastic displacement due to the actuation
+        alone [N m]
     gap : (n,) gap between lining and drum before loading [m]
     degree : polynomial degree of the triangles
     unknowns : number of unknowns of the shoe before its condensation
