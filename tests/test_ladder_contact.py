@@ -74,8 +74,8 @@ def test_hertz(hertz):
     """
     rho, E = 2.0, LADDER_STEEL.E / 2
     P = hertz_load(rho, E)
-    s = R * hertz.angle
-    problem = hertz.normal(s**2 / (2 * rho), [P])
+    s = R * hertz.contact_node_angles
+    problem = hertz.frictionless_contact_problem(s**2 / (2 * rho), [P])
     found = active_set.solve_contact_problem(
         problem, first_contact_set_from_coarse_problem(problem)
     )
@@ -99,8 +99,8 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     """
     rho, mu, E = 2.0, 0.3, LADDER_STEEL.E / 2
     P = hertz_load(rho, E)
-    s = R * hertz.angle
-    problem = hertz.normal(s**2 / (2 * rho), [P])
+    s = R * hertz.contact_node_angles
+    problem = hertz.frictionless_contact_problem(s**2 / (2 * rho), [P])
     touching = active_set.solve_contact_problem(
         problem, first_contact_set_from_coarse_problem(problem)
     ).active
@@ -176,11 +176,11 @@ def test_disc_in_a_hole_of_the_same_material(half_angle):
     """Persson: p at the middle and in L2 (0.5 %), contact half-angle, over 20 to 85 deg."""
     b, Q = math.tan(math.radians(half_angle) / 2), 1e6
     pair = disc_in_hole(math.radians(half_angle))
-    theta = pair.angle
+    theta = pair.contact_node_angles
     gap = (
         closed_forms.persson_clearance_of_disc_in_hole(b) * Q / LADDER_STEEL.E * (1 - np.cos(theta))
     )
-    problem = pair.normal(gap, [Q])
+    problem = pair.frictionless_contact_problem(gap, [Q])
     found = active_set.solve_contact_problem(
         problem, first_contact_set_from_coarse_problem(problem)
     )
@@ -282,7 +282,7 @@ def test_westergaard_full_contact():
     """p = p_mean + p* cos(2 pi x/lambda), p* = pi E* amplitude/lambda, as long as p_mean > p*."""
     pair, found, p_star = wavy(1.5)
     m = 40
-    exact = found.p.mean() + p_star * np.cos(m * pair.angle)
+    exact = found.p.mean() + p_star * np.cos(m * pair.contact_node_angles)
     assert (found.p > 0).all()
     assert found.p == pytest.approx(exact, abs=0.01 * p_star)
 
@@ -295,10 +295,10 @@ def test_westergaard_partial_contact():
     """
     pair, found, p_star = wavy(0.2)
     m = 40
-    mean = integral_of_piecewise_polynomial(pair.angle, found.p, 2) / (
-        pair.angle[-1] - pair.angle[0]
+    mean = integral_of_piecewise_polynomial(pair.contact_node_angles, found.p, 2) / (
+        pair.contact_node_angles[-1] - pair.contact_node_angles[0]
     )
-    psi = 0.5 * (np.mod(m * pair.angle + math.pi, 2 * math.pi) - math.pi)
+    psi = 0.5 * (np.mod(m * pair.contact_node_angles + math.pi, 2 * math.pi) - math.pi)
     share = mean / p_star
     assert 0.05 < share < 0.95
     exact = 2 * mean * np.cos(psi) / share * np.sqrt(np.maximum(share - np.sin(psi) ** 2, 0))

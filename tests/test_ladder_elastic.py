@@ -115,18 +115,18 @@ def test_the_pressure_at_a_sharp_edge_that_the_drum_runs_onto_goes_as_r_to_lambd
     """Plane stress, nu = 0.3, rigid drum (eigenvalues of the corner with sliding friction)."""
     thickness, pair = strip
     A = pair.pressed.T @ (pair.pressed + mu * pair.dragged)
-    n = len(pair.angle)
+    n = len(pair.contact_node_angles)
     q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
     found = active_set.solve_contact_problem(
         ContactProblem(A, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
     )
     # The drum moves along +phi, onto this end.
-    r = pair.angle - pair.angle[0]
+    r = pair.contact_node_angles - pair.contact_node_angles[0]
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)
     assert near.sum() > 10
     slope = np.polyfit(np.log(r[near]), np.log(found.p[near]), 1)[0]
     assert slope == pytest.approx(exponent - 1, abs=0.01)
-    away = pair.angle[-1] - pair.angle
+    away = pair.contact_node_angles[-1] - pair.contact_node_angles
     # Where the drum leaves the lining the stress has no singularity.
     if mu:
         last = (away > 1e-5 * thickness) & (away < 3e-3 * thickness)
