@@ -68,7 +68,7 @@ def outcome(tmp_path_factory):
         )
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "solve_reference_responses", once)
+        patch.setattr(module, "solve_brake_for_reference_values", once)
         # No test here asks for the times closely.
         patch.setattr(work_precision, "TIMED_REPEATS", 3)
         for cases in (1, 6):
