@@ -39,7 +39,9 @@ def one_width(brake):
 
 def solid_answer(brake, plane, degree=5, level=LEVELS[1]):
     """The answer of shoes with their widths on the second level of the section."""
-    points = singular_points_of_all_linings(brake, plane, error=level.pressure_error_by_column_ratio)
+    points = singular_points_of_all_linings(
+        brake, plane, error=level.pressure_error_by_column_ratio
+    )
     return solve_prepared_model(
         prepare_brake_with_widths(brake, level, degree, points), brake, start=plane
     )

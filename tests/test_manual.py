@@ -202,13 +202,16 @@ CELL = re.compile(r"^```\{code-cell\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
 """A cell of a page, which is run as the manual is built."""
 
 
-@pytest.mark.parametrize("page", ["contact", "ladder", "new_brake", "new_model", "python"])
-def test_cells_of_pages_for_researchers_run(page, monkeypatch):
+INNER_PAGES = [f"researcher/{name}" for name in "contact ladder new_brake new_model python".split()]
+
+
+@pytest.mark.parametrize("page", [*INNER_PAGES, "engineer/play"])
+def test_cells_of_pages_that_call_inner_functions_run(page, monkeypatch):
     """These cells call functions of all rooms, whose names may change."""
     monkeypatch.setenv("MPLBACKEND", "agg")
     monkeypatch.setenv("MANUAL_ROOT", str(ROOT))
     monkeypatch.chdir(ROOT)
-    cells = CELL.findall((PAGES / "researcher" / f"{page}.md").read_text(encoding="utf-8"))
+    cells = CELL.findall((PAGES / f"{page}.md").read_text(encoding="utf-8"))
     names: dict[str, object] = {}
     for cell in cells:
         code = "\n".join(line for line in cell.splitlines() if not line.startswith(":"))

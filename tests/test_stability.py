@@ -341,7 +341,7 @@ def test_an_empty_journal_is_one():
 @pytest.mark.slow
 def test_every_case_is_right_or_refused_with_the_physical_reason(module, result):
     assert len(result.rows) >= 60
-    assert module.fault_rows(result.rows) == []
+    assert module.trial_rows_with_fault_as_outcome(result.rows) == []
     answers = having(result.rows, outcome="answer")
     assert len(answers) >= 40
     for row in answers:
