@@ -39,7 +39,7 @@ def draw_throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
             axes.set_xlabel("workers")
             axes.set_title(name)
             axes.set_ylabel("throughput [cases/s]")
-            axes.set_ylim(0, 1.25 * max(map(attrgetter("rate"), those)))
+            axes.set_ylim(0, 1.25 * max(map(attrgetter("solved_sweep_cases_per_second"), those)))
             axes.grid(visible=False, axis="x")
         draw_legend_below_figure(figure, figure.axes[0])
     return figure
