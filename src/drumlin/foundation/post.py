@@ -76,7 +76,7 @@ def divide_shoe_into_stations_and_sectors(
     wedge, plane_stress : parameters of `compression_of_layers_per_pressure`
     """
     body, lining, R = shoe.body, shoe.lining, brake.size
-    # `why_not` has refused brakes whose shoes are not beams.
+    # `reason_against_foundation_model` has refused brakes whose shoes are not beams.
     assert isinstance(body, Beam)
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     ends = np.sort(axis.angle(np.array([lining.start, lining.end])))
@@ -184,7 +184,7 @@ def compression_of_layers_per_pressure(
 
     def compression_of_layer_per_pressure(thickness: Floats, material: AnyMaterial) -> Floats:
         """The compression per pressure [m/Pa] of one layer of a thickness [m]."""
-        # `why_not` has refused brakes with orthotropic materials.
+        # `reason_against_foundation_model` has refused brakes with orthotropic materials.
         assert isinstance(material, Material)
         return thickness * ((1 - material.nu**2) if plane_stress else 1.0) / material.E
 
@@ -196,8 +196,8 @@ def compression_of_layers_per_pressure(
         return total
     thickness = np.full(theta.shape, backing.thickness)
     if wedge:
-        # `why_not` has refused bodies other than beams, `validated_names_of_effects_to_include`
-        # beams of no thickness.
+        # `reason_against_foundation_model` has refused bodies other than beams,
+        # `validated_names_of_effects_to_include` beams of no thickness.
         assert isinstance(shoe.body, Beam) and shoe.body.thickness is not None
         face = axis.distance - shoe.body.thickness / 2
         thickness = face - (brake.size + lining.thickness) * np.cos(theta)

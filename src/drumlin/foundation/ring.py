@@ -102,8 +102,8 @@ def ring_displacement_per_radial_force(
     if not thick:
         return radius**3 / (math.pi * ring.EI) * series(d)
     section = ring.section
-    # `validated_names_of_effects_to_include` and `why_not` refuse rings without a section and
-    # orthotropic materials.
+    # `validated_names_of_effects_to_include` and `reason_against_foundation_model` refuse rings
+    # without a section and orthotropic materials.
     assert section is not None and isinstance(section.material, Material)
     r = radius + sign * section.thickness / 2
     e = section.thickness**2 / (12 * r**2)

@@ -400,7 +400,7 @@ class _WearRunInProgress:
         return size
 
     def _shorten_next_step(self, step: float) -> None:
-        """Set the length of the next step to `state_and_error_after_step` [m].
+        """Set the length of the next step to `step` [m].
 
         Raises NoAnswer if the step is below SHORTEST_STEP, relative to the distance so far.
         """
@@ -480,7 +480,7 @@ def _joint_abutment_friction_case(footings: Sequence[Footing]) -> Footing:
 def _is_friction_consistent_at_all_abutments(footings: Sequence[Footing], contact: Contact) -> bool:
     """Whether the solution of a joint contact problem agrees with the friction in all its groups.
 
-    `ways_in_which_abutment_friction_may_act` are the ways in which friction acts at the abutments
+    `footings` are the ways in which friction acts at the abutments
     of each group of linings.
     """
     unknowns = slices_of_consecutive_parts(len(footing.problem.q) for footing in footings)
@@ -787,7 +787,7 @@ class _WearStepper:
         return self._make_wear_state(0.0, depth, pressure, _WearIntegrals(0.0, 0.0, 0.0))
 
     def state_after_drum_reversal(self, state: WearState, forward: bool) -> WearState:
-        """The state of linings, worn as in `last_wear_state`, after the drum turns the other way.
+        """The state of linings, worn as in `state`, after the drum turns the other way.
 
         `forward` tells whether the drum now turns in the direction that the brake file states.
         """

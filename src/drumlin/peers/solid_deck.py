@@ -288,7 +288,7 @@ def _deck_lines_of_solid_materials(shoe: Shoe) -> list[str]:
     """The lines of a deck for the materials of a shoe and of the drum."""
     moduli = {}
     for part, (material, _) in materials_and_widths_of_shoe_parts(shoe).items():
-        # `why_not` refuses orthotropic materials.
+        # `reason_why_solid_model_does_not_apply` refuses orthotropic materials.
         assert isinstance(material, Material)
         moduli[part.upper()] = material.E, material.nu
     moduli["DRUM"] = DRUM_MODULUS * shoe.lining.material.E_through, 0.0

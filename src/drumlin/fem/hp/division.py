@@ -307,7 +307,8 @@ def thickness_of_each_shoe_layer(shoe: Shoe, radius: float) -> list[ShoeLayer]:
     """
     layers = [ShoeLayer("lining", shoe.lining.thickness)]
     if isinstance(shoe.body, Beam):
-        # `scene.why_not` refuses beams without section or block, so that the assertion holds.
+        # `reason_why_brake_is_not_modelled` refuses beams without section or block, so that the
+        # assertion holds.
         assert shoe.body.section is not None and shoe.backing is not None
         beam_thickness = shoe.body.section.thickness
         axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)

@@ -408,7 +408,7 @@ class CondensedForces(NamedTuple):
     """Forces on the inner nodes of e elements of degree p, condensed to their boundary nodes.
 
     `forces` (e, 8 p, k) are the equivalent forces on the boundary nodes for k load cases.
-    `integrals_of_products_of_two_strains` (k, k) is the work of the inner forces on the
+    `work` (k, k) is the work of the inner forces on the
     displacements due to them, while the boundary nodes are held.
     """
 

@@ -204,7 +204,8 @@ def condensed_ring_in_hp_elements(
     singular_layer_size : upper limit of the size of the thinnest layer [m], as in
         `division.ShoeDivision`
     """
-    # `scene.why_not` refuses brakes without a section before, so that the assertion holds.
+    # `reason_why_brake_is_not_modelled` refuses brakes without a section before, so that the
+    # assertion holds.
     ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign
     assert ring is not None and ring.section is not None
     ends = []

@@ -157,7 +157,8 @@ def _point_function_of_straight_beam_shoe(shoe: Shoe, radius: float) -> PointMap
     Depths from 0 to 1 are in the lining, from 1 to 2 in the block between lining and beam, and from
     2 to 3 in the beam. The block is cut square to the beam.
     """
-    # `scene.why_not` refuses shoes without a section before, so that the assertion holds.
+    # `reason_why_brake_is_not_modelled` refuses shoes without a section before, so that the
+    # assertion holds.
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     thickness = shoe.lining.thickness

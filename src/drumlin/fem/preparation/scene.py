@@ -105,7 +105,7 @@ def reason_why_brake_is_not_modelled(brake: Brake) -> str | None:
 def text_lines_on_shoes_of_equal_shape(brake: Brake, shapes: int) -> list[str]:
     """A line of text on the shoes that share the body of another shoe.
 
-    The list is empty if all shoes have different shapes. `cache_keys_of_shoe_shapes` is the number
+    The list is empty if all shoes have different shapes. `shapes` is the number
     of different shapes.
     """
     count = len(brake.shoes)

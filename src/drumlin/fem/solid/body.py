@@ -53,7 +53,7 @@ def elastic_layers_of_solid_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
     """The elastic layers of a shoe by subdomain, with the stiffness of both halves."""
     layers = {}
     for name, (material, _) in materials_and_widths_of_shoe_parts(shoe).items():
-        # The assertion holds of every brake that `model.why_not` lets pass.
+        # The assertion holds of every brake that `reason_why_solid_model_does_not_apply` lets pass.
         assert isinstance(material, Material)
         layers[name] = ElasticLayer(solid_elasticity_matrix(material), HALVES)
     return layers

@@ -213,7 +213,7 @@ class ColumnPlan(NamedTuple):
     """How a column is condensed: the plan of each layer, and numbers of unknowns.
 
     `kept` and `rest` are the numbers of kept and of eliminated unknowns, and
-    `unknowns_on_left_or_right_side_of_column` that of a side line.
+    `line` that of a side line.
     """
 
     layers: tuple[LayerPlan, ...]
