@@ -6,6 +6,7 @@ import pytest
 
 from conftest import partly
 from drumlin.studies import import_study
+from drumlin_studies import consistency_refused
 from drumlin_studies.consistency import Check, counts_of_comparison_outcomes_by_check
 from picking import having, picked
 
@@ -29,8 +30,9 @@ def test_two_ways_to_one_quantity_agree_or_say_why_not(name, part):
     rows = list(chain.from_iterable(map(WAYS[name].checks, seeds)))
     assert having(rows, outcome="differs") == []
     answered = [row for row in rows if row.outcome != "refused"]
-    # Of the brakes that the levels answer, one in ten is held against three meshes.
-    assert len(answered) >= 0.1 * len(seeds)
+    # Of the brakes that the default solve answers, one in ten is compared with three meshes. Meshes
+    # that disagree prove nothing: at least half of these brakes must remain.
+    assert len(answered) >= 0.5 * len(seeds) / consistency_refused.BRAKES_PER_MESH_CHECK
 
 
 def test_a_difference_beyond_what_is_allowed_counts_unless_it_is_said():
