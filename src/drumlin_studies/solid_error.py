@@ -29,9 +29,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import Level
-from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import distance_of_plane_stress_from_widths
 from drumlin.fem.width.functions import (
@@ -41,8 +39,11 @@ from drumlin.fem.width.functions import (
     half_widths_of_parts,
     has_several_widths,
 )
-from drumlin.fem.width.ladder import solve_brake_with_widths_to_tolerance
-from drumlin.fem.width.prepare import prepare_brake_with_widths, reason_against_width_model
+from drumlin.fem.width.ladder import (
+    solve_brake_with_widths_to_tolerance,
+    solve_level_of_section_with_width_degree,
+)
+from drumlin.fem.width.prepare import reason_against_width_model
 from drumlin.response.response import Response
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.width_error import KINDS_WITH_WIDTHS
@@ -148,11 +149,9 @@ def functions_across_width_graded_to_sides(shoe: Shoe) -> WidthFunctions:
 def response_with_graded_width_functions(brake: Brake, level: Level) -> Response:
     """The response of a brake with graded functions across the width, on a level of the section."""
     start = solve(brake)
-    points = singular_points_of_all_linings(
-        brake, start, error=level.pressure_error_by_column_ratio
-    )
-    scene = prepare_brake_with_widths(brake, level, functions_across_width_graded_to_sides, points)
-    return solve_prepared_model(scene, brake, start=start)
+    return solve_level_of_section_with_width_degree(
+        brake, level, functions_across_width_graded_to_sides, start
+    ).response
 
 
 def stated_and_true_width_errors_or_why_none(
