@@ -95,12 +95,14 @@ It has the bending of a table over its web as straight lines. On ten random brak
 the pressure with degree 1 as with degree 2, and in the median by 0.9 times. In plane stress they
 differ by up to 9.5 times less. With degree 2 the second level takes 5 times as long.
 """
-SECTION_SAFETY = 3.0
+SECTION_SAFETY = 2.0
 """Factor of the section's error for shoes of several widths, relative to that of SECTION_DEGREE.
 
 On the ten brakes of SECTION_DEGREE the distance of the first two levels with degree 3 is 1.0 times
-that with degree 1 in the median for the pressure. The largest ratios are 1.9, 2.2, and on one brake
-6.5. A smaller factor states errors too small, a larger one asks for finer sections than are needed.
+that with degree 1 in the median for the pressure. The largest ratios are 1.9, 2.2 and, on one
+brake, 6.5. The stated error of the first level exceeds the distance of the levels by the error of
+the second level, so that the factor covers all but this one. A smaller factor states errors too
+small, a larger one asks for finer sections than are needed.
 """
 MOST_SECTION_LEVELS = 2
 """Number of levels on which the section's error is estimated for shoes of several widths.
@@ -162,14 +164,14 @@ class SolidErrors(NamedTuple):
         return SolidErrors(factor * self.torque, tuple(shoes))
 
 
-class _Section(NamedTuple):
+class SectionError(NamedTuple):
     """A level of the section, and the section's part of the error on this level."""
 
     level: Level
     error: SolidErrors
 
 
-class _Climb(NamedTuple):
+class LevelClimb(NamedTuple):
     """The levels of a solve, and the answer of the last one with its stated errors."""
 
     levels: list[SolvedLevel]
@@ -218,16 +220,16 @@ def solve_brake_with_widths_to_tolerance(
     share = Tolerance(SECTION_SHARE * tolerance.pressure, SECTION_SHARE * tolerance.torque)
     cache = cache or Cache()
     answer = partial(solve_prepared_model, penalty=penalty)
-    climb = _climb_levels_to_tolerance(brake, share, answer, cache)
+    climb = climb_levels_to_tolerance(brake, share, answer, cache)
     plane, factor = climb.response, 1.0
     largest_degree = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD
     if has_several_widths_on_any_shoe(brake):
         factor = SECTION_SAFETY
         asked = Tolerance(share.pressure / factor, share.torque / factor)
         levels = LEVELS[: MOST_SECTION_LEVELS + must]
-        climb = _climb_levels_to_tolerance(brake, asked, answer, cache, levels, plane)
+        climb = climb_levels_to_tolerance(brake, asked, answer, cache, levels, plane)
         largest_degree = largest_degree if must else MOST_DEGREE
-    section = _coarsest_level_within_tolerance(brake, climb, share, factor)
+    section = coarsest_level_within_tolerance(brake, climb, share, factor)
     compared = section_to_compare_width_degrees(brake, plane, penalty=penalty, cache=cache)
     left = Tolerance(
         max(tolerance.pressure - section.error.largest_pressure_error, share.pressure),
@@ -238,7 +240,7 @@ def solve_brake_with_widths_to_tolerance(
     )
     if not width.error.is_within_error_tolerance(left):
         # A section that is finer than the degree across the width deserves would be lost work.
-        section = _coarsest_level_within_tolerance(brake, climb, width.error.as_tolerance, factor)
+        section = coarsest_level_within_tolerance(brake, climb, width.error.as_tolerance, factor)
     found = section.error.sum_with_other_errors(width.error)
     warning = ""
     if not found.is_within_error_tolerance(tolerance):
@@ -321,14 +323,14 @@ def _response_with_errors_and_notes(
     )
 
 
-def _climb_levels_to_tolerance(
+def climb_levels_to_tolerance(
     brake: Brake,
     tolerance: Tolerance,
     answer: ResponseFunction,
     cache: Cache,
     levels: Sequence[Level] = (),
     start: Response | None = None,
-) -> _Climb:
+) -> LevelClimb:
     """The levels of a solve by plane stress, or with SECTION_DEGREE, up to a tolerance.
 
     Parameters
@@ -364,12 +366,12 @@ def _climb_levels_to_tolerance(
     last = solve_brake_to_tolerance(
         brake, tolerance, answer, must=False, levels=solved_levels_that_are_kept()
     )
-    return _Climb(climbed, last.response)
+    return LevelClimb(climbed, last.response)
 
 
-def _coarsest_level_within_tolerance(
-    brake: Brake, climb: _Climb, tolerance: Tolerance, factor: float
-) -> _Section:
+def coarsest_level_within_tolerance(
+    brake: Brake, climb: LevelClimb, tolerance: Tolerance, factor: float
+) -> SectionError:
     """The coarsest level of a climb whose error is within a tolerance, else the last level.
 
     Parameters
@@ -388,7 +390,7 @@ def _coarsest_level_within_tolerance(
     for step in climb.levels:
         moved = _relative_differences_from_better_response(brake, step.response, last)
         error = moved.sum_with_other_errors(stated).errors_times_factor(factor)
-        sections.append(_Section(by_degree[step.response.shoes[0].order], error))
+        sections.append(SectionError(by_degree[step.response.shoes[0].order], error))
     within = (each for each in sections if each.error.is_within_error_tolerance(tolerance))
     return next(within, sections[-1])
 
