@@ -40,13 +40,6 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
     grid = pv.read(fields)
     grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
     factor = _factor_that_enlarges_drawn_displacements(grid)
-    # The second half is the first one mirrored at the middle plane z = 0.
-    halves = []
-    for side in (1.0, -1.0):
-        half = grid.copy()
-        u = np.asarray(grid.point_data["displacement [m]"])
-        half.points = (np.asarray(grid.points) + factor * u) * np.array([1.0, 1.0, side])
-        halves.append(half.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=2))
     # Stresses at loaded ends are far above all others, so that the colour bar ends at the stress
     # which 2 % of the nodes exceed.
     top = float(np.percentile(grid.point_data[STRESS_TITLE], 98.0))
@@ -57,7 +50,7 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
         "position_x": 0.88, "position_y": 0.2, "height": 0.55, "width": 0.05,
         "label_font_size": 22, "title_font_size": 20, "fmt": "%.3g",
     }  # fmt: skip
-    for i, half in enumerate(halves):
+    for i, half in enumerate(_deformed_surfaces_of_both_halves(grid, factor)):
         plotter.add_mesh(
             half,
             scalars=STRESS_TITLE,
@@ -75,6 +68,20 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
     plotter.reset_camera()
     plotter.camera.zoom(1.15)
     plotter.screenshot(str(picture))
+
+
+def _deformed_surfaces_of_both_halves(grid: Any, factor: float) -> list[Any]:
+    """The surfaces of both halves of the shoes, with displacements enlarged by a factor.
+
+    The second half is the first one mirrored at the middle plane z = 0.
+    """
+    halves = []
+    for side in (1.0, -1.0):
+        half = grid.copy()
+        u = np.asarray(grid.point_data["displacement [m]"])
+        half.points = (np.asarray(grid.points) + factor * u) * np.array([1.0, 1.0, side])
+        halves.append(half.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=2))
+    return halves
 
 
 def _factor_that_enlarges_drawn_displacements(grid: Any) -> float:
