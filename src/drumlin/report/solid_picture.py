@@ -3,14 +3,17 @@
 Drawing runs in a process of its own, since the graphics library may end the process it runs in.
 """
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from drumlin.base.errors import run_and_return_exit_status
-from drumlin.report.render import STRESS_TITLE, draw_picture_in_own_process
+from drumlin.base.round_numbers import largest_round_number_up_to
+from drumlin.report.render import (
+    STRESS_TITLE,
+    draw_picture_in_own_process,
+    draw_picture_named_by_arguments,
+)
 
 LARGEST_DISPLACEMENT = 0.05
 """Length of the largest displacement in the picture, relative to the drum's radius.
@@ -93,17 +96,12 @@ def _factor_that_enlarges_drawn_displacements(grid: Any) -> float:
     u = np.asarray(grid.point_data["displacement [m]"])
     radius = float(np.linalg.norm(np.asarray(grid.points)[:, :2], axis=1).max())
     largest = float(np.linalg.norm(u, axis=1).max()) or 1.0
-    limit = LARGEST_DISPLACEMENT * radius / largest
-    power = 10.0 ** np.floor(np.log10(limit))
-    return max(step * power for step in (1, 2, 5) if step * power <= limit)
+    return largest_round_number_up_to(LARGEST_DISPLACEMENT * radius / largest)
 
 
 def main() -> int:
-    """Draw the picture that the arguments of this process name; returns the exit status."""
+    """Draw the solid shoes that the arguments of this process name; returns the exit status.
 
-    def draw_solids_named_by_arguments() -> int:
-        """Draw the .vtu file (argument 1) into the .png file (2), under a title (3)."""
-        draw_solid_shoes_in_this_process(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
-        return 0
-
-    return run_and_return_exit_status(draw_solids_named_by_arguments)
+    The third argument is the title.
+    """
+    return draw_picture_named_by_arguments(draw_solid_shoes_in_this_process)
