@@ -44,8 +44,6 @@ from drumlin.fem.substructure.ring import ring_stiffness
 
 LONG_DOUBLE = np.longdouble
 """Floating-point type of more digits than double, in which the full system is refined."""
-EPSILON = float(np.finfo(float).eps)
-"""Relative spacing of double-precision numbers."""
 MOST_CORRECTIONS = 30
 """Number of corrections after which iterative refinement ends even if it has not converged."""
 CONVERGED_CORRECTION = 1e-14

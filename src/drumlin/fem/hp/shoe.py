@@ -74,14 +74,6 @@ class LoadedEnd(NamedTuple):
         return resultants
 
 
-EndLoads = Callable[[Floats, Floats, int], LoadedEnd]
-"""A function that returns the unit loads on a shoe's loaded end face.
-
-Its arguments are the nodes of the end face, their depths and the degree of the elements, as those
-of `unit_actuation_loads_on_end_face`.
-"""
-
-
 def unit_actuation_loads_on_end_face(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
     """The unit actuations on the straight end face of a shoe: force x, force y and couple.
 
@@ -466,7 +458,6 @@ def condense_shoe_to_contact_nodes(
     radius: float,
     div: ShoeDivision,
     layers: dict[str, ElasticLayer],
-    end_loads: EndLoads = unit_actuation_loads_on_end_face,
 ) -> CondensedShoe:
     """The shoe condensed to its hinge's frame and its contact nodes, in the order of their angle.
 
@@ -476,8 +467,6 @@ def condense_shoe_to_contact_nodes(
     radius : radius of the drum [m]
     div : division of the shoe into columns and layers of elements
     layers : elasticity of the layers by name
-    end_loads : function that makes the unit loads on the loaded end face; it is not used for a shoe
-        whose back is held, which has the three unit actuations on its frame
 
     Raises
     ------
@@ -491,7 +480,7 @@ def condense_shoe_to_contact_nodes(
     )
     row = _condensed_hp_columns_of_shoe(shoe, radius, div, layers)
     if div.index_of_first_body_layer < div.number_of_element_layers and not any(row.grip):
-        return _condense_shoe_that_hinge_holds(shoe, radius, div, row, end_loads, R)
+        return _condense_shoe_that_hinge_holds(shoe, radius, div, row, R)
     S = (
         _contact_stiffness_of_gripped_shoe(row)
         if any(row.grip)
@@ -525,18 +514,17 @@ def _condense_shoe_that_hinge_holds(
     radius: float,
     div: ShoeDivision,
     row: _ShoeColumns,
-    end_loads: EndLoads,
     R: Floats,
 ) -> CondensedShoe:
     """The condensed elastic shoe that the hinge holds at one end and a force loads at the other.
 
     Parameters
     ----------
-    shoe, radius, div, end_loads : as in `condense_shoe_to_contact_nodes`
+    shoe, radius, div : as in `condense_shoe_to_contact_nodes`
     row : element columns of the shoe
     R : (2n, 3) rigid-body modes of the contact nodes
     """
-    faces = _modes_at_hinge_and_loads_at_end(shoe, radius, div, end_loads)
+    faces = _modes_at_hinge_and_loads_at_end(shoe, radius, div)
     # The bodies before and behind the lining are attached to the first and the last column under
     # the lining. The assembled row has the unknowns [frame | contact nodes | unit loads].
     columns = row.under.copy()
@@ -582,7 +570,7 @@ class _EndFacesOfBody(NamedTuple):
 
 
 def _modes_at_hinge_and_loads_at_end(
-    shoe: Shoe, radius: float, div: ShoeDivision, end_loads: EndLoads
+    shoe: Shoe, radius: float, div: ShoeDivision
 ) -> _EndFacesOfBody:
     """The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face.
 
@@ -592,7 +580,7 @@ def _modes_at_hinge_and_loads_at_end(
     place = function_from_depth_and_angle_to_point(shoe, radius)
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
     near, far = div.before[-1], div.after[-1]
-    end = end_loads(place(depths, far), depths, div.degree)
+    end = unit_actuation_loads_on_end_face(place(depths, far), depths, div.degree)
     return _EndFacesOfBody(
         rotate_axes_of_all_nodes_by_one_angle(
             rigid_body_displacements_of_nodes(place(depths, near), shoe.pin_in_shoe_frame),
