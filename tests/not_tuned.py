@@ -177,7 +177,6 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/analysis/mutual_work.py": {"ELEMENTS_AT_A_TIME": MEMORY},
     "fem/equilibrium/reach.py": {"LARGEST_TURN_TO_TOUCH": SAID},
     "fem/error_control/refinement.py": {
-        "EPSILON": DEFINITION,
         "MOST_CORRECTIONS": PASSES,
         "CONVERGED_CORRECTION": ROUND_OFF,
         "SLOWEST_CONVERGENCE": "factor by which corrections that converge shrink",

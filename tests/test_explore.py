@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 import drumlin
 from browsing import PROGRAM, browser, play, served
 from conftest import ROOT, STUDY
+from drumlin.base.round_numbers import largest_round_number_up_to
 from drumlin.brake import read_any, read_brake, vary
 from drumlin.explore.answers import Explorer
 from drumlin.explore.knobs import (
@@ -292,6 +293,13 @@ def test_the_scale_is_round_and_holds_the_peak():
             10,
         }
     assert highest_pressure_of_scale(0.0) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("value", "largest"), [(0.3, 0.2), (1.0, 1.0), (4.9999999999, 5.0), (9.9, 5.0), (731.0, 500.0)]
+)
+def test_a_factor_on_displacements_is_round(value, largest):
+    assert largest_round_number_up_to(value) == pytest.approx(largest, rel=1e-12)
 
 
 def test_a_link_leads_back_to_its_setting(explorer):

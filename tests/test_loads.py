@@ -1,15 +1,14 @@
 """Load columns by name: a body takes further unit loads beside those of its actuation."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
 from drumlin.brake.file import read_brake
 from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.hp import body as body_path
+from drumlin.fem.hp import shoe as shoe_path
 from drumlin.fem.hp.shoe import LoadedEnd, unit_actuation_loads_on_end_face
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation import columns as hp_path
 from drumlin.fem.preparation.bodies import load_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import condense_body_to_contact_and_frame
@@ -39,9 +38,8 @@ def with_further_force(xy, depths, p):
 @pytest.fixture
 def further(monkeypatch):
     """Every body in hp elements has the further column."""
-    for name in ("condense_shoe_to_contact_nodes", "condensed_shoe_body"):
-        made = partial(getattr(hp_path, name), end_loads=with_further_force)
-        monkeypatch.setattr(hp_path, name, made)
+    for module in (shoe_path, body_path):
+        monkeypatch.setattr(module, "unit_actuation_loads_on_end_face", with_further_force)
 
 
 def test_factors_name_the_loads_that_act():

@@ -16,6 +16,7 @@ same file.
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -261,43 +262,33 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     forces = [
         true_and_estimated_errors_of_quantity(levels, name) for name in ("torque", "reaction")
     ]
-
-    def safety_factor_of_torque_and_reaction(weight: float) -> float:
-        """The safety factor of torque and reaction, for a given weight.
-
-        The weight is that of the change by random signs.
-        """
-        return max(of.smallest_safety_factor(weight) for of in forces)
-
-    def median_stated_over_true_error(weight: float) -> float:
-        """The median ratio of stated to true error of torque and reaction, for a given weight.
-
-        The weight is that of the change by random signs.
-        """
-        return float(
-            np.median(
-                np.concatenate(
-                    [
-                        of.stated_over_true_errors(
-                            safety_factor_of_torque_and_reaction(weight), weight
-                        )
-                        for of in forces
-                    ]
-                )
-            )
-        )
-
-    weight = min(CHANCE_WEIGHTS, key=median_stated_over_true_error)
+    weight = min(CHANCE_WEIGHTS, key=partial(_median_stated_over_true_error, forces))
+    of_forces = _common_safety_factor(forces, weight)
     pressure, peak = (
         true_and_estimated_errors_of_quantity(levels, name).smallest_safety_factor(0.0)
         for name in ("pressure", "peak")
     )
     return Factors(
         pressure,
-        safety_factor_of_torque_and_reaction(weight),
-        _round_up_to_significant_digits(safety_factor_of_torque_and_reaction(weight) * weight),
+        of_forces,
+        _round_up_to_significant_digits(of_forces * weight),
         peak,
     )
+
+
+def _common_safety_factor(quantities: Sequence[Samples], weight: float) -> float:
+    """The safety factor that all quantities need, for a weight of the change by random signs."""
+    return max(of.smallest_safety_factor(weight) for of in quantities)
+
+
+def _median_stated_over_true_error(quantities: Sequence[Samples], weight: float) -> float:
+    """The median ratio of stated to true error of several quantities, with their safety factor.
+
+    The weight is that of the change by random signs.
+    """
+    factor = _common_safety_factor(quantities, weight)
+    ratios = [of.stated_over_true_errors(factor, weight) for of in quantities]
+    return float(np.median(np.concatenate(ratios)))
 
 
 def _round_up_to_significant_digits(value: float) -> float:

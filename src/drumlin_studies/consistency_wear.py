@@ -162,18 +162,7 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
     """
     scene = make_prepared_model(brake, elements=WORN_ELEMENTS)
     setup = wear_setup_by_finite_elements(scene, brake)
-
-    def torque_and_pressure_worn_in() -> _TorqueAndPressure:
-        """Torque and pressure of the brake with worn-in linings by `solve`."""
-        return _torque_and_pressure_of_worn_brake(
-            setup, scene, brake_with_worn_in_clearances(scene, brake)
-        )
-
-    def torque_and_pressure_by_rigid_law() -> _TorqueAndPressure:
-        """Torque and pressure of the rigid-shoe law on this mesh, the limit of wear."""
-        goal = end_of_wear_by_rigid_shoe_law(setup)
-        return _TorqueAndPressure(goal.torque, goal.pressure)
-
+    worn_in = partial(_torque_and_pressure_worn_in, setup, scene, brake)
     try:
         states = wear_brake_linings_until_worn_in(setup)
     except NoAnswer as error:
@@ -181,9 +170,9 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
             name,
             "wear's end = worn in",
             setup,
-            (partial(_raise_given_error, error), torque_and_pressure_worn_in),
+            (partial(_raise_given_error, error), worn_in),
         )
-    ends = partial(_torque_and_pressure_of_wear_state, states[-1]), torque_and_pressure_worn_in
+    ends = partial(_torque_and_pressure_of_wear_state, states[-1]), worn_in
     rows = _torque_and_pressure_comparison_rows(
         name, "wear's end = worn in", setup, ends, END_REACHED, END_REACHED
     )
@@ -191,7 +180,7 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
         name,
         "worn in = law",
         setup,
-        (torque_and_pressure_worn_in, torque_and_pressure_by_rigid_law),
+        (worn_in, partial(_torque_and_pressure_by_rigid_law, setup)),
         LAW_TORQUE,
         LAW_PRESSURE,
     )
@@ -208,6 +197,21 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
     )
     backward = wear_setup_by_finite_elements(scene, brake.brake_with_reversed_motion())
     return rows + _check_rows_after_drum_reversal(name, setup, backward, scene, middle.s)
+
+
+def _torque_and_pressure_worn_in(
+    setup: WearSetup, scene: PreparedModel, brake: Brake
+) -> _TorqueAndPressure:
+    """Torque and pressure of a brake with worn-in linings by `solve`."""
+    return _torque_and_pressure_of_worn_brake(
+        setup, scene, brake_with_worn_in_clearances(scene, brake)
+    )
+
+
+def _torque_and_pressure_by_rigid_law(setup: WearSetup) -> _TorqueAndPressure:
+    """Torque and pressure of the rigid-shoe law on the mesh of the setup, the limit of wear."""
+    goal = end_of_wear_by_rigid_shoe_law(setup)
+    return _TorqueAndPressure(goal.torque, goal.pressure)
 
 
 def _check_rows_after_drum_reversal(

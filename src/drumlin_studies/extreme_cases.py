@@ -137,7 +137,7 @@ class KnobCase:
 
     def _shoe_data_on_side(self, side: int) -> dict[str, Any]:
         """The data, as in a brake file, of the right shoe (side 1) or of its mirror image (-1)."""
-        arc, size = math.radians(self.arc), self.size
+        size = self.size
         start = CASE_PIN[1] + math.radians(5.0)
         pin = CASE_PIN[0] * size * np.array([math.cos(CASE_PIN[1]), math.sin(CASE_PIN[1])])
 
@@ -147,15 +147,7 @@ class KnobCase:
                 {"start": a, "end": b} if side > 0 else {"start": math.pi - b, "end": math.pi - a}
             )
 
-        # A table of clearance becomes rows of angle [rad] and clearance [m].
-        clearance: Any = self.clearance
-        if isinstance(clearance, str):
-            rows = [
-                (start + part * arc, gap * 1e-3 * size) for part, gap in CLEARANCE_TABLES[clearance]
-            ]
-            clearance = rows if side > 0 else [(math.pi - a, gap) for a, gap in reversed(rows)]
-        else:
-            clearance *= size
+        arc = math.radians(self.arc)
         shoe: dict[str, Any] = {
             "name": "right" if side > 0 else "left",
             "side": "internal",
@@ -165,7 +157,7 @@ class KnobCase:
                 "thickness": self.thickness * CASE_RADIUS * size,
                 "width": CASE_WIDTH * size,
                 "material": {"E": CASE_MODULUS * self.pressure, "nu": self.nu},
-                "clearance": clearance,
+                "clearance": self._clearance_on_side(side, start),
             },
             "actuation": {
                 "force": self.force,
@@ -181,6 +173,21 @@ class KnobCase:
                 "material": {"E": CASE_MODULUS * self.shoe * self.pressure, "nu": 0.3},
             }
         return shoe
+
+    def _clearance_on_side(self, side: int, start: float) -> float | list[tuple[float, float]]:
+        """The clearance [m] of a lining, or the rows of its table: angle [rad] and clearance [m].
+
+        The lining of the right shoe (side 1) starts at the angle `start`. That of the left shoe
+        (-1) is its mirror image.
+        """
+        if not isinstance(self.clearance, str):
+            return self.clearance * self.size
+        arc = math.radians(self.arc)
+        rows = [
+            (start + part * arc, gap * 1e-3 * self.size)
+            for part, gap in CLEARANCE_TABLES[self.clearance]
+        ]
+        return rows if side > 0 else [(math.pi - a, gap) for a, gap in reversed(rows)]
 
     def function_to_mesh_shoe_with_aspect_ratio(self) -> Callable[[Shoe, float], Any] | None:
         """The function that meshes a shoe with the aspect ratio of the case; None without one."""
@@ -265,11 +272,15 @@ def _knob_changes_over_values(name: str, values: list[Any], **rest: Any) -> list
 
 def _knob_changes_of_all_sweeps() -> dict[str, list[dict[str, Any]]]:
     """The changed parameters (knobs) and their values, for each case of each sweep by name."""
-    # Values of the knobs that several sweeps share, in the units of KnobCase.
-    arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
-    gaps = [-1e-2, -1e-3, -1e-4, -1e-6, -1e-9, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2]
-    mu = [0.0, 1e-9, 0.05, 0.2, 0.5, 0.8, 1.0, 1.1, 1.15, 1.17, 1.18, 1.19, 1.2, 1.3, 1.5, 2.0]
-    mu += [3.0, 5.0]
+    return (
+        _knob_changes_of_stiffness_sweeps()
+        | _knob_changes_of_contact_sweeps()
+        | _knob_changes_of_mesh_and_size_sweeps()
+    )
+
+
+def _knob_changes_of_stiffness_sweeps() -> dict[str, list[dict[str, Any]]]:
+    """The changed knobs of the sweeps over the stiffness of shoe, ring and contact."""
     moduli = _powers_of_ten(-8, 8)
     return {
         "shoe over lining": _knob_changes_over_values("shoe", moduli)
@@ -285,6 +296,17 @@ def _knob_changes_of_all_sweeps() -> dict[str, list[dict[str, Any]]]:
             assisted=False,
             shoe=70.0,
         ),
+    }
+
+
+def _knob_changes_of_contact_sweeps() -> dict[str, list[dict[str, Any]]]:
+    """The changed knobs of the sweeps over friction, lining, gap and force."""
+    # Values of the knobs in the units of KnobCase.
+    arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
+    gaps = [-1e-2, -1e-3, -1e-4, -1e-6, -1e-9, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2]
+    mu = [0.0, 1e-9, 0.05, 0.2, 0.5, 0.8, 1.0, 1.1, 1.15, 1.17, 1.18, 1.19, 1.2, 1.3, 1.5, 2.0]
+    mu += [3.0, 5.0]
+    return {
         "friction": _knob_changes_over_values("friction", mu)
         + _knob_changes_over_values("friction", mu[1:], assisted=False),
         "lining thickness": _knob_changes_over_values(
@@ -302,6 +324,12 @@ def _knob_changes_of_all_sweeps() -> dict[str, list[dict[str, Any]]]:
             "clearance", list(CLEARANCE_TABLES), assisted=False, penalty=math.inf
         )
         + _knob_changes_over_values("clearance", list(CLEARANCE_TABLES), elements=2),
+    }
+
+
+def _knob_changes_of_mesh_and_size_sweeps() -> dict[str, list[dict[str, Any]]]:
+    """The changed knobs of the sweeps over the elements, Poisson's ratio, lever and size."""
+    return {
         "aspect": _knob_changes_over_values(
             "aspect", [*_powers_of_ten(0, 4), *_powers_of_ten(-4, -1)]
         )

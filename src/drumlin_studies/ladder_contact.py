@@ -154,18 +154,10 @@ def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHole:
     The clearance is chosen so that the closed form gives the half-angle of contact [deg].
     """
     eps, load = math.radians(half_angle), 1e6
-
-    def node_angles_around_circle(count: int) -> Floats:
-        """Angles [rad] of nodes around the circle, closest together at the ends of the contact."""
-        inner = points_graded_to_both_ends(-eps, eps, count, eps / 2, 1 / 40)
-        return np.concatenate(
-            [inner, points_graded_to_both_ends(eps, 2 * math.pi - eps, count, 0.4, eps / 200)[1:-1]]
-        )
-
     # The disc and the edge of the hole have different meshes, fine at the ends of the contact.
     disc = condense_body_to_contact_nodes(
         plane_mesh_of_closed_ring(
-            node_angles_around_circle(30),
+            _node_angles_around_circle(30, eps),
             points_with_steps_growing_to_end(0.01, 1.3, 0.985),
             1.0,
             -1,
@@ -174,7 +166,10 @@ def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHole:
     )
     plate = condense_body_to_contact_nodes(
         plane_mesh_of_closed_ring(
-            node_angles_around_circle(36), points_with_steps_growing_to_end(0.01, 1.3, 39.0), 1.0, 1
+            _node_angles_around_circle(36, eps),
+            points_with_steps_growing_to_end(0.01, 1.3, 39.0),
+            1.0,
+            1,
         ),
         LADDER_STEEL,
     )
@@ -194,6 +189,16 @@ def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHole:
         * load
     )
     return DiscInHole(float(p[middle] / exact), float(np.ptp(touching) / (2 * eps)))
+
+
+def _node_angles_around_circle(count: int, eps: float) -> Floats:
+    """Angles [rad] of nodes around a circle, closest together at the ends of a contact.
+
+    The contact reaches from -eps to eps [rad]; `count` is the number of nodes on it and beside it.
+    """
+    inner = points_graded_to_both_ends(-eps, eps, count, eps / 2, 1 / 40)
+    outer = points_graded_to_both_ends(eps, 2 * math.pi - eps, count, 0.4, eps / 200)
+    return np.concatenate([inner, outer[1:-1]])
 
 
 def _wavy_ring_pressure_over_westergaard(share: float) -> float:

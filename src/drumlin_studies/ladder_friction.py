@@ -351,6 +351,10 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
     return float(active_set.solve_contact_problem(problem).p.max())
 
 
+PLATE_EDGE = 40.0
+"""Length of the edges of the plate of Raous, Chabrand & Lebon (1988)."""
+
+
 class Plate(NamedTuple):
     """Results for an elastic plate on a rigid plane.
 
@@ -375,29 +379,9 @@ def solve_pressed_and_pushed_plate() -> Plate:
     the origin. Friction on the rigid plane has no moment about this corner, nor has the vertical
     force that fixes the plate there.
     """
-    L, mu = 40.0, 1.0
-    grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
-    mesh = _quadratic_mesh_of_mapped_grid(
-        grid, lambda depth, x: np.array([x, depth]), lambda depth, x: x < 1e-9
-    )
-    basis = scalar_finite_element_basis_of_mesh(mesh)
-    left = basis.get_dofs(mesh.boundaries["support"]).flatten()
-    x, y = basis.doflocs
-    corner = left[np.argmax(y[left])]
-    held = np.concatenate([2 * left, [2 * corner + 1]])
-    plate = FlexibleBody.elastic_body_of_mesh(
-        mesh,
-        Material(E=130e9, nu=0.2),
-        held,
-        _constant_normal_and_tangent(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
-        math.pi / 4,
-    )
-    # The loads act on the upper edge and on the side.
-    f = np.zeros((basis.N, 2))
-    f[:, 1] -= 5e6 * _nodal_forces_of_unit_traction(x, np.flatnonzero(y > L - 1e-9))
-    f[:, 0] -= 10e6 * _nodal_forces_of_unit_traction(y, np.flatnonzero(x > L - 1e-9))
+    body = _plate_with_plane_of_symmetry()
+    plate, f = body.body, _forces_on_upper_edge_and_side(body.body.basis)
     N, T = plate.coupling.N, plate.coupling.T
-    on, n = plate.indices_of_contact_node_displacements, len(N)
     u = plate.displacements_under_forces(
         np.column_stack(
             [
@@ -407,11 +391,88 @@ def solve_pressed_and_pushed_plate() -> Plate:
             ]
         )
     )
+    problem = _stick_slip_problem_of_pushed_plate(plate, f, u)
+    n = len(N)
+    found = stick_slip.solve_load_increment(
+        problem, 1.0, SlipHistory(np.zeros(n), np.zeros(n)), np.full(n, STICK)
+    )
+    whole = u @ np.concatenate([[1.0], -found.p, found.t])
+    total = f.copy()
+    # On the plane of symmetry the nodal forces include the reactions.
+    total[body.left] = (plate.K @ whole).reshape(-1, 2)[body.left]
+    x, y = plate.basis.doflocs
+    others = float((x * total[:, 1] - y * total[:, 0]).sum())
+    pressures = (-N.T @ found.p).reshape(-1, 2)
+    return Plate(
+        float((plate.line.xy[0] * pressures[:, 1]).sum() / -others),
+        frozenset(int(s) for s in found.state),
+    )
+
+
+class _SymmetricPlate(NamedTuple):
+    """A plate with its plane of symmetry.
+
+    Attributes
+    ----------
+    body : FlexibleBody
+        The plate, whose lower edge is in contact.
+    left : array of int
+        Numbers of its nodes on the plane of symmetry.
+    """
+
+    body: FlexibleBody
+    left: Ints
+
+
+def _plate_with_plane_of_symmetry() -> _SymmetricPlate:
+    """The plate of Raous, Chabrand & Lebon, fixed along x at x = 0, and along y in the corner."""
+    L = PLATE_EDGE
+    grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
+    mesh = _quadratic_mesh_of_mapped_grid(
+        grid, lambda depth, x: np.array([x, depth]), lambda depth, x: x < 1e-9
+    )
+    basis = scalar_finite_element_basis_of_mesh(mesh)
+    left = basis.get_dofs(mesh.boundaries["support"]).flatten()
+    corner = left[np.argmax(basis.doflocs[1][left])]
+    plate = FlexibleBody.elastic_body_of_mesh(
+        mesh,
+        Material(E=130e9, nu=0.2),
+        np.concatenate([2 * left, [2 * corner + 1]]),
+        _constant_normal_and_tangent(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
+        math.pi / 4,
+    )
+    return _SymmetricPlate(plate, left)
+
+
+def _forces_on_upper_edge_and_side(basis: Any) -> Floats:
+    """The nodal forces (nodes, 2) of 5 MPa on the plate's upper edge and 10 MPa on its side."""
+    x, y = basis.doflocs
+    f = np.zeros((basis.N, 2))
+    f[:, 1] -= 5e6 * _nodal_forces_of_unit_traction(x, np.flatnonzero(y > PLATE_EDGE - 1e-9))
+    f[:, 0] -= 10e6 * _nodal_forces_of_unit_traction(y, np.flatnonzero(x > PLATE_EDGE - 1e-9))
+    return f
+
+
+def _stick_slip_problem_of_pushed_plate(
+    plate: FlexibleBody, f: Floats, u: Floats
+) -> FrictionalProblem:
+    """The stick-slip problem of a plate that may also move up and down as a rigid body.
+
+    Parameters
+    ----------
+    plate : FlexibleBody
+        The plate with n contact nodes.
+    f : array (nodes, 2)
+        Nodal forces of the loads.
+    u : array (2 nodes, 1 + 2 n)
+        Displacements under the loads, under unit pressures and under unit tractions.
+    """
+    N, T = plate.coupling.N, plate.coupling.T
+    on, n = plate.indices_of_contact_node_displacements, len(N)
     by_f, by_N, by_T = u[on, 0], u[on, 1 : 1 + n], u[on, 1 + n :]
-    # The plate may also move up and down as a rigid body.
     up = np.tile([0.0, 1.0], n)
     B_w, B_s = -(N @ up)[:, None], -(T @ up)[:, None]
-    problem = FrictionalProblem(
+    return FrictionalProblem(
         A_wp=N @ by_N,
         A_wt=-N @ by_T,
         A_sp=T @ by_N,
@@ -424,19 +485,6 @@ def solve_pressed_and_pushed_plate() -> Plate:
         q_s=-T @ by_f,
         h=np.array([-f[:, 1].sum()]),
         Q=np.zeros((n, n)),
-    )
-    found = stick_slip.solve_load_increment(
-        problem, mu, SlipHistory(np.zeros(n), np.zeros(n)), np.full(n, STICK)
-    )
-    whole = u @ np.concatenate([[1.0], -found.p, found.t])
-    total = f.copy()
-    # On the plane of symmetry the nodal forces include the reactions.
-    total[left] = (plate.K @ whole).reshape(-1, 2)[left]
-    others = float((x * total[:, 1] - y * total[:, 0]).sum())
-    pressures = (-N.T @ found.p).reshape(-1, 2)
-    return Plate(
-        float((plate.line.xy[0] * pressures[:, 1]).sum() / -others),
-        frozenset(int(s) for s in found.state),
     )
 
 

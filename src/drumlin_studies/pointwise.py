@@ -170,6 +170,7 @@ def _solve_one_shoe_by_penalty(
     drag = brake.signed_friction_per_pressure_in_shoe_frame(shoe)
     unit, moment = load_factors_and_pin_moment_per_newton(parts, shoe)
     force = abs(shoe.actuation.force)
+    per_newton = parts.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, unit)
     with add_elapsed_time(seconds, "contact"):
         A = (parts.constraints.matrix.T @ parts.K @ parts.constraints.matrix).tocsc()
         points = _quadrature_points_of_shoe_friction_face(parts, brake, shoe, drag)
@@ -180,17 +181,10 @@ def _solve_one_shoe_by_penalty(
         )
         turned[-1] = 1.0
         if force == 0 or not (moment * (points.closing @ turned) > 0).any():
-            return PointwiseAnswer(
-                response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector),
-                Balance(0.0, 0.0),
-                0,
-            )
+            return _answer_of_shoe_without_contact(shoe)
         # The pin fixes the two displacements of the shoe's frame; all other unknowns are free.
         free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])
-        load = force * (
-            parts.loads[ACTUATION]
-            @ parts.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, unit)
-        )
+        load = force * (parts.loads[ACTUATION] @ per_newton)
         stiffness = penalty_stiffness_of_contact_per_area(shoe, penalty)
         contact_state = _find_touching_points_by_newton(A, load, points, stiffness, free, shoe.name)
         u, on = contact_state.u, contact_state.touching
@@ -199,25 +193,65 @@ def _solve_one_shoe_by_penalty(
         # The hinge reaction is the residual of the equations of these two fixed displacements.
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
-    given = force * parts.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, unit)
-    balance = relative_sums_of_forces_and_moments(
-        [contact.sum(axis=0), reaction, given[:2]],
-        [
-            float(planar_cross_product(parts.line.xy.T, contact).sum()),
-            float(planar_cross_product(shoe.pin_in_shoe_frame, reaction)),
-            force * moment,
-            float(planar_cross_product(shoe.pin_in_shoe_frame, given[:2])),
-        ],
-    )
-    # `pushing` has normal and friction forces, `closing` the normal forces with the other sign, so
-    # that their sum is friction. Friction assists where its work on a turn has the moment's sign.
-    friction_work = float((points.weight * p) @ ((points.pushing + points.closing) @ turned))
+    given = (force * per_newton)[:2]
+    balance = _balance_of_forces_and_moments(parts, shoe, contact, reaction, given, force * moment)
+    # Friction assists the actuation where its work on a turn has the sign of the moment.
+    assists = _friction_work_on_motion(points, p, turned) * moment > 0
     to_brake, turn = shoe.frame.convert_to_brake_frame(reaction), float(u[-1])
-    assists = friction_work * moment > 0
     response = _shoe_response_from_quadrature_pressures(
         shoe, points, p, abs(drag), to_brake, assists, turn
     )
     return PointwiseAnswer(response, balance, contact_state.steps)
+
+
+def _answer_of_shoe_without_contact(shoe: Shoe) -> PointwiseAnswer:
+    """The answer for a shoe that its force does not press on the drum."""
+    response = response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
+    return PointwiseAnswer(response, Balance(0.0, 0.0), 0)
+
+
+def _friction_work_on_motion(points: _ContactPoints, p: Floats, motion: Floats) -> float:
+    """The work [N m] of the friction of the pressures p (q,) [Pa] on a motion (unknowns,) [m].
+
+    `pushing` has normal and friction forces, `closing` the normal forces with the other sign, so
+    that their sum is friction.
+    """
+    return float((points.weight * p) @ ((points.pushing + points.closing) @ motion))
+
+
+def _balance_of_forces_and_moments(
+    parts: AssembledShoe,
+    shoe: Shoe,
+    contact: Floats,
+    reaction: Floats,
+    given: Floats,
+    moment: float,
+) -> Balance:
+    """The relative imbalance of the forces on a shoe, and of their moments about the centre.
+
+    Parameters
+    ----------
+    parts : AssembledShoe
+        The assembled shoe, with its n contact nodes.
+    shoe : Shoe
+        The shoe.
+    contact : array (n, 2)
+        Forces on the contact nodes [N].
+    reaction, given : array (2,)
+        Forces of the hinge and of the actuation [N].
+    moment : float
+        Moment of the actuation about the pin [N m].
+    """
+    pin = shoe.pin_in_shoe_frame
+    return relative_sums_of_forces_and_moments(
+        [contact.sum(axis=0), reaction, given],
+        [
+            float(planar_cross_product(parts.line.xy.T, contact).sum()),
+            float(planar_cross_product(pin, reaction)),
+            moment,
+            float(planar_cross_product(pin, given)),
+        ],
+    )
 
 
 def _quadrature_points_of_shoe_friction_face(

@@ -434,30 +434,10 @@ def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dic
             "shoe[0].lining.end": math.radians(35),
         },
     )
-
-    def torque_normal_force_friction_radius(response: Response) -> Floats:
-        """The torque of the brake, and the normal force and friction radius of its first shoe."""
-        merit = response.merits[0]
-        assert isinstance(merit, Merit)
-        return np.array(
-            [response.torque, response.shoes[0].normal_force, merit.friction_radius or 0.0]
-        )
-
-    fine, rows, before = (
-        torque_normal_force_friction_radius(
-            foundation.solve_brake_by_foundation_model(fixed, sections=2880)
-        ),
-        [],
-        np.full(3, np.nan),
-    )
+    fine = _torque_normal_force_friction_radius(fixed, 2880)
+    rows, before = [], np.full(3, np.nan)
     for n in (45, 90, 180, 360, 720, 1440):
-        errors = np.abs(
-            torque_normal_force_friction_radius(
-                foundation.solve_brake_by_foundation_model(fixed, sections=n)
-            )
-            / fine
-            - 1
-        )
+        errors = np.abs(_torque_normal_force_friction_radius(fixed, n) / fine - 1)
         outcome = timed(
             "foundation",
             partial(foundation.solve_brake_by_foundation_model, brake, sections=n),
@@ -478,6 +458,17 @@ def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dic
         rows.append(row)
         before = errors
     return rows
+
+
+def _torque_normal_force_friction_radius(brake: Brake, sections: int) -> Floats:
+    """The torque of a brake, and the normal force and friction radius of its first shoe, as (3,).
+
+    They are those of the foundation model with a number of sections of each beam.
+    """
+    response = foundation.solve_brake_by_foundation_model(brake, sections=sections)
+    merit = response.merits[0]
+    assert isinstance(merit, Merit)
+    return np.array([response.torque, response.shoes[0].normal_force, merit.friction_radius or 0.0])
 
 
 def beam_deflection_curves_of_shoes_by_model(

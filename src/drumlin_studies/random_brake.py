@@ -161,10 +161,9 @@ def _draw_arc_shoe_data(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -
     # Seen from the hinge the lining lies towards growing angles (1) or towards falling angles (-1).
     hand = int(rng.choice([-1, 1]))
     gap = u(0.05, 0.35)
-    span = math.exp(u(*np.log(ranges.arc)))
-    span = min(span, ranges.largest_angle - gap)
-    start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + span)])
+    span = min(math.exp(u(*np.log(ranges.arc))), ranges.largest_angle - gap)
     far = hinge_angle + hand * (gap + span)
+    start, end = sorted([hinge_angle + hand * gap, far])
     # Width and thickness of the lining are random fractions of the drum's radius.
     width = R * _draw_number_between_powers_of_ten(rng, -0.9, -0.2)
     thickness = R * _draw_number_between_powers_of_ten(rng, *ranges.thickness)
@@ -179,13 +178,7 @@ def _draw_arc_shoe_data(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -
             "width": width,
             "material": _draw_material_data(rng, *ranges.modulus),
         },
-        "actuation": {
-            "direction": far + (0 if inside else math.pi) + u(-0.6, 0.6),
-            "point": {
-                "radius": R * (u(0.6, 0.95) if inside else u(1.05, 1.5)),
-                "angle": far + hand * u(0.0, 0.15),
-            },
-        },
+        "actuation": _draw_line_of_actuation_force(rng, R, far, hand, inside=inside),
     }
     if ranges.backing:
         shoe["backing"] = {
@@ -196,15 +189,61 @@ def _draw_arc_shoe_data(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -
         # The body is longer than the lining at both ends. Towards the hinge it covers a random part
         # of the angle between hinge and lining.
         overhang = [gap * u(0.1, 0.9), u(0.005, 0.12)][::hand]
-        shoe["body"] = {
-            "thickness": R * _draw_number_between_powers_of_ten(rng, *ranges.body_thickness),
-            "width": width * _draw_number_between_powers_of_ten(rng, -0.8, 0.2),
-            "start": start - overhang[0],
-            "end": end + overhang[1],
-            "material": _draw_material_data(rng, *ranges.body_modulus),
-        }
+        ends = {"start": start - overhang[0], "end": end + overhang[1]}
+        shoe["body"] = ends | _draw_section_data_of_arc_body(rng, R, width, ranges)
     shoe["actuation"]["force"] = _draw_actuation_force(rng, shoe, R)
     return shoe
+
+
+def _draw_section_data_of_arc_body(
+    rng: np.random.Generator, R: float, width: float, ranges: ShoeOnArc
+) -> dict[str, Any]:
+    """The thickness, width and material of a random body along the drum.
+
+    Parameters
+    ----------
+    rng : Generator
+        Generator of random numbers.
+    R : float
+        Radius of the drum [m].
+    width : float
+        Width of the lining [m].
+    ranges : ShoeOnArc
+        Ranges of the shoe's sizes.
+    """
+    return {
+        "thickness": R * _draw_number_between_powers_of_ten(rng, *ranges.body_thickness),
+        "width": width * _draw_number_between_powers_of_ten(rng, -0.8, 0.2),
+        "material": _draw_material_data(rng, *ranges.body_modulus),
+    }
+
+
+def _draw_line_of_actuation_force(
+    rng: np.random.Generator, R: float, far: float, hand: int, *, inside: bool
+) -> dict[str, Any]:
+    """The direction and the point of a random actuation force at the far end of an arc shoe.
+
+    Parameters
+    ----------
+    rng : Generator
+        Generator of random numbers.
+    R : float
+        Radius of the drum [m].
+    far : float
+        Angle of the lining's end away from the hinge [rad].
+    hand : int
+        1 if this end lies at the larger angle, -1 if it lies at the smaller one.
+    inside : bool
+        Whether the shoe lies inside the drum.
+    """
+    u = rng.uniform
+    return {
+        "direction": far + (0 if inside else math.pi) + u(-0.6, 0.6),
+        "point": {
+            "radius": R * (u(0.6, 0.95) if inside else u(1.05, 1.5)),
+            "angle": far + hand * u(0.0, 0.15),
+        },
+    }
 
 
 def _draw_actuation_force(rng: np.random.Generator, shoe: dict[str, Any], R: float) -> float:
@@ -228,38 +267,53 @@ def _mean_lining_compression_by_force(shoe: dict[str, Any], R: float) -> float:
     return shoe["actuation"]["force"] / area * lining["thickness"] / lining["material"]["E"]
 
 
+class _RandomBeamAxis(NamedTuple):
+    """The axis of a straight beam outside the drum.
+
+    Attributes
+    ----------
+    turn : float
+        Angle [rad] of the beam's normal through the centre of the drum.
+    hand : int
+        1 if the axis runs from the hinge towards growing angles, -1 if towards falling angles.
+    distance : float
+        Distance of the axis from the centre of the drum [m].
+    """
+
+    turn: float
+    hand: int
+    distance: float
+
+    def point_at_distance_along(self, along: float) -> dict[str, float]:
+        """The point of the axis at a distance [m] from the foot of the normal."""
+        c, s = math.cos(self.turn), math.sin(self.turn)
+        x = self.distance * c - self.hand * along * s
+        return {"x": x, "y": self.distance * s + self.hand * along * c}
+
+
 def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[str, Any]:
     """The data of a random post: a straight beam outside the drum, with a block on the lining.
 
     R : radius of the drum [m].
     """
     u = rng.uniform
-    # `turn` is the angle of the beam's normal through the centre of the drum. Distances along the
-    # beam are taken from the foot of this normal: hinge at -foot, actuation at far.
     turn, hand = u(-math.pi, math.pi), int(rng.choice([-1, 1]))
-    thickness, depth = (
-        R * _draw_number_between_powers_of_ten(rng, -2.2, -1.1),
-        R * _draw_number_between_powers_of_ten(rng, -0.9, -0.35),
-    )
+    thickness = R * _draw_number_between_powers_of_ten(rng, -2.2, -1.1)
+    depth = R * _draw_number_between_powers_of_ten(rng, -0.9, -0.35)
     back = R + thickness
-    distance = back + R * u(0.04, 0.3) + depth / 2
+    axis = _RandomBeamAxis(turn, hand, back + R * u(0.04, 0.3) + depth / 2)
     half = u(0.25, 0.85)
     first, last = -half * u(0.6, 1.0), half * u(0.6, 1.0)
+    # Distances along the beam: hinge at -foot, actuation at far.
     foot = back * math.sin(-first) + R * u(0.15, 0.8)
     far = back * math.sin(last) + R * u(0.15, 0.8)
-
-    def point_at_distance_along_beam_axis(along: float) -> dict[str, float]:
-        """The point of the beam at a distance [m] from the foot of the normal."""
-        c, s = math.cos(turn), math.sin(turn)
-        return {"x": distance * c - hand * along * s, "y": distance * s + hand * along * c}
-
     # The arc of the lining contains the angle of the beam's normal.
     start, end = sorted([turn + hand * first, turn + hand * last])
     width = R * _draw_number_between_powers_of_ten(rng, -0.9, -0.3)
     shoe: dict[str, Any] = {
         "name": "shoe",
         "side": "external",
-        "hinge": point_at_distance_along_beam_axis(-foot),
+        "hinge": axis.point_at_distance_along(-foot),
         "lining": {
             "start": start,
             "end": end,
@@ -276,7 +330,7 @@ def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[st
         },
         "actuation": {
             "direction": turn + math.pi + u(-0.4, 0.4),
-            "point": point_at_distance_along_beam_axis(far),
+            "point": axis.point_at_distance_along(far),
         },
     }
     shoe["actuation"]["force"] = _draw_actuation_force(rng, shoe, R)

@@ -10,7 +10,7 @@ scale a given brake.
 import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -455,7 +455,7 @@ def _draw_data_of_pad_brake(rng: Rng, support: str) -> dict[str, Any]:
     """
     u = rng.uniform
     length, start = draw_number_uniform_in_logarithm(rng, 0.04, 0.3), float(u(-0.3, 0.3))
-    middle, width = start + length / 2, length * u(0.2, 0.8)
+    width = length * u(0.2, 0.8)
     thickness = length * draw_number_uniform_in_logarithm(rng, 1 / 40, 1 / 8)
     material = {
         "E": draw_number_uniform_in_logarithm(rng, 1e8, 1e10),
@@ -477,36 +477,52 @@ def _draw_data_of_pad_brake(rng: Rng, support: str) -> dict[str, Any]:
             "end": start + length * u(1.02, 1.1),
             "material": {"E": 2.1e11, "nu": 0.3},
         }
-    # For a hinge or a lever: the force acts as far behind the pad's middle as the pin lies before.
-    away, height = length * u(0.8, 1.5), length * u(0.1, 0.5)
-    pin, at = {"x": middle - away, "y": height}, {"x": middle + away, "y": height}
-    direction = -math.pi / 2
-    if support == "pivot":
-        pivot = {"x": middle + length * u(-0.1, 0.1), "y": length * u(0.05, 0.3)}
-        shoe |= {"hinge": pin, "pivot": pivot}
-    elif support == "hinge":
-        shoe |= {"hinge": pin}
-    else:
-        at = {"x": middle + length * u(-0.1, 0.1), "y": height}
-        direction += u(-0.1, 0.1)
-        # The abutment is drawn for a guide as well, so that a seed gives both the same pad.
-        abutment = {
-            "point": {"x": start - 0.1 * length, "y": length * u(0.05, 0.2)},
-            "direction": u(-0.2, 0.2),
-        }
-        abutment["friction"] = round(float(u(0.0, 0.3)), 3)
-        if support == "guide":
-            shoe |= {"guide": {"direction": -math.pi / 2 + u(-0.2, 0.2)}}
-        else:
-            shoe |= {"abutment": abutment}
+    shoe |= _draw_support_and_line_of_force_of_pad(rng, support, start, length)
     force = float(
         f"{material['E'] * length * width * draw_number_uniform_in_logarithm(rng, 1e-4, 3e-3):.4g}"
     )
-    shoe["actuation"] = {"force": force, "direction": direction, "point": at}
+    shoe["actuation"] = {"force": force, **shoe["actuation"]}
     compression = force / (material["E"] * length * width) * thickness
     # Misfits have a generator of their own, so that they change no other random number of the pad.
     lining |= _draw_clearance_and_misfit_of_pad(rng.spawn(1)[0], lining, compression)
     return {"plane": {"sliding": str(rng.choice(["+x", "-x"]))}, "shoe": [shoe]}
+
+
+def _draw_support_and_line_of_force_of_pad(
+    rng: Rng, support: str, start: float, length: float
+) -> dict[str, Any]:
+    """The data of a random support of a pad, and of the line on which its actuation force acts.
+
+    Parameters
+    ----------
+    rng : Rng
+        Generator of random numbers.
+    support : str
+        "hinge", "pivot", "guide" or "abutment".
+    start, length : float
+        Start and length of the lining [m].
+    """
+    u, middle = rng.uniform, start + length / 2
+    # For a hinge or a lever: the force acts as far behind the pad's middle as the pin lies before.
+    away, height = length * u(0.8, 1.5), length * u(0.1, 0.5)
+    pin, at = {"x": middle - away, "y": height}, {"x": middle + away, "y": height}
+    straight: dict[str, Any] = {"direction": -math.pi / 2, "point": at}
+    if support == "pivot":
+        pivot = {"x": middle + length * u(-0.1, 0.1), "y": length * u(0.05, 0.3)}
+        return {"hinge": pin, "pivot": pivot, "actuation": straight}
+    if support == "hinge":
+        return {"hinge": pin, "actuation": straight}
+    at = {"x": middle + length * u(-0.1, 0.1), "y": height}
+    actuation = {"direction": -math.pi / 2 + u(-0.1, 0.1), "point": at}
+    # The abutment is drawn for a guide as well, so that a seed gives both the same pad.
+    abutment = {
+        "point": {"x": start - 0.1 * length, "y": length * u(0.05, 0.2)},
+        "direction": u(-0.2, 0.2),
+    }
+    abutment["friction"] = round(float(u(0.0, 0.3)), 3)
+    if support == "guide":
+        return {"guide": {"direction": -math.pi / 2 + u(-0.2, 0.2)}, "actuation": actuation}
+    return {"abutment": abutment, "actuation": actuation}
 
 
 def _draw_clearance_and_misfit_of_pad(
@@ -584,59 +600,82 @@ def _mirror_turn_and_shift_shoe_data(
     shift : float
         Distance by which the shoe is shifted along x [m].
     """
-    sign = -1 if mirrored else 1
-    c, s = math.cos(turn), math.sin(turn)
-
-    def mirror_turn_and_shift_point(point: dict[str, float]) -> dict[str, float]:
-        """The point after mirroring, turning and shifting."""
-        x, y = point["x"], sign * point["y"]
-        return {"x": c * x - s * y + shift, "y": s * x + c * y}
-
-    def mirror_turn_and_shift_direction_and_point(part: dict[str, Any]) -> dict[str, Any]:
-        """The data of a support or actuation with its direction and its point moved likewise."""
-        moved = part | {"direction": turn + sign * part["direction"]}
-        return moved | (
-            {"point": mirror_turn_and_shift_point(part["point"])} if "point" in part else {}
-        )
-
-    def mirror_turn_and_shift_lining_end(lining: float) -> float:
-        """The end of a lining, an angle or a length x, after mirroring, turning and shifting."""
-        # On a plane `mirrored` comes with a turn of 180 degrees: together they mirror about the
-        # y axis.
-        return turn + sign * lining if "side" in shoe else c * lining + shift
-
-    def mirror_turn_and_shift_ends_of_lining_or_body(part: dict[str, Any]) -> dict[str, Any]:
-        """The data of a lining or body with start, end, clearances and misfit moved likewise.
-
-        A mirror exchanges start and end.
-        """
-        start, end = sorted(mirror_turn_and_shift_lining_end(part[key]) for key in ("start", "end"))
-        moved = part | {"start": start, "end": end}
-        if isinstance(part.get("clearance"), list | tuple):
-            moved["clearance"] = sorted(
-                [mirror_turn_and_shift_lining_end(x), gap] for x, gap in part["clearance"]
-            )
-        if "misfit" in part:
-            x, y = (part["misfit"]["offset"][key] for key in "xy")
-            offset = {"x": c * x - s * sign * y, "y": s * x + c * sign * y}
-            moved["misfit"] = part["misfit"] | {"offset": offset}
-        return moved
-
-    # How each part of a shoe is moved: as a point, as a direction with a point, or as an arc.
+    motion = _MirrorTurnAndShift(turn, mirrored, shift, "side" not in shoe)
     moves = {
-        "hinge": mirror_turn_and_shift_point,
-        "pivot": mirror_turn_and_shift_point,
-        "abutment": mirror_turn_and_shift_direction_and_point,
-        "guide": mirror_turn_and_shift_direction_and_point,
-        "actuation": mirror_turn_and_shift_direction_and_point,
-        "lining": mirror_turn_and_shift_ends_of_lining_or_body,
-        "body": mirror_turn_and_shift_ends_of_lining_or_body,
+        "hinge": motion.moved_point,
+        "pivot": motion.moved_point,
+        "abutment": motion.moved_direction_and_point,
+        "guide": motion.moved_direction_and_point,
+        "actuation": motion.moved_direction_and_point,
+        "lining": motion.moved_lining_or_body,
+        "body": motion.moved_lining_or_body,
     }
     result = dict(shoe)
     for key, move in moves.items():
         if result.get(key) is not None:
             result[key] = move(result[key])
     return result
+
+
+class _MirrorTurnAndShift(NamedTuple):
+    """A motion of a shoe: it is mirrored about the x axis, turned and shifted along x.
+
+    Attributes
+    ----------
+    turn, mirrored, shift : float, bool, float
+        As in `_mirror_turn_and_shift_shoe_data`.
+    on_plane : bool
+        Whether the shoe slides on a plane, so that its lining has ends x [m] in place of angles.
+    """
+
+    turn: float
+    mirrored: bool
+    shift: float
+    on_plane: bool
+
+    @property
+    def sign(self) -> int:
+        """The factor on angles and on y by which the mirror changes them: 1 or -1."""
+        return -1 if self.mirrored else 1
+
+    def turned_vector(self, x: float, y: float) -> dict[str, float]:
+        """The components x and y of a vector after mirroring and turning."""
+        c, s, y = math.cos(self.turn), math.sin(self.turn), self.sign * y
+        return {"x": c * x - s * y, "y": s * x + c * y}
+
+    def moved_point(self, point: dict[str, float]) -> dict[str, float]:
+        """The point after mirroring, turning and shifting."""
+        turned = self.turned_vector(point["x"], point["y"])
+        return turned | {"x": turned["x"] + self.shift}
+
+    def moved_direction_and_point(self, part: dict[str, Any]) -> dict[str, Any]:
+        """The data of a support or actuation with its direction and its point moved likewise."""
+        moved = part | {"direction": self.turn + self.sign * part["direction"]}
+        return moved | ({"point": self.moved_point(part["point"])} if "point" in part else {})
+
+    def moved_place_on_lining(self, place: float) -> float:
+        """The angle or the length x of a place on a lining, after the motion."""
+        # On a plane `mirrored` comes with a turn of 180 degrees: together they mirror about the
+        # y axis.
+        if self.on_plane:
+            return math.cos(self.turn) * place + self.shift
+        return self.turn + self.sign * place
+
+    def moved_lining_or_body(self, part: dict[str, Any]) -> dict[str, Any]:
+        """The data of a lining or body with start, end, clearances and misfit moved likewise.
+
+        A mirror exchanges start and end.
+        """
+        start, end = sorted(self.moved_place_on_lining(part[key]) for key in ("start", "end"))
+        moved = part | {"start": start, "end": end}
+        if isinstance(part.get("clearance"), list | tuple):
+            moved["clearance"] = sorted(
+                [self.moved_place_on_lining(x), gap] for x, gap in part["clearance"]
+            )
+        if "misfit" in part:
+            x, y = (part["misfit"]["offset"][key] for key in "xy")
+            moved["misfit"] = part["misfit"] | {"offset": self.turned_vector(x, y)}
+        return moved
 
 
 def mirror_turn_and_shift_brake(

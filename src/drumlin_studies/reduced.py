@@ -288,47 +288,95 @@ def _bar_that_replaces_shoe(shoe: Shoe, radius: float) -> _Bar:
     """
     body = shoe.body
     assert body is not None
-    plates = list(body.plates.values())[::-1]
-    middle = (np.arange(SKETCH_SECTIONS) + 0.5) / SKETCH_SECTIONS
     if isinstance(body, Bar):
-        near, far = sorted(shoe.frame.phi_coordinates_as_list((body.start, body.end)), key=abs)
-        phi = near + (far - near) * middle
-        start, end = shoe.arc
-        over = [
-            _lining_or_backing_as_bar_layer(shoe, layer)
-            for layer in (shoe.backing, shoe.lining)
-            if layer is not None
-        ]
-        alone, together = (
-            stiffnesses_of_bonded_plates(plates),
-            stiffnesses_of_bonded_plates([*plates, *over]),
-        )
-        lined = (phi > start) & (phi < end)
-        depth, EI, EA, GA = np.where(lined, np.array(together)[:, None], np.array(alone)[:, None])
-        axis = radius - shoe.sign * (shoe.depth - depth)
-        along, foot = np.abs(phi - near), np.array([near])
-        at = (axis * np.array([np.cos(phi), np.sin(phi)])).T
-        tangent = math.copysign(1.0, far - near) * np.column_stack([-np.sin(phi), np.cos(phi)])
-        ds = axis * abs(far - near) / SKETCH_SECTIONS
+        axis = _arc_axis_of_bar(shoe, body, radius)
     else:
-        hinge, end_ = (
-            shoe.frame.convert_to_shoe_frame(shoe.pin.xy),
-            shoe.frame.convert_to_shoe_frame(shoe.actuation.point.xy),
-        )
-        line = make_beam_axis(hinge, end_)
-        along, foot = line.length * middle, hinge
-        at, tangent = hinge + along[:, None] * line.along, np.tile(line.along, (SKETCH_SECTIONS, 1))
-        ds = np.full(SKETCH_SECTIONS, line.length / SKETCH_SECTIONS)
-        _, EI, EA, GA = np.array(stiffnesses_of_bonded_plates(plates))[:, None]
+        axis = _straight_axis_of_bar(shoe)
+    EI, EA, GA = axis.stiffnesses
     return _Bar(
-        at=at,
-        tangent=tangent,
-        along=along,
-        foot=foot,
-        bending=np.sqrt(ds / EI),
-        stretching=np.sqrt(ds / EA),
-        shearing=np.sqrt(SECTION_SHEAR_FACTOR * ds / GA),
+        at=axis.at,
+        tangent=axis.tangent,
+        along=axis.along,
+        foot=axis.foot,
+        bending=np.sqrt(axis.ds / EI),
+        stretching=np.sqrt(axis.ds / EA),
+        shearing=np.sqrt(SECTION_SHEAR_FACTOR * axis.ds / GA),
         round=isinstance(body, Bar),
+    )
+
+
+class _BarAxis(NamedTuple):
+    """The axis of a bar of m sections, and the stiffness of its sections.
+
+    Attributes
+    ----------
+    at, tangent, along, foot : array
+        As in `_Bar`.
+    ds : array (m,)
+        Length of each section [m].
+    stiffnesses : array (3, m) or (3, 1)
+        Bending stiffness EI [N m^2], axial stiffness EA [N] and shear stiffness GA [N].
+    """
+
+    at: Floats
+    tangent: Floats
+    along: Floats
+    foot: Floats
+    ds: Floats
+    stiffnesses: Floats
+
+
+def _middles_of_bar_sections() -> Floats:
+    """Places (m,) of the middles of a bar's sections, from 0 at the hinge to 1 at the far end."""
+    return (np.arange(SKETCH_SECTIONS) + 0.5) / SKETCH_SECTIONS
+
+
+def _arc_axis_of_bar(shoe: Shoe, body: Bar, radius: float) -> _BarAxis:
+    """The axis of a shoe on an arc; lining and backing stiffen the sections that carry them.
+
+    radius : radius of the drum [m].
+    """
+    near, far = sorted(shoe.frame.phi_coordinates_as_list((body.start, body.end)), key=abs)
+    phi = near + (far - near) * _middles_of_bar_sections()
+    start, end = shoe.arc
+    plates = list(body.plates.values())[::-1]
+    over = [
+        _lining_or_backing_as_bar_layer(shoe, layer)
+        for layer in (shoe.backing, shoe.lining)
+        if layer is not None
+    ]
+    alone = np.array(stiffnesses_of_bonded_plates(plates))
+    together = np.array(stiffnesses_of_bonded_plates([*plates, *over]))
+    lined = (phi > start) & (phi < end)
+    depth, *stiffnesses = np.where(lined, together[:, None], alone[:, None])
+    axis = radius - shoe.sign * (shoe.depth - depth)
+    return _BarAxis(
+        at=(axis * np.array([np.cos(phi), np.sin(phi)])).T,
+        tangent=math.copysign(1.0, far - near) * np.column_stack([-np.sin(phi), np.cos(phi)]),
+        along=np.abs(phi - near),
+        foot=np.array([near]),
+        ds=axis * abs(far - near) / SKETCH_SECTIONS,
+        stiffnesses=np.array(stiffnesses),
+    )
+
+
+def _straight_axis_of_bar(shoe: Shoe) -> _BarAxis:
+    """The axis of a shoe with a straight beam, from the hinge to the actuation force."""
+    assert shoe.body is not None
+    hinge, end = (
+        shoe.frame.convert_to_shoe_frame(shoe.pin.xy),
+        shoe.frame.convert_to_shoe_frame(shoe.actuation.point.xy),
+    )
+    line = make_beam_axis(hinge, end)
+    along = line.length * _middles_of_bar_sections()
+    plates = list(shoe.body.plates.values())[::-1]
+    return _BarAxis(
+        at=hinge + along[:, None] * line.along,
+        tangent=np.tile(line.along, (SKETCH_SECTIONS, 1)),
+        along=along,
+        foot=hinge,
+        ds=np.full(SKETCH_SECTIONS, line.length / SKETCH_SECTIONS),
+        stiffnesses=np.array(stiffnesses_of_bonded_plates(plates)[1:])[:, None],
     )
 
 
@@ -422,45 +470,97 @@ def radial_ring_compliances_by_mode(
     section = ring.section
     assert section is not None
     assert isinstance(section.material, Material)
-    E, nu = section.material.E, section.material.nu
     # Modes with waves much shorter than the thickness follow from the formulas of a half-plane.
     long = modes * section.thickness <= HALF_PLANE_WAVE * radius
     if not long.all():
+        E, nu = section.material.E, section.material.nu
         over = radius / (E * modes[~long])
         found = radial_ring_compliances_by_mode(ring, radius, sign, modes[long])
         return np.append(found[0], 2 * over), np.append(found[1], (1 - nu) * over)
-    # Shape functions through the thickness and their derivatives at the Gauss points: Lagrange
-    # polynomials on Chebyshev points, written as sums of Legendre polynomials.
+    K = _ring_stiffness_of_each_mode(section.material, section.thickness, radius, sign, modes)
+    load = np.zeros((*K.shape[:2], 2))
+    load[:, 0, 0] = load[:, RING_DEGREE + 1, 1] = radius
+    u = _displacements_under_constraints(K, _constraints_at_rim_of_each_mode(ring, modes), load)
+    return np.asarray(u[:, 0, 0]), np.asarray(u[:, 0, 1])
+
+
+class _ThroughRing(NamedTuple):
+    """The shape functions of a ring through its thickness, at the q points of a Gauss rule.
+
+    Attributes
+    ----------
+    xi, weights : array (q,)
+        Points of [-1, 1] from the friction surface to the rim, and their weights.
+    psi, slope : array (q, RING_DEGREE + 1)
+        Values of the shape functions at the points, and their derivatives by xi.
+    """
+
+    xi: Floats
+    weights: Floats
+    psi: Floats
+    slope: Floats
+
+
+def _shape_functions_through_ring() -> _ThroughRing:
+    """The shape functions of a ring through its thickness: Lagrange polynomials.
+
+    Their nodes are Chebyshev points. The polynomials are written as sums of Legendre polynomials.
+    """
     x = -np.cos(math.pi * np.arange(RING_DEGREE + 1) / RING_DEGREE)
     V = np.linalg.inv(np.polynomial.legendre.legvander(x, RING_DEGREE))
     xi, w = np.polynomial.legendre.leggauss(RING_DEGREE + 2)
     psi = np.polynomial.legendre.legvander(xi, RING_DEGREE) @ V
-    derivative = np.array(
+    slope = np.array(
         [np.polynomial.legendre.legval(xi, np.polynomial.legendre.legder(c)) for c in V.T]
     ).T
-    half = sign * section.thickness / 2
-    r = radius + half * (1 + xi)
-    d, over = derivative / half, psi / r[:, None]
-    zero = np.zeros_like(psi)
+    return _ThroughRing(xi, w, psi, slope)
+
+
+def _ring_stiffness_of_each_mode(
+    material: Material, thickness: float, radius: float, sign: int, modes: Ints
+) -> Floats:
+    """The stiffness (m, 2 n, 2 n) of a ring of width 1 for each mode, on U and then V of n nodes.
+
+    Parameters
+    ----------
+    material : Material
+        Material of the ring.
+    thickness : float
+        Thickness of the ring [m].
+    radius, sign, modes : float, int, array
+        As in `radial_ring_compliances_by_mode`.
+    """
+    E, nu = material.E, material.nu
+    through = _shape_functions_through_ring()
+    half = sign * thickness / 2
+    r = radius + half * (1 + through.xi)
+    d, over = through.slope / half, through.psi / r[:, None]
+    zero = np.zeros_like(through.psi)
     n = modes[:, None, None]
     # Strains (m, q, 2 nodes) at q Gauss points under unit nodal displacements: radial strain,
     # strain around the drum, and shear strain.
-    e_r = np.broadcast_to(np.hstack([d, zero]), (len(modes), len(xi), 2 * (RING_DEGREE + 1)))
+    e_r = np.broadcast_to(np.hstack([d, zero]), (len(modes), len(r), 2 * (RING_DEGREE + 1)))
     e_t = np.concatenate([over + 0 * n, n * over], axis=2)
     g = np.concatenate([-n * over, d - over + 0 * n], axis=2)
-    weight = (w * abs(half) * r)[:, None] * E / (1 - nu**2)
+    weight = (through.weights * abs(half) * r)[:, None] * E / (1 - nu**2)
 
     def integrate_strain_products(a: Floats, b: Floats) -> Floats:
         """Integrals through the thickness of the products of two strains, for each mode."""
         return np.asarray(a.transpose(0, 2, 1) @ (weight * b))
 
-    K = (
+    return (
         integrate_strain_products(e_r, e_r + nu * e_t)
         + integrate_strain_products(e_t, e_t + nu * e_r)
         + (1 - nu) / 2 * integrate_strain_products(g, g)
     )
-    # Constraints at the rim: a fixed rim does not move; of a free rim the rigid-body modes k = 0
-    # (rotation) and k = 1 (translation) are suppressed.
+
+
+def _constraints_at_rim_of_each_mode(ring: Ring, modes: Ints) -> Floats:
+    """The constraints (m, 2 n, 2) on the displacements U and V of n nodes, for each of m modes.
+
+    A fixed rim does not move. Of a free rim the rigid-body modes k = 0 (rotation) and k = 1
+    (translation) are suppressed. A constraint of zeros is none.
+    """
     size, rim = RING_DEGREE + 1, RING_DEGREE
     hold = np.zeros((len(modes), 2 * size, 2))
     if ring.support == "fixed":
@@ -468,16 +568,32 @@ def radial_ring_compliances_by_mode(
     else:
         hold[modes == 0, size + rim, 0] = 1.0
         hold[modes == 1, rim, 0], hold[modes == 1, size + rim, 0] = 1.0, -1.0
-    # The constraints become further equations, scaled to the size of the stiffness matrix.
+    return hold
+
+
+def _displacements_under_constraints(K: Floats, hold: Floats, load: Floats) -> Floats:
+    """The displacements (m, n, l) of m bodies under l loads and two linear constraints.
+
+    The constraints become further equations, scaled to the size of the stiffness matrix.
+
+    Parameters
+    ----------
+    K : array (m, n, n)
+        Stiffness of the bodies.
+    hold : array (m, n, 2)
+        Coefficients of the displacements in the constraints; a constraint of zeros is none.
+    load : array (m, n, l)
+        Loads on the bodies.
+    """
+    m, n, _ = K.shape
     scale = np.abs(K).max()
-    bordered = np.zeros((len(modes), 2 * size + 2, 2 * size + 2))
-    bordered[:, : 2 * size, : 2 * size] = K
-    bordered[:, : 2 * size, 2 * size :] = scale * hold
-    bordered[:, 2 * size :, : 2 * size] = scale * hold.transpose(0, 2, 1)
+    bordered = np.zeros((m, n + 2, n + 2))
+    bordered[:, :n, :n] = K
+    bordered[:, :n, n:] = scale * hold
+    bordered[:, n:, :n] = scale * hold.transpose(0, 2, 1)
     # A mode without a constraint gets an equation in its place that keeps the system regular.
     for j in range(2):
-        bordered[:, 2 * size + j, 2 * size + j] = np.where(hold[:, :, j].any(axis=1), 0.0, scale)
-    load = np.zeros((len(modes), 2 * size + 2, 2))
-    load[:, 0, 0] = load[:, size, 1] = radius
-    u = np.linalg.solve(bordered, load)
-    return np.asarray(u[:, 0, 0]), np.asarray(u[:, 0, 1])
+        bordered[:, n + j, n + j] = np.where(hold[:, :, j].any(axis=1), 0.0, scale)
+    right = np.zeros((m, n + 2, load.shape[2]))
+    right[:, :n] = load
+    return np.linalg.solve(bordered, right)[:, :n]

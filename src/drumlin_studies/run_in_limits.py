@@ -406,32 +406,42 @@ def wear_brake_with_drum_reversals(
         distance=turns * size,
         tolerance=5e-3,
     )
-    far = []
-    for state in states:
-        sense = state.forward
-        far.append(
-            relative_difference_from_end_of_wear(setups[sense], state, goals[sense]).pressure
-        )
+    far = [
+        relative_difference_from_end_of_wear(
+            setups[state.forward], state, goals[state.forward]
+        ).pressure
+        for state in states
+    ]
     # `turned` has the last state before each reversal and the last state of the run.
     turned = [state for state, after in pairwise(states) if state.forward != after.forward]
     turned.append(states[-1])
     # The wear over the last two stretches is compared with the wear by the mean of both laws.
     worn_off = turned[-1].depth - turned[-3].depth
     law = ARCHARD.coefficient * size * (goals[True].pressure + goals[False].pressure)
-    surfaces = setups[True].surfaces
-    distances = []
-    for surface in surfaces:
-        difference = norm_of_values_on_lining_without_ends(
-            surface, surface.own_values_by_growing_angle(worn_off - law)
-        )
-        distances.append(
-            difference
-            / norm_of_values_on_lining_without_ends(
-                surface, surface.own_values_by_growing_angle(law)
-            )
-        )
-    mean = max(distances)
+    mean = _largest_relative_difference_on_linings(setups[True], worn_off, law)
     return Reversals(every, states, far, mean)
+
+
+def _largest_relative_difference_on_linings(
+    setup: WearSetup, values: Floats, reference: Floats
+) -> float:
+    """The largest relative difference of values from a reference among the linings of a brake.
+
+    Parameters
+    ----------
+    setup : WearSetup
+        The linings, with n nodes altogether.
+    values, reference : array (n,)
+        The values and their reference at the nodes.
+    """
+    differences = []
+    for surface in setup.surfaces:
+        norms = [
+            norm_of_values_on_lining_without_ends(surface, surface.own_values_by_growing_angle(of))
+            for of in (values - reference, reference)
+        ]
+        differences.append(norms[0] / norms[1])
+    return max(differences)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.contact.self_locking import (
     FrictionDependentProblem,
+    FrictionLimit,
     compare_solutions_from_starting_contact_sets,
     find_friction_limit_of_contact,
     smallest_singular_friction_of_contact_sets,
@@ -162,13 +163,8 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
     brake = draw_random_brake(seed, way)
     scene = make_prepared_model(brake, elements=LOCKING_ELEMENTS)
     problems = ShoeGroup(scene, brake, (0,)).contact_problem_as_function_of_friction
-    end, n = (
-        find_friction_limit_of_contact(problems, FARTHEST_RANDOM_FRICTION),
-        len(problems.frictionless.q),
-    )
-    rng = np.random.default_rng([START_SEED, seed])
-    starts = [np.ones(n, bool), np.zeros(n, bool)]
-    starts += [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
+    end = find_friction_limit_of_contact(problems, FARTHEST_RANDOM_FRICTION)
+    starts = _starting_contact_sets(len(problems.frictionless.q), seed)
     top = min(end.friction, LARGEST_FRICTION)
     counts, disagreeing = _count_agreeing_answers_below_friction(problems, top, starts)
     # Beyond the friction limit no contact set should be a stable answer, and a solve of drumlin
@@ -176,23 +172,12 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
     beyond = answered = None
     if end.friction <= 10:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
-        beyond = 0
-        for mu in mu_beyond:
-            problem = problems.contact_problem_at_friction_coefficient(mu)
-            comparison = compare_solutions_from_starting_contact_sets(
-                problem, end.last_contact, starts, 0.0
-            )
-            beyond += comparison.others
+        beyond = _count_answers_at_frictions(problems, end, mu_beyond, starts)
         answered = sum(
             _is_brake_solvable_with_exact_contact(scene, vary(brake, {"friction": mu}))
             for mu in mu_beyond
         )
-    # A coarse mesh has few contact sets, so that all are tried. `any_set` is the lowest friction at
-    # which the equations of one of them become singular.
-    coarse = make_prepared_model(brake, elements=ALL_SETS_ELEMENTS)
-    any_set = smallest_singular_friction_of_contact_sets(
-        ShoeGroup(coarse, brake, (0,)).contact_problem_as_function_of_friction
-    )
+    any_set = _smallest_singular_friction_on_coarse_mesh(brake)
     shoe = brake.shoes[0]
     return {
         "brake": seed,
@@ -210,6 +195,52 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
         "t_over_R": shoe.lining.thickness / brake.size,
         **counts,
     }
+
+
+def _smallest_singular_friction_on_coarse_mesh(brake: Brake) -> float:
+    """The lowest friction at which the equations of any contact set become singular.
+
+    A coarse mesh has few contact sets, so that all are tried.
+    """
+    coarse = make_prepared_model(brake, elements=ALL_SETS_ELEMENTS)
+    return smallest_singular_friction_of_contact_sets(
+        ShoeGroup(coarse, brake, (0,)).contact_problem_as_function_of_friction
+    )
+
+
+def _starting_contact_sets(n: int, seed: int) -> list[Bools]:
+    """Contact sets (n,) to start from: all nodes, no node, and random sets by a seed."""
+    rng = np.random.default_rng([START_SEED, seed])
+    random_sets = [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
+    return [np.ones(n, bool), np.zeros(n, bool), *random_sets]
+
+
+def _count_answers_at_frictions(
+    problems: FrictionDependentProblem,
+    end: FrictionLimit,
+    frictions: list[float],
+    starts: list[Bools],
+) -> int:
+    """The number of stable answers at friction coefficients beyond the limit.
+
+    Parameters
+    ----------
+    problems : FrictionDependentProblem
+        The contact problem as a function of friction.
+    end : FrictionLimit
+        The friction limit with its last contact.
+    frictions : list of float
+        Friction coefficients beyond the limit.
+    starts : list of array of bool (n,)
+        Contact sets from which the contact iteration starts.
+    """
+    count = 0
+    for mu in frictions:
+        problem = problems.contact_problem_at_friction_coefficient(mu)
+        count += compare_solutions_from_starting_contact_sets(
+            problem, end.last_contact, starts, 0.0
+        ).others
+    return count
 
 
 def _count_agreeing_answers_below_friction(

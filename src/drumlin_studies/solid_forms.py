@@ -12,7 +12,7 @@ import numpy as np
 import skfem
 from scipy.sparse.linalg import splu
 
-from drumlin.base.arrays import Floats
+from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
@@ -205,26 +205,10 @@ def solve_point_contact_against_hertz(
     growth : float
         Ratio of the sizes of neighbouring elements away from the contact.
     """
-    # Elements have equal size up to 1.25 radii from the centre of the contact and grow beyond.
-    h = 1.25 / round(1.25 * per_radius)
-    s = np.concatenate(
-        [
-            np.arange(0, 1.25, h),
-            1.25 + positions_with_steps_growing_by_constant_ratio(size - 1.25, h, growth, size),
-        ]
-    )
-    depth = positions_with_steps_growing_by_constant_ratio(size, h, growth, size)
-    grid = skfem.MeshQuad.init_tensor(np.concatenate([-s[:0:-1], s]), -depth[::-1])
-    middle = grid.p[:, grid.facets].mean(axis=1)
-    groups = {
-        "contact": np.flatnonzero(middle[1] > -1e-12),
-        "hinge": np.flatnonzero(middle[1] < 1e-9 - size),
-    }
-    section = _section_mesh_with_moved_nodes(grid, skfem.MeshQuad2.from_mesh(grid).doflocs, groups)
-    solid = extrude_shoe_section_to_solid(section, {PART: size}, s)
+    solid, bottom = _solid_block_graded_to_contact(per_radius, size, growth)
     material = Material(E=1.0, nu=nu)
     face = contact_surface_over_shoe_width(_contact_line_on_flat_top(solid), solid.node, solid.z)
-    held = np.unique(nodes_along_element_edges(solid.plane, groups["hinge"]))
+    held = np.unique(nodes_along_element_edges(solid.plane, bottom))
     ties = constraints_of_solid_shoe(
         solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True
     )
@@ -252,6 +236,32 @@ def solve_point_contact_against_hertz(
         math.sqrt(off @ coupling.M @ off / size_),
         int(3 * solid.basis.N),
     )
+
+
+def _solid_block_graded_to_contact(
+    per_radius: int, size: float, growth: float
+) -> tuple[Solid, Ints]:
+    """A solid block whose elements grow away from a contact of radius 1, and its bottom's edges.
+
+    Elements have equal size up to 1.25 radii from the centre of the contact and grow beyond. The
+    parameters are those of `solve_point_contact_against_hertz`.
+    """
+    h = 1.25 / round(1.25 * per_radius)
+    s = np.concatenate(
+        [
+            np.arange(0, 1.25, h),
+            1.25 + positions_with_steps_growing_by_constant_ratio(size - 1.25, h, growth, size),
+        ]
+    )
+    depth = positions_with_steps_growing_by_constant_ratio(size, h, growth, size)
+    grid = skfem.MeshQuad.init_tensor(np.concatenate([-s[:0:-1], s]), -depth[::-1])
+    middle = grid.p[:, grid.facets].mean(axis=1)
+    groups = {
+        "contact": np.flatnonzero(middle[1] > -1e-12),
+        "hinge": np.flatnonzero(middle[1] < 1e-9 - size),
+    }
+    section = _section_mesh_with_moved_nodes(grid, skfem.MeshQuad2.from_mesh(grid).doflocs, groups)
+    return extrude_shoe_section_to_solid(section, {PART: size}, s), groups["hinge"]
 
 
 def _contact_line_on_flat_top(solid: Solid) -> ContactLine:

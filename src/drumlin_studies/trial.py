@@ -19,8 +19,12 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.contact.equations import condition_number_on_contact_set
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
-from drumlin.fem.error_control.refinement import EPSILON
-from drumlin.fem.model import REFINED_REMARK, refine_group_solution, solve_prepared_model
+from drumlin.fem.model import (
+    DOUBLE_SPACING,
+    REFINED_REMARK,
+    refine_group_solution,
+    solve_prepared_model,
+)
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
@@ -244,7 +248,7 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
         ),
         "sure": correct_decimal_digits_at_relative_error(refined.correction),
         "allowed": correct_decimal_digits_at_relative_error(
-            EPSILON * refined.condition if known_condition else 0.0
+            DOUBLE_SPACING * refined.condition if known_condition else 0.0
         ),
         "torque_condition": refined.condition if known_condition else None,
         "pressure_error": float(np.abs(p - exact).max() / exact.max()),

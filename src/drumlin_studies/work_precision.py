@@ -604,15 +604,14 @@ def measure_peer_program_on_brake(
     row: dict[str, Any] = dict(method.journal_key_of_solve_method)
     options = _solver_arguments_of_peer_method(method)
     start = time.perf_counter()
+    solve = partial(
+        peers.solve_brake_by_calculix_or_getfem, PEER_FAMILIES[method.family], brake, **options
+    )
     answers, units = [], []
     try:
         for _ in range(repeats):
             units.append(median(_processor_time_per_call(unit) for _ in range(TIMED_REPEATS)))
-            answers.append(
-                peers.solve_brake_by_calculix_or_getfem(
-                    PEER_FAMILIES[method.family], brake, **options
-                )
-            )
+            answers.append(solve())
     except DrumlinError as error:
         return row | {
             "seconds": time.perf_counter() - start,
@@ -620,23 +619,22 @@ def measure_peer_program_on_brake(
         }
     pairs = list(zip(answers, units, strict=True))
     quartiles = _quartiles_of_values([answer.seconds for answer in answers])
-    return (
-        row
-        | relative_errors_against_reference(brake, answers[0].response, truth)
-        | {
-            "seconds": quartiles.median,
-            "lower": quartiles.lower,
-            "upper": quartiles.upper,
-            "repeats": repeats,
-            "ratio": median(answer.seconds / pace for answer, pace in pairs),
-            "further_ratio": median(answer.further_seconds / pace for answer, pace in pairs),
-            "process": median(answer.process_seconds for answer in answers),
-            "further": median(answer.further_seconds for answer in answers),
-            "unknowns": answers[0].unknowns,
-            "version": answers[0].version,
-            "status": "converged",
-        }
-    )
+    errors = relative_errors_against_reference(brake, answers[0].response, truth)
+    return {
+        **row,
+        **errors,
+        "seconds": quartiles.median,
+        "lower": quartiles.lower,
+        "upper": quartiles.upper,
+        "repeats": repeats,
+        "ratio": median(answer.seconds / pace for answer, pace in pairs),
+        "further_ratio": median(answer.further_seconds / pace for answer, pace in pairs),
+        "process": median(answer.process_seconds for answer in answers),
+        "further": median(answer.further_seconds for answer in answers),
+        "unknowns": answers[0].unknowns,
+        "version": answers[0].version,
+        "status": "converged",
+    }
 
 
 def _solver_arguments_of_peer_method(method: Method) -> dict[str, Any]:

@@ -281,32 +281,16 @@ class Held(Part):
         linearly on the points. `sense` is the sense of the friction, as in `freedoms`.
         """
         k = len(self.freedoms(sense).names)
-
-        def same_derivative_of_motion_and_test_mode(row: int, change: Floats) -> SupportChange:
-            """The same derivative (3,) of the rigid-body mode and of the test mode `row`."""
-            return SupportChange(
-                _changes_of_one_mode_alone(k, row, change),
-                _changes_of_one_mode_alone(k, row, change),
-            )
-
-        def mode_derivatives_as_turning_point_moves(row: int) -> tuple[SupportChange, ...]:
-            """Derivatives of mode `row`, a turn about a point, as the point moves in x and y."""
-            along_x = same_derivative_of_motion_and_test_mode(row, np.array([0.0, -1.0, 0.0]))
-            along_y = same_derivative_of_motion_and_test_mode(row, np.array([1.0, 0.0, 0.0]))
-            return along_x, along_y
-
         if self.guide is not None:
             # The derivative of a unit vector by its angle is the vector turned by 90 deg.
             turned = motion_of_slide_in_direction(self.guide.direction + math.pi / 2)
-            return {"guide.direction": (same_derivative_of_motion_and_test_mode(0, turned),)}
+            return {"guide.direction": (_same_change_of_motion_and_test_mode(k, 0, turned),)}
         if self.abutment is None:
-            of_hinge = {"hinge": mode_derivatives_as_turning_point_moves(0)}
-            return (
-                of_hinge
-                if self.pivot is None
-                else {**of_hinge, "pivot": mode_derivatives_as_turning_point_moves(1)}
-            )
-        found = {"abutment.point": mode_derivatives_as_turning_point_moves(0)}
+            of_hinge = {"hinge": _changes_as_turning_point_moves(k, 0)}
+            if self.pivot is None:
+                return of_hinge
+            return {**of_hinge, "pivot": _changes_as_turning_point_moves(k, 1)}
+        found = {"abutment.point": _changes_as_turning_point_moves(k, 0)}
         # If the foot sticks, the modes do not depend on the direction of the face.
         if sense == 0:
             return found
@@ -417,6 +401,21 @@ def _changes_of_one_mode_alone(count: int, row: int, change: Floats) -> Floats:
     found = np.zeros((count, 3))
     found[row] = change
     return found
+
+
+def _same_change_of_motion_and_test_mode(count: int, row: int, change: Floats) -> SupportChange:
+    """The same derivative (3,) of the rigid-body mode and of the test mode `row` of `count`."""
+    return SupportChange(
+        _changes_of_one_mode_alone(count, row, change),
+        _changes_of_one_mode_alone(count, row, change),
+    )
+
+
+def _changes_as_turning_point_moves(count: int, row: int) -> tuple[SupportChange, ...]:
+    """Derivatives of mode `row` of `count`, a turn about a point, as the point moves in x and y."""
+    along_x = _same_change_of_motion_and_test_mode(count, row, np.array([0.0, -1.0, 0.0]))
+    along_y = _same_change_of_motion_and_test_mode(count, row, np.array([1.0, 0.0, 0.0]))
+    return along_x, along_y
 
 
 def check_motions_close_gap_differently(key: str, shoe: Held, columns: slice) -> None:

@@ -323,22 +323,9 @@ def solve_contact_reached_from_zero_friction(
     )
     if at_once.is_on_path and at_once.contact is not None:
         return at_once.contact
-    # Second, the solution is followed in steps of friction, if possible from half of the friction.
-    known = None
-    half = at_once.contact_at_half_friction
-    if half is not None and _is_contact_reached_from_zero_friction(
-        problem_at, 0.5 * friction, half, areas
-    ):
-        known = (0.5 * friction, half)
+    # Second, the solution is followed in steps of friction.
     try:
-        end = find_friction_limit_of_contact(
-            FrictionDependentProblem.friction_dependent_problem_from_two_frictions(
-                problem_at(0.0), problem_at(1.0)
-            ),
-            friction,
-            known,
-            areas,
-        )
+        end = _follow_contact_up_to_friction(problem_at, friction, at_once, areas)
     except NoAnswer:
         # There is no solution without friction either, so that the brake is not self-locking.
         if at_once.stable and at_once.contact is not None:
@@ -346,12 +333,38 @@ def solve_contact_reached_from_zero_friction(
         raise NoAnswer(at_once.refusal) from None
     if np.isinf(end.friction):
         return end.last_contact
-    raise FrictionBeyondLimit(
-        self_locking_error_text(
-            friction, end.friction, rigid_law_limit=rigid_law_limit, brake_words=brake_words
-        ),
-        end,
+    text = self_locking_error_text(
+        friction, end.friction, rigid_law_limit=rigid_law_limit, brake_words=brake_words
     )
+    raise FrictionBeyondLimit(text, end)
+
+
+def _follow_contact_up_to_friction(
+    problem_at: Callable[[float], ContactProblem],
+    friction: float,
+    at_once: _DirectSolution,
+    areas: Floats,
+) -> FrictionLimit:
+    """Follow the contact in steps of growing friction up to a friction coefficient.
+
+    The steps begin at half of the friction if the direct solution there is certain, and at mu = 0
+    otherwise. The friction of the result is inf if the contact exists up to `friction`.
+
+    Parameters
+    ----------
+    problem_at, friction, areas : as in `solve_contact_reached_from_zero_friction`
+    at_once : the direct solution
+    """
+    known = None
+    half = at_once.contact_at_half_friction
+    if half is not None and _is_contact_reached_from_zero_friction(
+        problem_at, 0.5 * friction, half, areas
+    ):
+        known = (0.5 * friction, half)
+    problem = FrictionDependentProblem.friction_dependent_problem_from_two_frictions(
+        problem_at(0.0), problem_at(1.0)
+    )
+    return find_friction_limit_of_contact(problem, friction, known, areas)
 
 
 def _solve_contact_directly_at_friction(

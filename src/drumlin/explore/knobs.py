@@ -11,6 +11,7 @@ from urllib.parse import urlencode
 
 import numpy as np
 
+from drumlin.base.round_numbers import round_numbers_about
 from drumlin.base.texts import printable_single_line
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake, Shoe
@@ -170,10 +171,7 @@ def knobs_for_brake(brake: Brake) -> tuple[Knob, ...]:
 
 def nearest_1_2_5_power_of_ten(value: float) -> float:
     """The number nearest to `value` (in ratio) that is 1, 2 or 5 times a power of ten."""
-    power = 10.0 ** math.floor(math.log10(value))
-    digits = (1, 2, 5, 10)
-    nearest_digit = min(digits, key=lambda digit: abs(math.log(value / power / digit)))
-    return float(nearest_digit * power)
+    return min(round_numbers_about(value), key=lambda number: abs(math.log(value / number)))
 
 
 def _friction_coefficient_knob(brake: Brake) -> Knob:

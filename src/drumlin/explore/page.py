@@ -16,6 +16,7 @@ import jinja2
 import numpy as np
 
 from drumlin.base.errors import BadInput
+from drumlin.base.round_numbers import round_numbers_about
 from drumlin.base.texts import printable_single_line
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
@@ -163,10 +164,10 @@ def _reply_with_html_page(request: _Request) -> Reply:
 
 def _values_of_axis_ticks(low: float, high: float, unit: str) -> list[float]:
     """The values of the ticks of an axis that reaches from `low` to `high`, in "deg" or "mm"."""
-    power = 10.0 ** math.floor(math.log10((high - low) / MAX_TICK_INTERVALS))
-    steps = np.array([5, 10, 15, 30, 45, 60, 90])
-    if unit != "deg":
-        steps = np.array([1, 2, 5, 10]) * power
+    if unit == "deg":
+        steps = np.array([5, 10, 15, 30, 45, 60, 90])
+    else:
+        steps = np.array(round_numbers_about((high - low) / MAX_TICK_INTERVALS))
     # The finest step at which the numbers beside the ticks do not overlap.
     step = steps[np.argmax((high - low) / steps <= MAX_TICK_INTERVALS)]
     ticks = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step

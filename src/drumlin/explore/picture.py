@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
+from drumlin.base.round_numbers import round_numbers_about
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
@@ -175,9 +176,7 @@ def highest_pressure_of_scale(peak: float) -> float:
     """
     if not peak > 0:
         return 1.0
-    power = 10.0 ** math.floor(math.log10(peak))
-    digits = np.array([1, 2, 5, 10])
-    return float(digits[np.argmax(digits * power >= peak)]) * power
+    return next(number for number in round_numbers_about(peak) if number >= peak)
 
 
 def _pressure_curves_of_touching_shoes(

@@ -679,11 +679,6 @@ def _response_of_shoe_in_brake_frame(
         body.line,
         brake.signed_friction_per_pressure_in_shoe_frame(shoe),
     )
-    # A shoe is self-energising if the work of the friction on its first test mode helps the
-    # actuation. The works are per unit of the mode.
-    closures = group.gap_closures_of_test_modes[k]
-    closed, rubbed = float(closures.normal[:, 0] @ p), float(closures.tangential[:, 0] @ p)
-    helped = math.copysign(1.0, modes.actuation_work[0]) * drag * rubbed
     phi, mean = line.angles_and_mean_pressures(p)
     pin_motion = modes.pin_motion @ solution.coordinates
     return response_of_pressed_elastic_shoe(
@@ -695,7 +690,7 @@ def _response_of_shoe_in_brake_frame(
         peak=line.inner_part_for_pressure_peak.peak(mean),
         torque=abs(drag) * float(body.coupling.lever @ p),
         normal_force=math.hypot(*acting.resultant_of_pressure[:2]),
-        self_energising=helped > NEITHER * abs(closed),
+        self_energising=_is_shoe_self_energising(solution),
         hinge_reaction=frame.convert_to_brake_frame(acting.support_force),
         turn=frame.sense * float(modes.pin_motion[2] @ solution.coordinates),
         force=None if group.force_sharing_by_struts_and_cam is None else solution.force,
@@ -708,6 +703,19 @@ def _response_of_shoe_in_brake_frame(
         softness=errors.penalty,
         lost=errors.round_off,
     )
+
+
+def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
+    """Whether the work of the friction on the first test mode of a shoe helps the actuation.
+
+    The works are per unit of the mode.
+    """
+    group, k, p = solution.group, solution.shoe_number, solution.pressures
+    drag = group.brake.signed_friction_per_pressure_in_shoe_frame(group.shoes[k])
+    closures = group.gap_closures_of_test_modes[k]
+    closed, rubbed = float(closures.normal[:, 0] @ p), float(closures.tangential[:, 0] @ p)
+    sense = math.copysign(1.0, group.rigid_body_modes_of_shoes[k].actuation_work[0])
+    return sense * drag * rubbed > NEITHER * abs(closed)
 
 
 # The following functions estimate the penalty error and the round-off error.

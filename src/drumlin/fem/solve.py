@@ -85,31 +85,13 @@ def solve(
         `solve_prepared_model` has no solution
     """
     require_positive_penalty(penalty)
-    for option, value in {"elements": elements, "kind": kind}.items():
-        if tolerance is not None and value is not None:
-            raise BadInput(
-                f"--tolerance = {tolerance:g}: chooses the elements; leave out --{option} = {value}"
-            )
+    _require_tolerance_without_elements(tolerance, elements, kind)
     brake.check_shoes_can_be_meshed()
     if finite_width:
         require_brake_that_width_model_applies_to(brake)
-    # A given tolerance must be met. Without options the default tolerance is met as well as
-    # possible. Given elements, and shoes with mesh files, are solved once without error estimate.
-    answer = partial(solve_prepared_model, penalty=penalty)
-    if tolerance is not None:
-        require_tolerance_applies_to_brake(brake, tolerance)
-        response = solve_brake_to_tolerance(
-            brake, Tolerance(tolerance, tolerance), answer, cache=cache
-        ).response
-    elif _is_solved_on_finer_and_finer_levels(brake, elements, kind):
-        response = solve_brake_to_tolerance(
-            brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache
-        ).response
-    else:
-        response = answer(
-            prepared_model_with_finest_elements(brake, elements=elements, kind=kind, cache=cache),
-            brake,
-        )
+    response = _response_in_plane_stress(
+        brake, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
+    )
     seconds = dict(response.seconds)
     if finite_width:
         with add_elapsed_time(seconds, "correction for the widths"):
@@ -124,6 +106,45 @@ def solve(
         response = replace(response, plane_stress_error=own)
     response = replace(response, seconds=seconds)
     return response_with_figures_of_merit(brake, response)
+
+
+def _require_tolerance_without_elements(
+    tolerance: float | None, elements: int | None, kind: str | None
+) -> None:
+    """Raise BadInput for a number or kind of elements beside a tolerance, which chooses both."""
+    for option, value in {"elements": elements, "kind": kind}.items():
+        if tolerance is not None and value is not None:
+            raise BadInput(
+                f"--tolerance = {tolerance:g}: chooses the elements; leave out --{option} = {value}"
+            )
+
+
+def _response_in_plane_stress(
+    brake: Brake,
+    *,
+    elements: int | None,
+    kind: str | None,
+    tolerance: float | None,
+    penalty: float,
+    cache: Cache | None,
+) -> Response:
+    """The response of a brake by finite elements in plane stress; parameters are as in `solve`.
+
+    A given tolerance must be met. Without options the default tolerance is met as well as possible.
+    Given elements, and shoes with mesh files, are solved once without error estimate.
+    """
+    answer = partial(solve_prepared_model, penalty=penalty)
+    if tolerance is not None:
+        require_tolerance_applies_to_brake(brake, tolerance)
+        return solve_brake_to_tolerance(
+            brake, Tolerance(tolerance, tolerance), answer, cache=cache
+        ).response
+    if _is_solved_on_finer_and_finer_levels(brake, elements, kind):
+        return solve_brake_to_tolerance(
+            brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache
+        ).response
+    model = prepared_model_with_finest_elements(brake, elements=elements, kind=kind, cache=cache)
+    return answer(model, brake)
 
 
 def prepared_model_with_finest_elements(

@@ -306,20 +306,15 @@ def solve_brake_by_foundation_model(
         raise BadInput(f"foundation does not apply to this brake: {reason}")
     names, clock = validated_names_of_effects_to_include(brake, lift), time.perf_counter()
     shoes = brake.shoes
-    answers: dict[int, ShoeResponse] = {}
-    touching = []
     # A shoe that its force turns away from the drum does not touch and needs no contact problem.
-    for i, shoe in enumerate(shoes):
-        if actuation_moment_towards_drum(shoe) > 0:
-            touching.append(i)
-        else:
-            answers[i] = response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
-    # Shoes influence each other only if the own pressure of each shoe loads an elastic ring. They
-    # are then solved together.
-    together = brake.ring is not None and "own-pressure" in names
-    groups = [touching] if together and touching else [[i] for i in touching]
+    touching = [i for i, shoe in enumerate(shoes) if actuation_moment_towards_drum(shoe) > 0]
+    answers = {
+        i: response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
+        for i, shoe in enumerate(shoes)
+        if i not in touching
+    }
     steps = 0
-    for group in groups:
+    for group in _groups_of_shoes_solved_together(brake, touching, names):
         parts = contact_problem_of_shoe_group(brake, group, sections, names)
         found = _solve_contact_of_shoe_group(brake, group, parts, sections, names, start)
         steps = max(steps, found.steps)
@@ -338,6 +333,18 @@ def solve_brake_by_foundation_model(
         ),
     )
     return response_with_figures_of_merit(brake, response)
+
+
+def _groups_of_shoes_solved_together(
+    brake: Brake, touching: list[int], names: frozenset[str]
+) -> list[list[int]]:
+    """The groups of the shoes numbered `touching` that influence each other.
+
+    Shoes do so only if the own pressure of each shoe loads an elastic ring. `names` are those of
+    the effects to include.
+    """
+    together = brake.ring is not None and "own-pressure" in names
+    return [touching] if together and touching else [[i] for i in touching]
 
 
 def _responses_of_shoe_group(

@@ -82,28 +82,22 @@ def divide_shoe_into_stations_and_sectors(
     ends = np.sort(axis.angle(np.array([lining.start, lining.end])))
     start, end = (axis.foot + R * np.sin(ends)).tolist()
     x, under = places_of_beam_stations(axis.length, start, end, sections)
-    # The beam has no moment at its hinge, so that the first station needs no weight.
-    step = trapezoidal_rule_weights(x)
-    step[0] = 0.0
-    # The angles of the sectors follow from their places along the beam.
-    theta = np.arcsin(np.clip((x[under] - axis.foot) / R, -1, 1))
-    theta[[0, -1]] = ends
+    theta = _angles_of_sectors_at_places(x[under], axis, R, ends)
     sector = trapezoidal_rule_weights(theta)
     soft = compression_of_layers_per_pressure(
         brake, shoe, axis, theta, wedge=wedge, plane_stress=plane_stress
     )
     c, s = np.cos(theta), np.sin(theta)
-    # Levers of each sector about each station, along the beam's axis and towards the drum's centre.
-    # A sector between the hinge and the station has none.
-    arm_x = np.maximum(x[under] - x[:, None], 0.0)
-    depth = body.neutral_axis_offset_at_distances(x)[:, None] + (axis.distance - R * c)
-    arm_y = _fractions_of_sectors_beyond_stations(x, under, theta) * depth
+    offset = body.neutral_axis_offset_at_distances(x)
+    arm_x, arm_y = _levers_of_sectors_about_stations(
+        x, under, theta, offset[:, None] + (axis.distance - R * c)
+    )
     along, towards = axis.components_along_and_across_beam(shoe.actuation.force_vector)
     pressed = arm_x * c + arm_y * s
     return SectionedShoe(
         axis=axis,
         x=x,
-        step=step,
+        step=_weights_of_beam_stations(x),
         EI=body.bending_stiffness_at_distances(x),
         under=under,
         theta=theta,
@@ -114,10 +108,53 @@ def divide_shoe_into_stations_and_sectors(
         ),
         pressed=pressed,
         dragged=arm_y * c - arm_x * s,
-        loaded=(axis.length - x) * towards - body.neutral_axis_offset_at_distances(x) * along,
+        loaded=(axis.length - x) * towards - offset * along,
         closing=pressed if tilt else arm_x * c,
         drag=brake.friction * brake.sign_of_motion * axis.sense,
     )
+
+
+def _angles_of_sectors_at_places(places: Floats, axis: Axis, R: float, ends: Floats) -> Floats:
+    """The angles (m,) [rad] of the sectors of a lining from their places along the beam.
+
+    Parameters
+    ----------
+    places : (m,) places along the beam [m]
+    axis : axis of the beam
+    R : radius of the drum [m]
+    ends : (2,) angles of the lining's ends, which are those of the first and the last sector [rad]
+    """
+    theta = np.arcsin(np.clip((places - axis.foot) / R, -1, 1))
+    theta[[0, -1]] = ends
+    return theta
+
+
+def _weights_of_beam_stations(x: Floats) -> Floats:
+    """The weights (n,) [m] of the stations of a beam at the places x (n,) [m] in an integral.
+
+    The beam has no moment at its hinge, so that the first station needs no weight.
+    """
+    weights = trapezoidal_rule_weights(x)
+    weights[0] = 0.0
+    return weights
+
+
+def _levers_of_sectors_about_stations(
+    x: Floats, under: Ints, theta: Floats, depth: Floats
+) -> tuple[Floats, Floats]:
+    """The levers (n, m) of m sectors about n stations [m], along the beam and towards the drum.
+
+    A sector between the hinge and the station has no lever.
+
+    Parameters
+    ----------
+    x : (n,) places of the stations along the beam [m]
+    under : (m,) numbers of the stations under the sectors
+    theta : (m,) angles of the sectors [rad]
+    depth : (n, m) distance of each sector from the beam's neutral axis at each station [m]
+    """
+    along = np.maximum(x[under] - x[:, None], 0.0)
+    return along, _fractions_of_sectors_beyond_stations(x, under, theta) * depth
 
 
 def _fractions_of_sectors_beyond_stations(x: Floats, under: Ints, theta: Floats) -> Floats:

@@ -14,6 +14,7 @@ abutment), cosine (a guide on a drum), linear (a hinge on a plane), uniform (a g
 
 import math
 from dataclasses import replace
+from functools import partial
 from itertools import chain, pairwise
 from typing import NamedTuple
 
@@ -231,34 +232,28 @@ def _find_contact_for_friction_sense(
     """
     free, ends, mu = shoe.freedoms(sense), (shoe.lining.start, shoe.lining.end), brake.friction
     shapes = face.gap_closing_by_motions(free.motions)
-    arcs: Arcs = (ends,)
-    mu_lock = self_locking_friction_on_arcs(
-        face, free, shoe.lining.width, arcs, brake.sign_of_motion
+    locking_friction_on = partial(
+        self_locking_friction_on_arcs, face, free, shoe.lining.width, spin=brake.sign_of_motion
     )
+    arcs: Arcs = (ends,)
+    mu_lock = locking_friction_on(arcs)
     locked = f"self-locking, friction {mu:g} is not below mu_lock = {{:.6g}} of the rigid-shoe law"
     # With one mode the sign of the actuation's work alone tells which arcs are in contact.
     if len(shapes) == 1:
         arcs = face.arcs_of_positive_pressure(shapes[0] * math.copysign(1.0, free.work[0]), *ends)
-        mu_lock = self_locking_friction_on_arcs(
-            face, free, shoe.lining.width, arcs, brake.sign_of_motion
-        )
+        mu_lock = locking_friction_on(arcs)
         if mu >= mu_lock:
             raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
     for _ in range(MOST_CONTACT_STEPS):
-        N, F = equilibrium_matrices_of_rigid_shoe(face, free, shoe.lining.width, arcs)
-        try:
-            amounts: Floats = np.linalg.solve(N - mu * brake.sign_of_motion * F, free.work).astype(
-                float
-            )
-        except np.linalg.LinAlgError:
+        matrices = equilibrium_matrices_of_rigid_shoe(face, free, shoe.lining.width, arcs)
+        amounts = _motions_in_equilibrium(matrices, free, mu * brake.sign_of_motion)
+        if amounts is None:
             break
         # The next arcs are those where the pressure that follows from the present arcs is positive.
         c = shapes.T @ amounts
         after = (ends,) if whole else face.arcs_of_positive_pressure(c, *ends)
         if after and _is_same_set_of_arcs(after, arcs):
-            mu_lock = self_locking_friction_on_arcs(
-                face, free, shoe.lining.width, arcs, brake.sign_of_motion
-            )
+            mu_lock = locking_friction_on(arcs)
             if mu >= mu_lock:
                 break
             return RigidShoeContact(face, c, amounts, arcs, free, sense)
@@ -272,6 +267,26 @@ def _find_contact_for_friction_sense(
         f"shoe {shoe.name!r}: tips, "
         "no pressure of a rigid shoe on its lining balances the actuation"
     )
+
+
+def _motions_in_equilibrium(
+    matrices: tuple[Floats, Floats], free: Freedoms, drag: float
+) -> Floats | None:
+    """The amounts (k,) of the rigid-body modes for which the shoe is in equilibrium.
+
+    None is returned if the equations are singular.
+
+    Parameters
+    ----------
+    matrices : N and F, see `equilibrium_matrices_of_rigid_shoe`
+    free : rigid-body modes of the shoe
+    drag : friction coefficient, times the sense +1 or -1 of sliding
+    """
+    N, F = matrices
+    try:
+        return np.linalg.solve(N - drag * F, free.work).astype(float)
+    except np.linalg.LinAlgError:
+        return None
 
 
 def _is_same_set_of_arcs(a: Arcs, b: Arcs) -> bool:

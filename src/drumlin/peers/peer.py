@@ -264,19 +264,10 @@ def shoe_response_from_peer_forces(
     forces : forces on the shoe as the peer has computed them
     amounts : generalised coordinates (k,) of the rigid-body modes
     """
-    shoe, frame, pin, tests = (
-        loaded.shoe,
-        loaded.shoe.frame,
-        loaded.shoe.pin_in_shoe_frame,
-        loaded.tests,
-    )
+    shoe, frame, tests = loaded.shoe, loaded.shoe.frame, loaded.tests
     load = _actuation_about_pin(loaded)
     reaction = forces.held if loaded.is_force_on_body else forces.held - load
-    # The friction force and its moment about the pin, which follows from the torque about the
-    # drum's centre.
-    drag = np.array([*forces.friction, -float(planar_cross_product(pin, forces.friction))])
-    if not shoe.flat:
-        drag[2] += math.copysign(forces.torque, loaded.drag)
+    drag = _friction_about_pin(loaded, forces)
     response = response_of_pressed_elastic_shoe(
         shoe,
         loaded.radius / frame.unit,
@@ -299,6 +290,18 @@ def shoe_response_from_peer_forces(
     touching = np.where(p > NO_CONTACT_PRESSURE * p.max(), p, 0.0)
     arcs = contact_arcs_from_nodal_pressures(response.theta, touching, order)
     return replace(response, contact_arcs=arcs), _imbalance_of_peer_forces(loaded, forces, load)
+
+
+def _friction_about_pin(loaded: LoadedShoe, forces: PeerForces) -> Floats:
+    """The friction force x, y [N] on a shoe, and its moment about the pin [N m], as (3,).
+
+    On a drum the moment follows from the torque about the drum's centre.
+    """
+    pin = loaded.shoe.pin_in_shoe_frame
+    drag = np.array([*forces.friction, -float(planar_cross_product(pin, forces.friction))])
+    if not loaded.shoe.flat:
+        drag[2] += math.copysign(forces.torque, loaded.drag)
+    return drag
 
 
 def _actuation_about_pin(loaded: LoadedShoe) -> Floats:

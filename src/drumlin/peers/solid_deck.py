@@ -203,12 +203,7 @@ def solid_shoe_deck_text(
     """
     shoe = loaded.shoe
     require_lining_without_gap(brake, loaded)
-    # Nodes keep their numbers in drumlin's mesh; those in the middle of faces and cells are unused.
-    x = solid.basis.doflocs
-    points = np.column_stack([shoe.frame.convert_to_brake_frame(x[:2].T), x[2]]) * MM_PER_METRE
-    cells = hexahedra_turned_to_positive_volume(
-        points, hexahedra_with_twenty_nodes_in_vtk_order(solid.basis.element_dofs)
-    )
+    points, cells = _points_and_cells_in_brake_frame(shoe, solid)
     used = np.unique(cells)
     held = np.intersect1d(solid_nodes_that_move_with_pin(solid, shoe), used)
     grid = _solid_shoe_mesh_for_deck(loaded, points, cells, held)
@@ -240,6 +235,17 @@ def solid_shoe_deck_text(
         ),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _points_and_cells_in_brake_frame(shoe: Shoe, solid: Solid) -> tuple[Floats, Ints]:
+    """The nodes (n, 3) [mm] of a solid shoe in the brake's frame, and its cells (m, 20).
+
+    Nodes keep their numbers in drumlin's mesh. Those in the middle of faces and cells are unused.
+    """
+    x = solid.basis.doflocs
+    points = np.column_stack([shoe.frame.convert_to_brake_frame(x[:2].T), x[2]]) * MM_PER_METRE
+    cells = hexahedra_with_twenty_nodes_in_vtk_order(solid.basis.element_dofs)
+    return points, hexahedra_turned_to_positive_volume(points, cells)
 
 
 def _solid_shoe_mesh_for_deck(

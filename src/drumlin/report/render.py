@@ -10,6 +10,7 @@ import json
 import math
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +19,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import run_and_return_exit_status
 from drumlin.base.files import temporary_file_replacing_output
+from drumlin.base.round_numbers import largest_round_number_up_to
 from drumlin.base.texts import printable_single_line
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Point
@@ -175,7 +177,9 @@ def draw_fields_in_this_process(fields: Path, picture: Path, marks: dict[str, An
     u = np.asarray(grid.point_data["displacement [m]"])
     grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
     # Displacements are enlarged: the largest one is drawn as some 4 % of the drum's radius.
-    factor = _rounded_down_to_1_2_5(0.04 * size / (float(np.linalg.norm(u, axis=1).max()) or 1.0))
+    factor = largest_round_number_up_to(
+        0.04 * size / (float(np.linalg.norm(u, axis=1).max()) or 1.0)
+    )
     deformed = grid.copy()
     deformed.points = np.asarray(grid.points) + factor * u
     plotter = pv.Plotter(off_screen=True, window_size=(FIELD_WIDTH, FIELD_HEIGHT))
@@ -335,25 +339,33 @@ def _indices_of_evenly_spread_points(points: Floats, size: float, *, flat: bool)
     return order[np.unique(slot[order], return_index=True)[1]]
 
 
-def _rounded_down_to_1_2_5(value: float) -> float:
-    """The largest number not above `value` that is 1, 2 or 5 times a power of ten."""
-    power = 10.0 ** math.floor(math.log10(value))
-    steps = [step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)]
-    return max(steps, default=power)
-
-
 def _rounded_up_to_end_of_colour_bar(value: float) -> float:
     """The smallest number not below `value` that is one of COLOUR_BAR_ENDS times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value)) if value > 0 else 1.0
     return next(step * power for step in COLOUR_BAR_ENDS if step * power >= value * (1 - 1e-9))
 
 
-def main() -> int:
-    """Draw the picture that the arguments of this process name; returns the exit status."""
+def draw_picture_named_by_arguments(draw: Callable[[Path, Path, str], None]) -> int:
+    """Draw the picture that the arguments of this process name; returns the exit status.
 
-    def draw_fields_named_by_arguments() -> int:
-        """Draw the .vtu file (argument 1) into the .png file (2), with further data as JSON (3)."""
-        draw_fields_in_this_process(Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3]))
+    `draw` is called with the .vtu file (argument 1), the .png file (2) and a further text (3).
+    """
+
+    def draw_and_return_zero() -> int:
+        """Draw the picture; returns 0."""
+        draw(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
         return 0
 
-    return run_and_return_exit_status(draw_fields_named_by_arguments)
+    return run_and_return_exit_status(draw_and_return_zero)
+
+
+def main() -> int:
+    """Draw the fields that the arguments of this process name; returns the exit status.
+
+    The third argument is the dictionary of marks as JSON.
+    """
+    return draw_picture_named_by_arguments(
+        lambda fields, picture, marks: draw_fields_in_this_process(
+            fields, picture, json.loads(marks)
+        )
+    )

@@ -3,14 +3,17 @@
 Drawing runs in a process of its own, since the graphics library may end the process it runs in.
 """
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from drumlin.base.errors import run_and_return_exit_status
-from drumlin.report.render import STRESS_TITLE, draw_picture_in_own_process
+from drumlin.base.round_numbers import largest_round_number_up_to
+from drumlin.report.render import (
+    STRESS_TITLE,
+    draw_picture_in_own_process,
+    draw_picture_named_by_arguments,
+)
 
 LARGEST_DISPLACEMENT = 0.05
 """Length of the largest displacement in the picture, relative to the drum's radius.
@@ -40,13 +43,6 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
     grid = pv.read(fields)
     grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
     factor = _factor_that_enlarges_drawn_displacements(grid)
-    # The second half is the first one mirrored at the middle plane z = 0.
-    halves = []
-    for side in (1.0, -1.0):
-        half = grid.copy()
-        u = np.asarray(grid.point_data["displacement [m]"])
-        half.points = (np.asarray(grid.points) + factor * u) * np.array([1.0, 1.0, side])
-        halves.append(half.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=2))
     # Stresses at loaded ends are far above all others, so that the colour bar ends at the stress
     # which 2 % of the nodes exceed.
     top = float(np.percentile(grid.point_data[STRESS_TITLE], 98.0))
@@ -57,7 +53,7 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
         "position_x": 0.88, "position_y": 0.2, "height": 0.55, "width": 0.05,
         "label_font_size": 22, "title_font_size": 20, "fmt": "%.3g",
     }  # fmt: skip
-    for i, half in enumerate(halves):
+    for i, half in enumerate(_deformed_surfaces_of_both_halves(grid, factor)):
         plotter.add_mesh(
             half,
             scalars=STRESS_TITLE,
@@ -77,6 +73,20 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
     plotter.screenshot(str(picture))
 
 
+def _deformed_surfaces_of_both_halves(grid: Any, factor: float) -> list[Any]:
+    """The surfaces of both halves of the shoes, with displacements enlarged by a factor.
+
+    The second half is the first one mirrored at the middle plane z = 0.
+    """
+    halves = []
+    for side in (1.0, -1.0):
+        half = grid.copy()
+        u = np.asarray(grid.point_data["displacement [m]"])
+        half.points = (np.asarray(grid.points) + factor * u) * np.array([1.0, 1.0, side])
+        halves.append(half.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=2))
+    return halves
+
+
 def _factor_that_enlarges_drawn_displacements(grid: Any) -> float:
     """The factor by which the picture enlarges the displacements.
 
@@ -86,17 +96,12 @@ def _factor_that_enlarges_drawn_displacements(grid: Any) -> float:
     u = np.asarray(grid.point_data["displacement [m]"])
     radius = float(np.linalg.norm(np.asarray(grid.points)[:, :2], axis=1).max())
     largest = float(np.linalg.norm(u, axis=1).max()) or 1.0
-    limit = LARGEST_DISPLACEMENT * radius / largest
-    power = 10.0 ** np.floor(np.log10(limit))
-    return max(step * power for step in (1, 2, 5) if step * power <= limit)
+    return largest_round_number_up_to(LARGEST_DISPLACEMENT * radius / largest)
 
 
 def main() -> int:
-    """Draw the picture that the arguments of this process name; returns the exit status."""
+    """Draw the solid shoes that the arguments of this process name; returns the exit status.
 
-    def draw_solids_named_by_arguments() -> int:
-        """Draw the .vtu file (argument 1) into the .png file (2), under a title (3)."""
-        draw_solid_shoes_in_this_process(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
-        return 0
-
-    return run_and_return_exit_status(draw_solids_named_by_arguments)
+    The third argument is the title.
+    """
+    return draw_picture_named_by_arguments(draw_solid_shoes_in_this_process)

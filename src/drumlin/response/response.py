@@ -529,12 +529,7 @@ def response_of_pressed_elastic_shoe(
     theta, pressure = theta[forward], pressure[forward]
     if peak is None:
         zone = length_of_edge_zone_without_peak(shoe, scale_factor)
-        if located:
-            peak = LiningWithoutEndZones(theta, order, zone).peak(pressure)
-        else:
-            peak = largest_nodal_pressure_outside_zones(
-                theta, pressure, edge_zone_that_does_not_count(theta, pressure, order, zone)
-            )
+        peak = _peak_pressure_outside_edge_zones(theta, pressure, order, zone, located=located)
     arcs = contact_arcs_from_nodal_pressures(theta, pressure, order, located=located)
     # The sizes of the normal forces are summed. In their vector sum, forces on opposite sides of a
     # long arc would cancel.
@@ -555,6 +550,26 @@ def response_of_pressed_elastic_shoe(
         order=order,
         surface=surface,
         **results,
+    )
+
+
+def _peak_pressure_outside_edge_zones(
+    theta: Floats, pressure: Floats, order: int, zone: float, *, located: bool
+) -> float:
+    """The peak pressure [Pa] of a lining outside the edge zones at its ends.
+
+    Parameters
+    ----------
+    theta : (n,) growing angles of the nodes [rad]
+    pressure : (n,) pressures at the nodes [Pa]
+    order : degree of the polynomial pieces of the pressure
+    zone : length of an edge zone [rad]
+    located : whether to locate the peak between the nodes; otherwise it is at a node
+    """
+    if located:
+        return LiningWithoutEndZones(theta, order, zone).peak(pressure)
+    return largest_nodal_pressure_outside_zones(
+        theta, pressure, edge_zone_that_does_not_count(theta, pressure, order, zone)
     )
 
 

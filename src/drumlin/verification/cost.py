@@ -110,33 +110,26 @@ def measure_time_and_memory_of_fem(
     repeats : number of times that each step is timed; with 1 the first solve is the timed one
     mesher : function that meshes a shoe; None: drumlin's own mesher
     """
-
-    def mesh_and_solve_brake() -> PreparedModel:
-        """Mesh the brake and solve it; returns the prepared model."""
-        scene = make_prepared_model(brake, elements=elements, mesher=mesher)
-        solve_prepared_model(scene, brake, penalty=penalty)
-        return scene
-
+    mesh_and_solve = partial(_mesh_and_solve_brake, brake, elements, penalty, mesher)
     start = time.perf_counter()
-    scene = mesh_and_solve_brake()
+    scene = mesh_and_solve()
     solve = time.perf_counter() - start
     memory = peak_memory_of_process()
     # Shoes of equal shape share one body, whose assembly and factorisation are timed once.
-    bodies: dict[int, ShoeSubstructure] = {}
+    shoe_of = dict(zip(map(id, scene.bodies), brake.shoes, strict=True))
+    bodies = list({id(body): body for body in scene.bodies}.values())
     parts = np.zeros(3)
-    for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
-        if id(body) not in bodies:
-            bodies[id(body)] = body
-            parts += _seconds_to_assemble_and_factorise_stiffness(body, shoe, repeats)
+    for body in bodies:
+        parts += _seconds_to_assemble_and_factorise_stiffness(body, shoe_of[id(body)], repeats)
     assembly, factorisation, substitution = parts.tolist()
     if repeats > 1:
-        solve = _median_seconds_of_call(mesh_and_solve_brake, repeats)
+        solve = _median_seconds_of_call(mesh_and_solve, repeats)
     further_case = partial(
         solve_prepared_model, scene, _brake_with_less_friction(brake), penalty=penalty
     )
     return Cost(
-        unknowns=sum(body.unknowns for body in bodies.values()),
-        contact_nodes=sum(len(body.line.nodes) for body in bodies.values()),
+        unknowns=sum(body.unknowns for body in bodies),
+        contact_nodes=sum(len(body.line.nodes) for body in bodies),
         memory=memory,
         solve=solve,
         further=_median_seconds_of_call(further_case, max(repeats, 3)),
@@ -144,6 +137,18 @@ def measure_time_and_memory_of_fem(
         factorisation=factorisation,
         substitution=substitution,
     )
+
+
+def _mesh_and_solve_brake(
+    brake: Brake, elements: int, penalty: float, mesher: Mesher | None
+) -> PreparedModel:
+    """Mesh a brake and solve it; returns the prepared model.
+
+    The parameters are those of `measure_time_and_memory_of_fem`.
+    """
+    scene = make_prepared_model(brake, elements=elements, mesher=mesher)
+    solve_prepared_model(scene, brake, penalty=penalty)
+    return scene
 
 
 def _brake_with_less_friction(brake: Brake) -> Brake:

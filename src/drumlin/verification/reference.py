@@ -21,7 +21,7 @@ import numpy as np
 import drumlin
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.comparison import length_of_uncompared_zone_at_lining_end
 from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
@@ -328,25 +328,13 @@ def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses
     """The reference values of the shoe number `index` from the responses of the brake."""
     spec = brake.shoes[index]
     edge = length_of_edge_zone_without_peak(spec, brake.scale_factor)
-    first, last = spec.lining.start, spec.lining.end
-    # The pressure is listed at whole degrees, on a plane at whole millimetres.
-    step = 1e-3 if spec.flat else ONE_DEGREE
-    theta = np.arange(math.ceil(first / step + 1e-6), last / step - 1e-6) * step
+    theta = _angles_of_listed_pressures(spec)
     answers = [
         response.shoes[index] for response in (trio.value, *trio.responses_that_give_uncertainty)
     ]
     cited, *others = answers
     pressure = cited.pressure_at(theta)
-    differences, distances = [], [0.0]
-    for other in others:
-        differences.append(np.abs(other.pressure_at(theta) - pressure))
-        # A lining without any pressure has no relative distance.
-        if cited.pressure.any():
-            distances.append(
-                relative_distance_of_pressures(
-                    other, cited, length_of_uncompared_zone_at_lining_end(brake)
-                )
-            )
+    differences = [np.abs(other.pressure_at(theta) - pressure) for other in others]
 
     def reference_quantity_of_shoe_with_uncertainty(
         quantity: Callable[[ShoeResponse], Any],
@@ -369,10 +357,30 @@ def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses
         contact_arcs=reference_quantity_of_shoe_with_uncertainty(
             lambda answer: np.reshape(answer.contact_arcs, (-1, 2))
         ),
-        ends=(first, last),
+        ends=(spec.lining.start, spec.lining.end),
         edge=edge,
         theta=theta,
         pressure=pressure,
         uncertainty=np.max(differences, axis=0),
-        distance=max(distances),
+        distance=_largest_relative_distance_of_pressures(brake, cited, others),
     )
+
+
+def _angles_of_listed_pressures(shoe: Shoe) -> Floats:
+    """The whole degrees (n,) [rad] on a lining, on a plane the whole millimetres [m]."""
+    step = 1e-3 if shoe.flat else ONE_DEGREE
+    first, last = shoe.lining.start / step, shoe.lining.end / step
+    return np.arange(math.ceil(first + 1e-6), last - 1e-6) * step
+
+
+def _largest_relative_distance_of_pressures(
+    brake: Brake, cited: ShoeResponse, others: Sequence[ShoeResponse]
+) -> float:
+    """The largest relative distance (L2) of the other pressures on a shoe from the cited one.
+
+    A lining without any pressure has no relative distance; 0 is returned for it.
+    """
+    if not cited.pressure.any():
+        return 0.0
+    zone = length_of_uncompared_zone_at_lining_end(brake)
+    return max([0.0, *(relative_distance_of_pressures(other, cited, zone) for other in others)])

@@ -265,18 +265,46 @@ def _stick_slip_problem_with_shared_forces(
     problem : the stick-slip problem in which each shoe has an actuation force of its own
     shoes : the matrices of tractions on each lining
     """
-    n = len(problem.q_w)
-    # `make_contact_problem_with_shared_forces` takes a contact problem with one kind of unknowns,
-    # so that the n pressures and the n tractions are stacked to 2n unknowns.
-    whole = equations.ContactProblem(
+    sharing = make_contact_problem_with_shared_forces(
+        _problem_with_stacked_pressures_and_tractions(problem),
+        _stacked_effects_of_actuation_forces(still, shoes, len(problem.q_w)),
+        still.relative_actuation_forces_of_file,
+        still.pushing_and_pushed_shoe_of_struts,
+        still.indices_of_shoes_under_cam,
+        still.relative_sum_of_cam_forces,
+    )
+    return _stick_slip_problem_from_stacked_problem(sharing.problem, problem.Q)
+
+
+def _problem_with_stacked_pressures_and_tractions(
+    problem: FrictionalProblem,
+) -> equations.ContactProblem:
+    """A stick-slip problem as a contact problem with one kind of unknowns.
+
+    The n pressures and the n tractions are stacked to 2n unknowns, since
+    `make_contact_problem_with_shared_forces` takes a contact problem.
+    """
+    return equations.ContactProblem(
         A=np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st]]),
         q=np.concatenate([problem.q_w, problem.q_s]),
         B=np.vstack([problem.B_w, problem.B_s]),
         C=np.hstack([problem.C_p, problem.C_t]),
         h=problem.h,
     )
+
+
+def _stacked_effects_of_actuation_forces(
+    still: ShoeGroup, shoes: list[_TractionMatrices], n: int
+) -> list[ForceEffects]:
+    """The effects of each shoe's actuation force on the stacked pressures and tractions.
+
+    Parameters
+    ----------
+    still : the group without friction
+    shoes : the matrices of tractions on each lining
+    n : number of the pressures, and of the tractions
+    """
     effects = []
-    # The effects of each actuation force on gaps and on slips are stacked in the same way.
     for normal, shoe in zip(
         still.contact_effects_of_actuation_force_per_shoe(0.0), shoes, strict=True
     ):
@@ -292,16 +320,18 @@ def _stick_slip_problem_with_shared_forces(
             ),
         )
         effects.append(both)
-    sharing = make_contact_problem_with_shared_forces(
-        whole,
-        effects,
-        still.relative_actuation_forces_of_file,
-        still.pushing_and_pushed_shoe_of_struts,
-        still.indices_of_shoes_under_cam,
-        still.relative_sum_of_cam_forces,
-    )
-    # The stacked problem is split into the parts of pressures and of tractions again.
-    A, q, B, C, h = sharing.problem
+    return effects
+
+
+def _stick_slip_problem_from_stacked_problem(
+    stacked: equations.ContactProblem, Q: Floats
+) -> FrictionalProblem:
+    """The stick-slip problem of a contact problem with stacked pressures and tractions.
+
+    `Q` (n, n) is the compliance of the contact.
+    """
+    A, q, B, C, h = stacked
+    n = len(Q)
     return FrictionalProblem(
         A_wp=A[:n, :n],
         A_wt=A[:n, n:],
@@ -314,5 +344,5 @@ def _stick_slip_problem_with_shared_forces(
         q_w=q[:n],
         q_s=q[n:],
         h=h,
-        Q=problem.Q,
+        Q=Q,
     )

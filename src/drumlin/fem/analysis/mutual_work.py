@@ -181,9 +181,8 @@ def mutual_work_change_by_node_motions(
         )
         # This density of work is multiplied by div V, the growth of the area.
         work = np.einsum("eqcd,eqcd->eq", stress_u, of_v)
-        # The gradients of both displacements change by -H (grad V). This is the factor of grad V.
-        by_gradient = np.einsum("eqcj,eqcd->eqdj", stress_u, of_v)
-        by_gradient = by_gradient + np.einsum("eqcj,eqcd->eqdj", stress_v, of_u)
+        by_gradient = _work_per_gradient_of_motion(stress_u, of_v)
+        by_gradient = by_gradient + _work_per_gradient_of_motion(stress_v, of_u)
         for k, move in enumerate(moves):
             V = sample.displacement_gradients_at_points(move)
             wider = work * np.trace(V, axis1=2, axis2=3)
@@ -195,6 +194,15 @@ def mutual_work_change_by_node_motions(
                 change += by_turn * turn
             changes[k] += float((change * sample.area).sum())
     return changes
+
+
+def _work_per_gradient_of_motion(stress: Floats, H: Floats) -> Floats:
+    """The density of work (e, q, 2, 2) of a stress per grad V of a motion V of the nodes.
+
+    The gradient H (e, q, 2, 2) of the displacements changes by -H (grad V) as the nodes move. The
+    result is the factor of -grad V.
+    """
+    return np.einsum("eqcj,eqcd->eqdj", stress, H)
 
 
 def _stress_of_displacement_gradients(H: Floats, constants: Floats, along: Floats | None) -> Floats:

@@ -168,13 +168,7 @@ def compute_torque_sensitivity(
     friction, which has no torque.
     """
     require_positive_penalty(penalty)
-    if brake.friction == 0:
-        raise NoAnswer("sensitivity: without friction there is no torque")
-    if scene.brake.friction == 0:
-        raise BadInput(
-            f"friction = {brake.friction:g}: "
-            "the scene was prepared without friction, for mu = 0 only"
-        )
+    _require_friction(scene, brake)
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
@@ -208,6 +202,17 @@ def compute_torque_sensitivity(
         shoes=tuple(shoes),
         law=friction_sensitivity_by_rigid_shoe_law(brake),
     )
+
+
+def _require_friction(scene: PreparedModel, brake: Brake) -> None:
+    """Raise NoAnswer for a brake without friction, and BadInput for such a prepared model."""
+    if brake.friction == 0:
+        raise NoAnswer("sensitivity: without friction there is no torque")
+    if scene.brake.friction == 0:
+        raise BadInput(
+            f"friction = {brake.friction:g}: "
+            "the scene was prepared without friction, for mu = 0 only"
+        )
 
 
 def _logarithmic_slope(x: float, slope: float, value: float) -> float | None:
@@ -779,49 +784,34 @@ def _torque_slopes_to_compare(brake: Brake, index: int, slopes: Sensitivity) -> 
     linings, bodies = shoe.lining.material.moduli, body.material.moduli
     force, x, y = shoe.actuation.force, shoe.pin.x, shoe.pin.y
     by_x, by_y = own.held["hinge"].tolist()
-
-    def brake_file_values_with_scaled_moduli(
-        part: str, values: Mapping[str, float], step: float
-    ) -> dict[str, Any]:
-        """The keys of all moduli of a part, with values that are larger by a relative step."""
-        return {f"{key}{part}.material.{name}": E * (1 + step) for name, E in values.items()}
-
-    def brake_file_values_with_increased_friction(step: float) -> dict[str, Any]:
-        """The key of the friction coefficient, with its value increased by a step."""
-        return {"friction": brake.friction + step}
-
-    def brake_file_values_with_increased_force(step: float) -> dict[str, Any]:
-        """The key of the actuation force, with its value increased by a relative step."""
-        return {key + "actuation.force": force * (1 + step)}
-
-    def brake_file_values_with_increased_clearance(step: float) -> dict[str, Any]:
-        """The key of the clearance, with its value increased by a step [m]."""
-        return {key + "lining.clearance": gap + step}
-
-    def brake_file_values_with_moved_hinge(
-        along_x: float, along_y: float, step: float
-    ) -> dict[str, Any]:
-        """The key of the hinge, with its place moved by a step [m] along a unit vector."""
-        return {key + "hinge": {"x": x + along_x * step, "y": y + along_y * step}}
-
-    lining_moduli = partial(brake_file_values_with_scaled_moduli, "lining", linings)
-    body_moduli = partial(brake_file_values_with_scaled_moduli, "body", bodies)
+    larger_force = partial(_scaled_brake_file_values, {key + "actuation.force": force})
+    larger_lining_moduli = partial(
+        _scaled_brake_file_values,
+        {f"{key}lining.material.{name}": E for name, E in linings.items()},
+    )
+    larger_body_moduli = partial(
+        _scaled_brake_file_values, {f"{key}body.material.{name}": E for name, E in bodies.items()}
+    )
+    more_friction = partial(_increased_brake_file_value, "friction", brake.friction)
+    more_clearance = partial(_increased_brake_file_value, key + "lining.clearance", gap)
+    hinge_at_larger_x = partial(_increased_brake_file_value, key + "hinge.x", x)
+    hinge_at_larger_y = partial(_increased_brake_file_value, key + "hinge.y", y)
     return [
-        _ProbedSlope(
-            "dT/dμ", "N m", slopes.friction, brake_file_values_with_increased_friction, 1e-5
-        ),
-        _ProbedSlope(
-            "dT/dF", "m", own.force or 0.0, brake_file_values_with_increased_force, 1e-4, force
-        ),
-        _ProbedSlope("dT/d ln E, lining", "N m", own.moduli["lining"], lining_moduli, 1e-4),
-        _ProbedSlope("dT/d ln E, shoe", "N m", own.moduli["shoe"], body_moduli, 1e-4),
-        _ProbedSlope(
-            "dT/d clearance", "N", own.clearance, brake_file_values_with_increased_clearance, 1e-9
-        ),
-        _ProbedSlope(
-            "dT/dx, hinge", "N", by_x, partial(brake_file_values_with_moved_hinge, 1.0, 0.0), 1e-6
-        ),
-        _ProbedSlope(
-            "dT/dy, hinge", "N", by_y, partial(brake_file_values_with_moved_hinge, 0.0, 1.0), 1e-6
-        ),
+        _ProbedSlope("dT/dμ", "N m", slopes.friction, more_friction, 1e-5),
+        _ProbedSlope("dT/dF", "m", own.force or 0.0, larger_force, 1e-4, force),
+        _ProbedSlope("dT/d ln E, lining", "N m", own.moduli["lining"], larger_lining_moduli, 1e-4),
+        _ProbedSlope("dT/d ln E, shoe", "N m", own.moduli["shoe"], larger_body_moduli, 1e-4),
+        _ProbedSlope("dT/d clearance", "N", own.clearance, more_clearance, 1e-9),
+        _ProbedSlope("dT/dx, hinge", "N", by_x, hinge_at_larger_x, 1e-6),
+        _ProbedSlope("dT/dy, hinge", "N", by_y, hinge_at_larger_y, 1e-6),
     ]
+
+
+def _scaled_brake_file_values(values: Mapping[str, float], step: float) -> dict[str, float]:
+    """The values of keys of the brake file, larger by a relative step."""
+    return {key: value * (1 + step) for key, value in values.items()}
+
+
+def _increased_brake_file_value(key: str, value: float, step: float) -> dict[str, float]:
+    """The value of a key of the brake file, larger by a step in the key's unit."""
+    return {key: value + step}

@@ -219,9 +219,7 @@ def _contact_problem_with_cam_travel_as_unknown(
         size = shoe.tip_travel_by_modes[mode]
         # The main mode moves the tip by the travel, less the elastic travel and the travel by all
         # other modes.
-        elastic = shoe.tip_travel_by_force * forces.by_pressure[i]
-        elastic[shoe.nodes] += shoe.tip_travel_by_pressure
-        by_pressure[main] = -elastic / size
+        by_pressure[main] = -_elastic_tip_travel_by_pressures(shoe, forces.by_pressure[i]) / size
         # The entry of the main mode itself becomes zero.
         of_coordinates[main, shoe.modes] -= shoe.tip_travel_by_modes / size
         per_travel[main] = 1 / size
@@ -237,6 +235,16 @@ def _contact_problem_with_cam_travel_as_unknown(
         h=np.append(-cam_force_sum, h[kept]),
     )
     return ForceSharing(problem, *forces, of_coordinates, by_pressure)
+
+
+def _elastic_tip_travel_by_pressures(shoe: ForceEffects, force_by_pressure: Floats) -> Floats:
+    """The elastic travel (n,) of a shoe's tip per pressure on each contact node of the group.
+
+    `force_by_pressure` (n,) is the shoe's actuation force per pressure.
+    """
+    elastic = shoe.tip_travel_by_force * force_by_pressure
+    elastic[shoe.nodes] += shoe.tip_travel_by_pressure
+    return elastic
 
 
 def contact_matrix_with_forces_as_unknowns(

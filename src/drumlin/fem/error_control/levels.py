@@ -204,9 +204,9 @@ def solve_on_finer_and_finer_levels(
     shortest_arc = min(end - start for start, end in (shoe.arc for shoe in brake.shoes))
     for level in levels or LEVELS:
         solved: SolvedLevel | None = None
-        points = singular_points_of_all_linings(
-            brake, last, alike, level.pressure_error_by_column_ratio
-        )
+        error = level.pressure_error_by_column_ratio
+        points_after = partial(singular_points_of_all_linings, brake, alike=alike, error=error)
+        points = points_after(last)
         points_of_passes: list[PointsByShape] = []
         for _ in range(MOST_PASSES):
             # The level is divided and solved, with the singular points of the earlier pass.
@@ -225,20 +225,20 @@ def solve_on_finer_and_finer_levels(
                 break
             solved = SolvedLevel(model, response)
             points_of_passes.append(points)
-            last, points = (
-                response,
-                singular_points_of_all_linings(
-                    brake, response, alike, level.pressure_error_by_column_ratio
-                ),
-            )
+            last, points = response, points_after(response)
             # The passes end when the new points are those of any earlier pass. Ends of the contact
             # that return to an earlier position would otherwise alternate for ever.
-            if any(
-                not _has_new_singular_points(brake, earlier, points) for earlier in points_of_passes
-            ):
+            if _are_points_those_of_earlier_pass(brake, points_of_passes, points):
                 break
         if solved is not None:
             yield solved
+
+
+def _are_points_those_of_earlier_pass(
+    brake: Brake, points_of_passes: Sequence[PointsByShape], points: PointsByShape
+) -> bool:
+    """Whether singular points are those of any earlier pass on a level."""
+    return any(not _has_new_singular_points(brake, earlier, points) for earlier in points_of_passes)
 
 
 def _has_new_singular_points(brake: Brake, before: PointsByShape, now: PointsByShape) -> bool:

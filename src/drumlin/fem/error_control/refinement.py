@@ -44,8 +44,6 @@ from drumlin.fem.substructure.ring import ring_stiffness
 
 LONG_DOUBLE = np.longdouble
 """Floating-point type of more digits than double, in which the full system is refined."""
-EPSILON = float(np.finfo(float).eps)
-"""Relative spacing of double-precision numbers."""
 MOST_CORRECTIONS = 30
 """Number of corrections after which iterative refinement ends even if it has not converged."""
 CONVERGED_CORRECTION = 1e-14
@@ -308,14 +306,6 @@ def _part_of_shoe_in_full_system(
     K = sparse_stiffness_of_body(body.basis, elastic_layers_of_shoe(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
     inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
-    # The actuation works on the nodes it acts on, and on the rigid-body modes.
-    share = LONG_DOUBLE(abs(shoe.actuation.force)) / group.largest_actuation_force
-    acting = load_factors_under_actuation_force(body, shoe, shoe.actuation.force).astype(
-        LONG_DOUBLE
-    )
-    load = body.condensed.unit_loads_on_reduced_unknowns.astype(LONG_DOUBLE) @ (
-        acting / group.largest_actuation_force
-    )
     N, T = body.coupling.N.astype(LONG_DOUBLE), body.coupling.T.astype(LONG_DOUBLE)
     drag = LONG_DOUBLE(group.brake.signed_friction_per_pressure_in_shoe_frame(shoe))
     pushing = (N - drag * T).T
@@ -341,8 +331,26 @@ def _part_of_shoe_in_full_system(
         K=_sparse_matrix_from_blocks(stiffness_blocks, [inside, count]),
         pressure_forces=on_nodes + on_modes,
         gap_closures=closures.T.tocsr(),
-        load=np.append(load[:inside], share * modes.actuation_work.astype(LONG_DOUBLE)),
+        load=_actuation_on_unknowns_of_shoe(group, k, inside),
     )
+
+
+def _actuation_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Floats:
+    """The actuation of shoe `k` on its unknowns in the full system, in long double.
+
+    The actuation works on the `inside` displacements of the nodes it acts on, and on the rigid-body
+    modes. It is relative to the largest actuation force of the group.
+    """
+    body, shoe = group.substructures_of_shoes[k], group.shoes[k]
+    share = LONG_DOUBLE(abs(shoe.actuation.force)) / group.largest_actuation_force
+    acting = load_factors_under_actuation_force(body, shoe, shoe.actuation.force).astype(
+        LONG_DOUBLE
+    )
+    load = body.condensed.unit_loads_on_reduced_unknowns.astype(LONG_DOUBLE) @ (
+        acting / group.largest_actuation_force
+    )
+    work = group.rigid_body_modes_of_shoes[k].actuation_work.astype(LONG_DOUBLE)
+    return np.append(load[:inside], share * work)
 
 
 def _part_of_ring_in_full_system(scene: PreparedModel, brake: Brake) -> _RingBlock:

@@ -101,10 +101,27 @@ def nodal_functions_along_element_column(p: int) -> NodalFunctions:
     fold = np.zeros((2, n, 2 * n))
     fold[:, place, np.arange(2 * n)] = sign.reshape(2, -1)
     fold /= np.abs(fold).sum(axis=2, keepdims=True)
+    return NodalFunctions(
+        x,
+        weights,
+        values,
+        slopes,
+        sign.reshape(2, -1),
+        place,
+        fold,
+        *_positions_of_element_stiffness_blocks(p),
+    )
 
+
+def _positions_of_element_stiffness_blocks(p: int) -> tuple[Ints, Ints, Ints]:
+    """The positions of three blocks of an element's stiffness, `NodalFunctions.outer` to `inner`.
+
+    `p` is the degree of the element.
+    """
     # Each unknown of an element has a number along the column and a number across it. The unknowns
     # on the element's two sides come first, then those on its first and its last edge, then those
     # inside.
+    n = p + 1
     further = np.arange(2, n)
     outer_along = np.concatenate([np.tile([0, 1], n), further, further])
     outer_across = np.repeat([*range(n), 0, p], [2] * n + [p - 1] * 2)
@@ -119,12 +136,11 @@ def nodal_functions_along_element_column(p: int) -> NodalFunctions:
         along, across = rows[0][:, None], rows[1][:, None]
         return np.asarray(((along * n + columns[0]) * n + across) * n + columns[1])
 
-    blocks = (
+    return (
         positions_of_stiffness_block(outer, outer),
         positions_of_stiffness_block(inner, outer),
         positions_of_stiffness_block(inner, inner),
     )
-    return NodalFunctions(x, weights, values, slopes, sign.reshape(2, -1), place, fold, *blocks)
 
 
 def _symmetric_and_antisymmetric_forces(V: Floats, p: int) -> Floats:
@@ -322,25 +338,84 @@ def condensed_arc_column_stiffness(
         m loads become extra unknowns
     """
     half = numbering_of_element_column_unknowns(p, len(parts), contact=contact, held=held, sides=1)
-    n = 2 * (p + 1) * contact
     folded = None
     if loads is not None:
         folded = _symmetric_and_antisymmetric_forces(loads, p).reshape(-1, p + 1, loads.shape[-1])
     K = condensed_element_column_stiffness(
         parts.reshape(len(parts), -1, 4 * p, 4 * p), half, folded
     )
-    S, A = K.reshape(2, -1, *K.shape[1:])
+    symmetric, antisymmetric = K.reshape(2, -1, *K.shape[1:])
+    blocks = _ColumnBlocks(K.shape[-1] - half.sides, half.line, 2 * (p + 1) * contact)
+    whole = np.empty((len(symmetric), blocks.size, blocks.size))
+    _fill_blocks_of_column_sides(whole, symmetric, antisymmetric, blocks)
+    if contact:
+        _fill_blocks_of_contact_nodes(whole, symmetric, antisymmetric, blocks, p)
+    return whole
 
-    # The unknowns of a column are [loads | left side | contact | right side]. The symmetric
-    # stiffness S and the antisymmetric stiffness A have those of the left side and the contact.
-    extra = K.shape[-1] - half.sides
-    own = extra + half.line
-    lines = slice(extra, own)
-    left, middle, right = slice(own), slice(own, own + n), slice(own + n, None)
-    whole = np.empty((S.shape[0], own + n + half.line, own + n + half.line))
-    # Mirroring a node on a side changes the sign of its displacement around the drum.
-    mirror = np.ones(half.line)
-    mirror[1::2] = -1.0
+
+class _ColumnBlocks(NamedTuple):
+    """The numbers of the unknowns [loads | left side | contact | right side] of a column.
+
+    The symmetric and the antisymmetric stiffness have the unknowns of loads, left side and contact.
+
+    Attributes
+    ----------
+    extra, line, contact : number of unknowns of the loads, of one side, and of the contact nodes
+    """
+
+    extra: int
+    line: int
+    contact: int
+
+    @property
+    def size(self) -> int:
+        """Number of all unknowns of the column."""
+        return self.extra + 2 * self.line + self.contact
+
+    @property
+    def lines(self) -> slice:
+        """The unknowns of the left side."""
+        return slice(self.extra, self.extra + self.line)
+
+    @property
+    def left(self) -> slice:
+        """The unknowns of the loads and the left side."""
+        return slice(self.extra + self.line)
+
+    @property
+    def middle(self) -> slice:
+        """The unknowns of the contact nodes."""
+        return slice(self.extra + self.line, self.extra + self.line + self.contact)
+
+    @property
+    def right(self) -> slice:
+        """The unknowns of the right side."""
+        return slice(self.extra + self.line + self.contact, None)
+
+    @property
+    def mirror(self) -> Floats:
+        """The signs (line,) of displacements on one side when they are mirrored to the other.
+
+        Mirroring a node changes the sign of its displacement around the drum.
+        """
+        mirror = np.ones(self.line)
+        mirror[1::2] = -1.0
+        return mirror
+
+
+def _fill_blocks_of_column_sides(
+    whole: Floats, symmetric: Floats, antisymmetric: Floats, blocks: _ColumnBlocks
+) -> None:
+    """Fill in the stiffness on the unknowns of the loads and of both sides of columns.
+
+    Parameters
+    ----------
+    whole : (c, n, n) stiffness of the columns, which is changed
+    symmetric, antisymmetric : (c, m, m) stiffness on symmetric and antisymmetric unknowns
+    blocks : numbers of the unknowns
+    """
+    S, A, mirror = symmetric, antisymmetric, blocks.mirror
+    left, lines, right = blocks.left, blocks.lines, blocks.right
     np.add(S[:, left, left], A[:, left, left], out=whole[:, left, left])
     # The blocks are computed in place, since making new arrays would double the time.
     left_right = whole[:, left, right]
@@ -352,14 +427,26 @@ def condensed_arc_column_stiffness(
     right_right = whole[:, right, right]
     np.multiply(whole[:, lines, lines], mirror, out=right_right)
     right_right *= mirror[:, None]
-    # The stiffness of the contact nodes, and its coupling with the nodes on both sides.
-    if contact:
-        functions = nodal_functions_along_element_column(p)
-        (even, odd), place = functions.sign, own + functions.place
-        S, A = S[:, place] * even[:, None], A[:, place] * odd[:, None]
-        whole[:, middle, left] = S[:, :, left] + A[:, :, left]
-        whole[:, middle, middle] = S[:, :, place] * even + A[:, :, place] * odd
-        whole[:, middle, right] = mirror * (S[:, :, lines] - A[:, :, lines])
-        whole[:, left, middle] = whole[:, middle, left].transpose(0, 2, 1)
-        whole[:, right, middle] = whole[:, middle, right].transpose(0, 2, 1)
-    return whole
+
+
+def _fill_blocks_of_contact_nodes(
+    whole: Floats, symmetric: Floats, antisymmetric: Floats, blocks: _ColumnBlocks, p: int
+) -> None:
+    """Fill in the stiffness of the contact nodes, and its coupling with the nodes on both sides.
+
+    Parameters
+    ----------
+    whole : (c, n, n) stiffness of the columns, which is changed
+    symmetric, antisymmetric : (c, m, m) stiffness on symmetric and antisymmetric unknowns
+    blocks : numbers of the unknowns
+    p : degree of the elements
+    """
+    functions = nodal_functions_along_element_column(p)
+    left, lines, middle, right = blocks.left, blocks.lines, blocks.middle, blocks.right
+    (even, odd), place = functions.sign, middle.start + functions.place
+    S, A = symmetric[:, place] * even[:, None], antisymmetric[:, place] * odd[:, None]
+    whole[:, middle, left] = S[:, :, left] + A[:, :, left]
+    whole[:, middle, middle] = S[:, :, place] * even + A[:, :, place] * odd
+    whole[:, middle, right] = blocks.mirror * (S[:, :, lines] - A[:, :, lines])
+    whole[:, left, middle] = whole[:, middle, left].transpose(0, 2, 1)
+    whole[:, right, middle] = whole[:, middle, right].transpose(0, 2, 1)

@@ -16,7 +16,6 @@ from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
 from drumlin.fem.hp.shoe import (
     CondensedShoe,
-    EndLoads,
     LoadedEnd,
     function_from_depth_and_angle_to_point,
     node_positions_of_element_row,
@@ -107,7 +106,6 @@ def condensed_shoe_body(
     div: ShoeDivision,
     found: CondensedShoe,
     grid: ColumnGrid,
-    end_loads: EndLoads = unit_actuation_loads_on_end_face,
 ) -> CondensedBody:
     """The condensed body of a shoe, with the Cholesky factor of its contact stiffness.
 
@@ -116,16 +114,15 @@ def condensed_shoe_body(
     Parameters
     ----------
     shoe, div : the shoe and its division into elements
-    found : the condensed shoe, with the unit loads of `end_loads`
+    found : the condensed shoe
     grid : all nodes and elements of the shoe
-    end_loads : function that makes the unit loads on the end face that the actuation acts on
 
     Raises
     ------
     NoAnswer
         for a singular stiffness
     """
-    system = partial(_equations_of_shoe_before_condensation, shoe, div, grid, end_loads)
+    system = partial(_equations_of_shoe_before_condensation, shoe, div, grid)
     return condensed_body_with_cholesky_factor(
         found, GridUnknowns.without_further_unit_loads(grid, elastic_layers_of_shoe(shoe), system)
     )
@@ -170,14 +167,13 @@ def _equations_of_shoe_before_condensation(
     shoe: Shoe,
     div: ShoeDivision,
     grid: ColumnGrid,
-    end_loads: EndLoads,
     basis: ColumnGrid | Skeleton,
 ) -> InnerSystem:
     """The stiffness, constraints and loads of a shoe before condensation.
 
     Parameters
     ----------
-    shoe, div, grid, end_loads : as in `condensed_shoe_body`
+    shoe, div, grid : as in `condensed_shoe_body`
     basis : the nodes that the system has: all nodes of the grid, or those of its skeleton alone,
         which lie on the sides of elements
     """
@@ -187,7 +183,7 @@ def _equations_of_shoe_before_condensation(
     )
     if "actuation" in grid.sets:
         forces = _spread_end_face_forces_to_all_nodes(
-            grid, _unit_loads_on_loaded_end_face(div, grid, end_loads).forces
+            grid, _unit_loads_on_loaded_end_face(div, grid).forces
         )
         loads = constraints.matrix.T @ forces[basis.dofs]
     else:
@@ -206,22 +202,15 @@ def nodal_forces_of_unit_actuations(div: ShoeDivision, grid: ColumnGrid) -> tupl
     The nodal forces (2 N, 3), on all N nodes, are those of unit force x, unit force y and unit
     couple. The centre of the end face is (2,) [m].
     """
-    end = _unit_loads_on_loaded_end_face(div, grid, unit_actuation_loads_on_end_face)
+    end = _unit_loads_on_loaded_end_face(div, grid)
     return _spread_end_face_forces_to_all_nodes(grid, end.forces), end.centre
 
 
-def _unit_loads_on_loaded_end_face(
-    div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads
-) -> LoadedEnd:
-    """The unit loads on the end face of a shoe that the actuation force acts on.
-
-    Parameters
-    ----------
-    div, grid : the division and the grid of the shoe
-    end_loads : function that makes the unit loads from the nodes of the end face
-    """
+def _unit_loads_on_loaded_end_face(div: ShoeDivision, grid: ColumnGrid) -> LoadedEnd:
+    """The unit loads on the end face of a shoe that the actuation force acts on."""
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
-    return end_loads(grid.doflocs[:, grid.sets["actuation"]], depths, div.degree)
+    nodes = grid.doflocs[:, grid.sets["actuation"]]
+    return unit_actuation_loads_on_end_face(nodes, depths, div.degree)
 
 
 def _spread_end_face_forces_to_all_nodes(grid: ColumnGrid, forces: Floats) -> Floats:

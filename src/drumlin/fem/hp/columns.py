@@ -81,15 +81,8 @@ def numbering_of_element_column_unknowns(
         left = slice(skipped, count), slice(start, stop)
         right = slice(side + skipped, side + count), slice(far + start, far + stop)
         places = [left, right][:sides]
-        # All contact nodes of the column, those at its two ends included, are numbered after the
-        # left line and before the right line.
         if k == 0 and contact:
-            corners = [
-                (slice(node), slice(line, line + node)),
-                (slice(side, side + node), slice(far - node, far)),
-            ]
-            between = slice(own, own + edge), slice(line + node, line + node + edge)
-            places += [*corners[:sides], between]
+            places += _contact_unknowns_of_element_column(p, line, far, sides)
         # The inner nodes of this element's first and last edge are eliminated. The contact edge is
         # kept, and a held edge has no unknowns.
         first_edge = (k == 0 and contact) * edge
@@ -106,6 +99,30 @@ def numbering_of_element_column_unknowns(
         rest=edge * (layers + 1 - contact - held),
         line=line,
     )
+
+
+def _contact_unknowns_of_element_column(
+    p: int, line: int, far: int, sides: int
+) -> list[UnknownsAt]:
+    """The unknowns of the contact nodes, in the first element and in its column.
+
+    All contact nodes of the column, those at its two ends included, are numbered after the left
+    line and before the right line.
+
+    Parameters
+    ----------
+    p, sides : as in `numbering_of_element_column_unknowns`
+    line : number of unknowns of the left line
+    far : number of the first unknown of the right line
+    """
+    side, edge = 2 * (p + 1), sides * (p - 1)
+    corners = [
+        (slice(2), slice(line, line + 2)),
+        (slice(side, side + 2), slice(far - 2, far)),
+    ]
+    own = sides * side
+    between = slice(own, own + edge), slice(line + 2, line + 2 + edge)
+    return [*corners[:sides], between]
 
 
 def condensed_element_column_stiffness(

@@ -16,7 +16,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from drumlin.base.arrays import Floats
+from drumlin.base.arrays import Complexes, Floats
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import (
@@ -165,59 +165,89 @@ def pressure_exponent_at_orthotropic_corner(
     width_ratio : float
         Width of the lining over the width of the ring.
     """
-    compliances, unit = _plane_stress_compliances(material), material.E_through
-    # The roots mu_k of Lekhnitskii's equation, with positive imaginary part.
+    corner = _orthotropic_corner(material, drum, width_ratio)
+    determinant = corner.determinant_of_pressure_exponent_equations
+    # The determinant is evaluated at many exponents. Its smallest zero lies at its first change of
+    # sign.
+    roots = np.linspace(SMALLEST_ROOT, 1 - BOUNDED_EXPONENT, ROOTS_TRIED)
+    signs = np.sign([determinant(root, inward_friction) for root in roots.tolist()])
+    changes = np.flatnonzero(signs[1:] != signs[:-1])
+    if not len(changes):
+        # Without a zero, either p is bounded, or the zero lies below the smallest root tried.
+        below_smallest = signs[0] != np.sign(determinant(SMALLEST_ROOT, 0.0))
+        return SMALLEST_ROOT - 1 if below_smallest else 0.0
+    first = int(changes[0])
+    # scipy.optimize is loaded here, since only few brakes press with a corner.
+    from scipy.optimize import brentq  # noqa: PLC0415
+
+    root = brentq(determinant, roots[first], roots[first + 1], args=(inward_friction,))
+    return float(root) - 1
+
+
+class _OrthotropicDrum(NamedTuple):
+    """The drum's ring at a pressed corner of an orthotropic lining.
+
+    Attributes
+    ----------
+    half_plane : 2/E [1/Pa], with the modulus E of the half-plane that takes the place of the ring
+    local : slope of the ring's surface per pressure at the same place, if the friction coefficient
+        is 1 [1/Pa]
+    width_ratio : width of the lining over the width of the ring
+    """
+
+    half_plane: float
+    local: float
+    width_ratio: float
+
+
+class _OrthotropicCorner(NamedTuple):
+    """A pressed corner of an orthotropic lining, for the equations of the pressure's exponent.
+
+    Attributes
+    ----------
+    mu : (2,) roots mu_k of Lekhnitskii's equation, with positive imaginary part
+    slopes : (2,) slope of the lining's face per c_k of each of the two terms [1/Pa]
+    unit : modulus [Pa] by which slopes are multiplied
+    drum : the drum's elastic ring; None for a rigid drum
+    """
+
+    mu: Complexes
+    slopes: Complexes
+    unit: float
+    drum: _OrthotropicDrum | None
+
+    def determinant_of_pressure_exponent_equations(self, root: float, friction: float) -> float:
+        """The determinant of the four equations for c_1 and c_2, at l = `root`."""
+        mu, slope = self.mu, self.slopes
+        rotated = mu ** (root - 1)
+        if self.drum is not None:
+            of_drum = self.drum.half_plane / math.tan(math.pi * root) + self.drum.local * friction
+            slope = slope + self.drum.width_ratio * of_drum
+        rows = np.array([mu**2 * rotated, mu * rotated, mu + friction, slope * self.unit])
+        return float(np.linalg.det(np.hstack([rows.real, -rows.imag])))
+
+
+def _orthotropic_corner(
+    material: AnyMaterial, drum: AnyMaterial | None, width_ratio: float
+) -> _OrthotropicCorner:
+    """The pressed corner of an orthotropic lining.
+
+    The parameters are as in `pressure_exponent_at_orthotropic_corner`.
+    """
+    compliances = _plane_stress_compliances(material)
     squares = np.roots(
         [compliances.along, 2 * compliances.mixed + compliances.shear, compliances.through]
     )
     mu = np.sqrt(squares.astype(complex))
     mu = np.where(mu.imag < 0, -mu, mu)
     slopes = compliances.mixed * mu + compliances.through / mu
-    of_drum = None if drum is None else _plane_stress_compliances(drum)
-
-    def determinant_of_pressure_exponent_equations(root: float, friction: float) -> float:
-        """The determinant of the four equations for c_1 and c_2, at l = `root`."""
-        rotated = mu ** (root - 1)
-        slope = slopes
-        if drum is not None and of_drum is not None:
-            local = math.sqrt(of_drum.along * of_drum.through) + of_drum.mixed
-            slope_of_drum = (
-                2 / drum.young_modulus_of_equivalent_half_plane / math.tan(math.pi * root)
-                + local * friction
-            )
-            slope = slopes + width_ratio * slope_of_drum
-        rows = np.array([mu**2 * rotated, mu * rotated, mu + friction, slope * unit])
-        return float(np.linalg.det(np.hstack([rows.real, -rows.imag])))
-
-    # The determinant is evaluated at many exponents. Its smallest zero lies at its first change of
-    # sign.
-    roots = np.linspace(SMALLEST_ROOT, 1 - BOUNDED_EXPONENT, ROOTS_TRIED)
-    values = [
-        determinant_of_pressure_exponent_equations(root, inward_friction) for root in roots.tolist()
-    ]
-    signs = np.sign(values)
-    changes = np.flatnonzero(signs[1:] != signs[:-1])
-    if not len(changes):
-        # Without a zero, either p is bounded, or the zero lies below the smallest root tried.
-        below_smallest = signs[0] != np.sign(
-            determinant_of_pressure_exponent_equations(SMALLEST_ROOT, 0.0)
-        )
-        return SMALLEST_ROOT - 1 if below_smallest else 0.0
-    first = int(changes[0])
-    # scipy.optimize is loaded here, since only few brakes press with a corner.
-    from scipy.optimize import brentq  # noqa: PLC0415
-
-    return (
-        float(
-            brentq(
-                determinant_of_pressure_exponent_equations,
-                roots[first],
-                roots[first + 1],
-                args=(inward_friction,),
-            )
-        )
-        - 1
-    )
+    ring = None
+    if drum is not None:
+        of_drum = _plane_stress_compliances(drum)
+        local = math.sqrt(of_drum.along * of_drum.through) + of_drum.mixed
+        half_plane = 2 / drum.young_modulus_of_equivalent_half_plane
+        ring = _OrthotropicDrum(half_plane, local, width_ratio)
+    return _OrthotropicCorner(mu, slopes, material.E_through, ring)
 
 
 class _PlaneStressCompliances(NamedTuple):

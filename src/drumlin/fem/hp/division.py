@@ -355,32 +355,14 @@ def divide_shoe_into_hp_elements(
     corner_sizes = _element_column_sizes_at_corners(contact, exponents)
     end_sizes = _element_column_sizes_at_lining_ends(shoe, level, contact, corner_sizes)
 
-    # The columns under the lining, from one grading point to the next.
     grading_points = _grading_points_along_lining(shoe, radius, level, points, contact, end_sizes)
-    angles = []
-    for a, b in pairwise(grading_points):
-        sizes = element_sizes_growing_from_both_ends(
-            b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio
-        )
-        angles.append(piece_ends_from_piece_sizes(sizes, a.at, b.at)[:-1])
     before, after = _element_column_ends_beyond_lining(
         shoe, radius, level, layers, end_sizes, grades_loaded_end=grades_loaded_end
     )
-
-    # Under a short contact the layer of elements at the lining's face is as thick as the columns at
-    # the contact's ends are wide.
-    start, end = shoe.arc
-    t = contact.thickness
-    face_size = min(
-        level.zone * min(EDGE_ZONE, t, end - start, *contact.reaching_lengths),
-        *(level.end * length for length in contact.lengths),
-        math.inf,
-    )
-    face_size = max(face_size, contact.smallest_column)
+    face_size = _size_of_element_layer_at_face(shoe, level, contact)
     # Under an unbounded pressure the layer of elements at the lining's face is as thick as the
     # columns at this point are wide.
-    tips = [point for point in points if point.kind == Singularity.TIP]
-    tip_sizes = [_element_column_size_at_gap_tip(level, t, tip.length) for tip in tips]
+    tip_sizes = _element_column_sizes_at_gap_tips(level, contact, points)
     singular_size = min(*tip_sizes, *corner_sizes)
     depths, part = _depths_and_parts_of_element_layers(
         layers,
@@ -392,13 +374,51 @@ def divide_shoe_into_hp_elements(
     )
     return ShoeDivision(
         degree=level.degree,
-        angles=np.array([*np.concatenate(angles), end]),
+        angles=_element_column_ends_between_grading_points(grading_points, level),
         before=before,
         after=after,
         depths=depths,
         part=part,
         singular_layer_size=radius * singular_size if singular_size < face_size else math.inf,
     )
+
+
+def _element_column_sizes_at_gap_tips(
+    level: Level, contact: "_ContactExtent", points: Sequence[SingularPoint]
+) -> list[float]:
+    """The sizes [rad] of the element columns at the tips of the gap among the singular points."""
+    tips = [point for point in points if point.kind == Singularity.TIP]
+    return [_element_column_size_at_gap_tip(level, contact.thickness, tip.length) for tip in tips]
+
+
+def _element_column_ends_between_grading_points(points: list[GradingPoint], level: Level) -> Floats:
+    """The ends (m + 1,) [rad] of the element columns from the first grading point to the last."""
+    ends = []
+    for a, b in pairwise(points):
+        sizes = element_sizes_growing_from_both_ends(
+            b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio
+        )
+        ends.append(piece_ends_from_piece_sizes(sizes, a.at, b.at)[:-1])
+    return np.append(np.concatenate(ends), points[-1].at)
+
+
+def _size_of_element_layer_at_face(shoe: Shoe, level: Level, contact: "_ContactExtent") -> float:
+    """The size [rad] of the layer of elements at the lining's face under a bounded pressure.
+
+    Under a short contact the layer is as thick as the columns at the contact's ends are wide.
+
+    Parameters
+    ----------
+    shoe, level : the shoe, and the degree and sizes of its elements
+    contact : extent of the contact
+    """
+    start, end = shoe.arc
+    size = min(
+        level.zone * min(EDGE_ZONE, contact.thickness, end - start, *contact.reaching_lengths),
+        *(level.end * length for length in contact.lengths),
+        math.inf,
+    )
+    return max(size, contact.smallest_column)
 
 
 class _ContactExtent(NamedTuple):

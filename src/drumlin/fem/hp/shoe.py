@@ -74,14 +74,6 @@ class LoadedEnd(NamedTuple):
         return resultants
 
 
-EndLoads = Callable[[Floats, Floats, int], LoadedEnd]
-"""A function that returns the unit loads on a shoe's loaded end face.
-
-Its arguments are the nodes of the end face, their depths and the degree of the elements, as those
-of `unit_actuation_loads_on_end_face`.
-"""
-
-
 def unit_actuation_loads_on_end_face(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
     """The unit actuations on the straight end face of a shoe: force x, force y and couple.
 
@@ -317,6 +309,26 @@ def kinds_of_equal_element_columns(
     return _ColumnKinds(along, A, which)
 
 
+class _ShoeInElements(NamedTuple):
+    """A shoe divided into elements, before its element columns are condensed.
+
+    Attributes
+    ----------
+    shoe, radius, div, layers : as in `condense_shoe_to_contact_nodes`
+    elasticity : (l, 3, 3) elasticity matrices times the width of the layers of elements [N/m]
+    directed : whether a layer of the shoe is orthotropic
+    kinds : the kinds of element columns
+    """
+
+    shoe: Shoe
+    radius: float
+    div: ShoeDivision
+    layers: dict[str, ElasticLayer]
+    elasticity: Floats
+    directed: bool
+    kinds: _ColumnKinds
+
+
 def _condensed_hp_columns_of_shoe(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: dict[str, ElasticLayer]
 ) -> _ShoeColumns:
@@ -324,74 +336,90 @@ def _condensed_hp_columns_of_shoe(
 
     The parameters are those of `condense_shoe_to_contact_nodes`.
     """
-    p = div.degree
     elasticity = elasticity_times_width_of_layers(layers, div.part)
     directed = bool(is_elasticity_matrix_orthotropic(elasticity).any())
-    kinds_of_columns = kinds_of_equal_element_columns(shoe, div, directed=directed)
-    plane = radius if shoe.flat else None
-
-    def condensed_hp_columns_of_row(
-        row: Ints, layer: int, *, contact: bool, held: bool
-    ) -> list[ColumnSubstructure]:
-        """The condensed element columns of a row, which begin with the layer number `layer`.
-
-        Parameters
-        ----------
-        row : kind of each column
-        layer : number of the first layer of elements; 0 is the one at the lining's face
-        contact : whether the columns' edge at the lining's face is in contact
-        held : whether the edge farthest from the contact is held
-        """
-        if not len(row):
-            return []
-        # numpy.unique would load numpy's masked arrays, which bincount does not.
-        kinds = np.flatnonzero(np.bincount(row))
-        depths, own = div.depths[layer:], elasticity[layer:]
-        unknowns = numbering_of_element_column_unknowns(
-            p, div.number_of_element_layers - layer, contact=contact, held=held
-        )
-        if kinds_of_columns.angular is None:
-            xy = node_coordinates_of_layers_and_columns(
-                function_from_depth_and_angle_to_point(shoe, radius),
-                depths,
-                kinds_of_columns.along[kinds],
-                p,
-            )
-            along = (
-                _unit_vectors_along_shoe_layers(layers, div.part[layer:], xy, p)
-                if directed
-                else None
-            )
-            stiffness = condensed_element_column_stiffness(
-                condensed_element_stiffness(xy, own, p, along), unknowns
-            )
-        else:
-            A = kinds_of_columns.angular[:, kinds]
-            parts = condensed_arc_element_stiffness(radius - shoe.sign * depths, A, own, p, plane)
-            stiffness = condensed_arc_column_stiffness(parts, p, contact=contact, held=held)
-        made = {}
-        for kind, K in zip(kinds.tolist(), stiffness, strict=True):
-            made[kind] = ColumnSubstructure(K, unknowns.line, unknowns.line)
-        return [made[kind] for kind in row.tolist()]
-
+    kinds = kinds_of_equal_element_columns(shoe, div, directed=directed)
+    whole = _ShoeInElements(shoe, radius, div, layers, elasticity, directed, kinds)
     # The columns inside the grip are held at their back; those outside are not, nor are those of
     # the body beyond the lining.
-    which = kinds_of_columns.which
+    which = kinds.which
     under, before = len(div.angles) - 1, len(div.before) - 1
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     outside_grip = np.concatenate([which[:a], which[b:under]])
-    free = condensed_hp_columns_of_row(
+    free = _condensed_hp_columns_of_row(
+        whole,
         outside_grip,
         0,
         contact=True,
         held=div.index_of_first_body_layer == div.number_of_element_layers,
     )
-    gripped = condensed_hp_columns_of_row(which[a:b], 0, contact=True, held=True)
-    rest = condensed_hp_columns_of_row(
-        which[under:], div.index_of_first_body_layer, contact=False, held=False
+    gripped = _condensed_hp_columns_of_row(whole, which[a:b], 0, contact=True, held=True)
+    rest = _condensed_hp_columns_of_row(
+        whole, which[under:], div.index_of_first_body_layer, contact=False, held=False
     )
     return _ShoeColumns([*free[:a], *gripped, *free[a:]], rest[:before], rest[before:], (a, b))
+
+
+def _condensed_hp_columns_of_row(
+    whole: _ShoeInElements, row: Ints, layer: int, *, contact: bool, held: bool
+) -> list[ColumnSubstructure]:
+    """The condensed element columns of a row, which begin with the layer number `layer`.
+
+    Parameters
+    ----------
+    whole : the shoe
+    row : kind of each column
+    layer : number of the first layer of elements; 0 is the one at the lining's face
+    contact : whether the columns' edge at the lining's face is in contact
+    held : whether the edge farthest from the contact is held
+    """
+    if not len(row):
+        return []
+    # numpy.unique would load numpy's masked arrays, which bincount does not.
+    kinds = np.flatnonzero(np.bincount(row))
+    div = whole.div
+    unknowns = numbering_of_element_column_unknowns(
+        div.degree, div.number_of_element_layers - layer, contact=contact, held=held
+    )
+    if whole.kinds.angular is None:
+        parts = _condensed_elements_of_straight_beam_shoe(whole, whole.kinds.along[kinds], layer)
+        stiffness = condensed_element_column_stiffness(parts, unknowns)
+    else:
+        radii = whole.radius - whole.shoe.sign * div.depths[layer:]
+        parts = condensed_arc_element_stiffness(
+            radii,
+            whole.kinds.angular[:, kinds],
+            whole.elasticity[layer:],
+            div.degree,
+            whole.radius if whole.shoe.flat else None,
+        )
+        stiffness = condensed_arc_column_stiffness(parts, div.degree, contact=contact, held=held)
+    made = {}
+    for kind, K in zip(kinds.tolist(), stiffness, strict=True):
+        made[kind] = ColumnSubstructure(K, unknowns.line, unknowns.line)
+    return [made[kind] for kind in row.tolist()]
+
+
+def _condensed_elements_of_straight_beam_shoe(
+    whole: _ShoeInElements, along: Floats, layer: int
+) -> Floats:
+    """The stiffness (l, c, 8 p, 8 p) of elements of a straight beam, condensed to their boundary.
+
+    Parameters
+    ----------
+    whole : the shoe
+    along : (c, p + 1) positions of the nodes of each column along the lining
+    layer : number of the first layer of elements; 0 is the one at the lining's face
+    """
+    p = whole.div.degree
+    place = function_from_depth_and_angle_to_point(whole.shoe, whole.radius)
+    xy = node_coordinates_of_layers_and_columns(place, whole.div.depths[layer:], along, p)
+    directions = None
+    if whole.directed:
+        part = whole.div.part[layer:]
+        directions = _unit_vectors_along_shoe_layers(whole.layers, part, xy, p)
+    return condensed_element_stiffness(xy, whole.elasticity[layer:], p, directions)
 
 
 def axis_angles_at_contact_nodes(ends: Floats, p: int) -> Floats:
@@ -430,7 +458,6 @@ def condense_shoe_to_contact_nodes(
     radius: float,
     div: ShoeDivision,
     layers: dict[str, ElasticLayer],
-    end_loads: EndLoads = unit_actuation_loads_on_end_face,
 ) -> CondensedShoe:
     """The shoe condensed to its hinge's frame and its contact nodes, in the order of their angle.
 
@@ -440,8 +467,6 @@ def condense_shoe_to_contact_nodes(
     radius : radius of the drum [m]
     div : division of the shoe into columns and layers of elements
     layers : elasticity of the layers by name
-    end_loads : function that makes the unit loads on the loaded end face; it is not used for a shoe
-        whose back is held, which has the three unit actuations on its frame
 
     Raises
     ------
@@ -455,7 +480,7 @@ def condense_shoe_to_contact_nodes(
     )
     row = _condensed_hp_columns_of_shoe(shoe, radius, div, layers)
     if div.index_of_first_body_layer < div.number_of_element_layers and not any(row.grip):
-        return _condense_shoe_that_hinge_holds(shoe, radius, div, row, end_loads, R)
+        return _condense_shoe_that_hinge_holds(shoe, radius, div, row, R)
     S = (
         _contact_stiffness_of_gripped_shoe(row)
         if any(row.grip)
@@ -489,42 +514,27 @@ def _condense_shoe_that_hinge_holds(
     radius: float,
     div: ShoeDivision,
     row: _ShoeColumns,
-    end_loads: EndLoads,
     R: Floats,
 ) -> CondensedShoe:
     """The condensed elastic shoe that the hinge holds at one end and a force loads at the other.
 
     Parameters
     ----------
-    shoe, radius, div, end_loads : as in `condense_shoe_to_contact_nodes`
+    shoe, radius, div : as in `condense_shoe_to_contact_nodes`
     row : element columns of the shoe
     R : (2n, 3) rigid-body modes of the contact nodes
     """
-    # The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face, are
-    # measured in the axes of the element columns.
-    p, place, pin = (
-        div.degree,
-        function_from_depth_and_angle_to_point(shoe, radius),
-        shoe.pin_in_shoe_frame,
-    )
-    back = rotation_angles_to_shoe_frame(shoe, div)
-    depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], p)
-    near, far = div.before[-1], div.after[-1]
-    hinge_modes = rigid_body_displacements_of_nodes(place(depths, near), pin)
-    hinge_modes = rotate_axes_of_all_nodes_by_one_angle(
-        hinge_modes, angles_of_displacement_axes(shoe, near)
-    )
-    end = end_loads(place(depths, far), depths, p)
-    end_forces = rotate_axes_of_all_nodes_by_one_angle(
-        end.forces, angles_of_displacement_axes(shoe, far)
-    )
+    faces = _modes_at_hinge_and_loads_at_end(shoe, radius, div)
     # The bodies before and behind the lining are attached to the first and the last column under
     # the lining. The assembled row has the unknowns [frame | contact nodes | unit loads].
     columns = row.under.copy()
-    columns[0] = _join_first_column_to_body_at_hinge(columns[0], row.before, hinge_modes)
-    loaded = condensed_stiffness_of_body_behind_lining(row.after, end_forces)
-    columns[-1] = eliminate_nodes_on_column_side(columns[-1], loaded, len(end_forces), right=True)
+    columns[0] = _join_first_column_to_body_at_hinge(columns[0], row.before, faces.hinge_modes)
+    loaded = condensed_stiffness_of_body_behind_lining(row.after, faces.end_forces)
+    columns[-1] = eliminate_nodes_on_column_side(
+        columns[-1], loaded, len(faces.end_forces), right=True
+    )
     A = assemble_row_of_element_columns(columns, 2).K
+    back = rotation_angles_to_shoe_frame(shoe, div)
 
     def contact_forces_in_shoe_frame(V: Floats) -> Floats:
         """The forces (m, 2n) on the contact nodes, with their components in the shoe's frame."""
@@ -535,7 +545,49 @@ def _condense_shoe_that_hinge_holds(
         return rotate_node_axes_of_matrix(S, back)
 
     return condensed_shoe_with_balanced_loads(
-        A, end, R, pin, contact_forces_in_shoe_frame, contact_stiffness_in_shoe_frame
+        A,
+        faces.end,
+        R,
+        shoe.pin_in_shoe_frame,
+        contact_forces_in_shoe_frame,
+        contact_stiffness_in_shoe_frame,
+    )
+
+
+class _EndFacesOfBody(NamedTuple):
+    """The rigid-body modes and the unit loads on the two end faces of a shoe's body.
+
+    Attributes
+    ----------
+    hinge_modes : (2n, 3) rigid-body modes of the n nodes on the face that the hinge holds
+    end : the unit loads on the loaded end face
+    end_forces : (2n, l) their nodal forces
+    """
+
+    hinge_modes: Floats
+    end: LoadedEnd
+    end_forces: Floats
+
+
+def _modes_at_hinge_and_loads_at_end(
+    shoe: Shoe, radius: float, div: ShoeDivision
+) -> _EndFacesOfBody:
+    """The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face.
+
+    Modes and nodal forces are measured in the axes of the element columns. The parameters are those
+    of `condense_shoe_to_contact_nodes`.
+    """
+    place = function_from_depth_and_angle_to_point(shoe, radius)
+    depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
+    near, far = div.before[-1], div.after[-1]
+    end = unit_actuation_loads_on_end_face(place(depths, far), depths, div.degree)
+    return _EndFacesOfBody(
+        rotate_axes_of_all_nodes_by_one_angle(
+            rigid_body_displacements_of_nodes(place(depths, near), shoe.pin_in_shoe_frame),
+            angles_of_displacement_axes(shoe, near),
+        ),
+        end,
+        rotate_axes_of_all_nodes_by_one_angle(end.forces, angles_of_displacement_axes(shoe, far)),
     )
 
 

@@ -166,6 +166,42 @@ def _convert_third_order_cells_to_second(
     return found, np.vstack([points, *new])
 
 
+@dataclass(frozen=True)
+class _GrowingNodes:
+    """The nodes of a mesh file, to which nodes in the middle of edges and cells are added.
+
+    Attributes
+    ----------
+    points : (n, 2) coordinates of the nodes before
+    middles : number of the middle node of each edge that has one, by the edge's two corners, the
+        smaller number first
+    added : coordinates (2,) of the added nodes, whose numbers follow those of `points`
+    """
+
+    points: Floats
+    middles: dict[tuple[int, int], int]
+    added: list[Floats]
+
+    def add_node_and_return_number(self, place: Floats) -> int:
+        """Add a node at a place (2,), and return its number."""
+        self.added.append(place)
+        return len(self.points) + len(self.added) - 1
+
+    def find_or_add_middle_node_of_edge(self, first: int, last: int) -> int:
+        """The number of the middle node between two corners, which is added if it is missing."""
+        key = (min(first, last), max(first, last))
+        if key not in self.middles:
+            self.middles[key] = self.add_node_and_return_number(
+                (self.points[first] + self.points[last]) / 2
+            )
+        return self.middles[key]
+
+    def coordinates_of_node(self, number: int) -> Floats:
+        """The coordinates (2,) of a node of the file or of an added one."""
+        count = len(self.points)
+        return self.points[number] if number < count else self.added[number - count]
+
+
 def _convert_cells_to_quadratic_triangles(
     kinds: dict[str, Ints], points: Floats, own: int
 ) -> PlaneCells:
@@ -177,29 +213,7 @@ def _convert_cells_to_quadratic_triangles(
     points : (n, 2) coordinates of the nodes
     own : number of nodes that the file has; later ones were added
     """
-    middles: dict[tuple[int, int], int] = {}
-    # A linear cell beside a quadratic one takes the middle node of their common edge from the file.
-    for name, cells in kinds.items():
-        corners = PLANE_SHAPES[name]
-        for side in range(corners if cells.shape[1] > corners else 0):
-            ends = np.sort(cells[:, [side, (side + 1) % corners]], axis=1)
-            middles |= zip(
-                map(tuple, ends.tolist()), cells[:, corners + side].tolist(), strict=True
-            )
-    new: list[Floats] = []
-
-    def add_node_and_return_number(place: Floats) -> int:
-        """Add a node at a place (2,), and return its number, which follows those of the file."""
-        new.append(place)
-        return len(points) + len(new) - 1
-
-    def find_or_add_middle_node_of_edge(first: int, last: int) -> int:
-        """The number of the middle node between two corners, which is added if it is missing."""
-        key = (min(first, last), max(first, last))
-        if key not in middles:
-            middles[key] = add_node_and_return_number((points[first] + points[last]) / 2)
-        return middles[key]
-
+    nodes = _GrowingNodes(points, _middle_nodes_of_quadratic_cells(kinds), [])
     # Each triangle of the file makes one triangle, and each quadrilateral makes two.
     made: list[list[int]] = []
     parent = {}
@@ -208,23 +222,9 @@ def _convert_cells_to_quadratic_triangles(
         first = np.empty(len(cells), dtype=np.int64)
         for row, cell in enumerate(cells.tolist()):
             first[row] = len(made)
-            sides = cell[corners : 2 * corners] or [
-                find_or_add_middle_node_of_edge(cell[i], cell[(i + 1) % corners])
-                for i in range(corners)
-            ]
-            if corners == 3:
-                made.append([*cell[:3], *sides])
-            else:
-                centre = (
-                    cell[8]
-                    if len(cell) > 8
-                    else add_node_and_return_number(
-                        _centre_of_quadrilateral(points, cell, sides, new)
-                    )
-                )
-                made += _cut_quadrilateral_into_triangles(points, cell[:4], sides, centre)
+            made += _quadratic_triangles_of_cell(nodes, cell, corners)
         parent[source] = (first, np.full(len(cells), 1 if corners == 3 else 2, dtype=np.int64))
-    every = np.vstack([points, *new]) if new else points
+    every = np.vstack([points, *nodes.added]) if nodes.added else points
     return PlaneCells(
         "triangle6",
         np.array(made, dtype=np.int64),
@@ -234,20 +234,58 @@ def _convert_cells_to_quadratic_triangles(
     )
 
 
-def _centre_of_quadrilateral(
-    points: Floats, cell: list[int], sides: list[int], new: list[Floats]
-) -> Floats:
+def _middle_nodes_of_quadratic_cells(kinds: dict[str, Ints]) -> dict[tuple[int, int], int]:
+    """The middle node of each edge of the cells of second order, by the edge's two corners.
+
+    A linear cell beside a quadratic one takes the middle node of their common edge from here.
+    `kinds` are the cells (m, k) of each type.
+    """
+    middles: dict[tuple[int, int], int] = {}
+    for name, cells in kinds.items():
+        corners = PLANE_SHAPES[name]
+        for side in range(corners if cells.shape[1] > corners else 0):
+            ends = np.sort(cells[:, [side, (side + 1) % corners]], axis=1)
+            middles |= zip(
+                map(tuple, ends.tolist()), cells[:, corners + side].tolist(), strict=True
+            )
+    return middles
+
+
+def _quadratic_triangles_of_cell(
+    nodes: _GrowingNodes, cell: list[int], corners: int
+) -> list[list[int]]:
+    """The nodes of the quadratic triangles, one or two, that replace a cell of a mesh file.
+
+    Parameters
+    ----------
+    nodes : nodes of the file, to which missing middle nodes are added
+    cell : nodes of the cell, its corners first
+    corners : number of its corners, 3 or 4
+    """
+    sides = cell[corners : 2 * corners] or [
+        nodes.find_or_add_middle_node_of_edge(cell[i], cell[(i + 1) % corners])
+        for i in range(corners)
+    ]
+    if corners == 3:
+        return [[*cell[:3], *sides]]
+    if len(cell) > 8:
+        centre = cell[8]
+    else:
+        centre = nodes.add_node_and_return_number(_centre_of_quadrilateral(nodes, cell, sides))
+    return _cut_quadrilateral_into_triangles(nodes.points, cell[:4], sides, centre)
+
+
+def _centre_of_quadrilateral(nodes: _GrowingNodes, cell: list[int], sides: list[int]) -> Floats:
     """The centre (2,) of a quadrilateral with straight or curved edges.
 
     Parameters
     ----------
-    points : (n, 2) coordinates of the nodes
+    nodes : nodes of the file, and added ones
     cell : nodes of the quadrilateral, its four corners first
     sides : middle nodes of its edges
-    new : coordinates of nodes that were added, whose numbers follow those of `points`
     """
-    middles = [points[i] if i < len(points) else new[i - len(points)] for i in sides]
-    return np.sum(middles, axis=0) / 2 - points[cell[:4]].sum(axis=0) / 4
+    middles = [nodes.coordinates_of_node(i) for i in sides]
+    return np.sum(middles, axis=0) / 2 - nodes.points[cell[:4]].sum(axis=0) / 4
 
 
 def _cut_quadrilateral_into_triangles(

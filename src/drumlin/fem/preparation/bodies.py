@@ -174,13 +174,8 @@ def make_shoe_substructure(
     line = division.line
     n = len(line.nodes)
     coupling = couple_shoe_with_drum_or_plane(line, shoe)
-    forces = [-coupling.N.T, condensed.load_on_contact]
-    if friction:
-        forces.append(coupling.T.T)
-
-    # The columns of the half flexibility Y stand for the pressures, then the unit loads, then the
-    # friction. The same holds for the matrices that are made from Y.
-    Y = condensed.nodal_forces_over_cholesky_factor(np.concatenate(forces, axis=1))
+    # The columns of the matrices that are made from Y stand for the same loads as those of Y.
+    Y = _half_flexibility_of_contact_nodes(condensed, coupling, friction=friction)
     first_friction = n + condensed.columns.number_of_load_columns
     pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
     closure = -Y[:, :n].T @ Y
@@ -205,6 +200,26 @@ def make_shoe_substructure(
         reaction_to_friction=reaction[:, dragged] if friction else None,
         of_file=division.of_file,
     )
+
+
+def _half_flexibility_of_contact_nodes(
+    condensed: CondensedBody, coupling: Coupling, *, friction: bool
+) -> Floats:
+    """The half flexibility Y: the loads on the contact nodes over the Cholesky factor.
+
+    The columns of Y stand for the n pressures, then the unit loads, then the n tractions of
+    friction.
+
+    Parameters
+    ----------
+    condensed : the condensed body of the shoe
+    coupling : its coupling with the drum or the plane
+    friction : whether the brake has friction; without it the last columns are left out
+    """
+    forces = [-coupling.N.T, condensed.load_on_contact]
+    if friction:
+        forces.append(coupling.T.T)
+    return condensed.nodal_forces_over_cholesky_factor(np.concatenate(forces, axis=1))
 
 
 def load_factors_under_actuation_force(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:

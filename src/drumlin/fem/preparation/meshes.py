@@ -117,13 +117,10 @@ def make_mesh_bodies(
     ring = None
     ring_under = partial(condense_meshed_drum_ring_to_contact_nodes, brake, elements)
     if brake.ring is not None:
+        digests = map(digest_of_mesh_file_of_shoe, brake.shoes)
+        ring_key = (brake_without_loads_and_clearances(brake), setting, *digests)
+        lines = tuple(body.line for body in bodies)
         with add_elapsed_time(seconds, "ring"):
-            lines = tuple(body.line for body in bodies)
-            ring_key = (
-                brake_without_loads_and_clearances(brake),
-                setting,
-                *map(digest_of_mesh_file_of_shoe, brake.shoes),
-            )
             ring = cache.get(ring_key, partial(ring_under, lines), memory_of_condensed_body)
     nodes_of = partial(_mesh_nodes_of_changed_shoe, mesher, brake.size, bodies)
     return DividedBodies(bodies, ring, nodes_of, ring_under)

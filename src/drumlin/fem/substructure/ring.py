@@ -362,47 +362,76 @@ def coupling_matrices_of_lining_and_ring(
     ring_nodes = other.pieces[:, overlaps.ring]
     own_xy, ring_xy = lining.xy[:, own_nodes], ring.xy[:, ring_nodes]
 
-    # Each overlap has quadrature points. xi is their local coordinate on the lining's edge, and eta
-    # that on the ring's edge.
-    length = (overlaps.end - overlaps.start)[:, None]
-    angle = overlaps.start[:, None] + 0.5 * length * (1 + GAUSS)
-    xi = _edge_coordinates_where_rays_cross(own_xy, angle)
-    eta = _edge_coordinates_where_rays_cross(ring_xy, angle)
-    psi = lagrange_shape_function_values(
-        lining.interpolation_degree_along_contact_line, xi.ravel()
-    ).reshape(-1, *xi.shape)
-    phi = lagrange_shape_function_values(
-        ring.interpolation_degree_along_contact_line, eta.ravel()
-    ).reshape(-1, *eta.shape)
-    x = np.einsum("cki,kiq->ciq", own_xy, psi)
-    dx = np.einsum(
-        "cki,kiq->ciq",
-        own_xy,
-        lagrange_shape_function_derivatives(lining.interpolation_degree_along_contact_line, xi),
-    )
-    r = np.hypot(*x)
-    angle_per_xi = np.abs(x[0] * dx[1] - x[1] * dx[0]) / r**2
-    ds = np.hypot(*dx) / angle_per_xi * 0.5 * length * WEIGHTS * width
+    at = _quadrature_of_overlaps(lining, ring, own_xy, ring_xy, overlaps)
+    x, r = at.x, np.hypot(*at.x)
+    ds = at.ds * width
 
     # The friction moves from the lining's arc to the ring's arc, by the vector `arm`. The couple of
     # this motion acts on the slopes of the ring's shape functions.
-    r_ring = np.hypot(*np.einsum("cki,kiq->ciq", ring_xy, phi))
-    ring_slopes = lagrange_shape_function_derivatives(
-        ring.interpolation_degree_along_contact_line, eta
-    )
-    tau = np.einsum("cki,kiq->ciq", ring_xy, ring_slopes)
+    r_ring = np.hypot(*np.einsum("cki,kiq->ciq", ring_xy, at.phi))
+    tau = np.einsum("cki,kiq->ciq", ring_xy, at.ring_slopes)
     tangent_length = np.hypot(*tau)
     arm = np.array([-tau[1], tau[0]]) / tangent_length * (r - r_ring)
-    phi_slope = ring_slopes / tangent_length
+    phi_slope = at.ring_slopes / tangent_length
 
     n, m = len(lining.nodes), len(ring.nodes)
     N, T = np.zeros((n, m, 2)), np.zeros((n, m, 2))
     where = (own_nodes[:, None], ring_nodes[None])
     normal, tangent = sign * x / r, np.array([-x[1], x[0]]) / r
-    np.add.at(N, where, np.einsum("aiq,biq,ciq,iq->abic", psi, phi, normal, ds))
-    np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", psi, phi, tangent, ds))
-    np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", psi, phi_slope, arm, ds))
+    np.add.at(N, where, np.einsum("aiq,biq,ciq,iq->abic", at.psi, at.phi, normal, ds))
+    np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", at.psi, at.phi, tangent, ds))
+    np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", at.psi, phi_slope, arm, ds))
     return N.reshape(n, 2 * m), T.reshape(n, 2 * m)
+
+
+class _OverlapQuadrature(NamedTuple):
+    """The q quadrature points of each of k overlaps of a lining's edges with edges of the ring.
+
+    Attributes
+    ----------
+    psi, phi : (nodes, k, q) shape functions of the lining's edges and of the ring's edges
+    ring_slopes : (nodes, k, q) derivatives of `phi` by the local coordinate of the ring's edges
+    x : (2, k, q) points on the lining's edges [m]
+    ds : (k, q) lengths of arc that belong to the points [m], which include the Gauss weights
+    """
+
+    psi: Floats
+    phi: Floats
+    ring_slopes: Floats
+    x: Floats
+    ds: Floats
+
+
+def _quadrature_of_overlaps(
+    lining: ContactLine, ring: ContactLine, own_xy: Floats, ring_xy: Floats, overlaps: "_Overlaps"
+) -> _OverlapQuadrature:
+    """The quadrature points of the overlaps, where rays of the drum cross both edges.
+
+    Parameters
+    ----------
+    lining, ring : contact lines in the brake's frame
+    own_xy, ring_xy : (2, nodes, k) nodes of the lining's edge and of the ring's edge of each
+        overlap [m]
+    overlaps : the k overlaps
+    """
+    # xi is the local coordinate of a point on the lining's edge, and eta that on the ring's edge.
+    length = (overlaps.end - overlaps.start)[:, None]
+    angle = overlaps.start[:, None] + 0.5 * length * (1 + GAUSS)
+    xi = _edge_coordinates_where_rays_cross(own_xy, angle)
+    eta = _edge_coordinates_where_rays_cross(ring_xy, angle)
+    degree, ring_degree = (line.interpolation_degree_along_contact_line for line in (lining, ring))
+    psi = lagrange_shape_function_values(degree, xi.ravel()).reshape(-1, *xi.shape)
+    phi = lagrange_shape_function_values(ring_degree, eta.ravel()).reshape(-1, *eta.shape)
+    x = np.einsum("cki,kiq->ciq", own_xy, psi)
+    dx = np.einsum("cki,kiq->ciq", own_xy, lagrange_shape_function_derivatives(degree, xi))
+    angle_per_xi = np.abs(x[0] * dx[1] - x[1] * dx[0]) / np.hypot(*x) ** 2
+    return _OverlapQuadrature(
+        psi=psi,
+        phi=phi,
+        ring_slopes=lagrange_shape_function_derivatives(ring_degree, eta),
+        x=x,
+        ds=np.hypot(*dx) / angle_per_xi * 0.5 * length * WEIGHTS,
+    )
 
 
 class _Overlaps(NamedTuple):

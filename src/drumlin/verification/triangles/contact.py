@@ -13,7 +13,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.support import displacements_in_rigid_body_motions
+from drumlin.brake.support import Freedoms, displacements_in_rigid_body_motions
 from drumlin.verification.triangles.face import CondensedFace
 
 MOST_SETS_TRIED = 600
@@ -91,26 +91,16 @@ def solve_contact_complementarity(
     NoAnswer
         If no set of active nodes satisfies the inequalities, or if a set is singular.
     """
-    n, k = len(q), len(h)
     active = first.copy()
     scale = float(np.median(np.abs(np.diag(A)) * weight))
-    fewest, spare, least = n + 1, SETS_WITHOUT_PROGRESS, math.inf
+    fewest, spare, least = len(q) + 1, SETS_WITHOUT_PROGRESS, math.inf
     best: ContactForces | None = None
     for step in range(MOST_SETS_TRIED):
         # The active nodes have zero gap: their forces and the rigid-body motions are solved for.
         a = np.flatnonzero(active)
         if not len(a):
             raise NoAnswer("no node in contact")
-        system = np.block([[A[np.ix_(a, a)], B[a]], [C[:, a], np.zeros((k, k))]])
-        size = np.concatenate([np.sqrt(weight[a]), np.ones(k)])
-        try:
-            x = size * np.linalg.solve(
-                system * np.outer(size, size), size * np.concatenate([-q[a], h])
-            )
-        except np.linalg.LinAlgError as error:
-            raise NoAnswer("a contact set is singular") from error
-        f, y = np.zeros(n), x[len(a) :]
-        f[a] = x[: len(a)]
+        f, y = _forces_and_motions_of_contact_set(A, q, B, C, h, weight, a)
         # The gaps are scaled to forces [N], so that they compare with the contact forces.
         w = (q + A @ f + B @ y) * weight / scale
         size_of = float(np.abs(f).sum())
@@ -133,6 +123,26 @@ def solve_contact_complementarity(
         chosen = wrong if spare > 0 else wrong[-1:]
         active[chosen] = ~active[chosen]
     raise NoAnswer(f"no contact set settles: wrong by {least:.1e}")
+
+
+def _forces_and_motions_of_contact_set(
+    A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, weight: Floats, a: Ints
+) -> tuple[Floats, Floats]:
+    """The nodal forces f (n,) and the motions y (k,) if exactly the nodes `a` are in contact.
+
+    The other parameters are those of `solve_contact_complementarity`. Raises NoAnswer if the
+    equations are singular.
+    """
+    k = len(h)
+    system = np.block([[A[np.ix_(a, a)], B[a]], [C[:, a], np.zeros((k, k))]])
+    size = np.concatenate([np.sqrt(weight[a]), np.ones(k)])
+    try:
+        x = size * np.linalg.solve(system * np.outer(size, size), size * np.concatenate([-q[a], h]))
+    except np.linalg.LinAlgError as error:
+        raise NoAnswer("a contact set is singular") from error
+    f = np.zeros(len(q))
+    f[a] = x[: len(a)]
+    return f, x[len(a) :]
 
 
 def contact_forces_of_shoes_in_one_system(
@@ -190,6 +200,58 @@ def _is_foot_on_abutment(
     return shoe.can_abutment_exert_reaction_on_foot(reaction, sense, float(found.motions[-1]))
 
 
+class _ContactMatrices(NamedTuple):
+    """The matrices of one shoe with n nodes and k rigid-body modes in the contact problem.
+
+    Attributes
+    ----------
+    A, q, B, C, h, weight : the shoe's blocks of the matrices of `solve_contact_complementarity`
+    normal : (n, 2n) takes the normal component of displacements of the nodes
+    pull : (2n, n) turns normal forces into nodal forces on the lining, friction included
+    """
+
+    A: Floats
+    q: Floats
+    B: Floats
+    C: Floats
+    h: Floats
+    weight: Floats
+    normal: Floats
+    pull: Floats
+
+
+def _contact_matrices_of_shoe(
+    one: CondensedFace, freedoms: Freedoms, drag: float
+) -> _ContactMatrices:
+    """The matrices of one shoe in the contact problem, on a rigid drum.
+
+    Parameters
+    ----------
+    one : the shoe, condensed to the face of its lining
+    freedoms : rigid-body modes and test modes of the shoe
+    drag : friction at full slip per normal force, along growing theta
+    """
+    m = len(one.theta)
+    normal, pull = np.zeros((m, 2 * m)), np.zeros((2 * m, m))
+    for c in range(2):
+        normal[np.arange(m), 2 * np.arange(m) + c] = one.normal[:, c]
+        pull[2 * np.arange(m) + c, np.arange(m)] = -one.normal[:, c] + drag * one.tangent[:, c]
+    by_motion, tested = (
+        displacements_in_rigid_body_motions(motions, one.xy.T).transpose(1, 0, 2).reshape(2 * m, -1)
+        for motions in (freedoms.motions, freedoms.tests)
+    )
+    return _ContactMatrices(
+        A=-normal @ one.compliance @ pull,
+        q=one.gap - normal @ one.loaded,
+        B=-normal @ by_motion,
+        C=tested.T @ pull,
+        h=-freedoms.work,
+        weight=one.mass.sum(axis=1),
+        normal=normal,
+        pull=pull,
+    )
+
+
 def _solve_for_abutment_friction_senses(
     brake: Brake,
     faces: list[CondensedFace],
@@ -199,44 +261,28 @@ def _solve_for_abutment_friction_senses(
     senses: tuple[int, ...],
 ) -> list[ContactForces]:
     """The contact forces of each shoe, for an assumed sense of the friction at each abutment."""
-    # Friction at full slip is `drag` times the normal force, along growing theta.
     drag = brake.friction * brake.sign_of_motion
-    free = [shoe.freedoms(sense) for shoe, sense in zip(shoes, senses, strict=True)]
+    own = [
+        _contact_matrices_of_shoe(one, shoe.freedoms(sense), drag)
+        for one, shoe, sense in zip(faces, shoes, senses, strict=True)
+    ]
     begin = np.concatenate([[0], np.cumsum([len(face.theta) for face in faces])])
-    rows = np.concatenate([[0], np.cumsum([len(own.work) for own in free])])
+    rows = np.concatenate([[0], np.cumsum([len(one.h) for one in own])])
     n, k = int(begin[-1]), int(rows[-1])
     # Each shoe has its own block of the matrices of `solve_contact_complementarity`.
     A, B, C = np.zeros((n, n)), np.zeros((n, k)), np.zeros((k, n))
-    q, h, weight = np.zeros(n), np.zeros(k), np.zeros(n)
-    spread = []
-    for i, (one, own) in enumerate(zip(faces, free, strict=True)):
+    for i, one in enumerate(own):
         part, row = slice(begin[i], begin[i + 1]), slice(rows[i], rows[i + 1])
-        m = len(one.theta)
-        # `normal` takes the normal component of displacements; `pull` turns normal forces into
-        # nodal forces on the lining, friction included.
-        normal, pull = np.zeros((m, 2 * m)), np.zeros((2 * m, m))
-        for c in range(2):
-            normal[np.arange(m), 2 * np.arange(m) + c] = one.normal[:, c]
-            pull[2 * np.arange(m) + c, np.arange(m)] = -one.normal[:, c] + drag * one.tangent[:, c]
-        by_motion, tested = (
-            displacements_in_rigid_body_motions(motions, one.xy.T)
-            .transpose(1, 0, 2)
-            .reshape(2 * m, -1)
-            for motions in (own.motions, own.tests)
-        )
-        A[part, part] = -normal @ one.compliance @ pull
-        B[part, row] = -normal @ by_motion
-        C[row, part] = tested.T @ pull
-        q[part] = one.gap - normal @ one.loaded
-        h[row] = -own.work
-        weight[part] = one.mass.sum(axis=1)
-        spread.append((normal, pull))
+        A[part, part], B[part, row], C[row, part] = one.A, one.B, one.C
+    q, h, weight = (
+        np.concatenate([getattr(one, name) for one in own]) for name in ("q", "h", "weight")
+    )
     # The gaps at one lining also change by the displacements of the ring under every lining.
     if rim is not None:
         for i, j in np.ndindex(len(faces), len(faces)):
             on, under = ((2 * rim.of[x][:, None] + np.arange(2)).ravel() for x in (i, j))
             A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= (
-                spread[i][0] @ rim.compliance[np.ix_(on, under)] @ spread[j][1]
+                own[i].normal @ rim.compliance[np.ix_(on, under)] @ own[j].pull
             )
     found = solve_contact_complementarity(A, q, B, C, h, weight, np.concatenate(first))
     return [

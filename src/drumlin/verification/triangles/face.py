@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from drumlin.base.arrays import Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles import lagrange
@@ -150,18 +150,9 @@ def _nodal_forces_on_loaded_end(body: MeshedBody, force: Floats, point: Floats) 
 def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> CondensedFace:
     """A meshed shoe, statically condensed to the nodes of its lining's face."""
     shape, nodes, kept = body.shape, body.nodes, body.surface
-    # A shoe without a hinged end is fixed at its back; other shoes are fixed at the hinged end and
-    # loaded at the other end.
     if shape.held is None:
-        fixed = nodes.at[:, 1] > len(shape.layers) - 1e-12
-        if shape.grip is not None:
-            first, last = shape.grip
-            fixed &= (nodes.at[:, 0] > first - 1e-12) & (nodes.at[:, 0] < last + 1e-12)
         loads = np.zeros((2 * len(nodes.xy), 1))
     else:
-        fixed = (np.abs(nodes.at[:, 0] - shape.held) < 1e-12) & (
-            nodes.at[:, 1] > shape.first_layer_of_body - 1e-12
-        )
         loads = _nodal_forces_on_loaded_end(
             body, shoe.actuation.force_vector, shoe.actuation.point.xy
         )[:, None]
@@ -169,30 +160,15 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
     theta = shape.origin + shape.turn * nodes.at[kept, 0]
     kept, theta = kept[:: shape.turn], theta[:: shape.turn]
     compliance = lagrange.condense_body_to_kept_nodes(
-        body.K, nodes, np.repeat(fixed, 2), kept, loads
+        body.K, nodes, np.repeat(_are_nodes_fixed(body), 2), kept, loads
     )
     er = np.stack([np.cos(theta), np.sin(theta)], axis=1)
-    # The mass matrix of the face turns nodal forces into a pressure.
-    place = np.empty(len(nodes.xy), dtype=np.int64)
-    place[kept] = np.arange(len(kept))
-    of = place[
-        node_numbers_along_edges(
-            nodes, *body.mesh.indices_of_triangle_edges_on_friction_surface, body.degree
-        )
-    ]
-    psi, _, ds = gauss_rule_on_curved_edges(nodes.xy[kept][of], body.degree)
-    mass = np.zeros((len(kept), len(kept)))
-    np.add.at(
-        mass,
-        (of[:, :, None], of[:, None, :]),
-        shoe.lining.width * np.einsum("aq,bq,kq->kab", psi, psi, ds),
-    )
     return CondensedFace(
         theta=theta,
         xy=nodes.xy[kept],
         normal=shoe.sign * er,
         tangent=np.stack([-er[:, 1], er[:, 0]], axis=1),
-        mass=mass,
+        mass=_mass_matrix_of_face(body, kept, shoe.lining.width),
         compliance=compliance.of,
         loaded=compliance.loaded[:, 0],
         elastic_actuation_work=float(compliance.work[0, 0]),
@@ -200,3 +176,42 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         degree=body.degree,
         unknowns=2 * len(nodes.xy),
     )
+
+
+def _are_nodes_fixed(body: MeshedBody) -> Bools:
+    """Whether each node (N,) of a shoe is fixed.
+
+    A shoe without a hinged end is fixed at its back, or at the part of its back in a grip. Other
+    shoes are fixed at the hinged end of their body.
+    """
+    shape, at = body.shape, body.nodes.at
+    if shape.held is not None:
+        return (np.abs(at[:, 0] - shape.held) < 1e-12) & (
+            at[:, 1] > shape.first_layer_of_body - 1e-12
+        )
+    fixed = at[:, 1] > len(shape.layers) - 1e-12
+    if shape.grip is not None:
+        first, last = shape.grip
+        fixed &= (at[:, 0] > first - 1e-12) & (at[:, 0] < last + 1e-12)
+    return fixed
+
+
+def _mass_matrix_of_face(body: MeshedBody, kept: Ints, width: float) -> Floats:
+    """The mass matrix (n, n) [m^2] of a lining's face, which turns nodal forces into a pressure.
+
+    Parameters
+    ----------
+    body : the meshed shoe
+    kept : numbers (n,) of the nodes of the face
+    width : width of the lining [m]
+    """
+    nodes = body.nodes
+    place = np.empty(len(nodes.xy), dtype=np.int64)
+    place[kept] = np.arange(len(kept))
+    edges = body.mesh.indices_of_triangle_edges_on_friction_surface
+    of = place[node_numbers_along_edges(nodes, *edges, body.degree)]
+    psi, _, ds = gauss_rule_on_curved_edges(nodes.xy[kept][of], body.degree)
+    mass = np.zeros((len(kept), len(kept)))
+    products = width * np.einsum("aq,bq,kq->kab", psi, psi, ds)
+    np.add.at(mass, (of[:, :, None], of[:, None, :]), products)
+    return mass

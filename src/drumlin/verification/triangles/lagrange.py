@@ -254,6 +254,28 @@ class PartialSchurComplement(NamedTuple):
     work: Floats
 
 
+class _BodyToCondense(NamedTuple):
+    """A meshed body and its loads, as the elimination of its unknowns needs them.
+
+    Attributes
+    ----------
+    K : (m, 2n, 2n) stiffness of each triangle [N/m]
+    dofs : (m, 2n) numbers of the unknowns of each triangle
+    centres : (m, 2) centre of the nodes of each triangle [m]
+    held : (2N,) whether a displacement is fixed to 0
+    triangles : (2N,) number of triangles at each unknown; for an unknown that is kept it is one too
+        many, so that the unknown is never eliminated
+    loads : (2N, l) nodal forces of l loads [N], 0 at fixed displacements
+    """
+
+    K: Floats
+    dofs: Ints
+    centres: Floats
+    held: Bools
+    triangles: Ints
+    loads: Floats
+
+
 def condense_body_to_kept_nodes(
     K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats
 ) -> Compliance:
@@ -277,83 +299,93 @@ def condense_body_to_kept_nodes(
         If the stiffness of a part is singular.
     """
     dofs = (2 * nodes.of[:, :, None] + np.arange(2)).reshape(len(nodes.of), -1)
+    kept_dofs = (2 * kept[:, None] + np.arange(2)).ravel()
     triangles = np.bincount(dofs.ravel(), minlength=2 * len(nodes.xy))
-    # Kept unknowns count one triangle too many, so that they are never eliminated.
-    triangles[(2 * kept[:, None] + np.arange(2)).ravel()] += 1
+    triangles[kept_dofs] += 1
     centres = nodes.xy[nodes.of].mean(axis=1)
-    place = np.empty(2 * len(nodes.xy), dtype=np.int64)
     loads = np.where(held[:, None], 0.0, loads)
-    columns = loads.shape[1]
-
-    def assemble_parts_and_eliminate_inner_unknowns(
-        parts: list[PartialSchurComplement],
-    ) -> PartialSchurComplement:
-        """Assemble parts of the body and eliminate the unknowns that no other part shares."""
-        # An unknown can be eliminated if all of its triangles are in these parts.
-        all_dofs, where = np.unique(
-            np.concatenate([part.dofs for part in parts]), return_inverse=True
-        )
-        count = np.bincount(where, np.concatenate([part.triangles for part in parts])).astype(int)
-        gone = count == triangles[all_dofs]
-        order, n = np.concatenate([all_dofs[gone], all_dofs[~gone]]), int(gone.sum())
-        place[order] = np.arange(len(order))
-        S, f = np.zeros((len(order), len(order))), np.zeros((len(order), columns))
-        # The n unknowns to eliminate come first in S and f.
-        for part in parts:
-            at = place[part.dofs]
-            S[at[:, None], at] += part.K
-            f[at] += part.loads
-        work = np.sum([part.work for part in parts], axis=0)
-        if n == 0:
-            return PartialSchurComplement(order, count, S, f, work)
-        f[:n] += loads[order[:n]]
-        # Schur complement: S22 - S21 S11^-1 S12, with S11 = L L^T.
-        L, info = dpotrf(S[:n, :n], lower=1, clean=0)
-        if info:
-            raise NoAnswer("singular stiffness")
-        Y = solve_triangular(L, np.hstack([S[:n, n:], f[:n]]), lower=True, check_finite=False)
-        coupled, own = Y[:, : len(order) - n], Y[:, len(order) - n :]
-        return PartialSchurComplement(
-            order[n:],
-            count[~gone],
-            S[n:, n:] - coupled.T @ coupled,
-            f[n:] - coupled.T @ own,
-            work + own.T @ own,
-        )
-
-    def schur_complement_of_triangles(members: Ints) -> PartialSchurComplement:
-        """The Schur complement of the part of the body with the triangles numbered `members`."""
-        # A small part is assembled from its triangles, a larger one from its two halves.
-        if len(members) <= LEAF_TRIANGLES:
-            free = ~held[dofs[members]]
-            none = np.zeros((columns, columns))
-            return assemble_parts_and_eliminate_inner_unknowns(
-                [
-                    PartialSchurComplement(
-                        d[on],
-                        np.ones(on.sum(), dtype=int),
-                        k[np.ix_(on, on)],
-                        np.zeros((on.sum(), columns)),
-                        none,
-                    )
-                    for d, k, on in zip(dofs[members], K[members], free, strict=True)
-                ]
-            )
-        x = centres[members]
-        order = members[np.argsort(x[:, int(np.argmax(np.ptp(x, axis=0)))], kind="stable")]
-        return assemble_parts_and_eliminate_inner_unknowns(
-            [
-                schur_complement_of_triangles(order[: len(order) // 2]),
-                schur_complement_of_triangles(order[len(order) // 2 :]),
-            ]
-        )
-
-    whole = schur_complement_of_triangles(np.arange(len(centres)))
-    order = (2 * kept[:, None] + np.arange(2)).ravel()
+    whole = _schur_complement_of_triangles(
+        _BodyToCondense(K, dofs, centres, held, triangles, loads), np.arange(len(centres))
+    )
     # The unknowns that are left are the kept ones, in growing order.
-    at = np.searchsorted(whole.dofs, order)
-    S, f = whole.K[np.ix_(at, at)], whole.loads[at] + loads[order]
+    at = np.searchsorted(whole.dofs, kept_dofs)
+    S, f = whole.K[np.ix_(at, at)], whole.loads[at] + loads[kept_dofs]
     compliance = inv(0.5 * (S + S.T))
     compliance = 0.5 * (compliance + compliance.T)
     loaded = compliance @ f
     return Compliance(compliance, loaded, whole.work + f.T @ loaded)
+
+
+def _schur_complement_of_triangles(body: _BodyToCondense, members: Ints) -> PartialSchurComplement:
+    """The Schur complement of the part of the body with the triangles numbered `members`."""
+    # A small part is assembled from its triangles, a larger one from its two halves.
+    if len(members) <= LEAF_TRIANGLES:
+        parts = [_triangle_as_part_of_body(body, triangle) for triangle in members.tolist()]
+    else:
+        x = body.centres[members]
+        order = members[np.argsort(x[:, int(np.argmax(np.ptp(x, axis=0)))], kind="stable")]
+        half = len(order) // 2
+        parts = [
+            _schur_complement_of_triangles(body, order[:half]),
+            _schur_complement_of_triangles(body, order[half:]),
+        ]
+    return _assemble_parts_and_eliminate_inner_unknowns(body, parts)
+
+
+def _triangle_as_part_of_body(body: _BodyToCondense, triangle: int) -> PartialSchurComplement:
+    """One triangle as a part of the body, without its fixed unknowns and without loads."""
+    dofs = body.dofs[triangle]
+    on = ~body.held[dofs]
+    count, columns = int(on.sum()), body.loads.shape[1]
+    return PartialSchurComplement(
+        dofs[on],
+        np.ones(count, dtype=int),
+        body.K[triangle][np.ix_(on, on)],
+        np.zeros((count, columns)),
+        np.zeros((columns, columns)),
+    )
+
+
+def _assemble_parts_and_eliminate_inner_unknowns(
+    body: _BodyToCondense, parts: list[PartialSchurComplement]
+) -> PartialSchurComplement:
+    """Assemble parts of the body and eliminate the unknowns that no other part shares."""
+    dofs, where = np.unique(np.concatenate([part.dofs for part in parts]), return_inverse=True)
+    triangles = np.bincount(where, np.concatenate([part.triangles for part in parts])).astype(int)
+    # An unknown can be eliminated if all of its triangles are in these parts. The n unknowns to
+    # eliminate come first in S and f.
+    gone = triangles == body.triangles[dofs]
+    order, n = np.argsort(~gone, kind="stable"), int(gone.sum())
+    place = np.argsort(order)
+    S, f = np.zeros((len(order), len(order))), np.zeros((len(order), body.loads.shape[1]))
+    for part in parts:
+        at = place[np.searchsorted(dofs, part.dofs)]
+        S[at[:, None], at] += part.K
+        f[at] += part.loads
+    f[:n] += body.loads[dofs[gone]]
+    work = np.sum([part.work for part in parts], axis=0)
+    assembled = PartialSchurComplement(dofs[order], triangles[order], S, f, work)
+    return _eliminate_first_unknowns(assembled, n)
+
+
+def _eliminate_first_unknowns(part: PartialSchurComplement, n: int) -> PartialSchurComplement:
+    """Eliminate the first n unknowns of a part of a body.
+
+    The Schur complement is S22 - S21 S11^-1 S12, with the Cholesky factor L of S11 = L L^T. Raises
+    NoAnswer if S11 is singular.
+    """
+    if n == 0:
+        return part
+    S, f = part.K, part.loads
+    L, info = dpotrf(S[:n, :n], lower=1, clean=0)
+    if info:
+        raise NoAnswer("singular stiffness")
+    Y = solve_triangular(L, np.hstack([S[:n, n:], f[:n]]), lower=True, check_finite=False)
+    coupled, loaded = Y[:, : len(S) - n], Y[:, len(S) - n :]
+    return PartialSchurComplement(
+        part.dofs[n:],
+        part.triangles[n:],
+        S[n:, n:] - coupled.T @ coupled,
+        f[n:] - coupled.T @ loaded,
+        part.work + loaded.T @ loaded,
+    )

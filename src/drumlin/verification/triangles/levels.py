@@ -12,13 +12,18 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
-from drumlin.verification.triangles.contact import contact_forces_of_shoes_in_one_system
+from drumlin.verification.triangles.contact import (
+    ContactForces,
+    contact_forces_of_shoes_in_one_system,
+)
 from drumlin.verification.triangles.face import (
     CondensedFace,
+    MeshedBody,
     body_with_nodes_and_stiffness,
     condense_shoe_to_lining_face,
 )
 from drumlin.verification.triangles.outline import (
+    Draft,
     Outline,
     SingularPlaces,
     TriangleLevel,
@@ -119,21 +124,13 @@ def solve_brake_on_one_triangle_mesh(
     if len(indices_of_shoes_pressed_on_drum(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")
     earlier = [None] * len(shoes) if before is None else list(before)
-    # Each shoe gets a mesh that is graded to its corners and to the ends of its contact.
-    drafts = []
-    for shoe, its in zip(shoes, earlier, strict=True):
-        shape = make_shoe_outline(shoe, brake.size)
-        drafts.append(
-            make_graded_shoe_mesh(
-                shape,
-                _gap_kinks_and_contact_ends(shoe, shape, its, level),
-                level,
-                _shortest_wavelength_of_drum(brake),
-            )
-        )
-    meshes, opposite = [one.mesh for one in drafts], None
+    drafts = [
+        _draft_graded_to_corners_and_contact_ends(brake, shoe, its, level)
+        for shoe, its in zip(shoes, earlier, strict=True)
+    ]
+    meshes, ring = [one.mesh for one in drafts], None
     if brake.ring is not None:
-        meshes, opposite = mesh_drum_ring_to_match_shoe_meshes(brake, drafts, level)
+        meshes, ring = mesh_drum_ring_to_match_shoe_meshes(brake, drafts, level)
     # Shoes that share forces are condensed under a unit force, which is scaled later.
     faces = [
         condense_shoe_to_lining_face(
@@ -146,25 +143,55 @@ def solve_brake_on_one_triangle_mesh(
     firsts = [
         _is_node_in_contact_at_start(one, its) for one, its in zip(faces, earlier, strict=True)
     ]
-    if brake.shares:
-        if opposite is not None:
-            raise BadInput(f"{brake.shares}, on an elastic ring")
-        shoes, found = solve_shoes_that_share_forces(brake, faces, firsts)
-    elif opposite is not None:
-        found = contact_forces_of_shoes_in_one_system(
-            brake, faces, shoes, condense_ring_to_lining_nodes(brake, opposite, faces), firsts
-        )
-    else:
-        found = [
-            contact_forces_of_shoes_in_one_system(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[
-                0
-            ]
-            for i in range(len(shoes))
-        ]
+    shoes, found = _contact_forces_of_condensed_shoes(brake, faces, ring, firsts)
     return [
         solution_from_contact_forces(brake, shoe, one, its)
         for shoe, one, its in zip(shoes, faces, found, strict=True)
     ]
+
+
+def _draft_graded_to_corners_and_contact_ends(
+    brake: Brake, shoe: Shoe, before: ShoeSolution | None, level: TriangleLevel
+) -> Draft:
+    """The mesh of a shoe, graded to its corners and to the ends of its contact.
+
+    Parameters
+    ----------
+    brake : the brake
+    shoe : the shoe
+    before : an earlier solution of the shoe, for the ends of its contact
+    level : degree and grading of the triangles
+    """
+    shape = make_shoe_outline(shoe, brake.size)
+    sharp = _gap_kinks_and_contact_ends(shoe, shape, before, level)
+    return make_graded_shoe_mesh(shape, sharp, level, _shortest_wavelength_of_drum(brake))
+
+
+def _contact_forces_of_condensed_shoes(
+    brake: Brake, faces: list[CondensedFace], ring: MeshedBody | None, first: list[Bools]
+) -> tuple[list[Shoe], list[ContactForces]]:
+    """The shoes of a brake under their actuation forces, and the contact forces of each.
+
+    Parameters
+    ----------
+    brake : the brake
+    faces : the shoes, condensed to the faces of their linings
+    ring : the meshed ring of the drum, or None for a rigid drum
+    first : for each shoe, whether each node (n,) is in contact at the start
+    """
+    shoes = list(brake.shoes)
+    if brake.shares:
+        if ring is not None:
+            raise BadInput(f"{brake.shares}, on an elastic ring")
+        return solve_shoes_that_share_forces(brake, faces, first)
+    if ring is not None:
+        rim = condense_ring_to_lining_nodes(brake, ring, faces)
+        return shoes, contact_forces_of_shoes_in_one_system(brake, faces, shoes, rim, first)
+    # On a rigid drum each shoe is solved by itself.
+    found = []
+    for face, shoe, its in zip(faces, shoes, first, strict=True):
+        found += contact_forces_of_shoes_in_one_system(brake, [face], [shoe], None, [its])
+    return shoes, found
 
 
 def _gap_kinks_and_contact_ends(

@@ -9,9 +9,9 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
-from drumlin.brake.beam_axis import make_beam_axis
+from drumlin.brake.beam_axis import Axis, make_beam_axis
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Beam
+from drumlin.brake.components import Beam, Section
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.verification.triangles.triangulation import (
     PointMap,
@@ -108,54 +108,87 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
 
     Raises BadInput for a shoe that has a mesh of its own or a beam without a constant section.
     """
-    lining, backing, body = shoe.lining, shoe.backing, shoe.body
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
-    if isinstance(body, Beam):
+    if isinstance(shoe.body, Beam):
         return _outline_of_beam_shoe(shoe, R)
-    parts = [(lining.thickness, lining.material)] + (
-        [(backing.thickness, backing.material)] if backing else []
-    )
-    # Lining and backing come first, then the plates of the shoe's body; s is the angle theta.
-    layers = [
-        TriangleLayer(
-            lining.start,
-            lining.end,
-            ElasticLayer.make_layer_in_plane_stress(material, lining.width),
-        )
-        for _, material in parts
-    ]
-    thickness = [t for t, _ in parts]
+    lining, body = shoe.lining, shoe.body
+    layers, thickness = _layers_of_arc_shoe(shoe)
+    plates = 0 if body is None else len(body.plates)
+    before_body = len(layers) - plates
     held = loaded = grip = None
     s = [lining.start, lining.end]
-    corners = [(end, float(d)) for end in s for d in range(len(parts) + 1)]
+    corners = [(end, float(d)) for end in s for d in range(before_body + 1)]
     if body is not None:
-        for plate in body.plates.values():
-            layers.append(
-                TriangleLayer(
-                    body.start,
-                    body.end,
-                    ElasticLayer.make_layer_in_plane_stress(plate.material, plate.width),
-                )
-            )
-            thickness.append(plate.thickness)
         s += [body.start, body.end]
-        corners += [
-            (end, float(d))
-            for end in (body.start, body.end)
-            for d in range(len(parts), len(layers) + 1)
-        ]
-        of = shoe.grip(R)
-        if of is None:
+        depths = range(before_body, len(layers) + 1)
+        corners += [(end, float(d)) for end in (body.start, body.end) for d in depths]
+        grip = _grip_of_arc_shoe(shoe, R)
+        if grip is None:
             held, loaded = sorted(
                 (body.start, body.end), key=lambda end: abs(float(shoe.frame.phi(np.array(end))))
             )
         else:
-            # A part of the body's back is fixed to a holder, and the force acts on the holder.
-            first, last = sorted(shoe.frame.theta(np.array(of)).tolist())
-            grip = first, last
             s += grip
             corners += [(end, float(len(layers))) for end in grip]
+    return Outline(
+        place=_point_map_of_arc_shoe(shoe, R, thickness),
+        layers=layers,
+        thickness=np.array(thickness),
+        s=_sorted_distinct_values(s),
+        corners=np.unique(corners, axis=0),
+        held=held,
+        loaded=loaded,
+        origin=0.0,
+        turn=1,
+        length=R,
+        grip=grip,
+        plates=plates,
+    )
+
+
+def _layers_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
+    """The layers of a shoe on an arc from the lining's face on, and the thickness of each [m].
+
+    Lining and backing come first, then the plates of the shoe's body; s is the angle theta.
+    """
+    lining, backing, body = shoe.lining, shoe.backing, shoe.body
+    layers, thickness = [], []
+    for part in (lining, backing):
+        if part is not None:
+            elastic = ElasticLayer.make_layer_in_plane_stress(part.material, lining.width)
+            layers.append(TriangleLayer(lining.start, lining.end, elastic))
+            thickness.append(part.thickness)
+    if body is not None:
+        assert not isinstance(body, Beam)
+        for plate in body.plates.values():
+            elastic = ElasticLayer.make_layer_in_plane_stress(plate.material, plate.width)
+            layers.append(TriangleLayer(body.start, body.end, elastic))
+            thickness.append(plate.thickness)
+    return layers, thickness
+
+
+def _grip_of_arc_shoe(shoe: Shoe, R: float) -> tuple[float, float] | None:
+    """The first and last angle [rad] of the part of a shoe's back that a holder fixes, or None.
+
+    The actuation force acts on the holder.
+    """
+    grip = shoe.grip(R)
+    if grip is None:
+        return None
+    first, last = sorted(shoe.frame.theta(np.array(grip)).tolist())
+    return first, last
+
+
+def _point_map_of_arc_shoe(shoe: Shoe, R: float, thickness: Sequence[float]) -> PointMap:
+    """The function from angles and layer coordinates to points of a shoe on an arc.
+
+    Parameters
+    ----------
+    shoe : the shoe
+    R : radius of the drum [m]
+    thickness : thickness of each layer, from the lining's face on [m]
+    """
     depths = np.concatenate([[0.0], np.cumsum(thickness)])
 
     def shoe_points_at_angles_and_layer_coordinates(s: Floats, d: Floats) -> Floats:
@@ -163,25 +196,40 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
         r = R - shoe.sign * np.interp(d, np.arange(len(depths)), depths)
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
-    ends, points, plates = (
-        _sorted_distinct_values(s),
-        np.unique(corners, axis=0),
-        len(layers) - len(parts),
-    )
-    return Outline(
-        shoe_points_at_angles_and_layer_coordinates,
-        layers,
-        np.array(thickness),
-        ends,
-        points,
-        held,
-        loaded,
-        0.0,
-        1,
-        R,
-        grip,
-        plates,
-    )
+    return shoe_points_at_angles_and_layer_coordinates
+
+
+class _BeamShoeDimensions(NamedTuple):
+    """The dimensions of a shoe with a straight beam.
+
+    Attributes
+    ----------
+    axis : axis of the beam
+    first, last : ends of lining and block, in the coordinate s
+    low, high : ends of the beam, in the coordinate s
+    back : radius of the lining's back [m]
+    lining, beam : thickness of the lining and of the beam [m]
+    """
+
+    axis: Axis
+    first: float
+    last: float
+    low: float
+    high: float
+    back: float
+    lining: float
+    beam: float
+
+    @property
+    def face(self) -> float:
+        """Distance of the beam's face before the block from the beam's axis [m]."""
+        return self.beam / 2
+
+    @property
+    def block(self) -> float:
+        """Smallest thickness of the block [m]."""
+        nearest = min(math.cos(self.first), math.cos(self.last))
+        return self.axis.distance - self.face - self.back * nearest
 
 
 def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
@@ -197,59 +245,61 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
         raise BadInput(
             f"shoe {shoe.name!r}: its beam has no constant section, or nothing before it"
         )
-    # s of the lining's ends (first, last) and of the beam's ends (low, high).
-    axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
-    first, last = np.sort(axis.angle(np.array([lining.start, lining.end]))).tolist()
-    t, back = lining.thickness, R + lining.thickness
-    low = first - (axis.foot + back * math.sin(first)) / back
-    high = last + (axis.length - axis.foot - back * math.sin(last)) / back
-    face = section.thickness / 2
-
-    def points_of_beam_shoe(s: Floats, d: Floats) -> Floats:
-        """Points (..., 2) [m] of lining (d < 1), block (d < 2) and beam, in the brake's frame."""
-        inside = np.clip(s, first, last)
-        along = axis.foot + back * (np.sin(inside) + (s - inside))
-        r = R + t * np.minimum(d, 1)
-        x = np.where(d < 1, axis.foot + r * np.sin(s), along)
-        y = axis.distance - r * np.cos(inside)
-        y = y + np.clip(d - 1, 0, 1) * (face - y)
-        y = np.where(d >= 2, face - (d - 2) * section.thickness, y)
-        return axis.convert_to_brake_frame(x, y)
-
-    block = axis.distance - face - back * min(math.cos(first), math.cos(last))
+    size = _dimensions_of_beam_shoe(shoe, R, section)
+    axis, first, last = size.axis, size.first, size.last
+    low, high = size.low, size.high
+    make_layer = ElasticLayer.make_layer_in_plane_stress
     layers = [
-        TriangleLayer(
-            first, last, ElasticLayer.make_layer_in_plane_stress(lining.material, lining.width)
-        ),
-        TriangleLayer(
-            first,
-            last,
-            ElasticLayer.make_layer_in_plane_stress(backing.material, lining.width, axis.along),
-        ),
-        TriangleLayer(
-            low,
-            high,
-            ElasticLayer.make_layer_in_plane_stress(section.material, section.width, axis.along),
-        ),
+        TriangleLayer(first, last, make_layer(lining.material, lining.width)),
+        TriangleLayer(first, last, make_layer(backing.material, lining.width, axis.along)),
+        TriangleLayer(low, high, make_layer(section.material, section.width, axis.along)),
     ]
     corners = [(s, d) for s in (first, last) for d in (0.0, 1.0, 2.0)] + [
         (s, d) for s in (low, high) for d in (2.0, 3.0)
     ]
-    thickness = np.array([t, block, section.thickness])
-    origin = lining.middle - axis.sense * float(axis.angle(np.array(lining.middle)))
-    s = _sorted_distinct_values([low, first, last, high])
     return Outline(
-        points_of_beam_shoe,
-        layers,
-        thickness,
-        s,
-        np.unique(corners, axis=0),
-        low,
-        high,
-        origin,
-        axis.sense,
-        back,
+        place=_point_map_of_beam_shoe(size, R),
+        layers=layers,
+        thickness=np.array([size.lining, size.block, size.beam]),
+        s=_sorted_distinct_values([low, first, last, high]),
+        corners=np.unique(corners, axis=0),
+        held=low,
+        loaded=high,
+        origin=lining.middle - axis.sense * float(axis.angle(np.array(lining.middle))),
+        turn=axis.sense,
+        length=size.back,
     )
+
+
+def _dimensions_of_beam_shoe(shoe: Shoe, R: float, section: Section) -> _BeamShoeDimensions:
+    """The dimensions of a shoe with a straight beam of a `section`, on a drum of radius R [m]."""
+    lining = shoe.lining
+    axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
+    first, last = np.sort(axis.angle(np.array([lining.start, lining.end]))).tolist()
+    back = R + lining.thickness
+    low = first - (axis.foot + back * math.sin(first)) / back
+    high = last + (axis.length - axis.foot - back * math.sin(last)) / back
+    return _BeamShoeDimensions(
+        axis, first, last, low, high, back, lining.thickness, section.thickness
+    )
+
+
+def _point_map_of_beam_shoe(size: _BeamShoeDimensions, R: float) -> PointMap:
+    """The function from s and d to points of a shoe with a straight beam; R is the drum's [m]."""
+    axis = size.axis
+
+    def points_of_beam_shoe(s: Floats, d: Floats) -> Floats:
+        """Points (..., 2) [m] of lining (d < 1), block (d < 2) and beam, in the brake's frame."""
+        inside = np.clip(s, size.first, size.last)
+        along = axis.foot + size.back * (np.sin(inside) + (s - inside))
+        r = R + size.lining * np.minimum(d, 1)
+        x = np.where(d < 1, axis.foot + r * np.sin(s), along)
+        y = axis.distance - r * np.cos(inside)
+        y = y + np.clip(d - 1, 0, 1) * (size.face - y)
+        y = np.where(d >= 2, size.face - (d - 2) * size.beam, y)
+        return axis.convert_to_brake_frame(x, y)
+
+    return points_of_beam_shoe
 
 
 def _sorted_distinct_values(values: Sequence[float]) -> Floats:
@@ -297,6 +347,18 @@ def initial_grid_lines_of_body(
         )
 
     s = coordinates_with_position_dependent_spacing(shape.s, grid_step_along_body)
+    return s, _grid_lines_across_layers(shape, size, least)
+
+
+def _grid_lines_across_layers(shape: Outline, size: float, least: float) -> list[Floats]:
+    """The d of the grid lines of a body's first mesh, for each layer.
+
+    Parameters
+    ----------
+    shape : outline of the body
+    size : factor on the lengths of all cells
+    least : smallest length of a cell, at the faces of a layer [m]
+    """
     d = []
     for j, t in enumerate(shape.thickness.tolist()):
         coarsest = t * (1.0 if j == 0 else 0.5) * min(1.0, 1.25 * size)
@@ -305,13 +367,11 @@ def initial_grid_lines_of_body(
             """The distance of two grid lines at the relative depth x of a layer, relative to t."""
             return min(coarsest / t, least / t + min(x, 1 - x))
 
-        d.append(
-            j
-            + coordinates_with_position_dependent_spacing(
-                np.array([0.0, 1.0]), grid_step_across_layer
-            )
+        across = coordinates_with_position_dependent_spacing(
+            np.array([0.0, 1.0]), grid_step_across_layer
         )
-    return s, d
+        d.append(j + across)
+    return d
 
 
 class Draft(NamedTuple):

@@ -4,6 +4,7 @@ On the friction surface each node of a lining has a node of the ring opposite to
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,6 +40,29 @@ WHOLE_TURN = 2 * math.pi
 """The angle of a full circle [rad]."""
 
 
+class _LiningOnRing(NamedTuple):
+    """Where the places s on the face of a lining lie on the ring.
+
+    Attributes
+    ----------
+    origin, turn : a place s of the face lies at theta = origin + turn s [rad]; turn is 1 or -1
+    whole_turns : angle [rad] of the whole turns that are taken off theta, so that all linings lie
+        on one turn of the ring
+    """
+
+    origin: float
+    turn: int
+    whole_turns: float
+
+    def ring_angles_of_places_on_face(self, s: Floats) -> Floats:
+        """Angles on the ring [rad] of the places s on the face."""
+        return self.origin + self.turn * s - self.whole_turns
+
+    def face_coordinates_at_ring_angles(self, theta: Floats) -> Floats:
+        """Places s on the face, growing, at angles theta on the ring [rad]."""
+        return np.sort((theta + self.whole_turns - self.origin) * self.turn)
+
+
 def mesh_drum_ring_to_match_shoe_meshes(
     brake: Brake, drafts: list[Draft], level: TriangleLevel
 ) -> tuple[list[Triangles], MeshedBody]:
@@ -47,99 +71,141 @@ def mesh_drum_ring_to_match_shoe_meshes(
     Returns the refined meshes of the shoes, and the meshed ring. Raises BadInput for a ring without
     a section and for shoes on both sides of the ring.
     """
-    ring, R = brake.ring, brake.size
-    section = None if ring is None else ring.section
+    section = None if brake.ring is None else brake.ring.section
     if section is None:
         raise BadInput("its ring has no section to mesh")
-    sign = brake.shoes[0].sign
-    if any(shoe.sign != sign for shoe in brake.shoes):
+    if any(shoe.sign != brake.shoes[0].sign for shoe in brake.shoes):
         raise BadInput("shoes inside and outside of one ring")
+    linings = _linings_on_one_turn_of_ring(brake, drafts)
+    shape, mesh = _ring_mesh_graded_to_linings(brake, section, drafts, linings, level)
+    mesh, meshes = _halve_edges_of_ring_and_linings_until_ends_match(
+        mesh, [one.mesh for one in drafts], linings
+    )
+    return meshes, body_with_nodes_and_stiffness(shape, mesh, level.degree)
+
+
+def _linings_on_one_turn_of_ring(brake: Brake, drafts: list[Draft]) -> list[_LiningOnRing]:
+    """Where each lining lies on the ring, with all linings on one turn."""
     first = min(shoe.lining.start for shoe in brake.shoes)
-    # Whole turns are taken off the angles of a lining, so that all linings lie on one turn.
-    turns = [
-        WHOLE_TURN * math.floor((shoe.lining.start - first) / WHOLE_TURN + ANGLE_SLACK)
-        for shoe in brake.shoes
+    return [
+        _LiningOnRing(
+            one.shape.origin,
+            one.shape.turn,
+            WHOLE_TURN * math.floor((shoe.lining.start - first) / WHOLE_TURN + ANGLE_SLACK),
+        )
+        for shoe, one in zip(brake.shoes, drafts, strict=True)
     ]
 
-    def ring_angles_of_places_on_lining_face(i: int, s: Floats) -> Floats:
-        """Angles on the ring [rad] of the places s on the face of shoe i."""
-        shape = drafts[i].shape
-        return shape.origin + shape.turn * s - turns[i]
 
-    def lining_face_coordinates_at_ring_angles(i: int, theta: Floats) -> Floats:
-        """Places s on the face of shoe i, growing, at angles theta on the ring [rad]."""
-        shape = drafts[i].shape
-        return np.sort((theta + turns[i] - shape.origin) * shape.turn)
+def _ring_mesh_graded_to_linings(
+    brake: Brake,
+    section: Section,
+    drafts: list[Draft],
+    linings: list[_LiningOnRing],
+    level: TriangleLevel,
+) -> tuple[Outline, Triangles]:
+    """The outline of the ring, and its mesh graded to the points where p is not smooth.
 
-    def ring_points_at_angles_and_relative_depths(s: Floats, d: Floats) -> Floats:
-        """Points (..., 2) [m] of the ring at the angles s and the fractions d of its thickness."""
-        r = R + sign * section.thickness * d
-        return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
+    These points lie below the linings' ends and below singular places of the linings' faces.
 
-    # The ring's grid lines under a lining are those of the lining.
-    under = []
-    for i, one in enumerate(drafts):
-        face = one.shape.layers[0]
-        within = (one.s > face.start - ANGLE_SLACK) & (one.s < face.end + ANGLE_SLACK)
-        under.append(np.sort(ring_angles_of_places_on_lining_face(i, one.s[within])))
+    Parameters
+    ----------
+    brake : the brake with the ring
+    section : section of the ring
+    drafts : meshes of the shoes
+    linings : where the lining of each shoe lies on the ring
+    level : degree and grading of the triangles
+    """
+    pairs = list(zip(linings, drafts, strict=True))
+    under = [_ring_angles_of_lining_grid_lines(lining, one) for lining, one in pairs]
     least = min(
         *(one.shape.triangle_length_before_first_halving for one in drafts), section.thickness
     )
-    s, d = _grid_line_coordinates_of_first_ring_mesh(under, section, R, least, level.size)
-    layer = TriangleLayer(
-        -math.inf,
-        math.inf,
-        ElasticLayer.make_layer_in_plane_stress(section.material, section.width),
-    )
-    shape = Outline(
-        ring_points_at_angles_and_relative_depths,
-        [layer],
-        np.array([section.thickness]),
-        s[[0, -1]],
-        np.zeros((0, 2)),
-        None,
-        None,
-        0.0,
-        1,
-        R,
-    )
-    # The ring's mesh is graded to the points below the linings' ends and below the places where
-    # the pressure is not smooth.
+    s, d = _grid_line_coordinates_of_first_ring_mesh(under, section, brake.size, least, level.size)
+    shape = _ring_outline(brake, section, s[[0, -1]])
     ends = np.concatenate([part[[0, -1]] for part in under])
     sharp = np.concatenate(
-        [ring_angles_of_places_on_lining_face(i, one.sharp.s) for i, one in enumerate(drafts)]
+        [lining.ring_angles_of_places_on_face(one.sharp.s) for lining, one in pairs]
     )
     smallest = np.concatenate(
         [np.full(len(ends), least * 0.5**level.halvings), *(one.sharp.smallest for one in drafts)]
     )
     at = np.concatenate([ends, sharp])
     mesh = grade_mesh_towards_points(
-        triangulate_grid_of_layered_body(s, [d], [layer], WHOLE_TURN),
-        ring_points_at_angles_and_relative_depths,
-        ring_points_at_angles_and_relative_depths(at, 0 * at),
+        triangulate_grid_of_layered_body(s, [d], shape.layers, WHOLE_TURN),
+        shape.place,
+        shape.place(at, 0 * at),
         smallest,
         level.steep,
     )
-    meshes = [one.mesh for one in drafts]
-    # Halving an edge may halve others: ring and linings are halved until neither changes.
+    return shape, mesh
+
+
+def _ring_angles_of_lining_grid_lines(lining: _LiningOnRing, draft: Draft) -> Floats:
+    """Angles [rad], growing, of a lining's grid lines, which the ring's mesh has as well."""
+    face = draft.shape.layers[0]
+    within = (draft.s > face.start - ANGLE_SLACK) & (draft.s < face.end + ANGLE_SLACK)
+    return np.sort(lining.ring_angles_of_places_on_face(draft.s[within]))
+
+
+def _ring_outline(brake: Brake, section: Section, ends: Floats) -> Outline:
+    """The outline of the ring as a body of one layer.
+
+    `ends` (2,) are the angles [rad] at which the ring is cut open: one place, a whole turn apart.
+    """
+    R, sign = brake.size, brake.shoes[0].sign
+
+    def ring_points_at_angles_and_relative_depths(s: Floats, d: Floats) -> Floats:
+        """Points (..., 2) [m] of the ring at the angles s and the fractions d of its thickness."""
+        r = R + sign * section.thickness * d
+        return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
+
+    elastic = ElasticLayer.make_layer_in_plane_stress(section.material, section.width)
+    return Outline(
+        place=ring_points_at_angles_and_relative_depths,
+        layers=[TriangleLayer(-math.inf, math.inf, elastic)],
+        thickness=np.array([section.thickness]),
+        s=ends,
+        corners=np.zeros((0, 2)),
+        held=None,
+        loaded=None,
+        origin=0.0,
+        turn=1,
+        length=R,
+    )
+
+
+def _halve_edges_of_ring_and_linings_until_ends_match(
+    mesh: Triangles, meshes: list[Triangles], linings: list[_LiningOnRing]
+) -> tuple[Triangles, list[Triangles]]:
+    """Halve edges on the friction surface until ring and linings have the same ends of edges.
+
+    Halving an edge may halve others: ring and linings are halved until neither changes.
+
+    Parameters
+    ----------
+    mesh : mesh of the ring
+    meshes : meshes of the shoes
+    linings : where the lining of each shoe lies on the ring
+    """
     for _ in range(MOST_MATCHING_ROUNDS):
         before = len(mesh.layer), [len(one.layer) for one in meshes]
         above = [
-            ring_angles_of_places_on_lining_face(
-                i, np.unique(one.end_coordinates_of_friction_surface_edges())
+            lining.ring_angles_of_places_on_face(
+                np.unique(one.end_coordinates_of_friction_surface_edges())
             )
-            for i, one in enumerate(meshes)
+            for lining, one in zip(linings, meshes, strict=True)
         ]
         mesh = split_surface_edges_at_breaks(mesh, np.unique(np.concatenate(above)), ANGLE_SLACK)
         breaks = np.unique(mesh.end_coordinates_of_friction_surface_edges())
         meshes = [
             split_surface_edges_at_breaks(
-                one, lining_face_coordinates_at_ring_angles(i, breaks), ANGLE_SLACK
+                one, lining.face_coordinates_at_ring_angles(breaks), ANGLE_SLACK
             )
-            for i, one in enumerate(meshes)
+            for lining, one in zip(linings, meshes, strict=True)
         ]
         if before == (len(mesh.layer), [len(one.layer) for one in meshes]):
-            return meshes, body_with_nodes_and_stiffness(shape, mesh, level.degree)
+            return mesh, meshes
     raise AssertionError("ring and linings do not match")
 
 
@@ -198,20 +264,7 @@ def condense_ring_to_lining_nodes(
             ).of,
             of,
         )
-    # Three loads on the rim, with tractions in the shape of the three rigid-body modes.
-    on = ring.mesh.at[..., 1] > 1 - ANGLE_SLACK
-    tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
-    edges = node_numbers_along_edges(nodes, tri, edge, ring.degree)
-    psi, x, ds = gauss_rule_on_curved_edges(nodes.xy[edges], ring.degree)
-    spread = np.zeros((len(nodes.xy), 2, 3))
-    np.add.at(
-        spread,
-        edges,
-        np.einsum(
-            "aq,kqcl,kq->kacl", psi, _displacements_of_points_by_rigid_motions(x), ds / ds.sum()
-        ),
-    )
-    loads = spread.reshape(-1, 3)
+    loads = _nodal_forces_of_rigid_mode_tractions_on_rim(ring)
     rigid = _displacements_of_points_by_rigid_motions(nodes.xy).reshape(-1, 3)
     # Three displacements are fixed for the condensation; the mean motion is corrected below.
     right, left = (outer[which(nodes.xy[outer, 0])] for which in (np.argmax, np.argmin))
@@ -224,6 +277,19 @@ def condense_ring_to_lining_nodes(
     moved = found.of - found.loaded @ share
     mean = found.loaded.T - found.work @ share
     return CondensedRing(moved - own @ np.linalg.solve(loads.T @ rigid, mean), of)
+
+
+def _nodal_forces_of_rigid_mode_tractions_on_rim(ring: MeshedBody) -> Floats:
+    """Nodal forces (2N, 3) of tractions on the rim in the shape of its three rigid-body modes."""
+    nodes = ring.nodes
+    on = ring.mesh.at[..., 1] > 1 - ANGLE_SLACK
+    tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
+    edges = node_numbers_along_edges(nodes, tri, edge, ring.degree)
+    psi, x, ds = gauss_rule_on_curved_edges(nodes.xy[edges], ring.degree)
+    modes = _displacements_of_points_by_rigid_motions(x)
+    spread = np.zeros((len(nodes.xy), 2, 3))
+    np.add.at(spread, edges, np.einsum("aq,kqcl,kq->kacl", psi, modes, ds / ds.sum()))
+    return spread.reshape(-1, 3)
 
 
 def _displacements_of_points_by_rigid_motions(xy: Floats) -> Floats:

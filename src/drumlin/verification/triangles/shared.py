@@ -5,6 +5,7 @@ shoe; the two forces of a cam are the root of an equation.
 """
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -18,6 +19,21 @@ from drumlin.verification.triangles.contact import (
     tip_displacement_along_force,
 )
 from drumlin.verification.triangles.face import CondensedFace
+
+
+class _SolvedShoe(NamedTuple):
+    """A shoe under a known actuation force, with its solution.
+
+    Attributes
+    ----------
+    shoe : the shoe, with this force as its actuation
+    forces : its contact forces and rigid-body motion
+    tip_travel : displacement of the point that the force acts at, along the force [m]
+    """
+
+    shoe: Shoe
+    forces: ContactForces
+    tip_travel: float
 
 
 def solve_shoes_that_share_forces(
@@ -41,57 +57,80 @@ def solve_shoes_that_share_forces(
         If a shoe has no answer under a force.
     """
     names = [shoe.name for shoe in brake.shoes]
-    shoes, found = list(brake.shoes), dict[int, ContactForces]()
 
-    def solve_shoe_under_force(i: int, force: float) -> float:
-        """Solve shoe i under a force [N]; returns the displacement [m] of its tip along the force.
-
-        The solved shoe and its contact forces are stored in `shoes` and `found`.
-        """
-        # The elastic response to the actuation is in proportion to the force.
-        one, shoe = faces[i], shoes[i].shoe_with_changed_actuation_force(force)
-        one = replace(
-            one,
-            loaded=force * one.loaded,
-            elastic_actuation_work=force**2 * one.elastic_actuation_work,
-        )
-        failure: NoAnswer | None = None
-        for sense in shoe.senses_of_abutment_friction_to_try:
-            try:
-                (found[i],) = contact_forces_of_shoes_in_one_system(
-                    brake, [one], [shoe], None, [first[i]], (sense,)
-                )
-            except NoAnswer as error:
-                failure = failure or error
-                continue
-            shoes[i] = shoe
-            return tip_displacement_along_force(brake, one, shoe, found[i], sense)
-        assert failure is not None
-        raise failure
+    def solve_shoe(i: int, force: float) -> _SolvedShoe:
+        """Solve shoe i under a force [N]."""
+        return _solve_shoe_under_force(brake, brake.shoes[i], faces[i], first[i], force)
 
     # Shoes that no strut pushes have a known force, or share that of the cam.
     behind = {names.index(link.to) for link in brake.links}
     free = [i for i in range(len(names)) if i not in behind]
     if brake.actuation is not None and brake.actuation.is_cam:
         a, b, total = free[0], free[1], brake.actuation.force_of_cylinder_or_sum_of_cam_forces
-        brentq(
-            lambda force: (
-                solve_shoe_under_force(a, force) - solve_shoe_under_force(b, total - force)
-            ),
+        force = brentq(
+            lambda force: solve_shoe(a, force).tip_travel - solve_shoe(b, total - force).tip_travel,
             1e-3 * total,
             0.999 * total,
             xtol=1e-12 * total,
         )
+        found = {a: solve_shoe(a, force), b: solve_shoe(b, total - force)}
     else:
-        for i in free:
-            solve_shoe_under_force(i, shoes[i].actuation.force)
+        found = {i: solve_shoe(i, brake.shoes[i].actuation.force) for i in free}
     left = list(brake.links)
     # Struts form a chain from shoe to shoe: the next strut is one whose first shoe is solved.
     while left:
         link = next(one for one in left if names.index(one.source) in found)
         left.remove(link)
-        i = names.index(link.source)
-        drum = brake.friction * brake.sign_of_motion * faces[i].tangent - faces[i].normal
-        reaction = -(found[i].force[:, None] * drum).sum(axis=0) - shoes[i].actuation.force_vector
-        solve_shoe_under_force(names.index(link.to), float(np.hypot(*reaction)))
-    return shoes, [found[i] for i in range(len(names))]
+        source = names.index(link.source)
+        force = _force_of_foot_on_strut(brake, faces[source], found[source])
+        found[names.index(link.to)] = solve_shoe(names.index(link.to), force)
+    solved = [found[i] for i in range(len(names))]
+    return [one.shoe for one in solved], [one.forces for one in solved]
+
+
+def _solve_shoe_under_force(
+    brake: Brake, shoe: Shoe, face: CondensedFace, first: Bools, force: float
+) -> _SolvedShoe:
+    """Solve one shoe under an actuation force.
+
+    Parameters
+    ----------
+    brake : the brake, for its friction, sense of rotation and drum
+    shoe : the shoe
+    face : the shoe, condensed to the face of its lining, under an actuation of 1 N
+    first : whether each node (n,) is in contact at the start
+    force : the actuation force [N]
+
+    Raises
+    ------
+    NoAnswer
+        If the shoe has no answer for any sense of the friction at its abutment.
+    """
+    shoe = shoe.shoe_with_changed_actuation_force(force)
+    # The elastic response to the actuation is in proportion to the force.
+    face = replace(
+        face,
+        loaded=force * face.loaded,
+        elastic_actuation_work=force**2 * face.elastic_actuation_work,
+    )
+    failure: NoAnswer | None = None
+    for sense in shoe.senses_of_abutment_friction_to_try:
+        try:
+            (found,) = contact_forces_of_shoes_in_one_system(
+                brake, [face], [shoe], None, [first], (sense,)
+            )
+        except NoAnswer as error:
+            failure = failure or error
+            continue
+        travel = tip_displacement_along_force(brake, face, shoe, found, sense)
+        return _SolvedShoe(shoe, found, travel)
+    assert failure is not None
+    raise failure
+
+
+def _force_of_foot_on_strut(brake: Brake, face: CondensedFace, solved: _SolvedShoe) -> float:
+    """The force [N] by which the foot of a solved shoe presses on the strut behind it."""
+    drum = brake.friction * brake.sign_of_motion * face.tangent - face.normal
+    reaction = -(solved.forces.force[:, None] * drum).sum(axis=0)
+    reaction = reaction - solved.shoe.actuation.force_vector
+    return float(np.hypot(*reaction))

@@ -1,0 +1,18 @@
+"""Round numbers: 1, 2 or 5 times a power of ten, for scales, ticks and factors of pictures."""
+
+import math
+
+
+def round_numbers_about(value: float) -> tuple[float, ...]:
+    """The round numbers (4,) about a positive `value`, in growing order.
+
+    They are 1, 2, 5 and 10 times the largest power of ten that is not above the value.
+    """
+    power = 10.0 ** math.floor(math.log10(value))
+    return tuple(digit * power for digit in (1, 2, 5, 10))
+
+
+def largest_round_number_up_to(value: float) -> float:
+    """The largest round number that is not above a positive `value`, but for round-off."""
+    slack = value * (1 + 1e-9)
+    return max(number for number in round_numbers_about(value) if number <= slack)
