@@ -4,6 +4,7 @@ Brake files are in TOML, with a unit on every quantity. An error in a file is re
 """
 
 import math
+import re
 import tomllib
 from collections.abc import Mapping
 from copy import deepcopy
@@ -127,7 +128,33 @@ def parse_text_of_brake_file(text: str, path: Path) -> dict[str, Any]:
         check_toml_parses_quickly(text)
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise BadInput(f"{path}: is not TOML ({error})") from error
+        raise BadInput(
+            f"{path}: is not TOML ({error}){_hint_about_toml_error(text, error)}"
+        ) from error
+
+
+# What people write in a line that TOML does not take, and what to write.
+_TOML_HINTS = (
+    (r"^\s*\[{1,2}\s*(?:shoe|link)\s*\]", "write [[shoe]] in double brackets above each shoe"),
+    ("[“”„‟«»‘’]", 'write quotes as "'),
+    (r"[^\x00-\x7f]", "the line has a sign outside of quotes that only looks like a plain one"),
+    (r"=\s*[-+]?\d+,\d+\s*$", "a number has a decimal point, not a comma"),
+    (r"=\s*[-+]?[\d.,]+\s*[A-Za-z%°µ]", 'a quantity with its unit stands in quotes, as "8 mm"'),
+)
+
+
+def _hint_about_toml_error(text: str, error: Exception) -> str:
+    """What to write in the line of a TOML text that the error names, after "; "; "" if unknown."""
+    at = re.search(r"at line (\d+)", str(error))
+    lines = text.split("\n")
+    if at is None or int(at.group(1)) > len(lines):
+        return ""
+    # Texts in quotes and comments are no cause.
+    line = re.sub(r'"[^"]*"|\'[^\']*\'|#.*', "", lines[int(at.group(1)) - 1])
+    for pattern, hint in _TOML_HINTS:
+        if re.search(pattern, line):
+            return f"; {hint}"
+    return ""
 
 
 def read_data_of_brake_file(path: Path) -> dict[str, Any]:
