@@ -331,16 +331,19 @@ class Lining(Part):
         return interpolate_number_or_table(self.clearance, theta)
 
 
-def hint_about_angles_from_0_to_360_deg(start: float, end: float) -> str:
-    """The hint "(did you mean -70 deg to 55 deg?)" for an arc written as 290 deg to 55 deg.
+def hint_about_angles_of_arc(start: float, end: float) -> str:
+    """The hint "(did you mean -70 deg to 55 deg?)" for an arc whose end does not follow its start.
 
-    `start` and `end` are the written angles [rad]. The hint is "" unless the end follows the start
-    within half a turn once the start is turned back by a whole turn.
+    `start` and `end` are the written angles [rad]. Angles of more than two turns are taken as
+    degrees that were written as radians. A start of 290 deg before an end of 55 deg is turned back
+    by a turn, if the arc is then less than half a turn. In all other cases the hint is "".
     """
+    if max(abs(start), abs(end)) > 4 * math.pi and 0 < math.radians(end - start) < 2 * math.pi:
+        return f" (did you mean {start:.6g} deg to {end:.6g} deg?)"
     before = start - 2 * math.pi
-    if not 0 < end - before < math.pi:
-        return ""
-    return f" (did you mean {deg_text(before)} to {deg_text(end)}?)"
+    if 0 < end - before < math.pi:
+        return f" (did you mean {deg_text(before)} to {deg_text(end)}?)"
+    return ""
 
 
 class DrumLining(Lining):
@@ -371,7 +374,7 @@ class DrumLining(Lining):
             raise ValueError(
                 f"end = {deg_text(self.end)} must be greater than start = {deg_text(self.start)}, "
                 f"by less than 360 deg"
-                f"{hint_about_angles_from_0_to_360_deg(self.start, self.end)}"
+                f"{hint_about_angles_of_arc(self.start, self.end)}"
             )
         return self
 

@@ -31,7 +31,7 @@ from drumlin.brake.components import (
     Lobes,
     Ring,
     Table,
-    hint_about_angles_from_0_to_360_deg,
+    hint_about_angles_of_arc,
 )
 from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive
 from drumlin.brake.fields import Point, Title, check_shoe_names_differ
@@ -291,7 +291,7 @@ def _check_arc_carries_lining(key: str, body: ArcBody, lining: DrumLining) -> No
         raise ValueError(
             f"{key}.body.end = {deg_text(body.end)}: must be greater than body.start = "
             f"{deg_text(body.start)}, "
-            f"by less than 360 deg{hint_about_angles_from_0_to_360_deg(body.start, body.end)}"
+            f"by less than 360 deg{hint_about_angles_of_arc(body.start, body.end)}"
         )
     # Angles that a file gives in degrees may differ by round-off.
     slack = 1e-9  # rad

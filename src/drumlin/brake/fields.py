@@ -19,6 +19,7 @@ from pydantic import (
     ConfigDict,
     Discriminator,
     Field,
+    PrivateAttr,
     Tag,
     ValidationInfo,
     model_validator,
@@ -333,8 +334,16 @@ AnyMaterial = Annotated[
 class Point(Part):
     """A point with the coordinates x, y [m] in the plane of the brake."""
 
+    # The polar angle [rad] as the file gives it, if it is more than a turn; it changes no result.
+    _written_angle: float | None = PrivateAttr(None)
+
     x: Length
     y: Length
+
+    @property
+    def written_angle(self) -> float | None:
+        """The polar angle [rad] as a file gives it, if it is more than a turn; None otherwise."""
+        return self._written_angle
 
     @property
     def xy(self) -> Floats:
@@ -367,7 +376,10 @@ def _point_from_polar_coordinates(data: object, info: ValidationInfo) -> object:
     if radius < 0:
         raise ValueError(f"radius = {data['radius']!r} must not be negative")
     angle = _quantity_in_si(data["angle"], info, "rad", "angle")
-    return Point(x=radius * math.cos(angle), y=radius * math.sin(angle))
+    point = Point(x=radius * math.cos(angle), y=radius * math.sin(angle))
+    if abs(angle) > 2 * math.pi:
+        point._written_angle = angle
+    return point
 
 
 Place = Annotated[Point, BeforeValidator(_point_from_polar_coordinates)]
