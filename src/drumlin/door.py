@@ -160,6 +160,7 @@ def solve(
     (448, 435)
     """
     from drumlin.brake.plausibility import notes_on_values_that_can_hardly_be_meant
+    from drumlin.laws.rigid import self_locking_by_rigid_shoe_law
     from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
 
     whole = _read_brake_if_path(brake)
@@ -184,6 +185,8 @@ def solve(
         raise BadInput("--no-model-error: --finite-width states the error that remains")
     if model == "fem" and model_error and not worn_in:
         options["model_error"] = True
+    if model == "fem" and not worn_in:
+        options["self_locking"] = True
     # Values that can hardly be meant are named with the answer, and with the reason for none.
     notes = notes_on_values_that_can_hardly_be_meant(whole)
     try:
@@ -192,7 +195,9 @@ def solve(
         if not notes:
             raise
         raise NoAnswer("; ".join((str(error), *notes))) from error
-    return replace(response, notes=(*response.notes, *notes))
+    locking = response.self_locking or self_locking_by_rigid_shoe_law(whole)
+    notes = (*response.notes, *locking.warnings(), *notes)
+    return replace(response, notes=notes, self_locking=locking)
 
 
 def compare(

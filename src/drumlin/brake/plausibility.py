@@ -43,12 +43,12 @@ HIGH_FRICTION = 2.0
 
 Brake linings reach 0.7, and dry rubber 1.5.
 """
-MOST_TURNS = 2.0
+LARGEST_TURNS_OF_ANGLE = 2.0
 """Turns of an angle above which a note asks whether degrees were meant.
 
 An angle of 75 deg that is written as 75 rad is 12 turns.
 """
-SOFT_LINING, SOFT_BODY, STIFF_PART = 1e5, 1e6, 3e13
+SOFTEST_LINING, SOFTEST_BODY, STIFFEST_PART = 1e5, 1e6, 3e13
 """Moduli [Pa]: those of linings and bodies below which, and of any part above which, a note asks.
 
 Foams have 1e5 Pa, wood across its grain 1e8 Pa, steel 2e11 Pa and diamond 1e12 Pa. A modulus in
@@ -239,8 +239,8 @@ def _lines_on_angle(value: _Quantity) -> Iterator[str]:
 
 
 def _line_on_turns(key: str, angle: float) -> Iterator[str]:
-    """A line on an angle [rad] of more than MOST_TURNS turns; `key` is its key in the file."""
-    if abs(angle) > MOST_TURNS * 2 * math.pi:
+    """A line on an angle [rad] of too many turns; `key` is its key in the file."""
+    if abs(angle) > LARGEST_TURNS_OF_ANGLE * 2 * math.pi:
         turns = abs(angle) / (2 * math.pi)
         yield f"{key} = {angle:.6g} rad is {turns:.3g} turns; did you mean {angle:.6g} deg?"
 
@@ -253,7 +253,7 @@ def _lines_on_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
     what = "a wheel cylinder"
     if isinstance(value.part, Material | Orthotropic):
         of_lining = ".lining." in value.key or ".backing." in value.key
-        low, high = SOFT_LINING if of_lining else SOFT_BODY, STIFF_PART
+        low, high = SOFTEST_LINING if of_lining else SOFTEST_BODY, STIFFEST_PART
         what = "a lining" if of_lining else "a shoe or a ring"
     if value.value < low:
         yield (
@@ -277,12 +277,12 @@ def _lines_on_stiff_linings(brake: Brake) -> Iterator[str]:
     softest_metal, stiffest_metal = METAL_MODULI
     for i, shoe in enumerate(brake.shoes):
         body = None if shoe.body is None else shoe.body.material
-        # Moduli beyond STIFF_PART have a line of their own.
+        # Moduli beyond STIFFEST_PART have a line of their own.
         if body is None or shoe.lining.material is None:
             continue
         E_lining, E_body = shoe.lining.material.E_through, body.E_along
         moduli = f"E = {_modulus_text(E_lining)} beside {_modulus_text(E_body)}"
-        if E_lining <= E_body or E_lining > STIFF_PART or E_body < SOFT_BODY:
+        if E_lining <= E_body or E_lining > STIFFEST_PART or E_body < SOFTEST_BODY:
             continue
         key = f"shoe[{i}].lining.material is stiffer than shoe[{i}].body.material, {moduli}"
         if softest_metal <= E_body <= stiffest_metal:

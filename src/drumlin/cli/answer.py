@@ -37,6 +37,8 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
     energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
     if energised:
         print_folded_line(f"self-energising: {', '.join(energised)}")
+    if response.self_locking is not None:
+        print_folded_line(response.self_locking.line())
     for line in notes.warnings:
         print_folded_line(line)
     if response.error is not None:

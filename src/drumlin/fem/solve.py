@@ -9,6 +9,7 @@ from functools import partial
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
+from drumlin.fem.equilibrium.locking import distance_of_friction_from_self_locking
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCE,
     Tolerance,
@@ -53,6 +54,7 @@ def solve(
     penalty: float = PENALTY,
     finite_width: bool = False,
     model_error: bool = False,
+    self_locking: bool = False,
     cache: Cache | None = None,
 ) -> Response:
     """Solve a brake by finite elements, on finer and finer divisions up to a tolerance.
@@ -72,6 +74,7 @@ def solve(
         fem/width/correction.py; it then states the error that remains
     model_error : whether the response states the error that plane stress itself causes, see
         fem/width/error.py; not needed together with `finite_width`
+    self_locking : whether the response states how far the friction is from locking the brake
     cache : keeps the condensed bodies of earlier solves
 
     Raises
@@ -98,18 +101,18 @@ def solve(
     answer = partial(solve_prepared_model, penalty=penalty)
     if tolerance is not None:
         require_tolerance_applies_to_brake(brake, tolerance)
-        response = solve_brake_to_tolerance(
+        scene, response = solve_brake_to_tolerance(
             brake, Tolerance(tolerance, tolerance), answer, cache=cache
-        ).response
-    elif _is_solved_on_finer_and_finer_levels(brake, elements, kind):
-        response = solve_brake_to_tolerance(
-            brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache
-        ).response
-    else:
-        response = answer(
-            prepared_model_with_finest_elements(brake, elements=elements, kind=kind, cache=cache),
-            brake,
         )
+    elif _is_solved_on_finer_and_finer_levels(brake, elements, kind):
+        scene, response = solve_brake_to_tolerance(
+            brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache
+        )
+    else:
+        scene = prepared_model_with_finest_elements(
+            brake, elements=elements, kind=kind, cache=cache
+        )
+        response = answer(scene, brake)
     seconds = dict(response.seconds)
     if finite_width:
         with add_elapsed_time(seconds, "correction for the widths"):
@@ -118,6 +121,10 @@ def solve(
             )
     elif not brake.surface.is_plane_and_not_drum:
         response = _response_with_note_on_curve_balance(brake, response)
+    if self_locking:
+        with add_elapsed_time(seconds, "self-locking"):
+            found = distance_of_friction_from_self_locking(scene, brake, penalty)
+        response = replace(response, self_locking=found)
     if model_error and not finite_width:
         with add_elapsed_time(seconds, "error of plane stress"):
             own = estimate_error_of_plane_stress(brake, response, penalty=penalty, cache=cache)
