@@ -9,7 +9,7 @@ import functools
 import math
 import re
 from collections.abc import Iterator
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
@@ -137,7 +137,7 @@ def _quantities_of_part(part: Part, key: str) -> Iterator[_Quantity]:
 def _si_unit_of_field(kind: type[Part], name: str) -> str:
     """The SI unit of a field of a class of parts; "" for a number without unit."""
     field = kind.model_fields[name]
-    annotation = field.annotation
+    annotation: Any = field.annotation
     if field.metadata:
         annotation = Annotated[annotation, *field.metadata]
     return si_unit_of_field_type(annotation) or ""
