@@ -74,6 +74,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "FRICTION_STEP": "a quarter of self_locking.LARGEST_FRICTION_STEP",
         "CHECK_DISTANCE_FROM_POLE": "last digit of a limit that is printed",
     },
+    "fem/equilibrium/locking.py": {"NEAR_LAW": SAID, "FURTHEST_SEARCH": SAID},
     "fem/equilibrium/problems.py": {"ROWS_AT_A_TIME": SPEED},
     "fem/analysis/holding.py": {
         "FIRST_ROTATION": "start of a geometric search",
@@ -208,5 +209,6 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "WEIGHTS": DEFINITION,
         "PEAK_SAMPLES": DEFINITION,
     },
+    "response/self_locking.py": {"WARNED_SHARE": SAID},
     "response/show.py": {"POINTS_PER_PIECE": "points of a small picture"},
 }

@@ -113,7 +113,7 @@ def test_every_example_keeps_to_its_schema_and_names_it():
             'hinge = { radius = "125 mm", angle = "-75 deg" }',
             'hinge = { radius = "125 mm", x = "-75 mm" }',
         ),
-        ("friction = 0.3", 'friction = "0.3"'),
+        ("friction = 0.3", 'friction = "much"'),
         ('thickness = "8 mm" ', 'clearance = [["-70 deg", 0]]\nthickness = "8 mm" '),
     ],
 )

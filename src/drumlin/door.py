@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from drumlin.base.errors import BadInput
+from drumlin.base.errors import BadInput, NoAnswer
 
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
@@ -158,6 +159,8 @@ def solve(
     >>> round(drumlin.solve(brake).torque), round(drumlin.solve(brake, "sine").torque)
     (448, 435)
     """
+    from drumlin.brake.plausibility import notes_on_values_that_can_hardly_be_meant
+    from drumlin.laws.rigid import self_locking_by_rigid_shoe_law
     from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
 
     whole = _read_brake_if_path(brake)
@@ -182,7 +185,19 @@ def solve(
         raise BadInput("--no-model-error: --finite-width states the error that remains")
     if model == "fem" and model_error and not worn_in:
         options["model_error"] = True
-    return chosen.solve(whole, **options)
+    if model == "fem" and not worn_in:
+        options["self_locking"] = True
+    # Values that can hardly be meant are named with the answer, and with the reason for none.
+    notes = notes_on_values_that_can_hardly_be_meant(whole)
+    try:
+        response = chosen.solve(whole, **options)
+    except NoAnswer as error:
+        if not notes:
+            raise
+        raise NoAnswer("; ".join((str(error), *notes))) from error
+    locking = response.self_locking or self_locking_by_rigid_shoe_law(whole)
+    notes = (*response.notes, *locking.warnings(), *notes)
+    return replace(response, notes=notes, self_locking=locking)
 
 
 def compare(

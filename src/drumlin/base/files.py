@@ -6,6 +6,7 @@ links are followed, and the file keeps its permissions. Pipes and devices cannot
 that the content is written to them directly.
 """
 
+import codecs
 import json
 import os
 import re
@@ -58,6 +59,18 @@ def register_protected_input_file(path: Path) -> None:
 
 # reading
 
+_BYTE_ORDER_MARKS = (
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+    (codecs.BOM_UTF8, "utf-8-sig"),
+)
+"""The bytes at the beginning of a file that tell its encoding, and the encoding.
+
+The mark of UTF-32 begins with the mark of UTF-16, and therefore precedes it.
+"""
+
 
 def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> bytes:
     """Read the content of a file that has at most `most` bytes.
@@ -95,17 +108,26 @@ def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> by
 
 
 def read_text(path: Path, most: int, what: str) -> str:
-    """Read the text of a UTF-8 file that has at most `most` bytes; parameters as of `read_bytes`.
+    """Read the text of a file that has at most `most` bytes; parameters as of `read_bytes`.
 
-    Raises BadInput if the file cannot be read, is larger, or is not in UTF-8.
+    The text is in UTF-8, or in UTF-16 or UTF-32 with the mark at its beginning that Windows writes.
+    Raises BadInput if the file cannot be read, is larger, or is in another encoding.
     """
     data = read_bytes(path, most, what)
+    encoding = next((name for mark, name in _BYTE_ORDER_MARKS if data.startswith(mark)), "utf-8")
     try:
-        return data.decode("utf-8-sig").replace("\r\n", "\n")
+        text = data.decode(encoding)
     except UnicodeDecodeError as error:
         raise BadInput(
-            f"{path}: is not {what}: no UTF-8 text ({error.reason} at byte {error.start})"
+            f"{path}: is not {what}: no {encoding.removesuffix('-sig').upper()} text "
+            f"({error.reason} at byte {error.start}); save it as UTF-8"
         ) from error
+    # Every second byte of a plain text in UTF-16 is zero.
+    if text.count("\0") * 3 > len(text) > 0:
+        raise BadInput(
+            f"{path}: is not {what}: no UTF-8 text (bytes of zero, as in UTF-16); save it as UTF-8"
+        )
+    return text.replace("\r\n", "\n")
 
 
 # writing

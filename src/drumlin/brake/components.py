@@ -20,6 +20,7 @@ from pydantic import (
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.fields import (
+    PURE_NUMBER,
     Angle,
     AnyMaterial,
     BendingStiffness,
@@ -41,6 +42,7 @@ Friction = Annotated[
     float,
     Field(ge=0, le=1e6, strict=True),
     AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0),
+    PURE_NUMBER,
 ]
 """The type of a friction coefficient. A value below SMALLEST is set to 0, as for all quantities."""
 
@@ -329,6 +331,21 @@ class Lining(Part):
         return interpolate_number_or_table(self.clearance, theta)
 
 
+def hint_about_angles_of_arc(start: float, end: float) -> str:
+    """The hint "(did you mean -70 deg to 55 deg?)" for an arc whose end does not follow its start.
+
+    `start` and `end` are the written angles [rad]. Angles of more than two turns are taken as
+    degrees that were written as radians. A start of 290 deg before an end of 55 deg is turned back
+    by a turn, if the arc is then less than half a turn. In all other cases the hint is "".
+    """
+    if max(abs(start), abs(end)) > 4 * math.pi and 0 < math.radians(end - start) < 2 * math.pi:
+        return f" (did you mean {start:.6g} deg to {end:.6g} deg?)"
+    before = start - 2 * math.pi
+    if 0 < end - before < math.pi:
+        return f" (did you mean {deg_text(before)} to {deg_text(end)}?)"
+    return ""
+
+
 class DrumLining(Lining):
     """The friction lining on a drum from the angle `start` to the angle `end` [rad].
 
@@ -356,7 +373,8 @@ class DrumLining(Lining):
         if not 0 < self.end - self.start < 2 * math.pi:
             raise ValueError(
                 f"end = {deg_text(self.end)} must be greater than start = {deg_text(self.start)}, "
-                "by less than 360 deg"
+                f"by less than 360 deg"
+                f"{hint_about_angles_of_arc(self.start, self.end)}"
             )
         return self
 

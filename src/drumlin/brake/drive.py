@@ -13,10 +13,10 @@ from typing import Annotated, Any, Self
 from pydantic import Field, model_validator
 
 from drumlin.brake.components import Actuation
-from drumlin.brake.fields import Force, Modulus, Name, Part, Thickness, Torque
+from drumlin.brake.fields import PURE_NUMBER, Force, Modulus, Name, Part, Thickness, Torque
 from drumlin.brake.support import Held
 
-Efficiency = Annotated[float, Field(gt=0, le=1, strict=True)]
+Efficiency = Annotated[float, Field(gt=0, le=1, strict=True), PURE_NUMBER]
 """The type of the efficiency of a drive, a number above 0 and up to 1."""
 
 

@@ -31,6 +31,7 @@ from drumlin.brake.components import (
     Lobes,
     Ring,
     Table,
+    hint_about_angles_of_arc,
 )
 from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive
 from drumlin.brake.fields import Point, Title, check_shoe_names_differ
@@ -290,14 +291,21 @@ def _check_arc_carries_lining(key: str, body: ArcBody, lining: DrumLining) -> No
         raise ValueError(
             f"{key}.body.end = {deg_text(body.end)}: must be greater than body.start = "
             f"{deg_text(body.start)}, "
-            "by less than 360 deg"
+            f"by less than 360 deg{hint_about_angles_of_arc(body.start, body.end)}"
         )
     # Angles that a file gives in degrees may differ by round-off.
     slack = 1e-9  # rad
     if lining.start < body.start - slack or lining.end > body.end + slack:
+        hint = ""
+        # The lining may be written some whole turns away from its body.
+        middle = 0.5 * (body.start + body.end)
+        turns = 2 * math.pi * round((middle - lining.middle) / (2 * math.pi))
+        start, end = lining.start + turns, lining.end + turns
+        if body.start - slack <= start and end <= body.end + slack:
+            hint = f" (did you mean {deg_text(start)} to {deg_text(end)}?)"
         raise ValueError(
             f"{key}.lining = {deg_text(lining.start)} to {deg_text(lining.end)}: "
-            f"must lie within the body, {deg_text(body.start)} to {deg_text(body.end)}"
+            f"must lie within the body, {deg_text(body.start)} to {deg_text(body.end)}{hint}"
         )
 
 

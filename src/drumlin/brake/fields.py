@@ -19,6 +19,7 @@ from pydantic import (
     ConfigDict,
     Discriminator,
     Field,
+    PrivateAttr,
     Tag,
     ValidationInfo,
     model_validator,
@@ -26,6 +27,7 @@ from pydantic import (
 
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import did_you_mean_hint
+from drumlin.base.written_numbers import pure_number_as_written
 from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, quantity_in_si
 
 
@@ -85,6 +87,9 @@ def check_shoe_names_differ(names: Sequence[str]) -> None:
         )
 
 
+PURE_NUMBER = BeforeValidator(pure_number_as_written)
+"""The validator that reads a number without unit, which a file may write as "30 %" or "0,3"."""
+
 # Types of the quantities of a brake file: each converts a text with a unit to a number in SI units.
 Length = Annotated[float, _validator_that_converts_quantity_to_si("m")]
 Thickness = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("m")]
@@ -141,7 +146,7 @@ class Material(Part):
     """
 
     E: Modulus
-    nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True)]
+    nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True), PURE_NUMBER]
 
     @property
     def E_along(self) -> float:
@@ -174,7 +179,7 @@ class Material(Part):
         return {"E": self.E}
 
 
-PoissonRatio = Annotated[float, Field(strict=True)]
+PoissonRatio = Annotated[float, Field(strict=True), PURE_NUMBER]
 """The type of a Poisson's ratio; its bounds depend on the other constants of the material."""
 ACROSS = ("E_across", "G_along_across", "G_through_across", "nu_along_across", "nu_through_across")
 """Keys of an orthotropic material across the brake's plane, which only the model of solids uses."""
@@ -329,8 +334,16 @@ AnyMaterial = Annotated[
 class Point(Part):
     """A point with the coordinates x, y [m] in the plane of the brake."""
 
+    # The polar angle [rad] as the file gives it, if it is more than a turn; it changes no result.
+    _written_angle: float | None = PrivateAttr(None)
+
     x: Length
     y: Length
+
+    @property
+    def written_angle(self) -> float | None:
+        """The polar angle [rad] as a file gives it, if it is more than a turn; None otherwise."""
+        return self._written_angle
 
     @property
     def xy(self) -> Floats:
@@ -363,7 +376,10 @@ def _point_from_polar_coordinates(data: object, info: ValidationInfo) -> object:
     if radius < 0:
         raise ValueError(f"radius = {data['radius']!r} must not be negative")
     angle = _quantity_in_si(data["angle"], info, "rad", "angle")
-    return Point(x=radius * math.cos(angle), y=radius * math.sin(angle))
+    point = Point(x=radius * math.cos(angle), y=radius * math.sin(angle))
+    if abs(angle) > 2 * math.pi:
+        point._written_angle = angle
+    return point
 
 
 Place = Annotated[Point, BeforeValidator(_point_from_polar_coordinates)]

@@ -4,6 +4,7 @@ Brake files are in TOML, with a unit on every quantity. An error in a file is re
 """
 
 import math
+import re
 import tomllib
 from collections.abc import Mapping
 from copy import deepcopy
@@ -18,6 +19,10 @@ from drumlin.base.texts import check_toml_parses_quickly
 from drumlin.brake.brake import Brake
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import Part, Point, si_unit_of_field_type
+from drumlin.brake.units import quantity_in_si
+
+POLAR_UNITS = {"radius": "m", "angle": "rad"}
+"""The keys of a point in polar coordinates, in a file, with their SI units."""
 
 LARGEST_BRAKE_FILE = 500_000
 """Largest size of a brake file [bytes]; a larger file is refused. Usual files have some 1000."""
@@ -127,7 +132,33 @@ def parse_text_of_brake_file(text: str, path: Path) -> dict[str, Any]:
         check_toml_parses_quickly(text)
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise BadInput(f"{path}: is not TOML ({error})") from error
+        raise BadInput(
+            f"{path}: is not TOML ({error}){_hint_about_toml_error(text, error)}"
+        ) from error
+
+
+# What people write in a line that TOML does not take, and what to write.
+_TOML_HINTS = (
+    (r"^\s*\[{1,2}\s*(?:shoe|link)\s*\]", "write [[shoe]] in double brackets above each shoe"),
+    ("[“”„‟«»‘’]", 'write quotes as "'),
+    (r"[^\x00-\x7f]", "the line has a sign outside of quotes that only looks like a plain one"),
+    (r"=\s*[-+]?\d+,\d+\s*$", "a number has a decimal point, not a comma"),
+    (r"=\s*[-+]?[\d.,]+\s*[A-Za-z%°µ]", 'a quantity with its unit stands in quotes, as "8 mm"'),
+)
+
+
+def _hint_about_toml_error(text: str, error: Exception) -> str:
+    """What to write in the line of a TOML text that the error names, after "; "; "" if unknown."""
+    at = re.search(r"at line (\d+)", str(error))
+    lines = text.split("\n")
+    if at is None or int(at.group(1)) > len(lines):
+        return ""
+    # Texts in quotes and comments are no cause.
+    line = re.sub(r'"[^"]*"|\'[^\']*\'|#.*', "", lines[int(at.group(1)) - 1])
+    for pattern, hint in _TOML_HINTS:
+        if re.search(pattern, line):
+            return f"; {hint}"
+    return ""
 
 
 def read_data_of_brake_file(path: Path) -> dict[str, Any]:
@@ -155,7 +186,8 @@ def vary(brake: P, changes: Mapping[str, Any]) -> P:
     ----------
     brake : as `read_brake` gives it
     changes : new values by key, in SI or as texts with a unit; a key is written as in the file's
-        error lines, "shoe[0].lining.thickness", and "shoe.lining.thickness" changes every shoe
+        error lines, "shoe[0].lining.thickness", or with a shoe's name, "shoe.left.hinge.angle";
+        "shoe.lining.thickness" changes every shoe
 
     Returns
     -------
@@ -187,6 +219,8 @@ def si_unit_of_brake_key(brake: Part, key: str) -> str | None:
     for `vary`. Raises BadInput for an unknown key.
     """
     parts, name = _parts_and_field_of_key(brake, key)
+    if isinstance(parts[0], Point) and name in POLAR_UNITS:
+        return POLAR_UNITS[name]
     field = type(parts[0]).model_fields[name]
     kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     return si_unit_of_field_type(kind)
@@ -225,7 +259,12 @@ def _parts_and_field_of_key(brake: Part, key: str) -> tuple[list[Part], str]:
         if _is_index_in_key(step):
             found = found[int(step) : int(step) + 1]
             continue
-        # A name leads from each part to one part below it, or to several, such as all shoes.
+        # The name of a shoe leads to this shoe, unless it is a key of the shoes.
+        named = [part for part in found if _is_part_with_name(part, step)]
+        if named:
+            found = named
+            continue
+        # A key leads from each part to one part below it, or to several, such as all shoes.
         below: list[Part] = []
         for part in found:
             value = getattr(part, _field_name_of_key(part, step, key))
@@ -238,6 +277,12 @@ def _parts_and_field_of_key(brake: Part, key: str) -> tuple[list[Part], str]:
     return found, _field_name_of_key(found[0], last, key)
 
 
+def _is_part_with_name(part: Part, step: str) -> bool:
+    """Whether a step of a key is the name of a part, and no key of it."""
+    is_key = any(step == (field.alias or name) for name, field in type(part).model_fields.items())
+    return getattr(part, "name", None) == step and not is_key
+
+
 def _field_name_of_key(part: Part, key: str, whole: str) -> str:
     """The name in Python of the field of a part that a brake file calls `key`.
 
@@ -245,6 +290,9 @@ def _field_name_of_key(part: Part, key: str, whole: str) -> str:
     """
     # Some fields have another name in a file, such as `shoe` for the field `shoes`.
     names = {field.alias or name: name for name, field in type(part).model_fields.items()}
+    if isinstance(part, Point):
+        # A file may give a point in polar coordinates, which the point has as properties.
+        names |= {key: key for key in POLAR_UNITS}
     if key not in names:
         raise BadInput(f"{whole}: unknown key {key!r}; allowed: {', '.join(names)}")
     return names[key]
@@ -325,9 +373,16 @@ def _set_value_in_nested_data(data: Any, steps: list[str], value: Any, key: str)
     """
     head, *rest = steps
     if isinstance(data, list | tuple):
-        # An index leads to one shoe; without an index all shoes are changed.
+        # An index or a name leads to one shoe; otherwise all shoes are changed.
+        named = [
+            part
+            for part in data
+            if isinstance(part, dict) and part.get("name") == head and head not in part
+        ]
         if _is_index_in_key(head) and int(head) < len(data):
             targets, rest_of = [data[int(head)]], rest
+        elif named and rest:
+            targets, rest_of = named, rest
         else:
             targets, rest_of = list(data), steps
         for target in targets:
@@ -340,5 +395,31 @@ def _set_value_in_nested_data(data: Any, steps: list[str], value: Any, key: str)
             raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
         _set_value_in_nested_data(data[head], rest, value, key)
     else:
+        _convert_point_to_coordinates_with_key(data, head)
         # The value is copied, because a later change may set a key within it.
         data[head] = deepcopy(value)
+
+
+def _convert_point_to_coordinates_with_key(data: dict[str, Any], key: str) -> None:
+    """Convert the data of a point to those coordinates, x and y or polar, that have a key.
+
+    The data are changed in place. Other data, and data that have the key already, stay.
+    """
+    if key in data or not isinstance(key, str):
+        return
+    if set(data) == {"x", "y"} and key in POLAR_UNITS:
+        x, y = (_number_of_point_in_si(data[name], "m") for name in ("x", "y"))
+        data.clear()
+        data.update(radius=math.hypot(x, y), angle=math.atan2(y, x))
+    elif set(data) == set(POLAR_UNITS) and key in {"x", "y"}:
+        radius, angle = (_number_of_point_in_si(data[name], si) for name, si in POLAR_UNITS.items())
+        data.clear()
+        data.update(x=radius * math.cos(angle), y=radius * math.sin(angle))
+
+
+def _number_of_point_in_si(value: Any, si: str) -> float:
+    """A coordinate of a point in SI. Raises BadInput for a value that is no such quantity."""
+    try:
+        return quantity_in_si(value, si, unit_required=False)
+    except ValueError as error:
+        raise BadInput(f"{value!r}: {error}") from error

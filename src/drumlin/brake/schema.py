@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 
+from drumlin.base.written_numbers import pure_number_as_written
 from drumlin.brake import fields
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.plane_brake import FlatBrake
@@ -18,8 +19,13 @@ from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 """The version of JSON schema that the schema of brake files uses."""
+# The patterns admit every text that is read, and some others: an editor must not mark a text that
+# drumlin takes. A number may begin with a minus sign of a word processor, or with its decimal sign.
+_BEGINNING_OF_NUMBER = r"^\s*[-+\u2010-\u2013\u2212\ufe63\uff0d]?\s*[.,]?\d"
 # The pattern matches the text of a quantity in a brake file: a number and some unit.
-QUANTITY = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?\s*[A-Za-zµμ°%1].*$"
+QUANTITY = _BEGINNING_OF_NUMBER + r""".*[A-Za-zµμ°º˚%"'″′].*$"""
+# The pattern matches a number without unit that is written as a text, such as "30 %" or "0,3".
+_PURE_NUMBER = _BEGINNING_OF_NUMBER + r"[-+\d.,/eE\s]*%?\s*$"
 
 
 def json_schema_of_quantity_with_unit(si: str) -> dict[str, Any]:
@@ -42,6 +48,8 @@ class UnitSchema(GenerateJsonSchema):
         found, function = super().function_before_schema(schema), schema["function"]["function"]
         if function is fields._point_from_polar_coordinates:
             return {"anyOf": [found, _POLAR]}
+        if function is pure_number_as_written:
+            return {"anyOf": [found, {"type": "string", "pattern": _PURE_NUMBER}]}
         if isinstance(function, partial):
             return _json_schema_of_texts_with_units(found, function.keywords.get("si"))
         return found

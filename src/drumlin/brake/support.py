@@ -29,7 +29,7 @@ from pydantic import (
 from drumlin.base.arrays import Floats
 from drumlin.base.files import register_protected_input_file
 from drumlin.brake.components import Actuation
-from drumlin.brake.fields import Angle, Name, Part, Place, Point
+from drumlin.brake.fields import PURE_NUMBER, Angle, Name, Part, Place, Point
 
 MAIN_SUPPORTS = ("hinge", "abutment", "guide")
 """Keys of the supports; a shoe has exactly one of them. A pivot needs a hinge besides."""
@@ -62,7 +62,7 @@ class Abutment(Part):
 
     point: Place
     direction: Angle
-    friction: Annotated[float, Field(ge=0, le=10, strict=True)] = 0.0
+    friction: Annotated[float, Field(ge=0, le=10, strict=True), PURE_NUMBER] = 0.0
 
 
 class Guide(Part):

@@ -10,18 +10,29 @@ from typing import Any
 
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import LONGEST_QUANTITY
+from drumlin.base.written_numbers import (
+    NUMBER_PATTERN,
+    number_as_written,
+    text_with_plain_spaces_and_minus_signs,
+)
 
 # A quantity is a number and a unit. A unit consists of words, each with a power of one digit at
-# most, joined by a blank, * or /. The last denominator may be in brackets. Other texts are refused
-# before pint sees them, because pint would evaluate a unit such as m^9^9^9 for ever.
-_WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
+# most, joined by a blank, a point, a hyphen, * or /. The last denominator may be in brackets. Other
+# texts are refused before pint sees them, because pint would evaluate a unit such as m^9^9^9 for
+# ever.
+_WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}\.?(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
 _UNIT = (
-    rf"(?:1 ?/ ?)?{_WORD}(?:[ */]{{1,3}}{_WORD}){{0,5}}"
-    rf"(?: ?/ ?\( ?{_WORD}(?:[ *]{{1,3}}{_WORD}){{0,5}} ?\))?"
+    rf"(?:1 ?/ ?)?{_WORD}(?:[ */-]{{0,3}}(?<![\wµμ°%]){_WORD}){{0,5}}"
+    rf"(?: ?/ ?\( ?{_WORD}(?:[ *-]{{0,3}}(?<![\wµμ°%]){_WORD}){{0,5}} ?\))?"
 )
-_QUANTITY = re.compile(
-    rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{{1,3}})?)\s*({_UNIT})\s*", re.ASCII
+_QUANTITY = re.compile(rf"\s*({NUMBER_PATTERN})\s*({_UNIT}|[\"'])\s*", re.ASCII)
+_NUMBER_WITHOUT_UNIT = re.compile(rf"\s*{NUMBER_PATTERN}\s*", re.ASCII)
+# Signs that word processors and keyboards put into units, and the signs that pint reads.
+_PLAIN_UNIT_SIGNS = str.maketrans(
+    {"·": "*", "⋅": "*", "∙": "*", "×": "*", "º": "°", "˚": "°", "″": '"', "′": "'"}
 )
+_SUPERSCRIPTS = re.compile(r"⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]")
+_PLAIN_DIGITS_OF_SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 LARGEST_NUMBER_SI = 1e30
 """Largest number of a brake in SI units; a larger number is refused.
@@ -58,11 +69,24 @@ QUANTITY_NAMES = {
 # These factors convert the usual units to SI, so that most files are read without loading pint. The
 # tests compare them with the factors of pint.
 COMMON = {
-    "m": {"m": 1.0, "mm": 1e-3},
-    "N": {"N": 1.0, "kN": 1e3},
-    "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
-    "rad": {"rad": 1.0, "deg": math.pi / 180},
+    "m": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254},
+    "N": {"N": 1.0, "kN": 1e3, "lbf": 4.4482216152605},
+    "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9, "N/mm^2": 1e6, "bar": 1e5, "psi": 6894.757293168361},
+    "rad": {"rad": 1.0, "deg": math.pi / 180, "°": math.pi / 180},
+    "N m": {"N m": 1.0, "Nm": 1.0},
 }
+
+# Units that pint does not know, or takes for something else: in pint Nm is a unit of textile
+# fibres, and in some versions a pond is 1 kgf.
+_FURTHER_UNITS = (
+    "newton_meter = newton * meter = Nm",
+    "newton_centimeter = newton * centimeter = Ncm",
+    "newton_millimeter = newton * millimeter = Nmm",
+    "pond = 9.80665e-3 * newton",
+    "kilogram_weight = 9.80665 * newton = kp",
+)
+# Words that pint takes for a mass or an angle, and what they mean where this is a wrong dimension.
+_OTHER_MEANINGS = {"lb": "lbf", "lbs": "lbf", "mil": "thou", "mils": "thou"}
 
 
 @functools.cache
@@ -73,7 +97,10 @@ def _pint_unit_registry() -> Any:
     """
     import pint  # noqa: PLC0415
 
-    return pint.UnitRegistry()
+    registry = pint.UnitRegistry(on_redefinition="ignore")
+    for definition in _FURTHER_UNITS:
+        registry.define(definition)
+    return registry
 
 
 @functools.cache
@@ -83,26 +110,78 @@ def _si_factor_of_unit(unit: str, si: str) -> float:
     Raises ValueError if `unit` is unknown or has another dimension than `si`.
     """
     common = COMMON.get(si, {}).get(unit.strip())
-    return _si_factor_of_unit_by_pint(unit, si) if common is None else common
+    return _si_factor_of_unit_by_pint(unit.strip(), si) if common is None else common
 
 
 def _si_factor_of_unit_by_pint(unit: str, si: str) -> float:
     """Factor that converts a number in `unit` to the SI unit `si`, as the package pint knows it.
 
-    Raises ValueError if `unit` is unknown or has another dimension than `si`.
+    A unit with several readings has the first of them that has the dimension of `si`. Raises
+    ValueError if `unit` is unknown or has another dimension than `si`.
     """
+    readings = _readings_of_unit(unit, si)
+    # A reading that pint does not know has no factor and does not stop the others.
+    found = [_si_factor_and_dimension_by_pint(reading) for reading in readings]
+    needed = _si_factor_and_dimension_by_pint(si)
+    assert needed is not None  # the SI units of this module are known
+    for factor_and_dimension in found:
+        if factor_and_dimension is not None and factor_and_dimension[1] == needed[1]:
+            return factor_and_dimension[0] / needed[0]
+    wanted = f"{QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}"
+    if found[0] is None:
+        raise ValueError(
+            f"unknown unit {unit!r}{_hint_about_capitals(unit, si)}; allowed: {wanted}"
+        )
+    # A mass in place of a force is refused: the key or the unit may be wrong.
+    weight = _si_factor_and_dimension_by_pint(re.sub(r"\bkg\b", "kgf", readings[0]))
+    if weight is not None and weight[1] == needed[1]:
+        raise ValueError(f"must be {wanted}; kg is a mass, kgf the weight of this mass")
+    raise ValueError(f"must be {wanted}")
+
+
+def _si_factor_and_dimension_by_pint(unit: str) -> tuple[float, Any] | None:
+    """The factor from `unit` to base units and its base units, by pint; None if it is unknown."""
     registry = _pint_unit_registry()
     try:
-        factor, base = registry.get_base_units(registry.parse_units(unit.strip()))
-        si_factor, si_base = registry.get_base_units(si)
+        factor, base = registry.get_base_units(registry.parse_units(unit))
     # pint raises exceptions of many classes for a unit that it cannot read.
-    except Exception as error:
-        raise ValueError(
-            f"unknown unit {unit.strip()!r}; allowed: {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}"
-        ) from error
-    if base != si_base:
-        raise ValueError(f"must be {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
-    return float(factor / si_factor)
+    except Exception:
+        return None
+    return float(factor), base
+
+
+def _readings_of_unit(unit: str, si: str) -> list[str]:
+    """The texts, in the notation of pint, that a unit may stand for, the most likely one first.
+
+    Of these readings at most one has the dimension of the SI unit `si`.
+    """
+    if unit in {'"', "'"}:
+        # The signs of inches and feet are those of seconds and minutes of arc as well.
+        return [{'"': "in", "'": "ft"}[unit]] if si == "m" else [unit]
+    # A point or a hyphen between two words is a product, and a digit after a length is its power.
+    plain = re.sub(r"(?<=[A-Za-z])[.-]+", " ", unit)
+    plain = re.sub(r"(?<![A-Za-z])(mm|cm|dm|m|in|ft)([2-4])(?!\w)", r"\1^\2", plain)
+    # pint would take the square of Nm for N^2 m^2.
+    squared = re.sub(r"N(mm|cm|m)(?= ?(?:\^|\*\*))", r"N \1", plain)
+    readings = [plain, squared, re.sub(r"[A-Za-z]+", _other_meaning_of_word, plain)]
+    # In "mm^3/N m" the force and the last length are often both meant to be below the line.
+    above, line, below = plain.partition("/")
+    if line and not set("/()") & set(below):
+        readings.append(f"{above}/({below})")
+    return list(dict.fromkeys(readings))
+
+
+def _other_meaning_of_word(match: re.Match[str]) -> str:
+    """The second meaning of a word of a unit, or the word itself if it has only one meaning."""
+    return _OTHER_MEANINGS.get(match.group(), match.group())
+
+
+def _hint_about_capitals(unit: str, si: str) -> str:
+    """The hint "(did you mean ...?)" for a unit whose capital letters are wrong, or ""."""
+    for known in COMMON.get(si, {}):
+        if known.casefold() == unit.casefold():
+            return f" (did you mean {known!r}?)"
+    return ""
 
 
 def quantity_in_si(value: object, si: str, *, unit_required: bool) -> float:
@@ -119,19 +198,8 @@ def quantity_in_si(value: object, si: str, *, unit_required: bool) -> float:
     ValueError
         for another value, with a line that says what is allowed
     """
-    # A text is split into its number and its unit.
     if isinstance(value, str):
-        if len(value) > LONGEST_QUANTITY:
-            raise ValueError(
-                f"must be {QUANTITY_NAMES[si]} in at most {LONGEST_QUANTITY} characters, "
-                f"such as {EXAMPLES[si]!r}"
-            )
-        match = _QUANTITY.fullmatch(value)
-        if match is None:
-            raise ValueError(
-                f"must be {QUANTITY_NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}"
-            )
-        number: float = float(match.group(1)) * _si_factor_of_unit(match.group(2), si)
+        number = _quantity_text_in_si(value, si)
     elif isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"must be {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     elif unit_required:
@@ -143,6 +211,33 @@ def quantity_in_si(value: object, si: str, *, unit_required: bool) -> float:
     if not abs(number) <= LARGEST_NUMBER_SI:
         raise ValueError(f"must be finite and at most {LARGEST_NUMBER_SI:g} in SI units")
     return float(number) if abs(number) >= SMALLEST else 0.0
+
+
+def _quantity_text_in_si(text: str, si: str) -> float:
+    """Convert the text of a quantity to a number in SI units. Raises ValueError for other texts."""
+    name = QUANTITY_NAMES[si]
+    if len(text) > LONGEST_QUANTITY:
+        raise ValueError(
+            f"must be {name} in at most {LONGEST_QUANTITY} characters, such as {EXAMPLES[si]!r}"
+        )
+    plain = _text_with_plain_signs(text)
+    # The text "3e8" would otherwise be the number 3 with the unit e8.
+    if _NUMBER_WITHOUT_UNIT.fullmatch(plain):
+        raise ValueError(f"has no unit; write {name} such as {EXAMPLES[si]!r}")
+    match = _QUANTITY.fullmatch(plain)
+    if match is None:
+        raise ValueError(f"must be {name}: a number and its unit, such as {EXAMPLES[si]!r}")
+    return number_as_written(match.group(1)) * _si_factor_of_unit(match.group(2), si)
+
+
+def _text_with_plain_signs(text: str) -> str:
+    """The text of a quantity with the signs of a plain keyboard for typographic signs."""
+    if text.isascii():
+        return text
+    plain = text_with_plain_spaces_and_minus_signs(text).translate(_PLAIN_UNIT_SIGNS)
+    return _SUPERSCRIPTS.sub(
+        lambda power: f"^{power.group().translate(_PLAIN_DIGITS_OF_SUPERSCRIPTS)}", plain
+    )
 
 
 def option_value_in_si(key: str, text: str, si: str) -> float:

@@ -37,6 +37,8 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
     energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
     if energised:
         print_folded_line(f"self-energising: {', '.join(energised)}")
+    if response.self_locking is not None:
+        print_folded_line(response.self_locking.line())
     for line in notes.warnings:
         print_folded_line(line)
     if response.error is not None:
@@ -55,7 +57,7 @@ class _Notes(NamedTuple):
     Attributes
     ----------
     apart : lines on shoes without contact, printed above the table of shoes
-    warnings : lines that begin with "warning:", printed below the table
+    warnings : lines that begin with "warning:" or "note:", printed below the table
     held : lines on the supports of each body and on corrections of a mesh file, printed last
     others : all other lines, printed with --verbose only
     """
@@ -72,7 +74,7 @@ class _Notes(NamedTuple):
         for line in response.notes:
             if ": no contact" in line:
                 notes.apart.append(line)
-            elif line.startswith("warning:"):
+            elif line.startswith(("warning:", "note:")):
                 notes.warnings.append(line)
             elif line.startswith("held:") or ": its mesh: " in line:
                 notes.held.append(line)

@@ -212,6 +212,31 @@ def find_friction_limit_of_contact(
     return FrictionLimit(np.inf, False, found, mu, steps)
 
 
+def is_contact_certain_up_to_friction(
+    problem_at: Callable[[float], ContactProblem],
+    before: Contact,
+    friction: float,
+    areas: Floats,
+) -> bool:
+    """Whether a contact certainly has an equilibrium from a smaller friction up to `friction`.
+
+    It has, if the solution at `friction` is stable and its contact force is larger by at most
+    LARGEST_FORCE_GROWTH. The answer False means that the limit must be followed in steps.
+
+    Parameters
+    ----------
+    problem_at : function that returns the problem at mu; the problem is linear in mu
+    before : solution at the smaller friction
+    friction : friction coefficient mu
+    areas : areas (n,) of the nodes [m^2]
+    """
+    try:
+        found = solve_contact_by_block_pivoting(problem_at(friction), before.active)
+    except NoAnswer:
+        return False
+    return bool(found.stable) and _is_growth_of_contact_force_small(found, before, areas)
+
+
 def _is_contact_continued_at_higher_friction(
     after: Contact, before: Contact, areas: Floats
 ) -> bool:

@@ -9,13 +9,14 @@ from functools import partial
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
+from drumlin.fem.equilibrium.locking import distance_of_friction_from_self_locking
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCE,
     Tolerance,
     require_tolerance_applies_to_brake,
     solve_brake_to_tolerance,
 )
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import LEVELS, SolvedLevel
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
@@ -53,6 +54,7 @@ def solve(
     penalty: float = PENALTY,
     finite_width: bool = False,
     model_error: bool = False,
+    self_locking: bool = False,
     cache: Cache | None = None,
 ) -> Response:
     """Solve a brake by finite elements, on finer and finer divisions up to a tolerance.
@@ -72,6 +74,7 @@ def solve(
         fem/width/correction.py; it then states the error that remains
     model_error : whether the response states the error that plane stress itself causes, see
         fem/width/error.py; not needed together with `finite_width`
+    self_locking : whether the response states how far the friction is from locking the brake
     cache : keeps the condensed bodies of earlier solves
 
     Raises
@@ -89,7 +92,7 @@ def solve(
     brake.check_shoes_can_be_meshed()
     if finite_width:
         require_brake_that_width_model_applies_to(brake)
-    response = _response_in_plane_stress(
+    scene, response = _solved_model_in_plane_stress(
         brake, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
     )
     seconds = dict(response.seconds)
@@ -100,6 +103,10 @@ def solve(
             )
     elif not brake.surface.is_plane_and_not_drum:
         response = _response_with_note_on_curve_balance(brake, response)
+    if self_locking:
+        with add_elapsed_time(seconds, "self-locking"):
+            found = distance_of_friction_from_self_locking(scene, brake, penalty)
+        response = replace(response, self_locking=found)
     if model_error and not finite_width:
         with add_elapsed_time(seconds, "error of plane stress"):
             own = estimate_error_of_plane_stress(brake, response, penalty=penalty, cache=cache)
@@ -119,7 +126,7 @@ def _require_tolerance_without_elements(
             )
 
 
-def _response_in_plane_stress(
+def _solved_model_in_plane_stress(
     brake: Brake,
     *,
     elements: int | None,
@@ -127,8 +134,8 @@ def _response_in_plane_stress(
     tolerance: float | None,
     penalty: float,
     cache: Cache | None,
-) -> Response:
-    """The response of a brake by finite elements in plane stress; parameters are as in `solve`.
+) -> SolvedLevel:
+    """The prepared model and the response of a brake in plane stress; parameters as in `solve`.
 
     A given tolerance must be met. Without options the default tolerance is met as well as possible.
     Given elements, and shoes with mesh files, are solved once without error estimate.
@@ -136,15 +143,12 @@ def _response_in_plane_stress(
     answer = partial(solve_prepared_model, penalty=penalty)
     if tolerance is not None:
         require_tolerance_applies_to_brake(brake, tolerance)
-        return solve_brake_to_tolerance(
-            brake, Tolerance(tolerance, tolerance), answer, cache=cache
-        ).response
+        asked = Tolerance(tolerance, tolerance)
+        return solve_brake_to_tolerance(brake, asked, answer, cache=cache)
     if _is_solved_on_finer_and_finer_levels(brake, elements, kind):
-        return solve_brake_to_tolerance(
-            brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache
-        ).response
+        return solve_brake_to_tolerance(brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache)
     model = prepared_model_with_finest_elements(brake, elements=elements, kind=kind, cache=cache)
-    return answer(model, brake)
+    return SolvedLevel(model, answer(model, brake))
 
 
 def prepared_model_with_finest_elements(

@@ -34,6 +34,7 @@ from drumlin.response.response import (
     response_of_shoe_without_contact,
 )
 from drumlin.response.resultants import Resultant, planar_cross_product
+from drumlin.response.self_locking import LockedShoes, SelfLocking, first_shoes_to_lock
 
 RIGID_ASSUMES = (
     "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
@@ -150,6 +151,15 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
         for sense in shoe.senses_of_abutment_friction_to_try
     ]
     return min(limits)
+
+
+def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
+    """The friction of a brake beside the smallest mu_lock of its shoes by the rigid-shoe law."""
+    limits = [
+        LockedShoes((shoe.name,), self_locking_friction_of_rigid_shoe(brake, shoe))
+        for shoe in brake.shoes
+    ]
+    return SelfLocking(brake.friction, first_shoes_to_lock(limits))
 
 
 def find_contact_of_rigid_shoe(

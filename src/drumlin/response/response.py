@@ -20,6 +20,7 @@ from drumlin.response.resultants import (
     edge_zone_that_does_not_count,
     integral_of_piecewise_polynomial,
 )
+from drumlin.response.self_locking import SelfLocking
 from drumlin.response.show import (
     html_table_of_response,
     plot_pressure_of_each_shoe,
@@ -383,6 +384,8 @@ class Response:
     surface : kind of surface, drum or plane, right once `response_with_figures_of_merit` has set it
     plane_stress_error : estimated error of the assumption of plane stress; None if it was not asked
         for
+    self_locking : the friction beside the friction at which the brake locks itself; None if it was
+        not asked for
     """
 
     model: str
@@ -398,6 +401,7 @@ class Response:
     error: Mapping[str, float] | None = None
     surface: FrictionSurface = DRUM
     plane_stress_error: ModelError | None = None
+    self_locking: SelfLocking | None = None
 
     def __post_init__(self) -> None:
         """Raise NoAnswer if a result of a shoe is infinite or not a number."""
@@ -462,6 +466,8 @@ class Response:
         }
         if self.bearing_load is not None:
             data["bearing_load"] = list(map(float, self.bearing_load))
+        if self.self_locking is not None:
+            data["self_locking"] = self.self_locking.as_dict()
         if self.plane_stress_error is not None:
             data["plane_stress_error"] = self.plane_stress_error.as_dict()
             for shoe, own in zip(shoes, self.plane_stress_error.shoes, strict=False):

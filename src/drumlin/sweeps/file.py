@@ -18,6 +18,7 @@ from pydantic import Field
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, DrumlinError
+from drumlin.base.written_numbers import number_as_written, pure_number_as_written
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Part, Title
 from drumlin.brake.file import (
@@ -520,15 +521,19 @@ def _has_only_text_entries(rows: list[Any]) -> bool:
 
 
 def _value_of_sweep_file_as_number_in_si(where: str, value: Any, unit: str) -> float:
-    """A value of the sweep file as a number in SI; unchanged where `unit` is "" (no unit)."""
+    """A value of the sweep file as a number in SI; `unit` is "" for a number without unit."""
     if unit:
         try:
             return quantity_in_si(value, unit, unit_required=True)
         except ValueError as error:
             raise BadInput(f"{where} = {value!r}: {error}") from error
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    try:
+        number = pure_number_as_written(value)
+    except ValueError as error:
+        raise BadInput(f"{where} = {value!r}: {error}") from error
+    if isinstance(number, bool) or not isinstance(number, int | float) or not math.isfinite(number):
         raise BadInput(f"{where} = {value!r}: must be a number, without unit")
-    return float(value)
+    return float(number)
 
 
 def _values_of_key_given_as_range(where: str, start: float, end: float, span: Range) -> _KeySpec:
@@ -726,7 +731,7 @@ def _standard_deviation_in_si(where: str, given: float | str, mean: float, unit:
     """
     if isinstance(given, str) and given.strip().endswith("%"):
         try:
-            value = float(given.strip()[:-1]) / 100 * abs(mean)
+            value = number_as_written(given.strip()[:-1]) / 100 * abs(mean)
         except ValueError as error:
             raise BadInput(f'{where} = {given!r}: must be such as "5 %" of the mean') from error
     else:

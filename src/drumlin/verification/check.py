@@ -1,9 +1,8 @@
 """Comparison of a user's pressure curves p(theta), read from a CSV file, with reference values."""
 
 import csv
-import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,6 +11,11 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.base.files import read_text
+from drumlin.base.tables import (
+    decimal_sign_of_table,
+    number_in_table_cell,
+    rows_of_separated_table,
+)
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import first_key_in_which_two_brakes_differ
@@ -96,7 +100,7 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
     """
     text = read_text(path, LARGEST_REFERENCE_FILE, "a table of p(theta)")
     try:
-        lines = list(csv.reader(io.StringIO(text, newline="")))
+        lines = rows_of_separated_table(text)
     except csv.Error as error:
         raise BadInput(f"{path}: is not a CSV file ({error})") from error
     surface = brake.surface
@@ -110,6 +114,7 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
     if "shoe" not in columns and len(names) > 1:
         raise BadInput(f"{path}: line 1: no column 'shoe'; the brake has {', '.join(names)}")
     points: dict[str, list[list[float]]] = {name: [] for name in names}
+    decimal_sign = _decimal_sign_of_pressure_table(path, lines[1:], columns, wanted)
     # Each line below the heading is one point (theta, p) of the curve of one shoe.
     for number, line in enumerate(lines[1:], 2):
         # An empty line is skipped, but it counts in the line numbers of the messages.
@@ -119,6 +124,7 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
             raise BadInput(
                 f"{path}: line {number}: {len(line)} cells; "
                 f"must have {len(lines[0])} as the heading"
+                f"{_hint_about_comma_between_cells(line, len(lines[0]))}"
             )
         name = line[columns["shoe"].position].strip() if "shoe" in columns else names[0]
         if name not in points:
@@ -126,7 +132,10 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
                 f"{path}: line {number}: shoe = {name!r}: unknown; allowed: {', '.join(names)}"
             )
         place = f"{path}: line {number}: "
-        point = [_value_of_table_cell_in_si(place, line, key, columns[key]) for key in wanted]
+        point = [
+            _value_of_table_cell_in_si(place, line, key, columns[key], decimal_sign)
+            for key in wanted
+        ]
         points[name].append(point)
     return {
         shoe.name: _sorted_pressure_curve(path, shoe, points[shoe.name]) for shoe in brake.shoes
@@ -178,8 +187,43 @@ def _columns_of_pressure_table_from_heading(
     return columns
 
 
+def _decimal_sign_of_pressure_table(
+    path: Path,
+    lines: Sequence[Sequence[str]],
+    columns: Mapping[str, _NumberColumn],
+    wanted: Iterable[str],
+) -> str:
+    """The decimal sign of the numbers in a table: "," or "."; "" if no number tells it.
+
+    Parameters
+    ----------
+    path : path of the table, for messages
+    lines : cells of the lines below the heading
+    columns : columns of the table by name
+    wanted : names of the columns that hold numbers
+
+    Raises
+    ------
+    BadInput
+        for a table with decimal commas and decimal points
+    """
+    positions = [columns[key].position for key in wanted]
+    cells = (line[at] for line in lines for at in positions if at < len(line))
+    try:
+        return decimal_sign_of_table(cells)
+    except ValueError as error:
+        raise BadInput(f"{path}: {error}") from error
+
+
+def _hint_about_comma_between_cells(line: Sequence[str], columns: int) -> str:
+    """A hint for a line with too many cells, which decimal commas may have caused; else ""."""
+    if len(line) <= columns:
+        return ""
+    return "; with decimal commas the cells must be separated by semicolons or tabs"
+
+
 def _value_of_table_cell_in_si(
-    place: str, line: Sequence[str], key: str, column: _NumberColumn
+    place: str, line: Sequence[str], key: str, column: _NumberColumn, decimal_sign: str
 ) -> float:
     """The number in a cell of a table, in SI.
 
@@ -189,6 +233,7 @@ def _value_of_table_cell_in_si(
     line : cells of the line
     key : name of the quantity, for messages
     column : column of the cell
+    decimal_sign : "," or "." if other numbers of the table tell it, else ""
 
     Raises
     ------
@@ -197,14 +242,15 @@ def _value_of_table_cell_in_si(
     """
     cell = line[column.position]
     # A text that is no number becomes NaN, which the comparison below refuses.
+    cause = ""
     try:
-        value = float(cell) * column.factor
-    except ValueError:
-        value = math.nan
+        value = number_in_table_cell(cell, decimal_sign) * column.factor
+    except ValueError as error:
+        value, cause = math.nan, f" ({error})" if "," in cell else ""
     if not abs(value) <= LARGEST_NUMBER_SI:
         raise BadInput(
             f"{place}{key} = {cell!r}: must be a finite number, "
-            f"up to {LARGEST_NUMBER_SI:g} in SI units"
+            f"up to {LARGEST_NUMBER_SI:g} in SI units{cause}"
         )
     return value
 

@@ -280,6 +280,15 @@ class ShoeGroup(GroupProblems):
 
     # These methods follow the solution as the friction coefficient of the drum grows.
 
+    @property
+    def has_neither_strut_cam_nor_abutment(self) -> bool:
+        """Whether no strut or cam pushes a shoe of the group and no foot bears on an abutment."""
+        return (
+            not self.pushing_and_pushed_shoe_of_struts
+            and not self.indices_of_shoes_under_cam
+            and all(shoe.abutment is None for shoe in self.shoes)
+        )
+
     def follow_contact_to_friction_limit(self, largest_friction: float) -> FollowedFrictionLimit:
         """Find the friction coefficient of the drum up to which the group has an equilibrium.
 
@@ -289,11 +298,7 @@ class ShoeGroup(GroupProblems):
         abutment. Raises NoAnswer if there is no solution at any friction.
         """
         # Without struts, cam and abutments there is nothing to check on the way.
-        if (
-            not self.pushing_and_pushed_shoe_of_struts
-            and not self.indices_of_shoes_under_cam
-            and all(shoe.abutment is None for shoe in self.shoes)
-        ):
+        if self.has_neither_strut_cam_nor_abutment:
             limit = self_locking.find_friction_limit_of_contact(
                 self.contact_problem_as_function_of_friction,
                 largest_friction,

@@ -1,0 +1,58 @@
+"""Read tables of text files whose cells are separated by commas, semicolons or tabs.
+
+Spreadsheets of countries with a decimal comma separate cells by semicolons. In a table with both
+decimal commas and decimal points no number is certain, and the table is refused.
+"""
+
+import csv
+import io
+from collections.abc import Iterable
+
+from drumlin.base.written_numbers import decimal_sign_of_number, number_as_written
+
+SEPARATORS = (",", ";", "\t")
+"""Characters that may separate the cells of a table."""
+
+
+def rows_of_separated_table(text: str) -> list[list[str]]:
+    """The rows of cells of a table; the separator is the one that the first line has most often.
+
+    Raises csv.Error for a text that is no table.
+    """
+    heading = text.partition("\n")[0]
+    # Of separators that the first line has equally often, such as none, the comma counts.
+    separator = max(SEPARATORS, key=heading.count)
+    return list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
+
+
+def decimal_sign_of_table(cells: Iterable[str]) -> str:
+    """The decimal sign of the numbers in a table, "," or "."; "" if no cell tells it.
+
+    Raises ValueError for cells of which some have a decimal comma and others a decimal point.
+    """
+    # Each sign is remembered with the first cell that proves it.
+    found: dict[str, str] = {}
+    for cell in cells:
+        sign = decimal_sign_of_number(cell)
+        if sign:
+            found.setdefault(sign, cell.strip())
+    if len(found) == 2:
+        raise ValueError(
+            f"has decimal commas ({found[',']}) and decimal points ({found['.']}); "
+            "must have one of them"
+        )
+    return next(iter(found), "")
+
+
+def number_in_table_cell(cell: str, decimal_sign: str) -> float:
+    """The number in a cell of a table whose decimal sign is known, see `decimal_sign_of_table`.
+
+    Raises ValueError for a cell without a number, or with a number that has two readings.
+    """
+    # A plain number of any length is read at once.
+    if decimal_sign != "," or not set(".,") & set(cell):
+        try:
+            return float(cell)
+        except ValueError:
+            pass
+    return number_as_written(cell, decimal_sign)

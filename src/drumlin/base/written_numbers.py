@@ -1,0 +1,115 @@
+"""Read numbers as people write them: decimal commas, grouped digits, fractions, per cent.
+
+Word processors, spreadsheets and web pages also put typographic spaces and minus signs into a
+number. A number that can be read in two ways is refused.
+"""
+
+import re
+
+from drumlin.base.texts import LONGEST_QUANTITY
+
+_SPACES = "\t\u00a0\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u202f\u205f"
+_MINUS_SIGNS = "\u2010\u2011\u2012\u2013\u2212\ufe63\uff0d"
+_PLAIN_CHARACTERS = str.maketrans(
+    _SPACES + _MINUS_SIGNS, " " * len(_SPACES) + "-" * len(_MINUS_SIGNS)
+)
+
+NUMBER_PATTERN = r"[-+]? ?(?:(?:\d+ )?\d+ ?/ ?\d+|[\d.,](?:[\d., ]*[\d.,])?(?:[eE][-+]?\d{1,3})?)"
+"""Pattern, without groups, of a text that may be a number; `number_as_written` checks its digits.
+
+The text has plain spaces and minus signs, see `text_with_plain_spaces_and_minus_signs`.
+"""
+_PLAIN_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?", re.ASCII)
+_NUMBER = re.compile(rf"\s*({NUMBER_PATTERN})\s*", re.ASCII)
+_FRACTION = re.compile(r"(?:(\d+) )?(\d+) ?/ ?(\d+)", re.ASCII)
+# A decimal point is never in doubt, because files of drumlin have always had decimal points.
+_PLAIN_DIGITS = re.compile(r"\d+\.?\d*|\.\d+", re.ASCII)
+_DECIMAL_COMMA = re.compile(r"(?:\d+|\d{1,3}(?:\.\d{3})+|\d{1,3}(?: \d{3})+|),\d+", re.ASCII)
+_GROUPS_OF_THREE = re.compile(
+    r"\d{1,3}(?: \d{3})+(?:\.\d+)?|\d{1,3}(?:,\d{3})+(?:\.\d+)?|\d{1,3}(?:\.\d{3}){2,}", re.ASCII
+)
+# Such a number is 1.5 to some readers and 1500 to others.
+_COMMA_IN_DOUBT = re.compile(r"[1-9]\d{0,2},\d{3}", re.ASCII)
+
+
+def text_with_plain_spaces_and_minus_signs(text: str) -> str:
+    """The text with a blank for each typographic space, and a hyphen for each minus sign."""
+    return text if text.isascii() and "\t" not in text else text.translate(_PLAIN_CHARACTERS)
+
+
+def number_as_written(text: str, decimal_sign: str = "") -> float:
+    """The number that a text gives, without a unit.
+
+    Parameters
+    ----------
+    text : such as "150.5", "150,5", "1 500", "1.500,5", "3/4" or "-1e-5"
+    decimal_sign : "," or "." where other numbers of a table tell what a comma means; "" if unknown
+
+    Raises
+    ------
+    ValueError
+        for a text that is no number, or a number with two readings, in words for the user
+    """
+    # Most numbers are plain, and are read at once.
+    if decimal_sign != "," and _PLAIN_NUMBER.fullmatch(text):
+        return float(text)
+    match = _NUMBER.fullmatch(text_with_plain_spaces_and_minus_signs(text))
+    if match is None or len(text) > LONGEST_QUANTITY:
+        raise ValueError("must be a number")
+    sign = -1.0 if match.group(1).startswith("-") else 1.0
+    digits, _, exponent = match.group(1).lstrip("-+ ").lower().partition("e")
+    fraction = _FRACTION.fullmatch(digits)
+    if fraction is not None:
+        whole, above, below = (int(part or 0) for part in fraction.groups())
+        if below == 0:
+            raise ValueError("must be a number: its fraction has the denominator 0")
+        return sign * (whole + above / below)
+    return sign * float(f"{_digits_with_decimal_point(digits, decimal_sign)}e{exponent or 0}")
+
+
+def decimal_sign_of_number(text: str) -> str:
+    """The decimal sign that a text proves, "," or "."; "" if the text proves neither of them."""
+    digits = text_with_plain_spaces_and_minus_signs(text).strip().lstrip("-+ ")
+    digits = re.sub(r"[eE][-+]?\d{1,3}$", "", digits)
+    if "." in digits and _PLAIN_DIGITS.fullmatch(digits):
+        return "."
+    if _COMMA_IN_DOUBT.fullmatch(digits):
+        return ""
+    if _DECIMAL_COMMA.fullmatch(digits):
+        return ","
+    return "." if "," in digits and _GROUPS_OF_THREE.fullmatch(digits) else ""
+
+
+def _digits_with_decimal_point(digits: str, decimal_sign: str) -> str:
+    """The digits of a number without groups of three, and with a decimal point.
+
+    `decimal_sign` is "," or "." if it is known. Raises ValueError for digits with two readings.
+    """
+    if _PLAIN_DIGITS.fullmatch(digits) and not (decimal_sign == "," and "." in digits):
+        return digits
+    if _COMMA_IN_DOUBT.fullmatch(digits) and not decimal_sign:
+        raise ValueError(
+            f"must have a decimal point: {digits} may be {digits.replace(',', '.')} "
+            f"or {digits.replace(',', '')}"
+        )
+    if decimal_sign != "." and _DECIMAL_COMMA.fullmatch(digits):
+        return digits.replace(" ", "").replace(".", "").replace(",", ".")
+    if _GROUPS_OF_THREE.fullmatch(digits):
+        # Several points group the digits, one point is the decimal sign.
+        joined = digits.replace(" ", "").replace(",", "")
+        return joined.replace(".", "") if joined.count(".") > 1 else joined
+    raise ValueError("must be a number with a decimal point")
+
+
+def pure_number_as_written(value: object) -> object:
+    """A number without unit that a text gives, such as "0,3" or "30 %".
+
+    Other values, and texts that give no number, are returned unchanged. Raises ValueError for a
+    number that has two readings.
+    """
+    if not isinstance(value, str) or len(value) > LONGEST_QUANTITY:
+        return value
+    plain = text_with_plain_spaces_and_minus_signs(value).strip()
+    if _NUMBER.fullmatch(plain.removesuffix("%")) is None:
+        return value
+    return number_as_written(plain.removesuffix("%")) / (100 if plain.endswith("%") else 1)

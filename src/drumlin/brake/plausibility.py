@@ -1,0 +1,291 @@
+"""Notes on values of a brake that can hardly be meant, such as a friction coefficient of 30.
+
+Such a value is usually a unit that was mistaken. The brake is solved all the same, since the value
+could be meant. The limits are judgements: each is several times as wide as the brakes of the
+studies and of `drumlin_studies.random_brake`.
+"""
+
+import functools
+import math
+import re
+from collections.abc import Iterator
+from typing import Annotated, Any, NamedTuple
+
+from drumlin.base.texts import number_as_text
+from drumlin.brake.brake import Brake
+from drumlin.brake.drum_brake import DrumBrake
+from drumlin.brake.fields import Material, Orthotropic, Part, Point, si_unit_of_field_type
+from drumlin.brake.units import mm_text
+
+FAR_AWAY = 20.0
+"""Distance or length, relative to the brake's size, above which a note asks for its unit.
+
+The size is the drum's radius, on a plane the length of the longest lining. Points of random brakes
+lie up to 3 radii away, on a plane up to 9 lengths.
+"""
+NARROW = 1e-3
+"""Width or diameter, relative to the brake's size, below which a note asks for its unit.
+
+Widths of random brakes are 0.02 of the size at least.
+"""
+THIN = 1e-4
+"""Thickness, relative to the brake's size, below which a note asks for its unit.
+
+Thicknesses of random brakes are 0.001 of the size at least.
+"""
+DRUM_RADII = (1e-3, 30.0)
+"""Radii [m] of the drum below and above which a note asks for the unit.
+
+Drums have radii of some 20 mm to 5 m.
+"""
+HIGH_FRICTION = 2.0
+"""Friction coefficient above which a note asks whether per cent were meant.
+
+Brake linings reach 0.7, and dry rubber 1.5.
+"""
+LARGEST_TURNS_OF_ANGLE = 2.0
+"""Turns of an angle above which a note asks whether degrees were meant.
+
+An angle of 75 deg that is written as 75 rad is 12 turns.
+"""
+SOFTEST_LINING, SOFTEST_BODY, STIFFEST_PART = 1e5, 1e6, 3e13
+"""Moduli [Pa]: those of linings and bodies below which, and of any part above which, a note asks.
+
+Foams have 1e5 Pa, wood across its grain 1e8 Pa, steel 2e11 Pa and diamond 1e12 Pa. A modulus in
+N/m^2 that was meant in N/mm^2 is a million times too small.
+"""
+METAL_MODULI = (6e10, 2.2e11)
+"""Moduli [Pa] of the metals of shoes, from aluminium (7e10 Pa) to steel (2.1e11 Pa).
+
+A note asks about a lining that is stiffer than a shoe of such a metal.
+"""
+STIFFEST_USUAL_LINING = 2e10
+"""Modulus [Pa] up to which a material may be that of a lining; organic linings have 1e8 to 5e9 Pa.
+
+A note asks about a lining of metal on a shoe of such a material.
+"""
+CYLINDER_PRESSURES = (1e4, 1e9)
+"""Pressures [Pa] of a wheel cylinder below and above which a note asks for the unit.
+
+Wheel cylinders have some 1 to 20 MPa, and brakes worked by vacuum 5e4 Pa.
+"""
+
+
+def notes_on_values_that_can_hardly_be_meant(brake: Brake) -> tuple[str, ...]:
+    """A line of text for each value of a brake that is probably a mistake, with the likely value.
+
+    Each line begins with "note:" and names the key of the brake file.
+    """
+    size = brake.size
+    if brake.surface.is_plane_and_not_drum:
+        size = max(shoe.lining.end - shoe.lining.start for shoe in brake.shoes)
+    lines = [*_lines_on_friction(brake), *_lines_on_stiff_linings(brake)]
+    # If the drum's radius itself is a mistake, no length can be compared with it.
+    on_drum = list(_lines_on_drum_radius(brake))
+    lines += on_drum or _lines_on_far_points(brake, size)
+    for value in _quantities_of_part(brake, ""):
+        lines += [] if on_drum else _lines_on_length(value, brake, size)
+        lines += [*_lines_on_angle(value), *_lines_on_modulus_or_pressure(value)]
+    return tuple(f"note: {line}" for line in _lines_without_repeated_shoes(lines))
+
+
+def _lines_without_repeated_shoes(lines: list[str]) -> Iterator[str]:
+    """Yield each line once, if others differ from it in the number of the shoe alone."""
+    counts: dict[str, int] = {}
+    firsts: dict[str, str] = {}
+    for line in lines:
+        alike = re.sub(r"shoe\[\d+\]", "shoe[]", line)
+        counts[alike] = counts.get(alike, 0) + 1
+        firsts.setdefault(alike, line)
+    for alike, line in firsts.items():
+        more = counts[alike] - 1
+        yield f"{line} ({more} more shoe{'s' * (more > 1)} alike)" if more else line
+
+
+class _Quantity(NamedTuple):
+    """A quantity of a brake: its key in the brake file, its part, its SI unit and its value."""
+
+    key: str
+    part: Part
+    unit: str
+    value: float
+
+    @property
+    def name(self) -> str:
+        """The last part of the key."""
+        return self.key.rpartition(".")[2]
+
+
+def _quantities_of_part(part: Part, key: str) -> Iterator[_Quantity]:
+    """Yield the quantities of a part and of the parts within it, without tables of quantities.
+
+    `key` is the key of the part itself, "" for the brake.
+    """
+    for name, field in type(part).model_fields.items():
+        value, below = getattr(part, name), f"{key}.{field.alias or name}".removeprefix(".")
+        if isinstance(value, Part):
+            yield from _quantities_of_part(value, below)
+        elif isinstance(value, tuple):
+            for i, each in enumerate(value):
+                if isinstance(each, Part):
+                    yield from _quantities_of_part(each, f"{below}[{i}]")
+        elif isinstance(value, float):
+            yield _Quantity(below, part, _si_unit_of_field(type(part), name), value)
+
+
+@functools.cache
+def _si_unit_of_field(kind: type[Part], name: str) -> str:
+    """The SI unit of a field of a class of parts; "" for a number without unit."""
+    field = kind.model_fields[name]
+    annotation: Any = field.annotation
+    if field.metadata:
+        annotation = Annotated[annotation, *field.metadata]
+    return si_unit_of_field_type(annotation) or ""
+
+
+def _lines_on_friction(brake: Brake) -> Iterator[str]:
+    """A line on a friction coefficient that no lining has."""
+    if brake.friction > HIGH_FRICTION:
+        meant = f"; did you mean {brake.friction / 100:g}, which is {brake.friction:g} %?"
+        yield (
+            f"friction = {brake.friction:g} is more than any lining has"
+            f"{meant if brake.friction <= 100 else ''}"
+        )
+
+
+def _lines_on_drum_radius(brake: Brake) -> Iterator[str]:
+    """A line on a drum that is smaller or larger than drums are."""
+    low, high = DRUM_RADII
+    if isinstance(brake, DrumBrake) and not low <= brake.drum.radius <= high:
+        meant = _length_in_other_unit(brake.drum.radius, small=brake.drum.radius < low)
+        yield (
+            f"drum.radius = {mm_text(brake.drum.radius)} is not usual, "
+            f"20 mm to 5 m are; "
+            f"did you mean {meant}?"
+        )
+
+
+def _lines_on_far_points(brake: Brake, size: float) -> Iterator[str]:
+    """A line on each support or point of actuation that is far from the drum or the linings."""
+    for i, shoe in enumerate(brake.shoes):
+        abutment = None if shoe.abutment is None else shoe.abutment.point
+        points = {
+            "hinge": shoe.hinge,
+            "pivot": shoe.pivot,
+            "abutment.point": abutment,
+            "actuation.point": shoe.actuation.point,
+        }
+        for name, point in points.items():
+            away = 0.0 if point is None else _distance_from_surface_centre(brake, point)
+            if away > FAR_AWAY * size:
+                words = _words_for_size(brake, size)
+                meant = _length_in_other_unit(away, small=False)
+                yield (
+                    f"shoe[{i}].{name} is {away:.4g} m away, {away / size:.3g} times {words}; "
+                    f"did you mean {meant}?"
+                )
+
+
+def _distance_from_surface_centre(brake: Brake, point: Point) -> float:
+    """Distance [m] of a point from the drum's centre, on a plane from the nearest lining."""
+    if not brake.surface.is_plane_and_not_drum:
+        return point.radius
+    return min(math.dist(point.xy, (shoe.lining.middle, 0.0)) for shoe in brake.shoes)
+
+
+def _words_for_size(brake: Brake, size: float) -> str:
+    """Words for the length to which lengths are compared, with its value."""
+    name = "the lining's length" if brake.surface.is_plane_and_not_drum else "drum.radius"
+    return f"{name} = {mm_text(size)}"
+
+
+def _length_in_other_unit(length: float, *, small: bool) -> str:
+    """The lengths that the same number would give in other usual units.
+
+    A `small` length may be meant in m and written in mm, a large one the other way round.
+    """
+    if small:
+        return f"{length * 1e3:.4g} m"
+    return f"{length:.4g} mm or {length:.4g} cm"
+
+
+def _lines_on_length(value: _Quantity, brake: Brake, size: float) -> Iterator[str]:
+    """A line on a width, thickness, grip or diameter that is far from the size of the brake."""
+    least = {"thickness": THIN, "width": NARROW, "grip": THIN, "diameter": NARROW}.get(value.name)
+    if least is None or value.unit != "m":
+        return
+    words = _words_for_size(brake, size)
+    if value.value > FAR_AWAY * size:
+        yield (
+            f"{value.key} = {value.value:.4g} m is {value.value / size:.3g} times {words}; "
+            f"did you mean {_length_in_other_unit(value.value, small=False)}?"
+        )
+    elif 0 < value.value < least * size:
+        yield (
+            f"{value.key} = {mm_text(value.value)} is {value.value / size:.2g} of {words}; "
+            f"did you mean {_length_in_other_unit(value.value, small=True)}?"
+        )
+
+
+def _lines_on_angle(value: _Quantity) -> Iterator[str]:
+    """A line on an angle of several turns, as radians give that were meant as degrees.
+
+    The angle of the drum may have many turns.
+    """
+    if value.unit == "rad" and value.key != "drum.angle":
+        yield from _line_on_turns(value.key, value.value)
+    if isinstance(value.part, Point) and value.name == "x" and value.part.written_angle is not None:
+        yield from _line_on_turns(f"{value.key.removesuffix('.x')}.angle", value.part.written_angle)
+
+
+def _line_on_turns(key: str, angle: float) -> Iterator[str]:
+    """A line on an angle [rad] of too many turns; `key` is its key in the file."""
+    if abs(angle) > LARGEST_TURNS_OF_ANGLE * 2 * math.pi:
+        turns = abs(angle) / (2 * math.pi)
+        yield f"{key} = {angle:.6g} rad is {turns:.3g} turns; did you mean {angle:.6g} deg?"
+
+
+def _lines_on_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
+    """A line on a modulus or a cylinder's pressure as it is if N/m^2 and N/mm^2 are mistaken."""
+    if value.unit != "Pa":
+        return
+    low, high = CYLINDER_PRESSURES
+    what = "a wheel cylinder"
+    if isinstance(value.part, Material | Orthotropic):
+        of_lining = ".lining." in value.key or ".backing." in value.key
+        low, high = SOFTEST_LINING if of_lining else SOFTEST_BODY, STIFFEST_PART
+        what = "a lining" if of_lining else "a shoe or a ring"
+    if value.value < low:
+        yield (
+            f"{value.key} = {number_as_text(value.value, '.4g')} Pa (N/m^2) is low for {what}; "
+            f"did you mean {_modulus_text(value.value * 1e6)} (N/mm^2)?"
+        )
+    elif value.value > high:
+        yield (
+            f"{value.key} = {_modulus_text(value.value)} (N/mm^2) is high for {what}; "
+            f"did you mean N/m^2, which gives {_modulus_text(value.value * 1e-6)}?"
+        )
+
+
+def _modulus_text(modulus: float) -> str:
+    """A modulus or a pressure [Pa] as text in MPa."""
+    return f"{number_as_text(modulus * 1e-6, '.4g')} MPa"
+
+
+def _lines_on_stiff_linings(brake: Brake) -> Iterator[str]:
+    """A line on each lining that is stiffer than a metal shoe, or is of metal on a soft shoe."""
+    softest_metal, stiffest_metal = METAL_MODULI
+    for i, shoe in enumerate(brake.shoes):
+        body = None if shoe.body is None else shoe.body.material
+        # Moduli beyond STIFFEST_PART have a line of their own.
+        if body is None or shoe.lining.material is None:
+            continue
+        E_lining, E_body = shoe.lining.material.E_through, body.E_along
+        moduli = f"E = {_modulus_text(E_lining)} beside {_modulus_text(E_body)}"
+        if E_lining <= E_body or E_lining > STIFFEST_PART or E_body < SOFTEST_BODY:
+            continue
+        key = f"shoe[{i}].lining.material is stiffer than shoe[{i}].body.material, {moduli}"
+        if softest_metal <= E_body <= stiffest_metal:
+            yield f"{key}; did you mean {_modulus_text(E_lining * 1e-3)}?"
+        elif softest_metal <= E_lining <= stiffest_metal and E_body <= STIFFEST_USUAL_LINING:
+            yield f"{key}; were the two exchanged?"

@@ -1,0 +1,113 @@
+"""How far the friction of a solved brake is from the limit of self-locking of the elastic brake.
+
+The limit is followed from the solution at the brake's friction, not from zero friction. Far from
+the limit this costs two contact solves for a group of shoes.
+"""
+
+import math
+from contextlib import suppress
+
+from drumlin.base.errors import NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.contact.active_set import solve_contact_by_block_pivoting
+from drumlin.contact.self_locking import (
+    COARSE_PATH_ABOVE_NODES,
+    find_friction_limit_of_contact,
+    is_contact_certain_up_to_friction,
+)
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
+from drumlin.fem.preparation.scene import PreparedModel
+from drumlin.response.self_locking import (
+    WARNED_SHARE,
+    LockedShoes,
+    SelfLocking,
+    first_shoes_to_lock,
+)
+
+NEAR_LAW = 0.5
+"""Friction relative to mu_lock of the rigid-shoe law above which the elastic limit is stated.
+
+Below it, the elastic limit is sought only as far as a warning needs it. The value is a judgement
+that changes the time and the printed line alone.
+"""
+FURTHEST_SEARCH = 3.0
+"""Friction, relative to the brake's, up to which the elastic limit is sought near the law's limit.
+
+Elastic limits are up to 1.8 times as high as the law's in the studies. The value changes the time
+and the printed line alone.
+"""
+
+
+def distance_of_friction_from_self_locking(
+    scene: PreparedModel, brake: Brake, penalty: float
+) -> SelfLocking:
+    """The friction of a brake beside the limits of self-locking by the law and by finite elements.
+
+    If the friction is above NEAR_LAW of the law's limit of a group, the elastic limit is sought up
+    to FURTHEST_SEARCH times the friction. Otherwise it is sought up to 1/WARNED_SHARE times the
+    friction, so that a warning is certain; mostly a single contact solve shows that there is none.
+    It is not sought if a cam, a strut or an abutment may end the equilibrium earlier, nor on meshes
+    of more than COARSE_PATH_ABOVE_NODES contact nodes: there it would take longer than the solve.
+
+    Parameters
+    ----------
+    scene : the prepared model on which the brake was solved
+    brake : the brake, which has a solution on this model
+    penalty : factor alpha of the contact stiffness alpha E/t
+
+    Raises
+    ------
+    NoAnswer
+        if the brake has no solution on this model
+    """
+    friction = brake.friction
+    by_law = [
+        LockedShoes((shoe.name,), limit)
+        for shoe, limit in zip(brake.shoes, scene.locking_frictions_of_rigid_shoes, strict=True)
+    ]
+    law = first_shoes_to_lock(by_law)
+    groups = divide_pressed_shoes_into_groups(scene, brake, penalty) if friction > 0 else []
+    if not groups or not all(map(_is_limit_of_group_cheap, groups)):
+        return SelfLocking(friction, law)
+
+    def law_of_group(group: ShoeGroup) -> float:
+        """The smallest mu_lock of the shoes of a group by the rigid-shoe law."""
+        return min(by_law[i].friction for i in group.members)
+
+    # The group that locks first by the law bounds the search in the others.
+    limits, sought = [], friction / WARNED_SHARE
+    if friction > NEAR_LAW * law.friction:
+        sought = friction * FURTHEST_SEARCH
+    for group in sorted(groups, key=law_of_group):
+        shoes = tuple(brake.shoes[i].name for i in group.members)
+        limits.append(LockedShoes(shoes, _elastic_limit_of_group(group, sought)))
+        sought = min(sought, limits[-1].friction)
+    return SelfLocking(friction, law, first_shoes_to_lock(limits), sought)
+
+
+def _is_limit_of_group_cheap(group: ShoeGroup) -> bool:
+    """Whether the elastic limit of a group takes only a few contact solves of moderate size."""
+    nodes = len(group.contact_node_areas)
+    return group.has_neither_strut_cam_nor_abutment and nodes <= COARSE_PATH_ABOVE_NODES
+
+
+def _elastic_limit_of_group(group: ShoeGroup, sought: float) -> float:
+    """The friction coefficient at which a group of shoes locks itself; inf if it is above `sought`.
+
+    The group has a solution at its friction. Raises NoAnswer otherwise.
+    """
+    areas, problem_at = group.contact_node_areas, group.contact_problem_of_group_at_friction
+    # Where the direct solution does not converge, the next one decides.
+    with suppress(NoAnswer):
+        contact = solve_contact_by_block_pivoting(group.contact_problem_of_group)
+        if contact.stable and is_contact_certain_up_to_friction(problem_at, contact, sought, areas):
+            return math.inf
+    # Near the limit the solution is one that growing friction reaches, which takes longer.
+    contact = group.solve_contact_for_known_friction_senses()
+    limit = find_friction_limit_of_contact(
+        group.contact_problem_as_function_of_friction,
+        sought,
+        (group.brake.friction, contact),
+        areas,
+    )
+    return limit.friction if limit.friction < sought else math.inf

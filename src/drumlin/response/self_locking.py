@@ -1,0 +1,107 @@
+"""How far the friction of a brake is from locking it: the text and the data of an answer."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from drumlin.base.texts import number_as_text
+
+WARNED_SHARE = 2 / 3
+"""Friction relative to mu_lock above which a warning is printed.
+
+The torque grows as 1/(mu_lock - mu): at two thirds, friction that is 10 % higher gives 37 % more
+torque. The value is a judgement and changes no result.
+"""
+
+
+class LockedShoes(NamedTuple):
+    """Shoes that lock together, and the friction coefficient mu_lock at which they do.
+
+    Attributes
+    ----------
+    shoes : names of the shoes; on a rigid drum a single shoe
+    friction : mu_lock; inf if no limit was found
+    """
+
+    shoes: tuple[str, ...]
+    friction: float
+
+
+class SelfLocking(NamedTuple):
+    """The friction of a brake and the friction coefficients at which the brake locks itself.
+
+    Attributes
+    ----------
+    friction : friction coefficient mu of the brake
+    law : the shoe that locks first by the rigid-shoe law, and its mu_lock
+    elastic : the shoes that lock first by finite elements, and their mu_lock; None if the limit was
+        not sought
+    sought : friction coefficient up to which the limit by finite elements was sought; 0 if it was
+        not sought
+    """
+
+    friction: float
+    law: LockedShoes
+    elastic: LockedShoes | None = None
+    sought: float = 0.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """The limits as plain data for JSON; a limit that was not found is None."""
+        elastic = None if self.elastic is None else self.elastic.friction
+        return {
+            "friction": self.friction,
+            "law": _finite_or_none(self.law.friction),
+            "elastic": _finite_or_none(elastic),
+            "elastic_sought_up_to": self.sought,
+        }
+
+    def line(self) -> str:
+        """A line of text on how far the friction is from each limit."""
+        known = []
+        if self.elastic is not None and math.isfinite(self.elastic.friction):
+            known.append(self._share_in_words(self.elastic, "for the elastic brake"))
+        if math.isfinite(self.law.friction):
+            known.append(self._share_in_words(self.law, "by the rigid-shoe law"))
+        if not known:
+            known.append("no friction locks the brake by the rigid-shoe law")
+        if self.elastic is not None and math.isinf(self.elastic.friction):
+            known.append(f"the elastic brake does not lock below {self.sought:.4g}")
+        return f"self-locking: {'; '.join(known)}"
+
+    def _share_in_words(self, limit: LockedShoes, whose: str) -> str:
+        """The friction as a part of one limit, in words."""
+        share = number_as_text(self.friction / limit.friction, ".0%")
+        return f"friction {self.friction:g} is {share} of mu_lock = {limit.friction:.4g} {whose}"
+
+    def warnings(self) -> Iterator[str]:
+        """Yield a line on each limit of which the friction is more than two thirds."""
+        if self.elastic is not None and self.friction > WARNED_SHARE * self.elastic.friction:
+            yield (
+                f"warning: {_names_in_words(self.elastic.shoes)}: "
+                f"{self._share_in_words(self.elastic, 'for the elastic brake')}, "
+                "towards which the torque grows without bound"
+            )
+        shoe = _names_in_words(self.law.shoes)
+        if self.friction >= self.law.friction:
+            yield (
+                f"warning: {shoe}: friction {self.friction:g} is above "
+                f"mu_lock = {self.law.friction:.4g} of the rigid-shoe law, "
+                "by which the shoe locks itself"
+            )
+        elif self.friction > WARNED_SHARE * self.law.friction:
+            yield f"warning: {shoe}: {self._share_in_words(self.law, 'by the rigid-shoe law')}"
+
+
+def first_shoes_to_lock(limits: Sequence[LockedShoes]) -> LockedShoes:
+    """The shoes with the smallest mu_lock."""
+    return min(limits, key=lambda limit: limit.friction)
+
+
+def _names_in_words(shoes: Sequence[str]) -> str:
+    """The names of shoes in words for a line of text."""
+    return ", ".join(f"shoe {name!r}" for name in shoes)
+
+
+def _finite_or_none(value: float | None) -> float | None:
+    """The value, or None if it is infinite."""
+    return None if value is None or math.isinf(value) else value
