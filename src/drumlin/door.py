@@ -293,7 +293,7 @@ def wear(
     Parameters
     ----------
     brake : the brake, or the path of its file
-    model : "fem" or "foundation", the elastic model whose linings wear
+    model : "fem", "solid" or "foundation", the elastic model whose linings wear
     distance : sliding distance [m], or a text: "20 km", or "20" for 20 times 1/(k K) with K = E/t
         of the lining; None: until pressure and torque no longer change
     coefficient : wear coefficient k [1/Pa], or a text such as "1e-5 mm^3/(N m)"; with another
@@ -302,7 +302,8 @@ def wear(
     torque : torque [N m], or a text with its unit, that is kept constant by changing the actuation;
         None: the actuation stays constant. On a plane it is the braking force [N]
     reverse : sliding distance, as `distance`, after which the drum reverses, again and again
-    guided : whether the shoes move along the radius of their middle without turning ("fem")
+    guided : whether the shoes move along the radius of their middle without turning ("fem",
+        "solid")
     tolerance : relative error of p (L2) in a step of the wear
     elements : number of finite elements along each lining, see `solve`
     kind : kind of the finite elements, see `solve`
@@ -348,7 +349,7 @@ def wear(
         if torque is None
         else _option_value_in_si("--torque", torque, worn.surface.effect_unit)
     )
-    options = on_mesh if model == "fem" else on_springs
+    options = on_springs if model == "foundation" else on_mesh
     setups = whole_brake.make_wear_setups_of_brake(
         worn, model, both_ways=reverse is not None, **options
     )
@@ -384,6 +385,7 @@ class HoldingRun(NamedTuple):
 
 def hold(
     brake: BrakeOrPath,
+    model: str = "fem",
     *,
     rotation: float | str | None = None,
     steps: int = 20,
@@ -397,6 +399,7 @@ def hold(
     Parameters
     ----------
     brake : the brake, or the path of its file
+    model : "fem" for finite elements in plane stress, "solid" for shoes with their widths
     rotation : angle by which the drum is turned [rad], or a text such as "0.02 deg"; on a plane the
         distance by which the body slides [m]; None: to full slip
     steps : number of increments of the rotation, 1 to 10 000
@@ -427,7 +430,7 @@ def hold(
     import numpy as np
 
     from drumlin.fem.analysis import holding
-    from drumlin.fem.solve import prepared_model_with_finest_elements
+    from drumlin.fem.analysis.prepared import prepared_model_for_analysis
 
     held = _read_brake_if_path(brake)
     held.check_shoes_can_be_meshed()
@@ -441,7 +444,7 @@ def hold(
         None if rotation is None else _option_value_in_si("--rotation", rotation, held.surface.unit)
     )
     # Without a given rotation the drum is turned until every node slips.
-    scene = prepared_model_with_finest_elements(held, **on_mesh)
+    scene = prepared_model_for_analysis(held, model, **on_mesh)
     if end is None:
         end = holding.find_full_slip_rotation(scene, held, **stiffness)
     # The state at rest comes first: there is one state more than increments.

@@ -50,8 +50,11 @@ FieldsFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes"),
 ]
+AnalysisModel = Annotated[
+    str, typer.Option(metavar="fem|solid", help="plane stress, or shoes with their widths")
+]
 WearingModel = Annotated[
-    str, typer.Option(metavar="fem|foundation", help="the elastic model that is worn in")
+    str, typer.Option(metavar="fem|solid|foundation", help="the elastic model that is worn in")
 ]
 
 # Options that belong to one or two commands.

@@ -218,6 +218,7 @@ def compare(
 
 def hold(
     brake_file: BrakeFile,
+    model: of.AnalysisModel = "fem",
     rotation: of.Rotation = None,
     steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
     json_file: of.StatesJson = None,
@@ -233,6 +234,7 @@ def hold(
     with show_spinner_beside_words("holding") as say:
         run = drumlin.hold(
             brake,
+            model,
             rotation=rotation,
             steps=steps,
             elements=elements,

@@ -125,12 +125,12 @@ def make_hp_bodies(
     if brake.ring is not None:
         with add_elapsed_time(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
-            divisions = [rule.division.dictionary_key_of_division for rule in rules.values()]
+            keys = [rule.division.dictionary_key_of_division for rule in rules.values()]
             key = (
                 brake_without_loads_and_clearances(brake),
                 level,
                 singular_layer_size,
-                *divisions,
+                *keys,
             )
             ring = cache.get(key, partial(ring_under, lines), memory_of_condensed_body)
 
@@ -139,7 +139,8 @@ def make_hp_bodies(
         i: partial(_hp_element_nodes_of_changed_shoe, rule, brake.size) for i, rule in rules.items()
     }
     nodes_of = partial(_nodes_of_changed_shoe_divided_as_before, nodes_by_shape, alike)
-    return DividedBodies(bodies, ring, nodes_of, ring_under)
+    divisions = {i: rule.division for i, rule in rules.items()}
+    return DividedBodies(bodies, ring, nodes_of, ring_under, divisions)
 
 
 def _require_few_contact_nodes(
