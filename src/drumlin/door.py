@@ -457,6 +457,7 @@ def hold(
 
 def sensitivity(
     brake: BrakeOrPath,
+    model: str = "fem",
     *,
     elements: int | None = None,
     kind: str | None = None,
@@ -467,6 +468,8 @@ def sensitivity(
     Parameters
     ----------
     brake : the brake, or the path of its file
+    model : "fem" for finite elements in plane stress, "solid" for shoes with their widths, whose
+        derivatives by moduli are central differences with a stated error
     elements : number of finite elements along each lining, see `solve`
     kind : kind of the finite elements, see `solve`
     penalty : contact stiffness, see `solve`
@@ -490,8 +493,8 @@ def sensitivity(
     >>> slopes.S > 1
     True
     """
+    from drumlin.fem.analysis.prepared import prepared_model_for_analysis
     from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity as slopes
-    from drumlin.fem.solve import prepared_model_with_finest_elements
 
     on_mesh, stiffness = (
         _options_given_by_user(elements=elements, kind=kind),
@@ -499,7 +502,7 @@ def sensitivity(
     )
     whole = _read_brake_if_path(brake)
     whole.check_shoes_can_be_meshed()
-    return slopes(prepared_model_with_finest_elements(whole, **on_mesh), whole, **stiffness)
+    return slopes(prepared_model_for_analysis(whole, model, **on_mesh), whole, **stiffness)
 
 
 class LockingLimit(NamedTuple):

@@ -271,6 +271,7 @@ def _table_columns_of_holding_states(run: "HoldingRun") -> dict[str, Column]:
 
 def sensitivity(
     brake_file: BrakeFile,
+    model: of.AnalysisModel = "fem",
     json_file: of.SlopesJson = None,
     elements: Elements = None,
     kind: Kind = None,
@@ -284,10 +285,12 @@ def sensitivity(
     check_output_files_are_writable(json_file)
     stiffness = of.penalty_as_number(penalty)
     with show_spinner_beside_words("sensitivity"):
-        found = drumlin.sensitivity(brake, elements=elements, kind=kind, penalty=stiffness)
+        found = drumlin.sensitivity(
+            brake, model, elements=elements, kind=kind, penalty=stiffness
+        )
     if json_file is not None:
         write_json(json_file, found.as_dict())
-    print_folded_line(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
+    print_folded_line(f"{brake.title}: {model}, {brake.motion}, mu = {brake.friction:g}")
     for line in sensitivity_as_text_lines(found, brake):
         print_folded_line(line)
 
