@@ -196,6 +196,7 @@ def compare(
     penalty: float | None = None,
     tolerance: float | None = None,
     finite_width: bool = False,
+    solid: bool = False,
 ) -> Comparison[Brake]:
     """Solve a brake by all models that apply, side by side.
 
@@ -205,6 +206,8 @@ def compare(
     case : name of the brake in the table; "" for its title
     repeats : how often each model is solved and timed
     models : names of the models; None for all that apply but "solid", which takes longer
+    solid : whether "solid" is one of the models that None stands for; it states its errors, unless
+        the parts of a shoe have several widths
     elements : number of finite elements along each lining, see `solve`
     kind : kind of the finite elements, see `solve`
     penalty : contact stiffness of the finite elements, see `solve`
@@ -237,6 +240,7 @@ def compare(
         penalty=penalty,
         tolerance=tolerance,
         finite_width=finite_width,
+        solid=solid,
     )
     return side_by_side(_read_brake_if_path(brake), case, repeats, models, **options)
 

@@ -34,6 +34,9 @@ FiniteWidth = Annotated[
         "--finite-width", help="correct torque, p and reactions for the widths of the shoes"
     ),
 ]
+AlsoSolid = Annotated[
+    bool, typer.Option("--solid", help="also by solid shoes with their widths, which takes longer")
+]
 NoModelError = Annotated[
     bool, typer.Option("--no-model-error", help="leave out the error of plane stress itself")
 ]

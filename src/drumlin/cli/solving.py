@@ -191,6 +191,7 @@ def compare(
     kind: Kind = None,
     penalty: Penalty = None,
     finite_width: FiniteWidth = False,
+    solid: of.AlsoSolid = False,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.base.files import check_path_can_be_folder
@@ -206,6 +207,7 @@ def compare(
         kind=kind,
         penalty=of.penalty_as_number(penalty),
         finite_width=finite_width,
+        solid=solid,
     )
     with show_spinner_beside_words("comparing the models"):
         result = compare_models_and_write_html_page(brake, text, folder, options)
