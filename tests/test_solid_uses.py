@@ -23,6 +23,7 @@ from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.width.face import WidthFace
 from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin.lining_wear.archard import WearLaw, wear_linings_in_given_steps
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
@@ -142,7 +143,9 @@ def test_worn_volume_is_mean_pressure_times_distance_times_coefficient(flexible,
     assert checks.energy < 1e-8
     for surface in setup.surfaces:
         face = surface.own_values_over_face(end.pressure)
-        assert face @ surface.shares == pytest.approx(surface.own_values_by_growing_angle(end.pressure))
+        assert face @ surface.shares == pytest.approx(
+            surface.own_values_by_growing_angle(end.pressure)
+        )
     # Wear ends evenly across the width: the motion of the shoe is the same everywhere.
     final = final_pressure_and_torque_of_wear_on_mesh(setup)
     for surface in setup.surfaces:
@@ -193,7 +196,9 @@ def test_slopes_of_solid_shoes_are_those_of_differences_of_solves(flexible, kind
     found = slope("shoe[0].hinge", {"x": x + 1e-6, "y": y}, {"x": x - 1e-6, "y": y}) / 2e-6
     assert own.held["hinge"][0] == pytest.approx(found, rel=1e-5)
     mu = brake.friction
-    assert slopes.friction == pytest.approx(slope("friction", mu + 1e-5, mu - 1e-5) / 2e-5, rel=1e-6)
+    assert slopes.friction == pytest.approx(
+        slope("friction", mu + 1e-5, mu - 1e-5) / 2e-5, rel=1e-6
+    )
     # A clearance that is even across the width acts as its density over the arc.
     theta, density = own.theta, own.density
     arc = brake.size * np.trapezoid(density, theta)
@@ -227,6 +232,7 @@ def test_the_division_of_the_section_is_that_of_plane_stress(flexible):
     flat = prepared_model_for_analysis(flexible)
     solid = prepared_model_for_analysis(flexible, "solid")
     for one, true in zip(solid.bodies, flat.bodies, strict=True):
+        assert isinstance(one.line, WidthFace)
         assert one.line.line.xy == pytest.approx(true.line.xy)
         assert one.line.functions.degree == ANALYSIS_DEGREE
 
@@ -235,7 +241,11 @@ def test_the_division_of_the_section_is_that_of_plane_stress(flexible):
     ("use", "options", "line"),
     [
         ("hold", {"model": "sine"}, "--model = 'sine': does not do this; allowed: fem, solid"),
-        ("wear", {"model": "sine"}, "--model = 'sine': does not wear; allowed: fem, solid, foundation"),
+        (
+            "wear",
+            {"model": "sine"},
+            "--model = 'sine': does not wear; allowed: fem, solid, foundation",
+        ),
         (
             "sensitivity",
             {"model": "solid", "elements": 12},
@@ -244,7 +254,8 @@ def test_the_division_of_the_section_is_that_of_plane_stress(flexible):
         (
             "wear",
             {"model": "solid", "sections": 12},
-            "--elements, --kind and --guided belong to --model fem, --sections and --lift to foundation",
+            "--elements, --kind and --guided belong to --model fem, "
+            "--sections and --lift to foundation",
         ),
     ],
 )
@@ -281,7 +292,7 @@ def test_the_commands_write_what_is_on_the_face(root, tmp_path):
     n, m = len(shoe["theta"]), len(face["z"])
     assert m > 1
     assert np.shape(face["pressure"]) == np.shape(face["traction"]) == (n, m)
-    assert set(sum(face["state"], [])) <= {"open", "stick", "slip", "slip back"}
+    assert set(np.ravel(face["state"])) <= {"open", "stick", "slip", "slip back"}
     done = drumlin("wear", file, "--model", "solid", "--distance", "1", "--json", data)
     assert done.returncode == 0
     run = json.loads(data.read_text())

@@ -287,9 +287,7 @@ def sensitivity(
     check_output_files_are_writable(json_file)
     stiffness = of.penalty_as_number(penalty)
     with show_spinner_beside_words("sensitivity"):
-        found = drumlin.sensitivity(
-            brake, model, elements=elements, kind=kind, penalty=stiffness
-        )
+        found = drumlin.sensitivity(brake, model, elements=elements, kind=kind, penalty=stiffness)
     if json_file is not None:
         write_json(json_file, found.as_dict())
     print_folded_line(f"{brake.title}: {model}, {brake.motion}, mu = {brake.friction:g}")

@@ -67,8 +67,8 @@ def end_of_wear_by_rigid_shoe_law(
     """The pressure and the torque to which wear tends as the mesh is refined.
 
     For finite elements and the exponent 1 of the wear law, the pressure is that of the rigid-shoe
-    law, which is even across the width. For the foundation model and for other exponents, the result is
-    `final_pressure_and_torque_of_wear_on_mesh`.
+    law, which is even across the width. For the foundation model and for other exponents, the
+    result is `final_pressure_and_torque_of_wear_on_mesh`.
 
     Parameters
     ----------
@@ -517,7 +517,6 @@ def wear_run_as_json_data(
     goal : pressure and torque to which wear tends
     law : the wear law
     """
-
     is_solid = setup.model == "solid"
 
     def values_of_each_lining(values: Floats) -> list[list[float]]:

@@ -10,7 +10,9 @@ the torque of `solve`. A note of the result says so.
 The contact nodes of a solid shoe cover the face of its lining. Each of them opens, sticks or slips
 along theta by itself. Across the width the face slides without friction, before full slip as well.
 A drum that slides far drags the lining along theta alone, so that full slip is exact. A drum that
-rests would also hold the face across the width.
+rests would also hold the face across the width. On the double-shoe brake a face that is held across
+the width wherever the drum touches it has a moment 1.3 % larger at a fifth of the rotation to full
+slip, and 0.8 % larger at three fifths.
 """
 
 import math
@@ -81,7 +83,8 @@ Smaller differences are round-off and the effect of the penalty.
 """
 
 NO_FRICTION_ACROSS_WIDTH = (
-    "solid: friction acts along theta; across the width the face slides freely, also where it sticks"
+    "solid: friction acts along theta; across the width the face slides freely, "
+    "also where it sticks"
 )
 """Note with each state of a holding brake of solid shoes."""
 FIRST_OF_STATES_ACROSS_WIDTH = (STICK, FORWARD, BACKWARD)
@@ -551,16 +554,19 @@ def _nodal_contact_states_of_linings(
         forward = slice(None, None, frame.sense)
         line = group.substructures_of_shoes[k].line
         shares = line.width_shares_of_nodes_across_width
-        p, t, state = (
-            values[part].reshape(-1, len(shares))[forward] for values in (at.p, at.t, at.state)
-        )
+        shape = -1, len(shares)
         phi, _ = line.angles_and_mean_pressures(at.p[part])
-        face = HeldFace(line.node_distances_from_mid_plane, size * p, size * t, state)
+        face = HeldFace(
+            line.node_distances_from_mid_plane,
+            size * at.p[part].reshape(shape)[forward],
+            size * at.t[part].reshape(shape)[forward],
+            at.state[part].reshape(shape)[forward],
+        )
         states[group.members[k]] = _LiningNodeStates(
             frame.theta(phi)[forward],
             face.pressure @ shares,
             face.traction @ shares,
-            _states_along_lining(state),
+            _states_along_lining(face.state),
             face,
         )
     return states

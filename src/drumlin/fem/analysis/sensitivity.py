@@ -454,8 +454,7 @@ class _TorqueSlopesOfShoe:
         It is not known for a solid shoe whose body moves with the point.
         """
         return not (
-            self.is_solid
-            and has_nodes_that_move_with_point(self.group.scene, self.shoe, key)
+            self.is_solid and has_nodes_that_move_with_point(self.group.scene, self.shoe, key)
         )
 
     def _torque_slope_by_rigid_body_mode_change(self, change: SupportChange) -> float:

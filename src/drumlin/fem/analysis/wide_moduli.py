@@ -127,7 +127,7 @@ def torque_slopes_by_moduli_of_solid_shoe(
     changed: dict[str, tuple[ShoeSubstructure, ShoeSubstructure]],
     loads: VirtualLoads,
 ) -> ModulusSlopes:
-    """The slopes of the torque by the moduli of a solid shoe, without that of the contact stiffness.
+    """The slopes of the torque by the moduli of a solid shoe at a given contact stiffness.
 
     Parameters
     ----------

@@ -228,9 +228,7 @@ def prepare_divided_brake_with_widths(
         made[i] = cache.get(key, body, _memory_of_condensed_body)
     bodies = tuple(made[i] for i in alike)
     left_out = (INTERIOR, OTHER_HALF, *text_lines_on_shoes_of_equal_shape(brake, len(made)))
-    return PreparedModel(
-        brake, bodies, None, seconds, left_out, model="solid", divisions=divisions
-    )
+    return PreparedModel(brake, bodies, None, seconds, left_out, model="solid", divisions=divisions)
 
 
 def _require_brake_and_degree_of_width_model(brake: Brake, degree: int | MakeFunctions) -> None:
