@@ -13,9 +13,10 @@ import drumlin as package
 from command_line import drumlin
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import vary
-from drumlin.contact.stick_slip import STICK
+from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK
 from drumlin.fem.analysis.holding import (
     find_full_slip_rotation,
+    states_along_lining,
     states_of_holding_brake_at_rotations,
 )
 from drumlin.fem.analysis.prepared import ANALYSIS_DEGREE, prepared_model_for_analysis
@@ -34,8 +35,8 @@ from drumlin.lining_wear.run_in import (
     sliding_distance_of_e_fold_pressure_change,
 )
 from drumlin.sweeps.cases import results_of_response_by_name
-from sections import t_section
-from test_width_model import widths, without_contraction
+from sections import t_section, widths, without_contraction
+from shared_forces import cam_brake
 
 LAW = WearLaw(1e-14)
 DEGREES = {"one width": 2, "T-section": 3}
@@ -205,10 +206,32 @@ def test_slopes_of_solid_shoes_are_those_of_differences_of_solves(flexible, kind
     assert arc == pytest.approx(own.clearance, rel=0.05)
 
 
-def test_the_error_of_slopes_by_moduli_is_not_understated(flexible):
+def test_an_angle_sticks_if_one_of_its_nodes_sticks():
+    state = np.array([[FORWARD, STICK], [OPEN, BACKWARD], [BACKWARD, FORWARD], [OPEN, OPEN]])
+    assert states_along_lining(state).tolist() == [STICK, BACKWARD, FORWARD, OPEN]
+
+
+def test_worn_linings_settle_as_linings_with_clearance(flexible):
+    gap = 2e-4
+    setup = wear_setup_by_finite_elements(wide(flexible), flexible)
+    loose = vary(flexible, {"shoe.lining.clearance": gap})
+    for new, worn_off in zip(
+        setup.interfaces, wear_setup_by_finite_elements(wide(loose), loose).interfaces, strict=True
+    ):
+        assert new.settle is not None
+        assert worn_off.settle is not None
+        none = np.zeros(len(new.area))
+        _, touching = new.settle(none + gap)
+        assert (touching == worn_off.settle(none)[1]).all()
+        assert (touching != new.settle(none)[1]).any()
+
+
+@pytest.mark.parametrize("kind", ["hinged", pytest.param("cam", marks=pytest.mark.slow)])
+def test_the_error_of_slopes_by_moduli_is_not_understated(flexible, kind):
     """Degree 0 across the width is plane stress, whose slopes are exact."""
-    slopes = compute_torque_sensitivity(wide(flexible, 0), flexible)
-    exact = compute_torque_sensitivity(plane(flexible), flexible)
+    brake = cam_brake(body=0.01) if kind == "cam" else flexible
+    slopes = compute_torque_sensitivity(wide(brake, 0), brake)
+    exact = compute_torque_sensitivity(plane(brake), brake)
     for one, true in zip(slopes.shoes, exact.shoes, strict=True):
         for part, slope in true.moduli.items():
             off = abs(one.moduli[part] - slope)

@@ -566,13 +566,13 @@ def _nodal_contact_states_of_linings(
             frame.theta(phi)[forward],
             face.pressure @ shares,
             face.traction @ shares,
-            _states_along_lining(face.state),
+            states_along_lining(face.state),
             face,
         )
     return states
 
 
-def _states_along_lining(state: Ints) -> Ints:
+def states_along_lining(state: Ints) -> Ints:
     """The state (n,) at each angle of a lining, from the states (n, m) of its nodes.
 
     It is the first of FIRST_OF_STATES_ACROSS_WIDTH that one of the nodes has, or OPEN.
