@@ -516,13 +516,12 @@ def setting_from_link_query(
         "law": names_of_models_besides_fem(brake),
         "model": element_models_of_page(brake),
     }
-    attributes = {"law": "law", "model": "model"}
     for name, text in query.items():
         if name in knob_of:
             setting, line = _setting_with_knob_moved_by_text(knob_of[name], text, setting)
             lines += [line] if line else []
         elif name in words and text in words[name]:
-            setting = replace(setting, **{attributes.get(name, "sense"): text})
+            setting = _setting_with_word_of_link(name, text, setting)
         elif name in words:
             allowed = ", ".join(words[name]) or "none"
             lines.append(
@@ -534,6 +533,16 @@ def setting_from_link_query(
                 printable_single_line(f"link: unknown name {name!r}; allowed: {allowed}", 300)
             )
     return setting, tuple(lines)
+
+
+def _setting_with_word_of_link(name: str, text: str, setting: KnobSetting) -> KnobSetting:
+    """A copy of the setting with the law, the model or the sense of motion that a link names.
+
+    `name` is the name in the link, and `text` one of the allowed words.
+    """
+    if name == "law":
+        return replace(setting, law=text)
+    return replace(setting, model=text) if name == "model" else replace(setting, sense=text)
 
 
 def _setting_with_knob_moved_by_text(
