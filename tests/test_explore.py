@@ -20,7 +20,7 @@ from browsing import PROGRAM, browser, play, served
 from conftest import ROOT, STUDY
 from drumlin.base.round_numbers import largest_round_number_up_to
 from drumlin.brake import read_any, read_brake, vary
-from drumlin.explore.answers import Explorer
+from drumlin.explore.answers import WIDTH_EXPLORE_LEVEL, Explorer
 from drumlin.explore.knobs import (
     brake_at_knob_setting,
     knobs_for_brake,
@@ -35,6 +35,7 @@ from drumlin.explore.picture import (
     pressure_curve_as_whole_numbers,
 )
 from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.laws import solve_brake_by_sine_law
 from drumlin.lining_wear.worn_in import brake_with_worn_in_clearances
 from drumlin.response.resultants import integral_of_piecewise_polynomial
@@ -58,6 +59,54 @@ def turned(explorer, **values):
     for name, value in values.items():
         setting = setting.setting_with_knob_moved(knob(explorer, name), value)
     return setting
+
+
+WIDE = {"model": "solid"}
+
+
+def at_setting(explorer, query):
+    setting, refused = setting_from_link_query(explorer.knobs, explorer.brake, query)
+    return explorer.fem_and_law_answer_at_slider_setting(setting), refused
+
+
+def test_shoes_with_their_widths_are_a_choice_of_the_page(explorer):
+    plain, _ = at_setting(explorer, {})
+    wide, refused = at_setting(explorer, WIDE)
+    assert not refused
+    assert wide.found is not None and plain.found is not None
+    assert wide.found.model == "solid"
+    # Plane stress is 0.3 % off on this brake, and the page some 0.03 %.
+    assert 1e-3 < wide.found.torque / plain.found.torque - 1 < 5e-3
+    stated = explorer.difference_from_accurate_answer(wide)
+    assert stated is not None and stated.torque < 1e-3
+    assert link_query_of_setting(explorer.knobs, explorer.brake, wide.setting) == "model=solid"
+    limits = [
+        min(explorer.locking_friction_of_groups(explorer.brake, model).values())
+        for model in ("fem", "solid")
+    ]
+    assert limits[0] != limits[1]
+    assert limits[0] == pytest.approx(limits[1], rel=0.02)
+    page = http_reply_to_requested_address(explorer, "/?model=solid", "x").text
+    assert '<option value="solid" selected>with their widths</option>' in page
+
+
+def test_without_contraction_the_choice_changes_nothing(explorer):
+    bare = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
+    own = Explorer(vary(explorer.brake, bare))
+    scene = make_prepared_model(own.brake, WIDTH_EXPLORE_LEVEL)
+    wide, _ = at_setting(own, WIDE)
+    assert wide.found is not None
+    torque = solve_prepared_model(scene, own.brake).torque
+    assert wide.found.torque == pytest.approx(torque, rel=1e-9)
+
+
+def test_the_page_wears_in_plane_stress_only_and_refuses_several_widths(explorer):
+    answer, _ = at_setting(explorer, WIDE | {"wear": "2"})
+    assert answer.failure == "wear: the page wears linings in plane stress only"
+    several = Explorer(drumlin.example("duplex"))
+    _, refused = at_setting(several, WIDE)
+    assert refused == ("link: model = 'solid': left out; allowed: fem",)
+    assert "with their widths" not in http_reply_to_requested_address(several, "/", "x").text
 
 
 def test_untouched_knobs_leave_the_brake_as_it_is(explorer):

@@ -21,7 +21,7 @@ from drumlin.response.norms import relative_distance_of_pressures, relative_erro
 from drumlin_studies.random_kinds import draw_random_brake_of_kind
 from flat_pads import pad
 from held_shoes import BODY, brake_of
-from sections import t_section
+from sections import t_section, widths, without_contraction
 
 ROOT = Path(__file__).resolve().parents[1]
 NO_CONTRACTION = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
@@ -60,24 +60,6 @@ HELD = {
 }
 """Brakes of all ways to hold and push shoes."""
 QUICK = ("T-section", "post", "grip", "pad")
-
-
-def widths(brake, width):
-    """The brake with all parts of one width [m]."""
-    both = {"shoe.lining.width": width}
-    if any(shoe.body is not None for shoe in brake.shoes):
-        both["shoe.body.width"] = width
-    return vary(brake, both)
-
-
-def without_contraction(brake):
-    """The brake with Poisson's ratios of zero, and one width."""
-    none = {"shoe.lining.material.nu": 0.0}
-    if brake.shoes[0].body is not None:
-        none["shoe.body.material.nu"] = 0.0
-    if brake.shoes[0].backing is not None:
-        none["shoe.backing.material.nu"] = 0.0
-    return widths(vary(brake, none), brake.shoes[0].lining.width)
 
 
 def plane(brake, level=LEVELS[0]):

@@ -170,9 +170,11 @@ COLUMNS = (
     TableColumn("model", "model"),
     TableColumn("torque", "torque", "N m", 1, ".5g"),
     TableColumn("torque_error", "error of torque", "%", 100, "+.2f"),
+    TableColumn("stated_torque_error", "stated error of torque", "%", 100, ".1g"),
     TableColumn("peak_pressure", "peak pressure", "MPa", 1e-6, ".4g"),
     TableColumn("peak_error", "error of peak", "%", 100, "+.1f"),
     TableColumn("pressure_error", "error of p (L2)", "%", 100, ".1f"),
+    TableColumn("stated_pressure_error", "stated error of p", "%", 100, ".1g"),
     TableColumn("reaction", "hinge reaction", "N", 1, ".5g"),
     TableColumn("reaction_error", "error of reaction", "%", 100, ".1f"),
     TableColumn("contact", "contact arcs", "deg"),
@@ -241,7 +243,10 @@ def _table_row_of_shoe(
     # The errors are differences from the reference result, relative to it.
     if true is not None:
         other = true.shoes[i]
+        stated = shoe.error or {}
         row["torque_error"] = relative_error_of_number(response.effects[i], true.effects[i])
+        row["stated_torque_error"] = stated.get("torque")
+        row["stated_pressure_error"] = stated.get("pressure")
         row["peak_error"] = relative_error_of_number(shoe.peak_pressure, other.peak_pressure)
         row["pressure_error"] = relative_distance_of_pressures(
             shoe, other, length_of_uncompared_zone_at_lining_end(brake)
@@ -261,7 +266,9 @@ def _table_row_of_whole_brake(outcome: Outcome, true: Response | None) -> dict[s
     effect = outcome.response.effect
     row = {"shoe": "all", "torque": effect, "seconds": outcome.seconds, "status": "converged"}
     if true is not None:
+        stated = outcome.response.error or {}
         row["torque_error"] = relative_error_of_number(effect, true.effect)
+        row["stated_torque_error"] = stated.get("torque")
     return row
 
 
@@ -340,6 +347,8 @@ def compare(
     case: str = "",
     repeats: int = 1,
     models: Sequence[str] | None = None,
+    *,
+    solid: bool = False,
     **options: Any,
 ) -> Comparison[BrakeKind]:
     """Solve a brake by all models that apply, side by side.
@@ -349,7 +358,8 @@ def compare(
     brake : as `read_brake` gives it
     case : name of the brake in the table; "" for its title
     repeats : how often each model is solved and timed
-    models : names of the models; None for all models that apply
+    models : names of the models; None for all that apply but "solid"
+    solid : whether "solid" is one of the models that None stands for
     options : options of the finite elements, as `solve` takes them
 
     Returns
@@ -364,15 +374,16 @@ def compare(
         for an option out of range
     """
     outcomes = []
-    for model in applicable_models(brake):
-        if models is None or model.name in models:
-            # Only the finite elements take the options.
-            own_options = options if model.name == "fem" else {}
-            outcomes.append(
-                solve_and_time_model(
-                    model.name, partial(model.solve, brake, **own_options), repeats
-                )
-            )
+    named = ("solid",) if solid else models or ()
+    for model in applicable_models(brake, named):
+        if models is not None and model.name not in models:
+            continue
+        own_options = options if model.name == "fem" else {}
+        # A model that takes seconds is timed once.
+        times = 1 if model.by_name else repeats
+        outcomes.append(
+            solve_and_time_model(model.name, partial(model.solve, brake, **own_options), times)
+        )
     return Comparison(case or brake.title, brake, tuple(outcomes))
 
 

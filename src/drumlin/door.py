@@ -211,6 +211,7 @@ def compare(
     penalty: float | None = None,
     tolerance: float | None = None,
     finite_width: bool = False,
+    solid: bool = False,
 ) -> Comparison[Brake]:
     """Solve a brake by all models that apply, side by side.
 
@@ -220,6 +221,7 @@ def compare(
     case : name of the brake in the table; "" for its title
     repeats : how often each model is solved and timed
     models : names of the models; None for all that apply but "solid", which takes longer
+    solid : whether "solid" is one of the models that None stands for
     elements : number of finite elements along each lining, see `solve`
     kind : kind of the finite elements, see `solve`
     penalty : contact stiffness of the finite elements, see `solve`
@@ -252,6 +254,7 @@ def compare(
         penalty=penalty,
         tolerance=tolerance,
         finite_width=finite_width,
+        solid=solid,
     )
     return side_by_side(_read_brake_if_path(brake), case, repeats, models, **options)
 
@@ -308,7 +311,7 @@ def wear(
     Parameters
     ----------
     brake : the brake, or the path of its file
-    model : "fem" or "foundation", the elastic model whose linings wear
+    model : "fem", "solid" or "foundation", the elastic model whose linings wear
     distance : sliding distance [m], or a text: "20 km", or "20" for 20 times 1/(k K) with K = E/t
         of the lining; None: until pressure and torque no longer change
     coefficient : wear coefficient k [1/Pa], or a text such as "1e-5 mm^3/(N m)"; with another
@@ -317,7 +320,8 @@ def wear(
     torque : torque [N m], or a text with its unit, that is kept constant by changing the actuation;
         None: the actuation stays constant. On a plane it is the braking force [N]
     reverse : sliding distance, as `distance`, after which the drum reverses, again and again
-    guided : whether the shoes move along the radius of their middle without turning ("fem")
+    guided : whether the shoes move along the radius of their middle without turning ("fem",
+        "solid")
     tolerance : relative error of p (L2) in a step of the wear
     elements : number of finite elements along each lining, see `solve`
     kind : kind of the finite elements, see `solve`
@@ -363,7 +367,7 @@ def wear(
         if torque is None
         else _option_value_in_si("--torque", torque, worn.surface.effect_unit)
     )
-    options = on_mesh if model == "fem" else on_springs
+    options = on_springs if model == "foundation" else on_mesh
     setups = whole_brake.make_wear_setups_of_brake(
         worn, model, both_ways=reverse is not None, **options
     )
@@ -399,6 +403,7 @@ class HoldingRun(NamedTuple):
 
 def hold(
     brake: BrakeOrPath,
+    model: str = "fem",
     *,
     rotation: float | str | None = None,
     steps: int = 20,
@@ -412,6 +417,7 @@ def hold(
     Parameters
     ----------
     brake : the brake, or the path of its file
+    model : "fem" for finite elements in plane stress, "solid" for shoes with their widths
     rotation : angle by which the drum is turned [rad], or a text such as "0.02 deg"; on a plane the
         distance by which the body slides [m]; None: to full slip
     steps : number of increments of the rotation, 1 to 10 000
@@ -442,7 +448,7 @@ def hold(
     import numpy as np
 
     from drumlin.fem.analysis import holding
-    from drumlin.fem.solve import prepared_model_with_finest_elements
+    from drumlin.fem.analysis.prepared import prepared_model_for_analysis
 
     held = _read_brake_if_path(brake)
     held.check_shoes_can_be_meshed()
@@ -456,7 +462,7 @@ def hold(
         None if rotation is None else _option_value_in_si("--rotation", rotation, held.surface.unit)
     )
     # Without a given rotation the drum is turned until every node slips.
-    scene = prepared_model_with_finest_elements(held, **on_mesh)
+    scene = prepared_model_for_analysis(held, model, **on_mesh)
     if end is None:
         end = holding.find_full_slip_rotation(scene, held, **stiffness)
     # The state at rest comes first: there is one state more than increments.
@@ -469,6 +475,7 @@ def hold(
 
 def sensitivity(
     brake: BrakeOrPath,
+    model: str = "fem",
     *,
     elements: int | None = None,
     kind: str | None = None,
@@ -479,6 +486,8 @@ def sensitivity(
     Parameters
     ----------
     brake : the brake, or the path of its file
+    model : "fem" for finite elements in plane stress, "solid" for shoes with their widths, whose
+        derivatives by moduli are central differences with a stated error
     elements : number of finite elements along each lining, see `solve`
     kind : kind of the finite elements, see `solve`
     penalty : contact stiffness, see `solve`
@@ -502,8 +511,8 @@ def sensitivity(
     >>> slopes.S > 1
     True
     """
+    from drumlin.fem.analysis.prepared import prepared_model_for_analysis
     from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity as slopes
-    from drumlin.fem.solve import prepared_model_with_finest_elements
 
     on_mesh, stiffness = (
         _options_given_by_user(elements=elements, kind=kind),
@@ -511,7 +520,7 @@ def sensitivity(
     )
     whole = _read_brake_if_path(brake)
     whole.check_shoes_can_be_meshed()
-    return slopes(prepared_model_with_finest_elements(whole, **on_mesh), whole, **stiffness)
+    return slopes(prepared_model_for_analysis(whole, model, **on_mesh), whole, **stiffness)
 
 
 class LockingLimit(NamedTuple):

@@ -272,20 +272,25 @@ def check_options_belong_to_model(model: str, given: Collection[str]) -> None:
         raise BadInput(f"worn_in belongs to --model fem, not to {model!r}")
 
 
-def applicable_models(brake: Brake) -> tuple[Model, ...]:
-    """The models that apply to a brake, except those that must be given by name (`by_name`)."""
-    at_once = [model for model in MODELS.values() if not model.by_name]
-    return tuple(model for model in at_once if model.why_not(brake) is None)
+def applicable_models(brake: Brake, names: Collection[str] = ()) -> tuple[Model, ...]:
+    """The models that apply to a brake.
+
+    Models that must be given by name (`by_name`) are left out unless `names` has their name.
+    """
+    asked = [model for model in MODELS.values() if not model.by_name or model.name in names]
+    return tuple(model for model in asked if model.why_not(brake) is None)
 
 
-def reasons_why_models_do_not_apply(brake: Brake) -> dict[str, str]:
+def reasons_why_models_do_not_apply(brake: Brake, names: Collection[str] = ()) -> dict[str, str]:
     """Why models do not apply to a brake, by the name of the model.
 
-    Models that apply are left out, and so are those that must be given by name (`by_name`).
+    Models that apply are left out, and so are those that must be given by name (`by_name`) unless
+    `names` has their name.
     """
     reasons = {}
     for model in MODELS.values():
-        reason = None if model.by_name else model.why_not(brake)
+        left_out = model.by_name and model.name not in names
+        reason = None if left_out else model.why_not(brake)
         if reason is not None:
             reasons[model.name] = reason
     return reasons

@@ -14,6 +14,7 @@ from studies.manual import history
 from studies.manual.solve_path import solve_path_picture
 
 from drumlin.base.errors import NoAnswer
+from drumlin.fem.analysis.prepared import ANALYSIS_DEGREE
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import (
@@ -59,6 +60,7 @@ def quoted_values() -> dict[str, str]:
         "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
         "solid_tolerance": f"{100 * DEFAULT_SOLID_TOLERANCE:g} %",
         "section_safety": f"{SECTION_SAFETY:g}",
+        "analysis_degree": str(ANALYSIS_DEGREE),
         "wear_coefficient": f"{1e9 * DEFAULT_WEAR_COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",
         "worn_out": f"{100 * WORN_OUT_FRACTION:g} %",

@@ -34,6 +34,9 @@ FiniteWidth = Annotated[
         "--finite-width", help="correct torque, p and reactions for the widths of the shoes"
     ),
 ]
+AlsoSolid = Annotated[
+    bool, typer.Option("--solid", help="also by solid shoes with their widths, which takes longer")
+]
 NoModelError = Annotated[
     bool, typer.Option("--no-model-error", help="leave out the error of plane stress itself")
 ]
@@ -50,8 +53,11 @@ FieldsFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes"),
 ]
+AnalysisModel = Annotated[
+    str, typer.Option(metavar="fem|solid", help="plane stress, or shoes with their widths")
+]
 WearingModel = Annotated[
-    str, typer.Option(metavar="fem|foundation", help="the elastic model that is worn in")
+    str, typer.Option(metavar="fem|solid|foundation", help="the elastic model that is worn in")
 ]
 
 # Options that belong to one or two commands.

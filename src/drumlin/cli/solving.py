@@ -191,6 +191,7 @@ def compare(
     kind: Kind = None,
     penalty: Penalty = None,
     finite_width: FiniteWidth = False,
+    solid: of.AlsoSolid = False,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.base.files import check_path_can_be_folder
@@ -206,6 +207,7 @@ def compare(
         kind=kind,
         penalty=of.penalty_as_number(penalty),
         finite_width=finite_width,
+        solid=solid,
     )
     with show_spinner_beside_words("comparing the models"):
         result = compare_models_and_write_html_page(brake, text, folder, options)
@@ -218,6 +220,7 @@ def compare(
 
 def hold(
     brake_file: BrakeFile,
+    model: of.AnalysisModel = "fem",
     rotation: of.Rotation = None,
     steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
     json_file: of.StatesJson = None,
@@ -233,6 +236,7 @@ def hold(
     with show_spinner_beside_words("holding") as say:
         run = drumlin.hold(
             brake,
+            model,
             rotation=rotation,
             steps=steps,
             elements=elements,
@@ -269,6 +273,7 @@ def _table_columns_of_holding_states(run: "HoldingRun") -> dict[str, Column]:
 
 def sensitivity(
     brake_file: BrakeFile,
+    model: of.AnalysisModel = "fem",
     json_file: of.SlopesJson = None,
     elements: Elements = None,
     kind: Kind = None,
@@ -282,10 +287,10 @@ def sensitivity(
     check_output_files_are_writable(json_file)
     stiffness = of.penalty_as_number(penalty)
     with show_spinner_beside_words("sensitivity"):
-        found = drumlin.sensitivity(brake, elements=elements, kind=kind, penalty=stiffness)
+        found = drumlin.sensitivity(brake, model, elements=elements, kind=kind, penalty=stiffness)
     if json_file is not None:
         write_json(json_file, found.as_dict())
-    print_folded_line(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
+    print_folded_line(f"{brake.title}: {model}, {brake.motion}, mu = {brake.friction:g}")
     for line in sensitivity_as_text_lines(found, brake):
         print_folded_line(line)
 

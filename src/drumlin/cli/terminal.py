@@ -22,6 +22,8 @@ They have the same value in all rows, since the table is of one brake.
 COMPARED_COLUMNS_LEFT_OUT_FIRST = [
     "self_energising",
     "contact",
+    "stated_pressure_error",
+    "stated_torque_error",
     "reaction_error",
     "reaction",
     "peak_error",

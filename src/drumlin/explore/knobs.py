@@ -17,6 +17,8 @@ from drumlin.brake import vary
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.drive import Drive
+from drumlin.fem.width.functions import has_several_widths
+from drumlin.fem.width.prepare import reason_against_width_model
 from drumlin.models import applicable_models
 
 Changes = dict[str, Any]
@@ -108,11 +110,13 @@ class KnobSetting:
     sense : sense of the motion, one of `Brake.directions`
     law : name of the law shown beside the finite elements; None: no law
     values : value of each knob that has been moved away from the brake file, by the knob's name
+    model : "fem" for plane stress, "solid" for shoes with their widths
     """
 
     sense: str
     law: str | None
     values: Mapping[str, float] = field(default_factory=dict)
+    model: str = "fem"
 
     def value(self, knob: Knob) -> float:
         """The value of a knob [unit of the knob]; the brake file's value if it is not moved."""
@@ -136,6 +140,18 @@ def motion_key_of_brake_file(brake: Brake) -> str:
 def names_of_models_besides_fem(brake: Brake) -> tuple[str, ...]:
     """The names of all models that apply to the brake, other than the finite elements."""
     return tuple(model.name for model in applicable_models(brake) if model.name != "fem")
+
+
+def element_models_of_page(brake: Brake) -> tuple[str, ...]:
+    """The names of the models of finite elements that the page offers for a brake.
+
+    Shoes with their widths are among them if all parts of each shoe have one width. Shoes of
+    several widths take seconds, and the page would lag behind its sliders.
+    """
+    refused = reason_against_width_model(brake) is not None
+    if refused or any(has_several_widths(shoe) for shoe in brake.shoes):
+        return ("fem",)
+    return ("fem", "solid")
 
 
 def setting_at_brake_file_values(brake: Brake) -> KnobSetting:
@@ -476,6 +492,8 @@ def link_query_of_setting(knobs: Sequence[Knob], brake: Brake, setting: KnobSett
         query[motion_key_of_brake_file(brake)] = setting.sense
     if setting.law is not None and setting.law != start.law:
         query["law"] = setting.law
+    if setting.model != start.model:
+        query["model"] = setting.model
     return urlencode(query)
 
 
@@ -494,13 +512,14 @@ def setting_from_link_query(
     words = {
         motion_key_of_brake_file(brake): brake.directions,
         "law": names_of_models_besides_fem(brake),
+        "model": element_models_of_page(brake),
     }
     for name, text in query.items():
         if name in knob_of:
             setting, line = _setting_with_knob_moved_by_text(knob_of[name], text, setting)
             lines += [line] if line else []
         elif name in words and text in words[name]:
-            setting = replace(setting, law=text) if name == "law" else replace(setting, sense=text)
+            setting = _setting_with_word_of_link(name, text, setting)
         elif name in words:
             allowed = ", ".join(words[name]) or "none"
             lines.append(
@@ -512,6 +531,16 @@ def setting_from_link_query(
                 printable_single_line(f"link: unknown name {name!r}; allowed: {allowed}", 300)
             )
     return setting, tuple(lines)
+
+
+def _setting_with_word_of_link(name: str, text: str, setting: KnobSetting) -> KnobSetting:
+    """A copy of the setting with the law, the model or the sense of motion that a link names.
+
+    `name` is the name in the link, and `text` one of the allowed words.
+    """
+    if name == "law":
+        return replace(setting, law=text)
+    return replace(setting, model=text) if name == "model" else replace(setting, sense=text)
 
 
 def _setting_with_knob_moved_by_text(

@@ -26,6 +26,7 @@ from drumlin.explore.knobs import (
     LONGEST_LINK,
     Knob,
     KnobSetting,
+    element_models_of_page,
     link_query_of_setting,
     motion_key_of_brake_file,
     names_of_models_besides_fem,
@@ -55,6 +56,9 @@ FORBIDDEN_LETTERS = frozenset('/\\:*?"<>|')
 
 HTML, JSON, TOML = "text/html; charset=utf-8", "application/json", "application/toml; charset=utf-8"
 """Media types of the replies: HTML for a page or message, JSON for data, TOML for a brake file."""
+
+TITLES_OF_ELEMENT_MODELS = {"fem": "plane stress", "solid": "with their widths"}
+"""The words of the page for the models of finite elements, by the name of the model."""
 
 MAX_TICK_INTERVALS = 9
 """Largest number of intervals between the ticks of an axis. Numbers of more ticks would overlap."""
@@ -142,6 +146,7 @@ def _reply_with_html_page(request: _Request) -> Reply:
         motion=motion_key_of_brake_file(brake),
         senses=brake.directions,
         laws=laws,
+        models={name: TITLES_OF_ELEMENT_MODELS[name] for name in element_models_of_page(brake)},
         setting=setting,
         colors=colors,
         fixed={
@@ -215,7 +220,9 @@ def _reply_with_picture_data(request: _Request) -> Reply:
     answer = explorer.fem_and_law_answer_at_slider_setting(request.setting)
     picture = picture_of_brake_at_slider_setting(answer, explorer.brake)
     # The limit of self-locking takes time to find: the picture shows it if it is known already.
-    known = explorer.locking_friction_if_known(answer.brake) if answer.brake is not None else None
+    known = None
+    if answer.brake is not None:
+        known = explorer.locking_friction_if_known(answer.brake, answer.setting.model)
     whole_numbers = partial(pressure_curve_as_whole_numbers, scale=picture.scale)
     arcs = np.rint(np.array(picture.arcs) / PLACE_STEP).astype(int)
     # The texts of the reply are finished HTML, its curves are whole numbers.
@@ -242,9 +249,9 @@ def _reply_with_self_locking_limit_and_errors(request: _Request) -> Reply:
     """
     explorer = request.explorer
     answer = explorer.fem_and_law_answer_at_slider_setting(request.setting)
-    locking = (
-        explorer.locking_friction_of_groups(answer.brake) if answer.brake is not None else None
-    )
+    locking = None
+    if answer.brake is not None:
+        locking = explorer.locking_friction_of_groups(answer.brake, answer.setting.model)
     data = {
         "locking": self_locking_as_html(answer, locking),
         "error": error_of_finite_elements_as_html(

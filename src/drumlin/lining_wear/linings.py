@@ -43,9 +43,13 @@ class WornLining(NamedTuple):
     interface : position of the lining's interface in the setup
     part : slice of the lining's unknowns in the unknowns of all interfaces
     local : slice of the lining's unknowns in the unknowns of its interface
-    theta : (n,) [rad], angles of the lining's unknowns
-    forward : slice that puts the unknowns in the order of growing theta
+    theta : (n,) [rad], angles of the lining's unknowns; without those of further nodes across the
+        width
+    forward : slice that puts these angles in the order of growing theta
     order : degree of the interpolation of pressure and depth between the nodes
+    across : (m,) [m], distances from the mid-plane of the nodes across the width, one in plane
+        stress; the lining has n m unknowns, by angle and then by distance
+    shares : (m,) share of the width that each node across stands for; their sum is 1
     """
 
     shoe: int
@@ -56,13 +60,22 @@ class WornLining(NamedTuple):
     theta: Floats
     forward: slice
     order: int
+    across: Floats
+    shares: Floats
 
-    def own_values_by_growing_angle(self, values: Floats) -> Floats:
-        """The values (n,) of this lining in the order of growing theta.
+    def own_values_over_face(self, values: Floats) -> Floats:
+        """The values (n, m) of this lining by growing theta and by distance from the mid-plane.
 
         `values` holds those of all unknowns of the setup.
         """
-        return values[self.part][self.forward]
+        return values[self.part].reshape(len(self.theta), -1)[self.forward]
+
+    def own_values_by_growing_angle(self, values: Floats) -> Floats:
+        """The values (n,) of this lining, as means over the width, in the order of growing theta.
+
+        `values` holds those of all unknowns of the setup.
+        """
+        return self.own_values_over_face(values) @ self.shares
 
     @property
     def angles_in_growing_order(self) -> Floats:
@@ -76,7 +89,7 @@ class WearSetup(NamedTuple):
     Attributes
     ----------
     brake : the brake
-    model : name of the model that the contact problems come from, "fem" or "foundation"
+    model : name of the model that the contact problems come from, "fem", "solid" or "foundation"
     interfaces : groups of coupled linings; each group is one contact problem
     surfaces : each lining with the place of its contact unknowns in the interfaces
     """
@@ -100,16 +113,14 @@ class WearSetup(NamedTuple):
 class _PlacedLining(NamedTuple):
     """A lining before the place of its contact unknowns in the wear setup is known.
 
-    Attributes
-    ----------
-    shoe : position of the shoe in the brake
-    theta : (n,) [rad], angles of the lining's contact unknowns
-    order : degree of the interpolation of pressure and depth between the nodes
+    `shoe` is the position of the shoe in the brake. The other attributes are those of WornLining.
     """
 
     shoe: int
     theta: Floats
     order: int
+    across: Floats
+    shares: Floats
 
 
 def wear_setup_by_finite_elements(
@@ -135,13 +146,19 @@ def wear_setup_by_finite_elements(
         for i, body, shoe in zip(
             group.members, group.substructures_of_shoes, group.shoes, strict=True
         ):
-            theta = shoe.frame.theta(body.line.phi)
+            phi, _ = body.line.angles_and_mean_pressures(np.zeros(len(body.line.nodes)))
             placed.append(
-                _PlacedLining(i, theta, body.line.interpolation_degree_along_contact_line)
+                _PlacedLining(
+                    i,
+                    shoe.frame.theta(phi),
+                    body.line.interpolation_degree_along_contact_line,
+                    body.line.node_distances_from_mid_plane,
+                    body.line.width_shares_of_nodes_across_width,
+                )
             )
         surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)
         interfaces.append(_wear_contact_problem_of_shoe_group(group))
-    return _make_wear_setup(brake, "fem", interfaces, surfaces)
+    return _make_wear_setup(brake, scene.model, interfaces, surfaces)
 
 
 def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
@@ -187,7 +204,7 @@ def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> t
     NoAnswer
         if the worn linings have no equilibrium
     """
-    worn = replace(ways[0], brake=_brake_with_worn_linings_of_group(ways[0], depth))
+    worn = replace(ways[0], worn_depth=depth)
     try:
         settled, contact = worn.solve_contact_and_abutment_friction()
     except NoAnswer:
@@ -202,20 +219,6 @@ def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> t
     # The senses of the friction at the abutments tell to which of the `ways` the solution belongs.
     senses = list(map(attrgetter("known_abutment_friction_directions"), ways))
     return senses.index(settled.known_abutment_friction_directions), contact.active
-
-
-def _brake_with_worn_linings_of_group(group: ShoeGroup, depth: Floats) -> Brake:
-    """The brake of a group of shoes with the linings of the group worn.
-
-    `depth` (n,) [m] is the worn depth at the contact unknowns of the group.
-    """
-    depths = {}
-    for k, part in enumerate(group.contact_node_slices_of_shoes):
-        frame = group.shoes[k].frame
-        forward = slice(None, None, frame.sense)
-        theta = frame.theta(group.substructures_of_shoes[k].line.phi)
-        depths[group.members[k]] = theta[forward], depth[part][forward]
-    return brake_with_added_worn_depths(group.brake, depths)
 
 
 def brake_with_added_worn_depths(
@@ -292,7 +295,13 @@ def wear_setup_by_foundation_model(
             gaps.append(post.gap)
             areas.append(shoe.lining.width * brake.size * post.sector)
             placed.append(
-                _PlacedLining(i, brake_angles_from_beam_angles(post.axis, shoe, post.theta), 1)
+                _PlacedLining(
+                    i,
+                    brake_angles_from_beam_angles(post.axis, shoe, post.theta),
+                    1,
+                    np.zeros(1),
+                    np.ones(1),
+                )
             )
         surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)
         area = np.concatenate(areas)
@@ -335,11 +344,11 @@ def _place_linings_among_contact_unknowns(
     interface : position of the group in the setup
     placed : linings of the group, in the order of its contact unknowns
     """
-    offset = sum(len(surface.theta) for surface in before)
+    offset = before[-1].part.stop if before else 0
     first = 0
     surfaces = []
-    for i, theta, order in placed:
-        n = len(theta)
+    for i, theta, order, across, shares in placed:
+        n = len(theta) * len(across)
         surfaces.append(
             WornLining(
                 shoe=i,
@@ -350,6 +359,8 @@ def _place_linings_among_contact_unknowns(
                 theta=theta,
                 forward=slice(None, None, 1 if theta[-1] > theta[0] else -1),
                 order=order,
+                across=across,
+                shares=shares,
             )
         )
         first += n
@@ -364,7 +375,7 @@ def _make_wear_setup(
     Parameters
     ----------
     brake : the brake
-    model : name of the model, "fem" or "foundation"
+    model : name of the model, "fem", "solid" or "foundation"
     interfaces : groups of coupled linings; each group is one contact problem
     surfaces : each lining with the place of its contact unknowns
     """

@@ -67,8 +67,8 @@ def end_of_wear_by_rigid_shoe_law(
     """The pressure and the torque to which wear tends as the mesh is refined.
 
     For finite elements and the exponent 1 of the wear law, the pressure is that of the rigid-shoe
-    law. For the foundation model and for other exponents, the result is
-    `final_pressure_and_torque_of_wear_on_mesh`.
+    law, which is even across the width. For the foundation model and for other exponents, the
+    result is `final_pressure_and_torque_of_wear_on_mesh`.
 
     Parameters
     ----------
@@ -82,14 +82,15 @@ def end_of_wear_by_rigid_shoe_law(
         if a rigid shoe has no equilibrium
     """
     # The rigid-shoe law holds only if wear is proportional to the pressure.
-    if setup.model != "fem" or (law is not None and law.exponent != 1):
+    if setup.model == "foundation" or (law is not None and law.exponent != 1):
         return final_pressure_and_torque_of_wear_on_mesh(setup, law, torque)
     forced = rigid.brake_with_forces_shared_by_rigid_law(setup.brake)
     pressures = []
     total: float = 0
     for surface in setup.surfaces:
         pressed = rigid.find_contact_of_rigid_shoe(forced, forced.shoes[surface.shoe])
-        pressures.append(rigid.pressure_of_rigid_shoe_at_places(pressed, surface.theta))
+        even = rigid.pressure_of_rigid_shoe_at_places(pressed, surface.theta)
+        pressures.append(np.repeat(even, len(surface.across)))
         if pressed:
             total += _lining_torque_by_rigid_shoe_law(setup, surface, pressed)
     return _final_pressure_scaled_to_held_torque(np.concatenate(pressures), total, torque)
@@ -182,18 +183,22 @@ def largest_pressure_difference_of_linings(setup: WearSetup, p: Floats, goal: Fl
     """
     distances = []
     for surface in setup.surfaces:
-        size = norm_of_values_on_lining_without_ends(
-            surface, surface.own_values_by_growing_angle(goal)
-        )
+        size = _norm_of_values_over_face_without_ends(surface, goal)
         # A lining without pressure at the end of wear has no relative distance.
         if size:
-            distances.append(
-                norm_of_values_on_lining_without_ends(
-                    surface, surface.own_values_by_growing_angle(p - goal)
-                )
-                / size
-            )
+            distances.append(_norm_of_values_over_face_without_ends(surface, p - goal) / size)
     return max(distances, default=0.0)
+
+
+def _norm_of_values_over_face_without_ends(surface: WornLining, values: Floats) -> float:
+    """The L2 norm over theta and the width of the values of a lining, averaged over the width.
+
+    One element at each end of the lining is left out. `values` holds those of all unknowns of the
+    setup.
+    """
+    rows = surface.own_values_over_face(values).T
+    norms = [norm_of_values_on_lining_without_ends(surface, row) for row in rows]
+    return math.sqrt(float(np.square(norms) @ surface.shares))
 
 
 def norm_of_values_on_lining_without_ends(surface: WornLining, values: Floats) -> float:
@@ -292,7 +297,15 @@ def sliding_distance_of_e_fold_pressure_change(setup: WearSetup, law: WearLaw) -
 
 
 def brake_with_worn_linings(setup: WearSetup, state: WearState) -> Brake:
-    """The brake with worn linings: the worn depth of a state is added to their clearance."""
+    """The brake with worn linings: the worn depth of a state is added to their clearance.
+
+    Raises BadInput for solid shoes, whose worn depth changes across the width.
+    """
+    if setup.model == "solid":
+        raise BadInput(
+            "--model = 'solid': its worn depth changes across the width, which a clearance cannot "
+            "say; allowed: fem, foundation"
+        )
     depths = {}
     for surface in setup.surfaces:
         depths[surface.shoe] = (
@@ -425,12 +438,10 @@ def compute_checks_of_wear_run(
     ripples = []
     for state in states[1:]:
         for surface in setup.surfaces:
-            ripple = archard.amplitude_of_node_to_node_pressure_ripple(
-                surface.own_values_by_growing_angle(state.pressure)
-            )
+            rows = surface.own_values_over_face(state.pressure).T
+            own = map(archard.amplitude_of_node_to_node_pressure_ripple, rows)
             # A lining of few nodes has no value of the ripple.
-            if not math.isnan(ripple):
-                ripples.append(ripple)
+            ripples += [ripple for ripple in own if not math.isnan(ripple)]
     return RunChecks(
         volume=abs(float(area @ end.depth) - end.removed) / scale,
         energy=_imbalance_of_wear_and_friction_energy(setup, end, law, scale),
@@ -472,7 +483,10 @@ def _integral_over_lining(surface: WornLining, values: Floats) -> float:
 
 
 def peak_nodal_pressure_of_wear_state(setup: WearSetup, state: WearState) -> float:
-    """The largest nodal pressure [Pa] on all linings, without the zones at the linings' ends."""
+    """The largest nodal pressure [Pa] on all linings, without the zones at the linings' ends.
+
+    The pressure of a solid shoe is the mean over the width, as in the answer of `solve`.
+    """
     peaks = []
     for surface in setup.surfaces:
         zone = length_of_edge_zone_without_peak(
@@ -493,6 +507,9 @@ def wear_run_as_json_data(
 ) -> dict[str, Any]:
     """A wear run as plain data for JSON in SI units, with each lining's values by growing theta.
 
+    Depths and pressures are means over the width. For solid shoes, each state has a further entry
+    "face" with the values (n, m) for each lining at the distances "z" [m] from the mid-plane.
+
     Parameters
     ----------
     setup : the brake with the contact problems of its linings
@@ -500,14 +517,23 @@ def wear_run_as_json_data(
     goal : pressure and torque to which wear tends
     law : the wear law
     """
+    is_solid = setup.model == "solid"
 
     def values_of_each_lining(values: Floats) -> list[list[float]]:
         """Values (n,) at the contact unknowns of all linings, as a list for each lining."""
         return [surface.own_values_by_growing_angle(values).tolist() for surface in setup.surfaces]
 
+    def values_over_face_of_each_lining(values: Floats) -> list[list[list[float]]]:
+        """Values (n m,) at the contact unknowns of all linings, as rows (n, m) for each lining."""
+        return [surface.own_values_over_face(values).tolist() for surface in setup.surfaces]
+
     def wear_state_as_json_data(state: WearState) -> dict[str, Any]:
         """A state of the wear run as plain data for JSON."""
         off = relative_difference_from_end_of_wear(setup, state, goal)
+        face = {
+            "depth": values_over_face_of_each_lining(state.depth),
+            "pressure": values_over_face_of_each_lining(state.pressure),
+        }
         return {
             "distance": state.s,
             "forward": state.forward,
@@ -519,11 +545,13 @@ def wear_run_as_json_data(
             "worn_volume": state.removed,
             "depth": values_of_each_lining(state.depth),
             "pressure": values_of_each_lining(state.pressure),
+            **({"face": face} if is_solid else {}),
         }
 
     shoes = []
     for surface in setup.surfaces:
-        shoes.append({"name": surface.name, "theta": surface.angles_in_growing_order.tolist()})
+        shoe = {"name": surface.name, "theta": surface.angles_in_growing_order.tolist()}
+        shoes.append(shoe | ({"z": surface.across.tolist()} if is_solid else {}))
     return {
         "model": setup.model,
         "law": law._asdict(),

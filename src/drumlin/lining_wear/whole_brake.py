@@ -29,7 +29,7 @@ from drumlin.lining_wear.run_in import (
     wear_run_as_json_data,
 )
 
-WEARING_MODELS = ("fem", "foundation")
+WEARING_MODELS = ("fem", "solid", "foundation")
 """The names of the models whose linings can wear."""
 
 
@@ -86,7 +86,7 @@ def require_options_of_wear_model(
     if model not in WEARING_MODELS:
         allowed = ", ".join(WEARING_MODELS)
         raise BadInput(f"--model = {model!r}: does not wear; allowed: {allowed}")
-    foreign = on_springs if model == "fem" else on_mesh
+    foreign = on_mesh if model == "foundation" else on_springs
     if foreign:
         raise BadInput(
             "--elements, --kind and --guided belong to --model fem, "
@@ -114,9 +114,9 @@ def make_wear_setups_of_brake(
     Parameters
     ----------
     brake : the brake
-    model : name of the model, "fem" or "foundation"
+    model : name of the model, "fem", "solid" or "foundation"
     both_ways : whether the drum also turns the other way
-    options : options of `prepared_model_with_finest_elements` for "fem", of
+    options : options of `prepared_model_for_analysis` for "fem" and "solid", of
         `wear_setup_by_foundation_model` for "foundation"
 
     Raises
@@ -134,9 +134,9 @@ def make_wear_setups_of_brake(
         )
         return WearSetups(forward, backward)
     # The import takes long, and only finite elements need it.
-    from drumlin.fem.solve import prepared_model_with_finest_elements  # noqa: PLC0415
+    from drumlin.fem.analysis.prepared import prepared_model_for_analysis  # noqa: PLC0415
 
-    scene = prepared_model_with_finest_elements(brake, **options)
+    scene = prepared_model_for_analysis(brake, model, **options)
     forward = wear_setup_by_finite_elements(scene, brake)
     backward = None if turned_back is None else wear_setup_by_finite_elements(scene, turned_back)
     return WearSetups(forward, backward)

@@ -170,9 +170,11 @@ def compare_models_and_write_html_page(
         mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
         # The correction for the widths knows no stresses. The picture shows plane stress.
         if options.get("finite_width"):
-            fem = MODELS["fem"].solve(brake, **{**options, "finite_width": False})
+            plane = {key: value for key, value in options.items() if key != "solid"}
+            fem = MODELS["fem"].solve(brake, **{**plane, "finite_width": False})
         not_drawn = write_and_draw_stress_fields(brake, fem, folder, "fields", **mesh_options)
-    notes = _model_notes_and_reasons_against_other_models(brake, comparison)
+    named = ("solid",) if options.get("solid") else ()
+    notes = _model_notes_and_reasons_against_other_models(comparison, named)
     page = write_html_page(
         Path(__file__).with_name("comparison.html"),
         folder / "index.html",
@@ -188,14 +190,17 @@ def compare_models_and_write_html_page(
 
 
 def _model_notes_and_reasons_against_other_models(
-    brake: Brake, comparison: Comparison[Any]
+    comparison: Comparison[Any], named: Sequence[str]
 ) -> list[str]:
-    """The notes of all models that answered, and the reasons why other models do not apply."""
+    """The notes of all models that answered, and the reasons why other models do not apply.
+
+    `named` are the models that were asked for by name.
+    """
     notes = []
     for model, response in comparison.responses.items():
         for line in response.notes:
             notes.append(f"{model}: {line}")
-    for name, reason in reasons_why_models_do_not_apply(brake).items():
+    for name, reason in reasons_why_models_do_not_apply(comparison.brake, named).items():
         notes.append(f"{name}: does not apply: {reason}")
     return notes
 

@@ -175,6 +175,7 @@ def results_of_response_by_name(brake: Brake, response: Response) -> Row:
     response that estimates its errors adds the relative errors "error_pressure", "error_torque",
     "error_peak" and "error_reaction" (see `Response.error`). One that estimates the error of plane
     stress itself adds "plane_stress_error_torque", "..._pressure" and "..._reaction".
+    If this error is not known, "plane_stress_error_unknown" has the reason in their place.
 
     Of each shoe: torque, peak_pressure, shoe_factor T/(F R) and hinge_reaction [N]; contact_start
     and contact_end, the ends of the contact [rad; on a plane m]; contact_arcs, the number of
@@ -192,6 +193,8 @@ def results_of_response_by_name(brake: Brake, response: Response) -> Row:
     if response.plane_stress_error is not None:
         for name, value in response.plane_stress_error.brake.items():
             row[f"plane_stress_error_{name}"] = value
+        if response.plane_stress_error.unknown:
+            row["plane_stress_error_unknown"] = response.plane_stress_error.unknown
     # The results of each shoe follow, with the shoe's name in front.
     for i, shoe in enumerate(response.shoes):
         numbers = _results_of_shoe_by_name(brake, i, response.effects[i], shoe)

@@ -91,7 +91,7 @@ def node_motions_by_moved_shoe_point(
     NoAnswer
         where the division into elements changes both on a step forwards and on a step backwards
     """
-    moving = _has_nodes_that_move_with_point(scene, shoe, key)
+    moving = has_nodes_that_move_with_point(scene, shoe, key)
     turns_axis = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
     if shoe.mesh is not None and not moving and turns_axis:
         return [
@@ -103,7 +103,7 @@ def node_motions_by_moved_shoe_point(
     return [_node_motion_by_central_difference(scene, i, shoe, key, axis) for axis in np.eye(2)]
 
 
-def _has_nodes_that_move_with_point(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
+def has_nodes_that_move_with_point(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
     """Whether nodes of a shoe's body move with the point of the shoe that `key` names."""
     # Without a mesh of the user the division into elements follows the points of the shoe.
     if shoe.mesh is None:

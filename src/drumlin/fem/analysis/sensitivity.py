@@ -16,6 +16,10 @@ The division into elements stays: a mesh stays as `solve` would make it, and hp 
 the contact ends. If the contact set is about to change, the torque has a kink, and the
 sensitivities are the slopes on the side of the present contact set. The forces that struts and cams
 pass on change with all data.
+
+The displacements inside solid shoes are not known. Their slopes by moduli therefore contain central
+differences of the condensed bodies (fem.analysis.wide_moduli), with an error that is stated. Slopes
+by a support that moves nodes of the body are left out. All other slopes are exact, too.
 """
 
 import math
@@ -40,11 +44,18 @@ from drumlin.fem.analysis.adjoint import (
 from drumlin.fem.analysis.moving import (
     NodeMotion,
     contact_lines_with_moved_nodes,
+    has_nodes_that_move_with_point,
     node_motions_by_moved_shoe_point,
 )
 from drumlin.fem.analysis.mutual_work import (
     mutual_elastic_work_in_each_part_of_body,
     mutual_work_change_by_node_motions,
+)
+from drumlin.fem.analysis.wide_moduli import (
+    BodiesOfModulus,
+    VirtualLoads,
+    function_for_bodies_with_changed_moduli,
+    torque_slopes_by_moduli_of_solid_shoe,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
@@ -91,7 +102,10 @@ class ShoeSensitivity:
         "abutment.friction" (1,) [N m]
     penalty : dT by the logarithm of the contact stiffness [N m]
     theta : growing angles (n,) [rad] of the lining's nodes
-    density : dT per clearance and length of arc (n,) [N/m] at each node; 0 off the contact
+    density : dT per clearance and length of arc (n,) [N/m] at each angle; 0 off the contact
+    modulus_error : error [N m] of the slopes by the moduli of a solid shoe; None in plane stress,
+        whose slopes are exact
+    not_given : supports of a solid shoe that move nodes of its body, and are not in `held`
     """
 
     name: str
@@ -106,6 +120,8 @@ class ShoeSensitivity:
     penalty: float
     theta: Floats
     density: Floats
+    modulus_error: float | None = None
+    not_given: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -152,6 +168,7 @@ def _shoe_sensitivity_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
     """
     held = {key: value.tolist() for key, value in shoe.held.items()}
     return vars(shoe) | {
+        "not_given": list(shoe.not_given),
         "theta": shoe.theta.tolist(),
         "density": shoe.density.tolist(),
         "held": held,
@@ -171,10 +188,12 @@ def compute_torque_sensitivity(
     _require_friction(scene, brake)
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
+    changed = function_for_bodies_with_changed_moduli(scene)
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
         adjoint = solve_adjoint_for_torque_of_shoe_group(group)
         for k, i in enumerate(group.members):
-            pressed[i] = _TorqueSlopesOfShoe(adjoint, k).compute_all_torque_slopes_of_shoe()
+            slopes = _TorqueSlopesOfShoe(adjoint, k, changed)
+            pressed[i] = slopes.compute_all_torque_slopes_of_shoe()
         ring += adjoint.ring_modulus_slope
         drive += adjoint.given_forces_slope
     shoes = []
@@ -222,7 +241,8 @@ def _logarithmic_slope(x: float, slope: float, value: float) -> float | None:
 
 def _zero_sensitivity_of_unpressed_shoe(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
     """The sensitivities, all zero, of a shoe that does not press on the drum."""
-    theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
+    phi, _ = body.line.angles_and_mean_pressures(np.zeros(len(body.line.nodes)))
+    theta = shoe.frame.theta(phi)[:: shoe.frame.sense]
     moduli = dict.fromkeys(map(_material_name_of_part, elastic_layers_of_shoe(shoe)), 0.0)
     given = shoe.body is not None and shoe.body.bending_stiffness is not None
     return ShoeSensitivity(
@@ -257,15 +277,33 @@ class _LoadedDisplacements(NamedTuple):
     v: Floats
 
 
+class _SlopesByModuli(NamedTuple):
+    """The slopes [N m] of the torque by the moduli of a shoe.
+
+    Attributes
+    ----------
+    moduli : slope by the logarithm of the modulus of each part
+    bending_stiffness : slope by the logarithm of the bending stiffness; None if the brake file
+        gives no bending stiffness
+    error : error of the slopes [N m]; None for exact ones
+    """
+
+    moduli: dict[str, float]
+    bending_stiffness: float | None
+    error: float | None
+
+
 class _TorqueSlopesOfShoe:
     """Computes the derivatives of the brake's torque by the data of one shoe.
 
     `adjoint` is the adjoint of the shoe's group, and `k` the number of the shoe in the group.
+    `changed` gives the bodies of solid shoes with changed moduli.
     """
 
-    def __init__(self, adjoint: GroupAdjoint, k: int) -> None:
+    def __init__(self, adjoint: GroupAdjoint, k: int, changed: BodiesOfModulus) -> None:
         """Collect the shoe, its adjoint, and the signs of its rigid-body modes."""
-        self.adjoint, self.k = adjoint, k
+        self.adjoint, self.k, self.changed = adjoint, k, changed
+        self.is_solid = adjoint.group.scene.model == "solid"
         self.group: ShoeGroup = adjoint.group
         self.own: ShoeAdjoint = adjoint.shoes[k]
         self.body, self.shoe = self.group.substructures_of_shoes[k], self.group.shoes[k]
@@ -290,7 +328,7 @@ class _TorqueSlopesOfShoe:
             float(own.gap_multipliers @ (coupling.M @ own.pressures))
             / group.contact_stiffness_per_area_of_shoes[k]
         )
-        moduli, bending_stiffness = self._torque_slopes_by_moduli(by_penalty)
+        moduli, bending_stiffness, modulus_error = self._torque_slopes_by_moduli(by_penalty)
         # The brake file does not give the force of a shoe under a cam or behind a strut.
         shares_force = k in [
             *group.indices_of_shoes_under_cam,
@@ -298,6 +336,8 @@ class _TorqueSlopesOfShoe:
         ]
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
         forward = slice(None, None, shoe.frame.sense)
+        phi, multipliers = body.line.angles_and_mean_pressures(own.gap_multipliers)
+        held = self._torque_slopes_by_supports()
         return ShoeSensitivity(
             name=shoe.name,
             torque=torque,
@@ -307,10 +347,12 @@ class _TorqueSlopesOfShoe:
             moduli=moduli,
             bending_stiffness=bending_stiffness,
             clearance=-float(own.gap_multipliers @ coupling.M.sum(axis=1)),
-            held=self._torque_slopes_by_supports(),
+            held=held,
             penalty=by_penalty,
-            theta=shoe.frame.theta(body.line.phi)[forward],
-            density=-shoe.lining.width * own.gap_multipliers[forward],
+            theta=shoe.frame.theta(phi)[forward],
+            density=-shoe.lining.width * multipliers[forward],
+            modulus_error=modulus_error,
+            not_given=tuple(key for key in self._supports() if key not in held),
         )
 
     def _indices_of_shoes_pushed_by_struts(self) -> list[int]:
@@ -336,13 +378,14 @@ class _TorqueSlopesOfShoe:
         ).T
         return _LoadedDisplacements(u, v)
 
-    def _torque_slopes_by_moduli(self, by_penalty: float) -> tuple[dict[str, float], float | None]:
-        """The slopes [N m] of the torque by the moduli of each part, and by the bending stiffness.
+    def _torque_slopes_by_moduli(self, by_penalty: float) -> _SlopesByModuli:
+        """The slopes of the torque by the moduli of each part, and by the bending stiffness.
 
-        The second slope is None if the brake file gives no bending stiffness. The lining's modulus
-        E also changes the contact stiffness alpha E/t. The slope `by_penalty` [N m] by the contact
-        stiffness is therefore a part of the slope by the lining's modulus.
+        The lining's modulus E also changes the contact stiffness alpha E/t. The slope `by_penalty`
+        [N m] by the contact stiffness is therefore a part of the slope by the lining's modulus.
         """
+        if self.is_solid:
+            return self._torque_slopes_by_moduli_of_solid_shoe(by_penalty)
         u, v = self.displacements_by_loads_and_adjoint_loads
         effects: dict[str, float] = {}
         layers = elastic_layers_of_shoe(self.shoe)
@@ -355,7 +398,27 @@ class _TorqueSlopesOfShoe:
         bar = self.shoe.body
         given = bar is not None and bar.bending_stiffness is not None
         bending_stiffness = effects.pop("shoe") if given else None
-        return effects, bending_stiffness
+        return _SlopesByModuli(effects, bending_stiffness, None)
+
+    def _torque_slopes_by_moduli_of_solid_shoe(self, by_penalty: float) -> _SlopesByModuli:
+        """The slopes of the torque by the moduli of a solid shoe, with their error.
+
+        `by_penalty` is the slope [N m] by the contact stiffness, as of `_torque_slopes_by_moduli`.
+        """
+        own, load = self.own, self.group.actuation_of_each_shoe_by_one_newton[self.k].load_factors
+        adjoint_force = -own.force_multiplier if self.under_cam else 0.0
+        loads = VirtualLoads(
+            own.pressures,
+            self.drag,
+            own.force * load,
+            own.gap_multipliers,
+            adjoint_force * load,
+        )
+        found = torque_slopes_by_moduli_of_solid_shoe(
+            self.body, self.changed(self.group.members[self.k]), loads
+        )
+        slopes = found.slopes | {"lining": found.slopes["lining"] + by_penalty}
+        return _SlopesByModuli(slopes, None, found.error)
 
     # Slopes by supports
 
@@ -364,11 +427,13 @@ class _TorqueSlopesOfShoe:
 
         The keys are those of `Held.changes`, and the units those of `ShoeSensitivity.held`. A
         motion of a support changes the rigid-body modes of the shoe. It also changes strains if
-        nodes of the body move with the support.
+        nodes of the body move with the support. Such supports of solid shoes are left out.
         """
         group, k = self.group, self.k
         effects = {}
-        for key, changes in self.shoe.changes(group.friction_senses[k]).items():
+        for key, changes in self._supports().items():
+            if not self._has_slope_by_point(key):
+                continue
             effects[key] = np.array(
                 list(map(self._torque_slope_by_rigid_body_mode_change, changes))
             )
@@ -376,10 +441,26 @@ class _TorqueSlopesOfShoe:
             if moves:
                 effects[key] = effects[key] + self._torque_slopes_by_node_motions(moves)
         for to in self._indices_of_shoes_pushed_by_struts():
-            _add_torque_slopes_by_strut_line_of_action(
-                effects, _TorqueSlopesOfShoe(self.adjoint, to)
-            )
+            pushed = _TorqueSlopesOfShoe(self.adjoint, to, self.changed)
+            if pushed._has_slope_by_point("actuation.point"):
+                _add_torque_slopes_by_strut_line_of_action(effects, pushed)
+            else:
+                effects.pop("abutment.point", None)
+                effects.pop("abutment.direction", None)
         return effects
+
+    def _supports(self) -> Mapping[str, Any]:
+        """The changes of the shoe's rigid-body modes by each of its supports, by its key."""
+        return self.shoe.changes(self.group.friction_senses[self.k])
+
+    def _has_slope_by_point(self, key: str) -> bool:
+        """Whether the slope by a point of the shoe is known.
+
+        It is not known for a solid shoe whose body moves with the point.
+        """
+        return not (
+            self.is_solid and has_nodes_that_move_with_point(self.group.scene, self.shoe, key)
+        )
 
     def _torque_slope_by_rigid_body_mode_change(self, change: SupportChange) -> float:
         """The slope of the torque by a change of the shoe's rigid-body modes.
@@ -669,11 +750,17 @@ def _text_lines_on_torque_slopes_of_shoe(
     )
     # Adding 0.0 turns -0.0 into 0.0, which prints without a sign of minus.
     per_micrometre = own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0
-    return [
+    lines = [
         f"    {by_force}{elasticity} E: {moduli}{bent}; "
         f"{elasticity} penalty {own.penalty / T:+.1e}",
         f"    clearance {per_micrometre:+.4g} %/µm" + (f"; {held}" if held else ""),
     ]
+    if own.modulus_error is not None:
+        lines.append(f"    E by central differences, with an error of {own.modulus_error / T:.1e}")
+    if own.not_given:
+        keys = " and ".join(own.not_given)
+        lines.append(f"    {keys}: not given, for the body moves with it; --model fem gives it")
+    return lines
 
 
 def _text_on_torque_slopes_by_support(key: str, value: Floats) -> str:

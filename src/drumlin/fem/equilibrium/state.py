@@ -86,6 +86,8 @@ class GroupState:
     friction_senses : sense of the friction at each shoe's abutment, see `Held.freedoms`; empty
         until `ShoeGroup.solve_contact_and_abutment_friction` has found the senses. A group with a
         rough abutment has no contact problem before the senses are known.
+    worn_depth : (n,) [m], depth by which wear has opened the gap at the contact nodes of the group;
+        None for unworn linings
     """
 
     scene: PreparedModel
@@ -93,6 +95,7 @@ class GroupState:
     members: tuple[int, ...]
     penalty: float = math.inf
     friction_senses: tuple[int, ...] = ()
+    worn_depth: Floats | None = None
 
     # These are the members of the group.
 
@@ -184,10 +187,14 @@ class GroupState:
     def gaps_of_unloaded_linings(self) -> tuple[Floats, ...]:
         """The gaps (n_i,) [m] of each unloaded lining at its contact nodes."""
         gaps = []
-        for body, shoe in zip(self.substructures_of_shoes, self.shoes, strict=True):
-            gaps.append(
-                unloaded_lining_gaps_at_points(body.line.xy, body.line.phi, self.brake, shoe)
-            )
+        for body, shoe, part in zip(
+            self.substructures_of_shoes,
+            self.shoes,
+            self.contact_node_slices_of_shoes,
+            strict=True,
+        ):
+            gap = unloaded_lining_gaps_at_points(body.line.xy, body.line.phi, self.brake, shoe)
+            gaps.append(gap if self.worn_depth is None else gap + self.worn_depth[part])
         return tuple(gaps)
 
     @cached_property

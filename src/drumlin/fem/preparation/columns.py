@@ -135,7 +135,8 @@ def make_hp_bodies(
         i: partial(_hp_element_nodes_of_changed_shoe, rule, brake.size) for i, rule in rules.items()
     }
     nodes_of = partial(_nodes_of_changed_shoe_divided_as_before, nodes_by_shape, alike)
-    return DividedBodies(bodies, ring, nodes_of, ring_under)
+    divisions = {i: rule.division for i, rule in rules.items()}
+    return DividedBodies(bodies, ring, nodes_of, ring_under, divisions)
 
 
 def _require_few_contact_nodes(

@@ -77,6 +77,7 @@ def make_prepared_model(
         tuple(left_out),
         nodes_of_changed_shoe=made.nodes_of_changed_shoe,
         ring_under_lines=made.ring_under_lines,
+        divisions=made.divisions,
     )
 
 

@@ -1,13 +1,14 @@
 """The prepared model of a brake: its condensed bodies, and the effects that they neglect."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
 from drumlin.fem.preparation.cache import shape_key_of_shoe
@@ -32,13 +33,15 @@ class DividedBodies(NamedTuple):
 
     The function `nodes_of_changed_shoe` divides a changed shoe by the rule by which these bodies
     were divided. The function `ring_under_lines` divides the ring under other contact lines in the
-    same way; see `PreparedModel`.
+    same way; see `PreparedModel`. `divisions` are the divisions into hp elements by the position of
+    the first shoe of each shape, empty for meshes.
     """
 
     bodies: tuple[ShoeSubstructure, ...]
     ring: RingSubstructure | None
     nodes_of_changed_shoe: Callable[[int, Shoe], BodyNodes]
     ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure]
+    divisions: Mapping[int, ShoeDivision] = {}
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,8 @@ class PreparedModel:
         anew
     ring_under_lines : function of other contact lines that returns the ring under these lines; None
         if the bodies cannot be divided anew
+    divisions : division into hp elements by the position of the first shoe of each shape; empty for
+        meshes
     """
 
     brake: Brake
@@ -70,6 +75,7 @@ class PreparedModel:
     model: str = "fem"
     nodes_of_changed_shoe: Callable[[int, Shoe], BodyNodes] | None = None
     ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
+    divisions: Mapping[int, ShoeDivision] = field(default_factory=dict)
 
     @cached_property
     def cache_keys_of_shoe_shapes(self) -> list[tuple[object, ...]]:

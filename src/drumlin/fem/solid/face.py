@@ -43,6 +43,16 @@ class ContactFace(ContactLine):
         """The widths 2 Int zeta_k dz (m,) [m] of the levels; their sum is the whole width."""
         return integrals_of_products_of_width_functions(self.z).sum(axis=1)
 
+    @property
+    def node_distances_from_mid_plane(self) -> Floats:
+        """Distances (m,) [m] of the levels from the mid-plane."""
+        return self.z
+
+    @property
+    def width_shares_of_nodes_across_width(self) -> Floats:
+        """The share (m,) of the whole width that each level stands for."""
+        return np.asarray(self.width / self.width.sum())
+
     def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> Coupling:
         """The coupling with a counterface; its width is that of the face, not `width`."""
         line, m = (

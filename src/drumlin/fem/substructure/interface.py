@@ -76,6 +76,16 @@ class ContactLine:
             self.edge,
         )
 
+    @property
+    def node_distances_from_mid_plane(self) -> Floats:
+        """Distances (m,) [m] from the mid-plane of the nodes across the width; 0 on a line."""
+        return np.zeros(1)
+
+    @property
+    def width_shares_of_nodes_across_width(self) -> Floats:
+        """The share (m,) of the width that each node across the width stands for; 1 on a line."""
+        return np.ones(1)
+
     def angles_and_mean_pressures(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] of the contact nodes, and the pressure (n,) [Pa] there.
 

@@ -77,6 +77,12 @@ class WidthFace(ContactLine):
         """
         return self.mass_matrix_across_width.sum(axis=1)
 
+    @property
+    def width_shares_of_nodes_across_width(self) -> Floats:
+        """The share (m,) of the whole width that each node across the width stands for."""
+        widths = self.tributary_widths_of_nodes_across_width
+        return np.asarray(widths / widths.sum())
+
     def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> Coupling:
         """The coupling of the face with the drum or the plane.
 
@@ -106,8 +112,7 @@ class WidthFace(ContactLine):
         return (
             self.line.phi,
             p.reshape(-1, len(self.node_distances_from_mid_plane))
-            @ self.tributary_widths_of_nodes_across_width
-            / self.tributary_widths_of_nodes_across_width.sum(),
+            @ self.width_shares_of_nodes_across_width,
         )
 
     def pressure_over_arc_and_width(self, p: Floats) -> PressureOverWidth:

@@ -1,6 +1,6 @@
 """The prepared model of a brake whose shoes have a finite width (hierarchic model of the width)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -159,31 +159,54 @@ def prepare_brake_with_widths(
     NoAnswer
         for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a contact face
     """
-    reason = reason_against_width_model(brake)
-    if reason is not None:
-        raise BadInput(f"the model of the width does not apply to this brake: {reason}")
-    if not callable(degree) and not 0 <= degree <= LARGEST_WIDTH_DEGREE:
-        raise BadInput(f"--across = {degree}: must be from 0 to {LARGEST_WIDTH_DEGREE}")
+    alike = first_shoes_of_equal_shape(brake)
+    tip = brake.actuation is not None and brake.actuation.is_cam
+
+    def division_of_shoe(i: int) -> ShoeDivision:
+        """The division of the section of shoe `i` into hp elements."""
+        places = (points or {}).get(i, ())
+        return divide_shoe_into_hp_elements(
+            brake.shoes[i], brake.size, level, places, grades_loaded_end=tip
+        )
+
+    _require_brake_and_degree_of_width_model(brake, degree)
+    divisions = {i: division_of_shoe(i) for i in dict.fromkeys(alike)}
+    return prepare_divided_brake_with_widths(brake, divisions, degree, cache=cache)
+
+
+def prepare_divided_brake_with_widths(
+    brake: Brake,
+    divisions: Mapping[int, ShoeDivision],
+    degree: int | MakeFunctions,
+    *,
+    cache: Cache | None = None,
+) -> PreparedModel:
+    """The prepared model of a brake with widths on given divisions of the sections of its shoes.
+
+    Parameters
+    ----------
+    brake : the brake
+    divisions : division into hp elements by the position of the first shoe of each shape
+    degree, cache : as of `prepare_brake_with_widths`
+
+    Raises
+    ------
+    BadInput
+        where the model does not apply, and for a degree out of range
+    NoAnswer
+        for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a contact face
+    """
+    _require_brake_and_degree_of_width_model(brake, degree)
     make = degree if callable(degree) else partial(functions_across_width_of_shoe, degree=degree)
     seconds: Seconds = {}
     cache = cache or Cache()
     alike = first_shoes_of_equal_shape(brake)
-    tip = brake.actuation is not None and brake.actuation.is_cam
     made: dict[int, ShoeSubstructure] = {}
     # One body is condensed for each different shape of shoe.
     for i in dict.fromkeys(alike):
-        shoe = brake.shoes[i]
+        shoe, division = brake.shoes[i], divisions[i]
         functions = make(shoe)
-        division = divide_shoe_into_hp_elements(
-            shoe, brake.size, level, (points or {}).get(i, ()), grades_loaded_end=tip
-        )
-        nodes = division.contact_nodes * len(
-            functions.node_distances_across_part(shoe.lining.width / 2)
-        )
-        if nodes > MOST_CONTACT_NODES:
-            raise NoAnswer(
-                f"its {nodes} contact nodes are more than the {MOST_CONTACT_NODES} that are allowed"
-            )
+        _require_few_nodes_of_contact_face(shoe, division, functions)
         friction = brake.friction > 0
         key = (
             "width",
@@ -205,7 +228,28 @@ def prepare_brake_with_widths(
         made[i] = cache.get(key, body, _memory_of_condensed_body)
     bodies = tuple(made[i] for i in alike)
     left_out = (INTERIOR, OTHER_HALF, *text_lines_on_shoes_of_equal_shape(brake, len(made)))
-    return PreparedModel(brake, bodies, None, seconds, left_out, model="solid")
+    return PreparedModel(brake, bodies, None, seconds, left_out, model="solid", divisions=divisions)
+
+
+def _require_brake_and_degree_of_width_model(brake: Brake, degree: int | MakeFunctions) -> None:
+    """Raise BadInput where the model of the width does not apply, or for a degree out of range."""
+    reason = reason_against_width_model(brake)
+    if reason is not None:
+        raise BadInput(f"the model of the width does not apply to this brake: {reason}")
+    if not callable(degree) and not 0 <= degree <= LARGEST_WIDTH_DEGREE:
+        raise BadInput(f"--across = {degree}: must be from 0 to {LARGEST_WIDTH_DEGREE}")
+
+
+def _require_few_nodes_of_contact_face(
+    shoe: Shoe, division: ShoeDivision, functions: WidthFunctions
+) -> None:
+    """Raise NoAnswer if the contact face of a shoe has more than MOST_CONTACT_NODES nodes."""
+    across = len(functions.node_distances_across_part(shoe.lining.width / 2))
+    nodes = division.contact_nodes * across
+    if nodes > MOST_CONTACT_NODES:
+        raise NoAnswer(
+            f"its {nodes} contact nodes are more than the {MOST_CONTACT_NODES} that are allowed"
+        )
 
 
 def _memory_of_condensed_body(body: ShoeSubstructure) -> int:

@@ -1,0 +1,144 @@
+"""How the flexibility of a solid shoe changes with the moduli of its parts, by central differences.
+
+The stiffness of a solid shoe is known on its contact nodes and loads alone, since the displacements
+inside the body are not recovered across the width. The shoe is therefore condensed again with each
+modulus a little larger and a little smaller. The slope of the torque is the adjoint's exact one, in
+which only the change of the flexibility is a difference.
+
+The flexibility is inversely proportional to a common factor on all moduli of a shoe. So the sum of
+the differences over all parts is known exactly, and tells the error of the differences.
+"""
+
+import math
+from collections.abc import Callable
+from functools import cache, partial
+from typing import NamedTuple
+
+from drumlin.base.arrays import Floats
+from drumlin.brake.file import vary
+from drumlin.fem.preparation.bodies import ShoeSubstructure
+from drumlin.fem.preparation.scene import PreparedModel
+from drumlin.fem.width.face import WidthFace
+from drumlin.fem.width.prepare import condense_and_couple_shoe_with_width
+
+MODULUS_STEP = 1e-3
+"""Change of the logarithm of a modulus in the central differences.
+
+The error of a difference is at most MODULUS_STEP^2/6 = 2e-7 of the slope, see `ModulusSlopes`. The
+round-off of a condensed body, some 1e-10, divided by the step is as large. A larger step is less
+exact, and a smaller step loses digits.
+"""
+MATERIAL_KEYS = {"lining": "lining", "backing": "backing", "shoe": "body"}
+"""The key of the brake file that holds the material of a part, by the part's name in the slopes."""
+
+
+class VirtualLoads(NamedTuple):
+    """The loads of a shoe in its solution, and its adjoint loads.
+
+    Attributes
+    ----------
+    pressures : pressures (n,) [Pa] at the contact nodes
+    drag : friction coefficient with the sign of the drag in the frame of the shoe
+    load : factors (l,) of the load columns
+    gap_multipliers : adjoint multipliers (n,) of the weighted gaps
+    adjoint_load : adjoint factors (l,) of the load columns
+    """
+
+    pressures: Floats
+    drag: float
+    load: Floats
+    gap_multipliers: Floats
+    adjoint_load: Floats
+
+    def work_on_displacements_of_body(self, body: ShoeSubstructure) -> float:
+        """The work [N m] of the adjoint loads on the displacements of a body under its loads."""
+        p, drag = self.pressures, self.drag
+        closed = body.closure_by_pressure @ p + body.closure_by_load @ self.load
+        moved = body.load_motion_by_load @ self.load - body.closure_by_load.T @ p
+        # A brake without friction has no torque, and so no slopes.
+        assert body.closure_by_friction is not None and body.load_motion_by_friction is not None
+        closed = closed + drag * (body.closure_by_friction @ p)
+        moved = moved + drag * (body.load_motion_by_friction @ p)
+        return float(self.gap_multipliers @ closed + self.adjoint_load @ moved)
+
+
+class ModulusSlopes(NamedTuple):
+    """The slopes [N m] of the torque by the logarithm of each part's modulus, and their error.
+
+    `slopes` are by the name of the part. `error` [N m] has two parts. The first is the difference
+    of the slopes' sum from the exact slope by a common factor on all moduli of the shoe. It shows
+    round-off, while errors by the step may cancel in the sum. The second part is
+    MODULUS_STEP^2/6 of the slopes. A flexibility 1/E has this error by the step, and the share
+    1/(1 + E/E_0) of a part in a whole has at most this error.
+    """
+
+    slopes: dict[str, float]
+    error: float
+
+
+BodiesOfModulus = Callable[[int], dict[str, tuple[ShoeSubstructure, ShoeSubstructure]]]
+"""A function from a shoe's position to its bodies with each modulus changed, by the part's name.
+
+The first body of a part has the larger modulus, and the second one the smaller.
+"""
+
+
+def function_for_bodies_with_changed_moduli(scene: PreparedModel) -> BodiesOfModulus:
+    """The function that condenses shoes of a prepared model with widths with changed moduli.
+
+    Shoes of one shape share their bodies, which are condensed when they are first needed.
+    """
+    shapes = scene.cache_keys_of_shoe_shapes
+    condensed = cache(partial(_condense_shoe_with_changed_moduli, scene))
+    return lambda i: condensed(shapes.index(shapes[i]))
+
+
+def _condense_shoe_with_changed_moduli(
+    scene: PreparedModel, i: int
+) -> dict[str, tuple[ShoeSubstructure, ShoeSubstructure]]:
+    """The bodies of shoe `i` with the modulus of each part larger and smaller, by part."""
+    brake, face = scene.brake, scene.bodies[i].line
+    # Only prepared models with widths come here.
+    assert isinstance(face, WidthFace)
+    bodies = {}
+    for part, key in MATERIAL_KEYS.items():
+        owner = getattr(brake.shoes[i], key)
+        if owner is None:
+            continue
+        pair = []
+        for step in (MODULUS_STEP, -MODULUS_STEP):
+            modulus = {f"shoe[{i}].{key}.material.E": owner.material.E * math.exp(step)}
+            pair.append(
+                condense_and_couple_shoe_with_width(
+                    vary(brake, modulus).shoes[i],
+                    brake.size,
+                    scene.divisions[i],
+                    face.functions,
+                    True,
+                    {},
+                )
+            )
+        bodies[part] = (pair[0], pair[1])
+    return bodies
+
+
+def torque_slopes_by_moduli_of_solid_shoe(
+    body: ShoeSubstructure,
+    changed: dict[str, tuple[ShoeSubstructure, ShoeSubstructure]],
+    loads: VirtualLoads,
+) -> ModulusSlopes:
+    """The slopes of the torque by the moduli of a solid shoe at a given contact stiffness.
+
+    Parameters
+    ----------
+    body : the substructure of the shoe
+    changed : its bodies with the modulus of each part larger and smaller, by the part's name
+    loads : its loads and adjoint loads
+    """
+    slopes = {}
+    for part, (stiff, soft) in changed.items():
+        more, less = (loads.work_on_displacements_of_body(each) for each in (stiff, soft))
+        slopes[part] = (more - less) / (2 * MODULUS_STEP)
+    whole = -loads.work_on_displacements_of_body(body)
+    by_step = MODULUS_STEP**2 / 6 * math.fsum(map(abs, slopes.values()))
+    return ModulusSlopes(slopes, abs(math.fsum(slopes.values()) - whole) + by_step)
