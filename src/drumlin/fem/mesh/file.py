@@ -194,7 +194,7 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
         check_mesh_and_drop_unneeded_groups(
             contact.mesh, shoe, radius, f"{fault}: with its contact line on the {shoe.surface.word}"
         )
-    return ShoeMesh(contact.mesh, contact, content.notes + plane.notes)
+    return ShoeMesh(contact.mesh, contact, mesh, content.notes + plane.notes)
 
 
 def _read_content_of_mesh_file(path: Path, shoe: Shoe, fault: str) -> FileContent:

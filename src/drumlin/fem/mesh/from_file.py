@@ -70,11 +70,13 @@ class ShoeMesh:
     ----------
     mesh : scikit-fem's mesh in the shoe's frame [m]
     contact : the mesh with counts of the contact nodes that were moved onto the drum or the plane
+    in_file : the same mesh with the contact nodes where the file has them [m]
     notes : lines that tell which parts of the file were ignored or changed
     """
 
     mesh: Any
     contact: ContactOnSurface
+    in_file: Any
     notes: tuple[str, ...]
 
 
