@@ -15,7 +15,9 @@ from studies.manual.solve_path import solve_path_picture
 
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
+from drumlin.fem.error_control.degrees import MOST_RAISED_NODES
 from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.mesh.smooth_outline import LARGEST_SMOOTH_TURN
 from drumlin.fem.model import (
     LARGEST_ANSWER_IMBALANCE,
     LARGEST_REFINED_ROUND_OFF,
@@ -54,6 +56,8 @@ def quoted_values() -> dict[str, str]:
         "largest_loss": _power_of_ten_text(LARGEST_UNREFINED_ROUND_OFF),
         "most_loss": _power_of_ten_text(LARGEST_REFINED_ROUND_OFF),
         **_width_shares(),
+        "largest_smooth_turn": f"{math.degrees(LARGEST_SMOOTH_TURN):g} deg",
+        "most_raised_nodes": f"{MOST_RAISED_NODES:,}".replace(",", " "),
         "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
         "wear_coefficient": f"{1e9 * DEFAULT_WEAR_COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",

@@ -12,9 +12,10 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCE,
     Tolerance,
-    require_tolerance_applies_to_brake,
+    require_tolerance_between_zero_and_one,
     solve_brake_to_tolerance,
 )
+from drumlin.fem.error_control.degrees import solve_meshes_of_files
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
@@ -64,9 +65,10 @@ def solve(
     brake : the brake
     elements : number of finite elements along each lining; the brake is then solved on one mesh,
         without error estimate
-    kind : kind of the finite elements; the brake is then solved on one mesh, as with a mesh file
+    kind : kind of the finite elements; the brake is then solved on one mesh, without error estimate
     tolerance : largest estimated relative error of p (L2, outside the zones at the lining's ends)
-        and of the torque; by default DEFAULT_TOLERANCE, or the errors that are reached
+        and of the torque; by default DEFAULT_TOLERANCE, or the errors that are reached. On the mesh
+        of a file the degree of the elements rises until the tolerance is met.
     penalty : factor alpha of the contact stiffness alpha E/t
     finite_width : whether the response is corrected for the widths of the shoes, see
         fem/width/correction.py; it then states the error that remains
@@ -81,8 +83,8 @@ def solve(
         `require_element_options_have_effect` refuses, and for a correction that does not apply to
         the brake
     NoAnswer
-        if a given tolerance is not reached, if the correction for the widths is not known, and if
-        `solve_prepared_model` has no solution
+        if a given tolerance is not reached without mesh files, if the correction for the widths is
+        not known, and if `solve_prepared_model` has no solution
     """
     require_positive_penalty(penalty)
     for option, value in {"elements": elements, "kind": kind}.items():
@@ -94,10 +96,14 @@ def solve(
     if finite_width:
         require_brake_that_width_model_applies_to(brake)
     # A given tolerance must be met. Without options the default tolerance is met as well as
-    # possible. Given elements, and shoes with mesh files, are solved once without error estimate.
+    # possible, and so is any tolerance on the meshes of files. Given elements are solved once
+    # without error estimate.
     answer = partial(solve_prepared_model, penalty=penalty)
     if tolerance is not None:
-        require_tolerance_applies_to_brake(brake, tolerance)
+        require_tolerance_between_zero_and_one(tolerance)
+    if elements is None and kind is None and any(shoe.mesh for shoe in brake.shoes):
+        response = solve_meshes_of_files(brake, answer, tolerance, cache)
+    elif tolerance is not None:
         response = solve_brake_to_tolerance(
             brake, Tolerance(tolerance, tolerance), answer, cache=cache
         ).response
@@ -135,7 +141,8 @@ def prepared_model_with_finest_elements(
 ) -> PreparedModel:
     """The prepared model of the finest division that `solve` uses, for further analyses.
 
-    A brake that has no solution in sliding is divided as on the second level.
+    The elements of a mesh file have the degree of the file. A brake that has no solution in sliding
+    is divided as on the second level.
 
     Parameters
     ----------

@@ -223,7 +223,7 @@ def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedSh
         )
     for name, facets in mesh.boundaries.items():
         lines = xy[nodes_along_element_edges(basis, facets).T]
-        look = {"color": GROUP_COLORS[name], "lw": 3.0, "zorder": 4.5, "capstyle": "butt"}
+        look: dict[str, Any] = {"color": GROUP_COLORS[name], "lw": 3.0, "zorder": 4.5}
         axes.add_collection(LineCollection(list(lines), **look))
     low, high = xy.min(axis=0), xy.max(axis=0)
     unit = float((high - low).max()) / 22
