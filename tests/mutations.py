@@ -81,7 +81,7 @@ TUNED: dict[str, dict[str, Guard]] = {
         ),
     },
     "fem/error_control/degrees.py": dict.fromkeys(
-        ("DEGREE_FACTORS", "FORMER_SHARE", "OUTLINE_FACTOR"),
+        ("DEGREE_FACTORS", "OUTLINE_FACTOR"),
         Guard(
             "down",
             (

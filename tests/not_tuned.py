@@ -148,6 +148,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LARGEST_SMOOTH_TURN": "judgement; a larger one makes stated errors larger where corners are"
     },
     "fem/error_control/degrees.py": {
+        "FORMER_SHARE": "any share from 0.05 on states the accidental agreements of 250 meshes",
         "DEGREES": "degrees up to which the time of a solve is bearable",
         "NEGLIGIBLE_MOVE": "judgement; saves time where the sides' error is below all others",
         "MOST_RAISED_NODES": MEMORY,
