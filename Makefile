@@ -17,7 +17,7 @@ WHOLE = tests/test_study_double_shoe.py tests/test_sweep_stopped.py::test_a_dask
   tests/test_manual.py::test_the_manual_is_built_whole_and_stands_alone
 TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
-.PHONY: study manual test types passes test-all oldest newest truths calibrate levels sharpness noticed benchmarks packages constraints setup clean
+.PHONY: study manual test types passes test-all oldest newest truths calibrate levels degrees sharpness noticed benchmarks packages constraints setup clean
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
 
@@ -72,6 +72,11 @@ calibrate: .venv/ready
 # What the eight numbers of the levels' rule do to errors and times: fifteen minutes. make levels ARGS="fall=6".
 levels: .venv/ready
 	$(BIN)/python -m drumlin_studies.level_rules $(ARGS)
+
+# Stated and true errors of meshes by Gmsh: five minutes. make degrees ARGS="8 100" judges 8 meshes from seed 100 on.
+degrees: .venv/ready
+	$(BIN)/python -m pip install --quiet --editable '.[dev,meshing]'
+	$(BIN)/python -m drumlin_studies.mesh_degrees $(ARGS)
 
 # By how much stated errors are larger than true ones now; the tests notice where this changes.
 sharpness: .venv/ready

@@ -150,6 +150,18 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "PLANE_SHAPES": FORMAT,
         "CUBIC_MIDDLE": DEFINITION,
     },
+    "fem/mesh/degree.py": dict.fromkeys(
+        ("TRIANGLE_CORNERS", "SQUARE_CORNERS", "TRIANGLE_SIDES", "SQUARE_SIDES"), DEFINITION
+    ),
+    "fem/mesh/smooth_outline.py": {
+        "LARGEST_SMOOTH_TURN": "judgement; a larger one makes stated errors larger where corners are"
+    },
+    "fem/error_control/degrees.py": {
+        "FORMER_SHARE": "any share from 0.05 on states the accidental agreements of 250 meshes",
+        "DEGREES": "degrees up to which the time of a solve is bearable",
+        "NEGLIGIBLE_MOVE": "judgement; saves time where the sides' error is below all others",
+        "MOST_RAISED_NODES": MEMORY,
+    },
     "fem/mesh/file.py": {
         "LONGEST_REASON": "length of a message",
         "MOST_FILE_NODES": MEMORY,

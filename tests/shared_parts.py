@@ -5,6 +5,9 @@ from dataclasses import replace
 from typing import Any
 
 from drumlin.brake.brake import Brake
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.response.response import Response
 from drumlin.sweeps.cases import SweepCase
 
 
@@ -17,6 +20,11 @@ def drum_ring(thickness: float, support: str) -> dict[str, Any]:
     return {
         "drum.ring": {"thickness": thickness, "width": 0.04, "material": iron, "support": support}
     }
+
+
+def solve_on_elements_of_files(brake: Brake) -> Response:
+    """The response on the mesh files of a brake as they are, by elements of the files' degree."""
+    return solve_prepared_model(make_prepared_model(brake), brake)
 
 
 def friction_cases(brake: Brake, frictions: Iterable[float], model: str = "sine") -> list[Any]:

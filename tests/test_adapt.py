@@ -9,8 +9,6 @@ import pytest
 
 from drumlin import BadInput, NoAnswer, vary
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
-from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.solve import solve
 from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.verification.reference import solve_brake_for_reference_values
@@ -158,16 +156,9 @@ def test_a_tolerance_that_cannot_be_met_is_refused_with_what_was_reached(brake, 
         solve(brake, tolerance=1e-12)
 
 
-def test_tolerances_out_of_range_and_what_cannot_be_refined_are_refused(brake, tmp_path):
+def test_tolerances_out_of_range_and_with_elements_are_refused(brake):
     for tolerance in (0.0, -1.0, 1.0, math.nan):
         with pytest.raises(BadInput, match="--tolerance"):
             solve(brake, tolerance=tolerance)
     with pytest.raises(BadInput, match="leave out --elements"):
         solve(brake, tolerance=1e-3, elements=20)
-    write_shoe_mesh_to_file(
-        tmp_path / "s.msh",
-        parametric_mesh_of_shoe(brake.shoes[0], brake.drum.radius, 20),
-        brake.shoes[0],
-    )
-    with pytest.raises(BadInput, match="mesh file"):
-        solve(vary(brake, {"shoe[0].mesh": str(tmp_path / "s.msh")}), tolerance=1e-3)

@@ -24,6 +24,7 @@ from drumlin.fem.mesh.grading import divide_lining_into_elements
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin_studies.random_kinds import mirror_turn_and_shift_brake
 from flat_pads import BODY, KINDS, pad
+from shared_parts import solve_on_elements_of_files
 
 ELEMENTS = 16
 QUICK = {("hinge", True), ("abutment", False), ("guide", False)}
@@ -47,7 +48,8 @@ def test_every_format_gives_the_answer_of_the_mesh_that_was_written(tmp_path: Pa
     for kind in ("quad2", "tri1"):
         a = drumlin.solve(brake, elements=ELEMENTS, kind=kind).shoes[0]
         for suffix in ("msh", "inp", "vtu"):
-            b = drumlin.solve(filed(brake, tmp_path / f"pad.{suffix}", kind)).shoes[0]
+            own = filed(brake, tmp_path / f"pad.{suffix}", kind)
+            b = solve_on_elements_of_files(own).shoes[0]
             assert b.normal_force == pytest.approx(a.normal_force, rel=1e-9)
             np.testing.assert_allclose(b.pressure, a.pressure, atol=1e-7 * a.peak_pressure)
 
@@ -107,7 +109,7 @@ def test_a_crowned_mesh_is_a_crowned_pad(tmp_path: Path) -> None:
     mesh.points[:, 1] = np.where(y == 0, x**2 / (2 * 300.0), y)
     mesh.write(path)
     (a,) = drumlin.solve(vary(brake, {"shoe.lining.misfit.radius": 300.0}), elements=60).shoes
-    (b,) = drumlin.solve(own).shoes
+    (b,) = solve_on_elements_of_files(own).shoes
     assert a.contact_arcs[0][0] > 0.061
     np.testing.assert_allclose(b.pressure, a.pressure, atol=2e-2 * a.peak_pressure)
 

@@ -16,7 +16,9 @@ from studies.manual.solve_path import solve_path_picture
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.analysis.prepared import ANALYSIS_DEGREE
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
+from drumlin.fem.error_control.degrees import MOST_RAISED_NODES
 from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.mesh.smooth_outline import LARGEST_SMOOTH_TURN
 from drumlin.fem.model import (
     LARGEST_ANSWER_IMBALANCE,
     LARGEST_REFINED_ROUND_OFF,
@@ -57,6 +59,8 @@ def quoted_values() -> dict[str, str]:
         "largest_loss": _power_of_ten_text(LARGEST_UNREFINED_ROUND_OFF),
         "most_loss": _power_of_ten_text(LARGEST_REFINED_ROUND_OFF),
         **_width_shares(),
+        "largest_smooth_turn": f"{math.degrees(LARGEST_SMOOTH_TURN):g} deg",
+        "most_raised_nodes": f"{MOST_RAISED_NODES:,}".replace(",", " "),
         "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
         "solid_tolerance": f"{100 * DEFAULT_SOLID_TOLERANCE:g} %",
         "section_safety": f"{SECTION_SAFETY:g}",

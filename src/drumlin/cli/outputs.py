@@ -1,7 +1,8 @@
 """Commands that write a brake as a picture, as meshes, or as input decks of another program."""
 
+import os
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -9,6 +10,9 @@ import drumlin
 from drumlin.base.errors import BadInput
 from drumlin.cli.options import BrakeFile, Elements, Kind, options_given_by_user
 from drumlin.cli.terminal import print_folded_line, show_spinner_beside_words
+
+if TYPE_CHECKING:
+    from drumlin.brake.brake import Brake
 
 
 def view(
@@ -39,9 +43,13 @@ def view(
 
 def mesh(
     brake_file: BrakeFile,
-    output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the meshes")] = Path(
-        "meshes"
-    ),
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR|FILE",
+            help="folder of the meshes, default: meshes; with --check the picture, .png or .svg",
+        ),
+    ] = None,
     name: Annotated[
         str | None,
         typer.Option(help="first word of the file names; default: that of the brake file"),
@@ -49,32 +57,87 @@ def mesh(
     elements: Elements = None,
     kind: Kind = None,
     suffix: Annotated[
-        str, typer.Option("--format", metavar="msh|inp|vtu", help="format of the files")
-    ] = "msh",
+        str | None, typer.Option("--format", metavar="msh|inp|vtu", help="format of the files")
+    ] = None,
+    check: Annotated[
+        bool,
+        typer.Option("--check", help="draw the mesh files of the shoes as they were read instead"),
+    ] = False,
 ) -> None:
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
+    brake = drumlin.read_brake(brake_file)
+    options = options_given_by_user(elements=elements, kind=kind)
+    if not check:
+        _write_mesh_files(brake, output or Path("meshes"), name or brake_file.stem, suffix, options)
+        return
+    for option, value in {"name": name, "format": suffix, **options}.items():
+        if value is not None:
+            raise BadInput(
+                f"--{option} = {value}: does not belong to --check, which writes no mesh"
+            )
+    _draw_mesh_files_of_brake(brake, brake_file, output)
+
+
+def _write_mesh_files(
+    brake: "Brake", folder: Path, name: str, suffix: str | None, options: dict[str, Any]
+) -> None:
+    """Write the mesh of each shoe into a file and print a line for each.
+
+    Parameters
+    ----------
+    brake : the brake
+    folder : folder of the files
+    name : first word of the file names
+    suffix : format of the files; None: msh
+    options : number and kind of the elements, by name
+    """
     from drumlin.base.files import check_output_files_are_writable
     from drumlin.fem.mesh.file import write_shoe_mesh_to_file
     from drumlin.fem.preparation.prepare import make_prepared_model
     from drumlin.fem.solve import require_element_options_have_effect
 
-    if name is not None and Path(name).name != name:
+    if Path(name).name != name:
         raise BadInput(
             f"--name = {name!r}: must be a word without folders; --output names the folder"
         )
-    brake, options = (
-        drumlin.read_brake(brake_file),
-        options_given_by_user(elements=elements, kind=kind),
-    )
     brake.check_shoes_can_be_meshed()
     require_element_options_have_effect(brake, **options)
-    paths = [output / f"{name or brake_file.stem}_{shoe.name}.{suffix}" for shoe in brake.shoes]
+    paths = [folder / f"{name}_{shoe.name}.{suffix or 'msh'}" for shoe in brake.shoes]
     check_output_files_are_writable(*paths)
     with show_spinner_beside_words("meshing"):
         scene = make_prepared_model(brake, **options)
         for path, shoe, body in zip(paths, brake.shoes, scene.bodies, strict=True):
             write_shoe_mesh_to_file(path, body.mesh, shoe)
             print_folded_line(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
+
+
+def _draw_mesh_files_of_brake(brake: "Brake", brake_file: Path, output: Path | None) -> None:
+    """Draw the mesh files of a brake's shoes, and print what will be solved.
+
+    The picture stands beside the brake file, unless `output` names another one. Only a picture that
+    `output` names may replace a file.
+    """
+    from drumlin.base.files import check_output_files_are_writable
+    from drumlin.report.figures import save_figure
+    from drumlin.report.mesh_check import (
+        draw_checked_meshes,
+        lines_on_what_will_be_solved,
+        read_meshes_of_brake,
+    )
+
+    picture = output or brake_file.with_name(f"{brake_file.stem}_mesh.png")
+    if picture.suffix not in {".png", ".svg"}:
+        raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
+    if output is None and os.path.lexists(picture):
+        raise BadInput(f"{picture}: exists already; --output {picture} replaces it")
+    check_output_files_are_writable(picture)
+    with show_spinner_beside_words("drawing"):
+        checked = read_meshes_of_brake(brake)
+        save_figure(draw_checked_meshes(brake, checked), picture)
+    for one in checked:
+        for line in lines_on_what_will_be_solved(brake, one):
+            print_folded_line(line)
+    print_folded_line(f"picture: {picture}")
 
 
 def export(

@@ -78,10 +78,10 @@ the imbalance is still larger after the refinement, the solution is refused.
 LARGEST_UNREFINED_ROUND_OFF = 1e-5
 """Relative round-off error of the pressure up to which a solution needs no refinement.
 
-On a mesh this is also the largest round-off error after a refinement; a larger one is refused,
-because a mesh states no error. Its discretisation error is some hundred times larger. Hp elements
-include the round-off error in their stated error. The value is a judgement, and the refusal prints
-the round-off error.
+On a mesh of degree 1 or 2 this is also the largest round-off error after a refinement. A larger one
+is refused, because the mesh alone states no error, and its discretisation error is some hundred
+times larger. Hp elements include the round-off error in their stated error. The value is a
+judgement, and the refusal prints the round-off error.
 """
 LARGEST_REFINED_ROUND_OFF = 1e-3
 """Relative round-off error of the pressure up to which a solution on hp elements is accepted.
@@ -208,7 +208,7 @@ def _notes_on_mesh_files(
     """
     for body, shoe, response in zip(scene.bodies, brake.shoes, responses, strict=True):
         if body.of_file is not None:
-            yield from notes_on_mesh_file(shoe, body.of_file, body.line.xy, brake.size, response)
+            yield from notes_on_mesh_file(shoe, body.of_file, response)
 
 
 def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
@@ -415,7 +415,7 @@ def _shoe_results_after_refinement(
         )
     )
     imbalance = _largest_imbalance_of_shoes(answers)
-    # Meshes (order 1 and 2) state no error and are judged more strictly than hp elements.
+    # Meshes (order 1 and 2) alone state no error and are judged more strictly than hp elements.
     if (
         max(
             body.line.interpolation_degree_along_contact_line

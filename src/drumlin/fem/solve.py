@@ -13,10 +13,11 @@ from drumlin.fem.equilibrium.locking import distance_of_friction_from_self_locki
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCE,
     Tolerance,
-    require_tolerance_applies_to_brake,
+    require_tolerance_between_zero_and_one,
     solve_brake_to_tolerance,
 )
-from drumlin.fem.error_control.levels import LEVELS, SolvedLevel
+from drumlin.fem.error_control.degrees import solve_meshes_of_files
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
@@ -66,9 +67,10 @@ def solve(
     brake : the brake
     elements : number of finite elements along each lining; the brake is then solved on one mesh,
         without error estimate
-    kind : kind of the finite elements; the brake is then solved on one mesh, as with a mesh file
+    kind : kind of the finite elements; the brake is then solved on one mesh, without error estimate
     tolerance : largest estimated relative error of p (L2, outside the zones at the lining's ends)
-        and of the torque; by default DEFAULT_TOLERANCE, or the errors that are reached
+        and of the torque; by default DEFAULT_TOLERANCE, or the errors that are reached. On the mesh
+        of a file the degree of the elements rises until the tolerance is met.
     penalty : factor alpha of the contact stiffness alpha E/t
     finite_width : whether the response is corrected for the widths of the shoes, see
         fem/width/correction.py; it then states the error that remains
@@ -84,15 +86,15 @@ def solve(
         `require_element_options_have_effect` refuses, and for a correction that does not apply to
         the brake
     NoAnswer
-        if a given tolerance is not reached, if the correction for the widths is not known, and if
-        `solve_prepared_model` has no solution
+        if a given tolerance is not reached without mesh files, if the correction for the widths is
+        not known, and if `solve_prepared_model` has no solution
     """
     require_positive_penalty(penalty)
     _require_tolerance_without_elements(tolerance, elements, kind)
     brake.check_shoes_can_be_meshed()
     if finite_width:
         require_brake_that_width_model_applies_to(brake)
-    scene, response = _solved_model_in_plane_stress(
+    scene, response = _model_and_response_in_plane_stress(
         brake, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
     )
     seconds = dict(response.seconds)
@@ -105,6 +107,7 @@ def solve(
         response = _response_with_note_on_curve_balance(brake, response)
     if self_locking:
         with add_elapsed_time(seconds, "self-locking"):
+            scene = scene or prepared_model_with_finest_elements(brake, cache=cache)
             found = distance_of_friction_from_self_locking(scene, brake, penalty)
         response = replace(response, self_locking=found)
     if model_error and not finite_width:
@@ -126,7 +129,7 @@ def _require_tolerance_without_elements(
             )
 
 
-def _solved_model_in_plane_stress(
+def _model_and_response_in_plane_stress(
     brake: Brake,
     *,
     elements: int | None,
@@ -134,21 +137,25 @@ def _solved_model_in_plane_stress(
     tolerance: float | None,
     penalty: float,
     cache: Cache | None,
-) -> SolvedLevel:
+) -> tuple[PreparedModel | None, Response]:
     """The prepared model and the response of a brake in plane stress; parameters as in `solve`.
 
-    A given tolerance must be met. Without options the default tolerance is met as well as possible.
-    Given elements, and shoes with mesh files, are solved once without error estimate.
+    A given tolerance must be met. Without options the default tolerance is met as well as possible,
+    and so is any tolerance on the meshes of files. Given elements are solved once without error
+    estimate. The prepared model is None for meshes of files, which have several.
     """
     answer = partial(solve_prepared_model, penalty=penalty)
     if tolerance is not None:
-        require_tolerance_applies_to_brake(brake, tolerance)
+        require_tolerance_between_zero_and_one(tolerance)
+    if elements is None and kind is None and any(shoe.mesh for shoe in brake.shoes):
+        return None, solve_meshes_of_files(brake, answer, tolerance, cache)
+    if tolerance is not None:
         asked = Tolerance(tolerance, tolerance)
         return solve_brake_to_tolerance(brake, asked, answer, cache=cache)
     if _is_solved_on_finer_and_finer_levels(brake, elements, kind):
         return solve_brake_to_tolerance(brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache)
     model = prepared_model_with_finest_elements(brake, elements=elements, kind=kind, cache=cache)
-    return SolvedLevel(model, answer(model, brake))
+    return model, answer(model, brake)
 
 
 def prepared_model_with_finest_elements(
@@ -160,7 +167,8 @@ def prepared_model_with_finest_elements(
 ) -> PreparedModel:
     """The prepared model of the finest division that `solve` uses, for further analyses.
 
-    A brake that has no solution in sliding is divided as on the second level.
+    The elements of a mesh file have the degree of the file. A brake that has no solution in sliding
+    is divided as on the second level.
 
     Parameters
     ----------

@@ -130,7 +130,7 @@ def _draw_rotation_arrow(axes: Axes, spin: int, radius: float) -> None:
         radius * _unit_vector_at_angle(angles[-1]),
         radius * _unit_vector_at_angle(angles[-8]),
     )
-    _draw_arrow_from_tail_to_tip(axes, back, tip, MOTION_COLOR, width=0.1)
+    draw_arrow_from_tail_to_tip(axes, back, tip, MOTION_COLOR, width=0.1)
 
 
 def _free_angle_for_radius_line(brake: Brake, R: float, unit: float) -> float:
@@ -378,7 +378,7 @@ def _draw_plane_with_motion_arrow(
     axes.plot([left, right], [0, 0], color=INK, lw=1.6)
     middle, half = 0.5 * (left + right), 2.2 * unit * spin
     tail, tip = np.array([middle - half, -unit]), np.array([middle + half, -unit])
-    _draw_arrow_from_tail_to_tip(axes, tail, tip, MOTION_COLOR, width=0.14)
+    draw_arrow_from_tail_to_tip(axes, tail, tip, MOTION_COLOR, width=0.14)
 
 
 def _draw_shoe_on_plane(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
@@ -486,7 +486,7 @@ def _label_of_force_arrow(
         up = -up
     place = tip - 0.75 * along + 0.95 * unit * up
     alignment = "left" if abs(up[1]) < 0.5 else "center"
-    return _ForceLabel(place, _force_as_text_with_unit(actuation.force), alignment)
+    return _ForceLabel(place, force_as_text_with_unit(actuation.force), alignment)
 
 
 def _draw_force_arrows_with_labels(
@@ -508,7 +508,7 @@ def _draw_force_arrows_with_labels(
     if brake.actuation is not None and brake.actuation.is_cam:
         middle = 0.5 * sum(tips[shoe.name] for shoe in pushed)
         force = brake.actuation.force_of_cylinder_or_sum_of_cam_forces
-        text = f"{_force_as_text_with_unit(force)} in all"
+        text = f"{force_as_text_with_unit(force)} in all"
         _write_text_on_pale_box(axes, middle - np.array([0.0, 1.6 * unit]), text, color=FORCE_COLOR)
         return
     # Labels of internal shoes stand on the inner side of the arrows.
@@ -517,7 +517,7 @@ def _draw_force_arrows_with_labels(
     for shoe in pushed:
         tip = tips[shoe.name]
         tail = tip - _vector_of_force_arrow(shoe.actuation, unit)
-        _draw_arrow_from_tail_to_tip(axes, tail, tip, FORCE_COLOR, width=0.12)
+        draw_arrow_from_tail_to_tip(axes, tail, tip, FORCE_COLOR, width=0.12)
         _add_or_merge_force_label(
             labels, _label_of_force_arrow(shoe.actuation, tip, unit, inside=inside), 5 * unit
         )
@@ -541,7 +541,7 @@ def _add_or_merge_force_label(labels: list[_ForceLabel], new: _ForceLabel, reach
     labels.append(new)
 
 
-def _force_as_text_with_unit(force: float) -> str:
+def force_as_text_with_unit(force: float) -> str:
     """The absolute value of a force [N] as text, in kN from 1 kN on, else in N."""
     return f"{abs(force) / 1e3:.4g} kN" if abs(force) >= 1e3 else f"{abs(force):.4g} N"
 
@@ -553,7 +553,7 @@ def _extreme_points_of_force_arrow(actuation: Actuation, tip: Floats, unit: floa
     return np.array([tip, tip - _vector_of_force_arrow(actuation, unit), label.place + words])
 
 
-def _draw_arrow_from_tail_to_tip(
+def draw_arrow_from_tail_to_tip(
     axes: Axes, tail: Floats, tip: Floats, color: str, width: float
 ) -> None:
     """Draw an arrow from tail (2,) to tip (2,) [mm]; its line is 20 points times `width` wide."""

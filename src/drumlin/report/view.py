@@ -2,13 +2,13 @@
 
 from typing import Any
 
+import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Ints
 from drumlin.brake.brake import Brake
 from drumlin.fem.hp.grid import ColumnGrid
-from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.models import reasons_why_models_do_not_apply
 from drumlin.report.drawing import draw_brake
@@ -37,7 +37,7 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
         around = (
             body.mesh.boundary_nodes_around_each_element
             if isinstance(body.mesh, ColumnGrid)
-            else _nodes_around_elements(body)
+            else nodes_around_elements(body.basis)
         )
         for name, elements in body.mesh.subdomains.items():
             polygons = PolyCollection(
@@ -51,13 +51,14 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
     return figure
 
 
-def _nodes_around_elements(body: ShoeSubstructure) -> Ints:
+def nodes_around_elements(basis: Any) -> Ints:
     """The nodes on the boundary of each element of a mesh (k, elements), in order around it.
 
-    They are corners and middles of edges; linear elements have corners only.
+    They are corners and middles of edges; linear elements have corners only. `basis` is
+    scikit-fem's basis of a scalar on the mesh.
     """
-    corners = len(body.mesh.t)
-    around = body.basis.element_dofs[: 2 * corners]
+    corners = len(basis.mesh.t)
+    around = np.asarray(basis.element_dofs[: 2 * corners])
     if len(around) == 2 * corners:
         # skfem lists all corners first, then all middles of edges. Around the element they
         # alternate.

@@ -5,7 +5,7 @@ posteriori error estimate meets the tolerance.
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -122,7 +122,7 @@ def solve_brake_to_tolerance(
     levels = levels or solve_on_finer_and_finer_levels(brake, respond, cache)
     progress = _solve_levels_until_tolerance(brake, tolerance, levels)
     if not progress.missed:
-        return SolvedLevel(progress.scene, _response_with_estimated_errors(progress))
+        return SolvedLevel(progress.scene, _last_response_with_estimated_errors(progress))
     why = _text_on_shoes_with_unbounded_pressure(brake, progress.responses[-1])
     if must:
         reached = _text_on_reached_errors(progress, tolerance)
@@ -131,7 +131,7 @@ def solve_brake_to_tolerance(
             f"unknowns a shoe: {reached}{why}"
         )
     progress = progress._replace(missed=progress.missed + why)
-    return SolvedLevel(progress.scene, _response_with_estimated_errors(progress))
+    return SolvedLevel(progress.scene, _last_response_with_estimated_errors(progress))
 
 
 def _solve_levels_until_tolerance(
@@ -156,7 +156,7 @@ def _solve_levels_until_tolerance(
             before, last = responses[-2:]
             of_levels = estimate_errors_from_two_levels(brake, before, last)
             error, unknown = errors_with_singular_points_included(of_levels, brake, last)
-            if _is_tolerance_met(error, tolerance):
+            if is_tolerance_met(error, tolerance):
                 return _Progress(scene, responses, error, unknowns, missed="")
             if unknown:
                 missed += f": {unknown}"
@@ -170,7 +170,7 @@ def _solve_levels_until_tolerance(
     return _Progress(scene, responses, error, unknowns, missed)
 
 
-def _is_tolerance_met(error: Errors, tolerance: Tolerance) -> bool:
+def is_tolerance_met(error: Errors, tolerance: Tolerance) -> bool:
     """Whether the estimated errors of a brake meet a tolerance."""
     pressure, torque = error.brake["pressure"], error.brake["torque"]
     return pressure <= tolerance.pressure and torque <= tolerance.torque
@@ -204,23 +204,38 @@ def _text_on_reached_errors(progress: _Progress, tolerance: Tolerance) -> str:
     return text
 
 
-def _response_with_estimated_errors(progress: _Progress) -> Response:
+def _last_response_with_estimated_errors(progress: _Progress) -> Response:
     """The response of the last level with its errors, the time of all levels, and a note on them.
 
-    The number of iterations is the largest of any level. If the errors miss the tolerance, the
-    notes end with a warning.
+    If the errors miss the tolerance, the notes end with a warning.
     """
-    responses, error = progress.responses, progress.error
+    notes = [
+        f"adapted on {len(progress.responses)} meshes, "
+        f"the last with {progress.unknowns} unknowns a shoe"
+    ]
+    if progress.missed:
+        notes.append(f"warning: {progress.missed}")
+    return response_with_estimated_errors(progress.responses, progress.error, notes)
+
+
+def response_with_estimated_errors(
+    responses: Sequence[Response], error: Errors, notes: Sequence[str]
+) -> Response:
+    """The last of several responses with its errors, the time of all of them, and further notes.
+
+    The number of iterations is the largest of any response.
+
+    Parameters
+    ----------
+    responses : responses of one brake on finer and finer elements
+    error : estimated errors of the last response
+    notes : lines of text that follow the notes of the last response
+    """
     last = responses[-1]
     seconds: dict[str, float] = {}
     for response in responses:
         for phase, spent in response.seconds.items():
             seconds[phase] = seconds.get(phase, 0.0) + spent
-    notes = [
-        f"adapted on {len(responses)} meshes, the last with {progress.unknowns} unknowns a shoe"
-    ]
-    if progress.missed:
-        notes.append(f"warning: {progress.missed}")
     pairs = zip(last.shoes, error.shoes, strict=True)
     return replace(
         last,
@@ -366,13 +381,18 @@ def _missing_fraction_of_peak_under_gap_tips(
     return min(missing, 1.0)
 
 
+def require_tolerance_between_zero_and_one(tolerance: float) -> None:
+    """Raise BadInput for a tolerance that is not between 0 and 1."""
+    if not 0 < tolerance < 1:
+        raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
+
+
 def require_tolerance_applies_to_brake(brake: Brake, tolerance: float) -> None:
     """Raise BadInput for a tolerance that is not between 0 and 1, or for a brake with a mesh file.
 
-    A tolerance needs finer and finer elements, and those of a mesh file are not refined.
+    The elements of a mesh file are not refined.
     """
-    if not 0 < tolerance < 1:
-        raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
+    require_tolerance_between_zero_and_one(tolerance)
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             raise BadInput(

@@ -141,9 +141,25 @@ def estimate_errors_from_two_levels(
     upper bounds.
     """
     moved = relative_differences_of_two_levels(brake, before, last)
+    return errors_from_differences(moved, last, factors)
+
+
+def errors_from_differences(
+    moved: LevelDifferences, last: Response, factors: Factors, further: Floats | float = 0.0
+) -> Errors:
+    """The estimated relative errors of a response, from its differences to coarser responses.
+
+    Parameters
+    ----------
+    moved : differences of the response to the response before
+    last : the response
+    factors : factors of the estimate
+    further : (1 + 4 shoes,) further errors, in the order of `LevelDifferences`
+    """
     found = (
         factors.error_factors_of_refinement_differences(len(last.shoes)) * moved.steps
         + factors.cancelled * moved.chance
+        + further
     )
     # Quantities that are exactly equal on both levels, such as those of a shoe without contact,
     # keep the error 0.

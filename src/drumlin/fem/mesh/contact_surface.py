@@ -116,6 +116,19 @@ def move_contact_nodes_onto_drum_or_plane(
     )
 
 
+def contact_offsets_in_order_of_angle(mesh: Any, shoe: Shoe, radius: float) -> Floats:
+    """The distances (n,) [m] of a mesh's contact nodes off the drum or the plane, along the lining.
+
+    Parameters
+    ----------
+    mesh : scikit-fem's mesh in the shoe's frame [m], with the group "contact"
+    shoe : the shoe of the mesh
+    radius : radius of the drum [m]; on a plane the length of the pad
+    """
+    exact = np.zeros(mesh.doflocs.shape)
+    return _contact_nodes_in_order_of_angle(mesh, exact, shoe, radius).off
+
+
 def _contact_nodes_in_order_of_angle(
     mesh: Any, rounding: Floats, shoe: Shoe, radius: float
 ) -> _ContactNodes:

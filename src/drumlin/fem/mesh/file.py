@@ -31,7 +31,10 @@ from drumlin.fem.mesh.check import (
     check_cells_share_nodes_consistently,
     check_mesh_and_drop_unneeded_groups,
 )
-from drumlin.fem.mesh.contact_surface import move_contact_nodes_onto_drum_or_plane
+from drumlin.fem.mesh.contact_surface import (
+    contact_offsets_in_order_of_angle,
+    move_contact_nodes_onto_drum_or_plane,
+)
 from drumlin.fem.mesh.content import read_bytes_of_mesh_file
 from drumlin.fem.mesh.content_of_file import FileContent, largest_rounding_errors_of_coordinates
 from drumlin.fem.mesh.edges import nodes_along_element_edges
@@ -194,7 +197,8 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
         check_mesh_and_drop_unneeded_groups(
             contact.mesh, shoe, radius, f"{fault}: with its contact line on the {shoe.surface.word}"
         )
-    return ShoeMesh(contact.mesh, contact, content.notes + plane.notes)
+    off = contact_offsets_in_order_of_angle(contact.mesh, shoe, radius)
+    return ShoeMesh(contact.mesh, contact, mesh, off, content.notes + plane.notes)
 
 
 def _read_content_of_mesh_file(path: Path, shoe: Shoe, fault: str) -> FileContent:

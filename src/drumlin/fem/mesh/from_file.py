@@ -70,17 +70,19 @@ class ShoeMesh:
     ----------
     mesh : scikit-fem's mesh in the shoe's frame [m]
     contact : the mesh with counts of the contact nodes that were moved onto the drum or the plane
+    in_file : the same mesh with the contact nodes where the file has them [m]
+    off : (n,) distances of the mesh's contact nodes off the drum or the plane, along the lining [m]
     notes : lines that tell which parts of the file were ignored or changed
     """
 
     mesh: Any
     contact: ContactOnSurface
+    in_file: Any
+    off: Floats
     notes: tuple[str, ...]
 
 
-def notes_on_mesh_file(
-    shoe: Shoe, made: ShoeMesh, xy: Floats, radius: float, response: ShoeResponse
-) -> Iterator[str]:
+def notes_on_mesh_file(shoe: Shoe, made: ShoeMesh, response: ShoeResponse) -> Iterator[str]:
     """Yield the notes on a shoe's mesh file that go with the shoe's result, one line each.
 
     The notes report parts of the file that were ignored, contact nodes that were moved, and offsets
@@ -90,8 +92,6 @@ def notes_on_mesh_file(
     ----------
     shoe : the shoe
     made : mesh of the shoe
-    xy : (2, n) coordinates of the contact nodes along the lining [m]
-    radius : radius of the drum [m]; on a plane the length of the pad
     response : result of the shoe, which gives the mean pressure
 
     Raises
@@ -117,9 +117,8 @@ def notes_on_mesh_file(
                 f"by up to {_text_of_distance_and_ratio_to_compression(by, compression)}: {cause}"
             )
     # Offsets that remain count as a gap, unless they are a zigzag.
-    off = shoe.off(xy, radius)
-    _check_contact_is_no_zigzag(off, compression, lead, surface)
-    most = float(np.abs(off).max())
+    _check_contact_is_no_zigzag(made.off, compression, lead, surface)
+    most = float(np.abs(made.off).max())
     if most > SMALLEST_REPORTED_MOVE * compression:
         distance = _text_of_distance_and_ratio_to_compression(most, compression)
         yield (

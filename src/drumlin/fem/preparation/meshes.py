@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -68,11 +68,22 @@ Its arguments are the shoe and the drum's radius [m]. The mesh is in the frame o
 """
 
 
+class RaisedDegree(NamedTuple):
+    """The degree of the displacements on the mesh of a file, instead of the mesh's own degree.
+
+    `smooth` is whether straight sides on curved lines become arcs, see `mesh.smooth_outline`.
+    """
+
+    degree: int
+    smooth: bool = False
+
+
 def make_mesh_bodies(
     brake: Brake,
     elements: int,
     kind: str,
     mesher: Mesher | None,
+    raised: RaisedDegree | None,
     cache: Cache,
     seconds: Seconds,
 ) -> DividedBodies:
@@ -86,6 +97,7 @@ def make_mesh_bodies(
     kind : kind of the elements, "quad2", "quad1", "tri2" or "tri1"
     mesher : function that makes the mesh of a shoe without a file, in place of
         `parametric_mesh_of_shoe`; its bodies are not taken from the cache
+    raised : degree of the displacements on the meshes of files; None for the meshes' own degrees
     cache : keeps condensed bodies; found ones are taken from it, and new ones put there
     seconds : time of each phase [s], which this function adds to
 
@@ -99,7 +111,7 @@ def make_mesh_bodies(
     cache = cache if mesher is None else Cache()
     mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
     # Shoes of one shape share a body within the brake, and equal bodies are shared between brakes.
-    setting = (elements, kind)
+    setting = (elements, kind, raised)
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
     for shoe in brake.shoes:
         shape = shape_key_of_shoe(brake, shoe)
@@ -111,7 +123,9 @@ def make_mesh_bodies(
                 setting,
                 digest_of_mesh_file_of_shoe(shoe),
             )
-            make = partial(_mesh_condense_and_couple_shoe, brake, shoe, mesher, seconds)
+            make = partial(
+                _mesh_condense_and_couple_shoe, brake, shoe, mesher, seconds, raised, cache
+            )
             made[shape] = cache.get(key, make, memory_of_condensed_body)
     bodies = tuple(made[shape_key_of_shoe(brake, shoe)] for shoe in brake.shoes)
     ring = None
@@ -192,9 +206,23 @@ def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: fl
 
 
 def mesh_and_assemble_shoe(
-    brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds
+    brake: Brake,
+    shoe: Shoe,
+    mesher: Mesher,
+    seconds: Seconds,
+    raised: RaisedDegree | None = None,
+    cache: Cache | None = None,
 ) -> AssembledShoe:
     """Mesh a shoe, and assemble its stiffness, its constraints and its unit loads.
+
+    Parameters
+    ----------
+    brake : the brake
+    shoe : the shoe
+    mesher : function that makes the mesh of a shoe without a file
+    seconds : time of each phase [s], which this function adds to
+    raised : degree of the displacements on the mesh of a file; None for the mesh's own degree
+    cache : keeps the meshes of files
 
     Raises
     ------
@@ -202,9 +230,12 @@ def mesh_and_assemble_shoe(
         for a mesh file that cannot serve
     """
     with add_elapsed_time(seconds, "mesh"):
-        of_file = _read_mesh_file_of_shoe(brake, shoe)
+        of_file = read_mesh_file_of_shoe(brake, shoe, cache or Cache())
         mesh = mesher(shoe, brake.size) if of_file is None else of_file.mesh
-        basis = scalar_finite_element_basis_of_mesh(mesh)
+        if of_file is None or raised is None:
+            basis = scalar_finite_element_basis_of_mesh(mesh)
+        else:
+            basis = _basis_of_raised_degree(mesh, raised, shoe, brake.size)
     with add_elapsed_time(seconds, "assembly"):
         K = sparse_stiffness_of_body(basis, elastic_layers_of_shoe(shoe))
     with add_elapsed_time(seconds, "ties"):
@@ -227,24 +258,57 @@ def mesh_and_assemble_shoe(
     return AssembledShoe(mesh, basis, line, K, constraints, loads, load_centre, of_file)
 
 
-def _read_mesh_file_of_shoe(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
+def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float) -> Any:
+    """The basis of a raised degree on the mesh of a file.
+
+    `radius` is the radius of the drum [m], on a plane the length of the pad.
+    """
+    # The modules load scikit-fem, which takes long.
+    from drumlin.fem.mesh.degree import nodal_basis_of_shoe_mesh  # noqa: PLC0415
+    from drumlin.fem.mesh.smooth_outline import moves_onto_smooth_outline  # noqa: PLC0415
+
+    basis = nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
+    return (
+        basis.basis_with_moved_nodes(moves_onto_smooth_outline(basis)) if raised.smooth else basis
+    )
+
+
+def read_mesh_file_of_shoe(brake: Brake, shoe: Shoe, cache: Cache) -> ShoeMesh | None:
     """Read the mesh of a shoe from its file; None for a shoe without a file.
 
-    The mesh is in the frame of the shoe.
+    The mesh is in the frame of the shoe. The cache keeps it until the file changes.
     """
     if shoe.mesh is None:
         return None
     # The module loads meshio, which takes 0.1 s. It is imported only if a mesh file is read.
     from drumlin.fem.mesh.file import read_shoe_mesh_with_notes  # noqa: PLC0415
 
-    return read_shoe_mesh_with_notes(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
+    key = (shoe_without_loads_and_clearances(shoe), brake.size, digest_of_mesh_file_of_shoe(shoe))
+    read = partial(
+        read_shoe_mesh_with_notes, shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh"
+    )
+    return cast("ShoeMesh", cache.get(key, read, _memory_of_mesh))
+
+
+def _memory_of_mesh(read: ShoeMesh) -> int:
+    """The approximate memory [bytes] of a mesh that was read from a file."""
+    # Nodes, elements and sides are some 60 numbers for each node.
+    return 500 * int(read.mesh.doflocs.shape[1])
 
 
 def _mesh_condense_and_couple_shoe(
-    brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds
+    brake: Brake,
+    shoe: Shoe,
+    mesher: Mesher,
+    seconds: Seconds,
+    raised: RaisedDegree | None,
+    cache: Cache,
 ) -> ShoeSubstructure:
-    """Mesh and condense a shoe, and couple it with the drum or the plane."""
-    parts = mesh_and_assemble_shoe(brake, shoe, mesher, seconds)
+    """Mesh and condense a shoe, and couple it with the drum or the plane.
+
+    The parameters are those of `mesh_and_assemble_shoe`.
+    """
+    parts = mesh_and_assemble_shoe(brake, shoe, mesher, seconds, raised, cache)
     with add_elapsed_time(seconds, "condensation"):
         contact_unknowns = 2 * len(parts.line.nodes)
         condensed = condense_body_to_contact_and_frame(

@@ -1,0 +1,289 @@
+"""Elements of any degree on a mesh of linear or quadratic elements.
+
+A mesh file gives elements of degree 1 or 2. Displacements of a higher degree on the same elements
+are more accurate, and the answers of two degrees tell their errors. The elements are isoparametric:
+the same polynomials describe the shape of an element and its displacements. The sides of elements
+keep the shape that the mesh gives them. Only sides on the lining's face follow the drum: each of
+their nodes has the distance off the drum that the nodes of the mesh have there.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+import skfem
+
+from drumlin.base.arrays import Floats, Ints
+from drumlin.brake.brake import Shoe
+from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.fem.mesh.edges import nodes_along_element_edges
+from drumlin.response.resultants import gauss_lobatto_points, lagrange_shape_function_values
+
+TRIANGLE_CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+"""The corners (3, 2) of scikit-fem's reference triangle."""
+SQUARE_CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+"""The corners (4, 2) of scikit-fem's reference square."""
+TRIANGLE_SIDES = ((0, 1), (1, 2), (0, 2))
+"""The corners at the ends of each side of the reference triangle, in scikit-fem's order."""
+SQUARE_SIDES = ((0, 1), (1, 2), (2, 3), (0, 3))
+"""The corners at the ends of each side of the reference square, in scikit-fem's order."""
+
+
+class _Slopes(NamedTuple):
+    """The gradient `grad` (2, elements, points) [1/m] of a shape function, by scikit-fem's name."""
+
+    grad: Floats
+
+
+@dataclass(frozen=True)
+class NodalElement:
+    """A triangle or a square with Lagrange polynomials of a degree as its shape functions.
+
+    The nodes are the corners, then the Gauss-Lobatto points of each side from its first corner to
+    its second corner, then points inside.
+
+    Attributes
+    ----------
+    degree : degree of the polynomials; of a square the degree in each direction
+    corners : number of corners, 3 or 4
+    """
+
+    degree: int
+    corners: int
+
+    @property
+    def sides(self) -> tuple[tuple[int, int], ...]:
+        """The two corners of each side."""
+        return TRIANGLE_SIDES if self.corners == 3 else SQUARE_SIDES
+
+    @cached_property
+    def doflocs(self) -> Floats:
+        """The nodes (nodes, 2) in the reference triangle or square."""
+        corners = TRIANGLE_CORNERS if self.corners == 3 else SQUARE_CORNERS
+        inner = 0.5 + 0.5 * gauss_lobatto_points(self.degree)[1:-1, None]
+        on_sides = [corners[a] + inner * (corners[b] - corners[a]) for a, b in self.sides]
+        if self.corners == 3:
+            i, j = np.indices((self.degree, self.degree)).reshape(2, -1)
+            is_inside = (i > 0) & (j > 0) & (i + j < self.degree)
+            inside = np.column_stack([i, j])[is_inside] / self.degree
+        else:
+            x, y = np.meshgrid(inner, inner, indexing="ij")
+            inside = np.column_stack([x.ravel(), y.ravel()])
+        return np.concatenate([corners, *on_sides, inside])
+
+    @cached_property
+    def _exponents(self) -> Ints:
+        """The exponents (2, nodes) of x and y in the monomials that span the polynomials."""
+        i, j = np.indices((self.degree + 1, self.degree + 1)).reshape(2, -1)
+        is_spanned = (i + j <= self.degree) | (self.corners == 4)
+        return np.array([i[is_spanned], j[is_spanned]])
+
+    @cached_property
+    def _coefficients(self) -> Any:
+        """The coefficients (monomials, nodes) of the shape functions, in long double."""
+        values, _ = self._monomials(self.doflocs.astype(np.longdouble).T)
+        found = np.linalg.inv(values.astype(float)).astype(np.longdouble)
+        # One step of Newton's method gives the inverse to the digits of long double.
+        return found @ (2 * np.eye(len(found)) - values @ found)
+
+    def _monomials(self, at: Any) -> tuple[Any, Any]:
+        """The monomials (points, monomials) at points (2, points), and slopes (2, points, ...)."""
+        i, j = self._exponents
+        # Powers of the distance from the centre of the element lose fewer digits.
+        x, y = (at - (1 / 3 if self.corners == 3 else 1 / 2))[:, :, None]
+        by_x = i * x ** np.maximum(i - 1, 0) * y**j
+        by_y = j * x**i * y ** np.maximum(j - 1, 0)
+        return x**i * y**j, np.array([by_x, by_y])
+
+    def lbasis(self, X: Any, i: int) -> tuple[Any, Any]:
+        """Shape function i (points,) and its slopes (2, points), at reference points X (2, points).
+
+        Name and arguments are those of scikit-fem's elements.
+        """
+        values, slopes = self._monomials(X)
+        own = self._coefficients[:, i].astype(X.dtype)
+        return values @ own, slopes @ own
+
+
+@dataclass(frozen=True)
+class NodalBasis:
+    """The finite-element basis of one displacement component, of any degree on a mesh.
+
+    It has the attributes of scikit-fem's basis that bodies use, by the same names.
+
+    Attributes
+    ----------
+    mesh : scikit-fem's mesh
+    elem : the element
+    doflocs : (2, N) places of the nodes [m]
+    element_dofs : (nodes of an element, elements) numbers of the nodes
+    nodal_dofs : (1, vertices) nodes at the corners
+    facet_dofs : (degree - 1, facets) nodes inside each side, from its corner of smaller number on
+    X, W : (2, points), (points,) points and weights of the quadrature in the reference element
+    """
+
+    mesh: Any
+    elem: NodalElement
+    doflocs: Floats
+    element_dofs: Ints
+    nodal_dofs: Ints
+    facet_dofs: Ints
+    X: Floats
+    W: Floats
+
+    @property
+    def N(self) -> int:
+        """Number of nodes."""
+        return int(self.doflocs.shape[1])
+
+    def get_dofs(self, facets: Ints) -> Ints:
+        """The numbers of all nodes on some sides of elements."""
+        return np.unique(nodes_along_element_edges(self, facets))
+
+    @cached_property
+    def _gradients_and_areas(self) -> tuple[Floats, Floats]:
+        """The gradients (nodes, 2, elements, points) [1/m], and areas (elements, points) [m^2]."""
+        count = len(self.element_dofs)
+        local = np.array([self.elem.lbasis(self.X, i)[1] for i in range(count)])
+        J = np.einsum("caj,adq->cdjq", self.doflocs[:, self.element_dofs], local, optimize=True)
+        determinant = J[0, 0] * J[1, 1] - J[0, 1] * J[1, 0]
+        inverse = np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]]) / determinant
+        gradients = np.einsum("adq,dcjq->acjq", local, inverse, optimize=True)
+        return gradients, np.abs(determinant) * self.W
+
+    @property
+    def basis(self) -> list[tuple[_Slopes]]:
+        """The gradients of each shape function."""
+        return [(_Slopes(gradient),) for gradient in self._gradients_and_areas[0]]
+
+    @property
+    def dx(self) -> Floats:
+        """The areas (elements, points) [m^2] that the points of the quadrature stand for."""
+        return self._gradients_and_areas[1]
+
+    def basis_with_moved_nodes(self, moves: Floats) -> "NodalBasis":
+        """The same basis with its nodes moved by (2, N) [m]."""
+        return NodalBasis(
+            self.mesh,
+            self.elem,
+            self.doflocs + moves,
+            self.element_dofs,
+            self.nodal_dofs,
+            self.facet_dofs,
+            self.X,
+            self.W,
+        )
+
+
+def number_of_nodes_at_degree(mesh: Any, degree: int) -> int:
+    """The number of nodes that elements of a degree have on a scikit-fem mesh."""
+    inside = len(NodalElement(degree, len(mesh.t)).doflocs) - len(mesh.t) * degree
+    return int(mesh.nvertices + (degree - 1) * mesh.nfacets + inside * mesh.nelements)
+
+
+def nodal_basis_of_shoe_mesh(mesh: Any, degree: int, shoe: Shoe, radius: float) -> NodalBasis:
+    """The basis of a degree on a shoe's mesh, with its contact nodes on the lining's face.
+
+    Parameters
+    ----------
+    mesh : scikit-fem's mesh of linear or quadratic elements in the shoe's frame [m]
+    degree : degree of the displacements, at least the degree of the mesh
+    shoe : the shoe
+    radius : radius of the drum [m]; on a plane the length of the pad
+    """
+    basis = _nodal_basis_of_mesh(mesh, degree)
+    # On a plane the sides of the mesh have the right shape already.
+    return basis if shoe.flat else _basis_with_sides_on_contact_line(basis, shoe, radius)
+
+
+def _nodal_basis_of_mesh(mesh: Any, degree: int) -> NodalBasis:
+    """The basis of a degree on a mesh, whose elements keep the shape that the mesh gives them."""
+    elem = NodalElement(degree, len(mesh.t))
+    vertices, facets, inner = mesh.nvertices, mesh.nfacets, degree - 1
+    facet_dofs = vertices + np.arange(inner * facets).reshape(inner, facets)
+    rows = [mesh.t]
+    # The nodes of a side run from its corner of smaller number to its corner of larger number.
+    for side, (a, b) in enumerate(elem.sides):
+        along = facet_dofs[:, mesh.t2f[side]]
+        rows.append(np.where(mesh.t[a] < mesh.t[b], along, along[::-1]))
+    first = vertices + inner * facets
+    inside = len(elem.doflocs) - elem.corners * degree
+    rows.append(first + np.arange(inside * mesh.nelements).reshape(inside, mesh.nelements))
+    element_dofs = np.concatenate(rows)
+    # The mapping of the mesh gives the places of the nodes.
+    doflocs = np.empty((2, number_of_nodes_at_degree(mesh, degree)))
+    shape = (2, mesh.nelements, len(elem.doflocs))
+    places = np.broadcast_to(mesh.mapping().F(elem.doflocs.T), shape)
+    doflocs[:, element_dofs] = places.transpose(0, 2, 1)
+    form = skfem.refdom.RefTri if elem.corners == 3 else skfem.refdom.RefQuad
+    X, W = skfem.quadrature.get_quadrature(form, 2 * degree)
+    return NodalBasis(
+        mesh, elem, doflocs, element_dofs, np.arange(vertices)[None], facet_dofs, X, W
+    )
+
+
+def _basis_with_sides_on_contact_line(basis: NodalBasis, shoe: Shoe, radius: float) -> NodalBasis:
+    """The basis whose contact nodes have the distances off the drum that the mesh's nodes have.
+
+    The distances of the mesh's own nodes are interpolated along each side.
+    """
+    mesh = basis.mesh
+    facets = mesh.boundaries["contact"]
+    own = skfem.Basis(mesh, element_kind_of_mesh(mesh).scikit_fem_element_class(), intorder=1)
+    given = shoe.off(own.doflocs[:, nodes_along_element_edges(own, facets)], radius)
+    at = gauss_lobatto_points(basis.elem.degree)
+    target = lagrange_shape_function_values(len(given) - 1, at).T @ given
+    xy = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
+    outward = -shoe.sign * xy / np.hypot(*xy)
+    moves = (target - shoe.off(xy, radius)) * outward
+    return basis.basis_with_moved_nodes(moves_of_nodes_that_follow_sides(basis, facets, moves))
+
+
+def moves_of_nodes_that_follow_sides(basis: NodalBasis, facets: Ints, moves: Floats) -> Floats:
+    """The moves (2, N) [m] of all nodes if the nodes on some sides are moved.
+
+    The nodes inside the elements at these sides follow their side, so that the elements keep their
+    shape. The corners stay.
+
+    Parameters
+    ----------
+    basis : the basis
+    facets : (m,) numbers of the sides
+    moves : (2, degree + 1, m) moves of the nodes along the sides [m]; 0 at the corners
+    """
+    mesh, elem = basis.mesh, basis.elem
+    change = np.zeros_like(basis.doflocs)
+    position = np.full(mesh.nfacets, -1)
+    position[facets] = np.arange(len(facets))
+    inside = np.arange(len(elem.doflocs)) >= elem.corners * elem.degree
+    for side, (a, b) in enumerate(elem.sides):
+        which = position[mesh.t2f[side]]
+        elements = np.flatnonzero(which >= 0)
+        of_side = moves[:, :, which[elements]]
+        reversed_ = mesh.t[a, elements] > mesh.t[b, elements]
+        of_side = np.where(reversed_, of_side[:, ::-1], of_side)
+        along, share = _places_beside_side(elem, a, b)
+        shapes = lagrange_shape_function_values(elem.degree, along) * share
+        following = np.einsum("ckm,kn->cnm", of_side, shapes)
+        change[:, basis.element_dofs[inside][:, elements]] += following[:, inside]
+    change[:, nodes_along_element_edges(basis, facets)] = moves
+    return change
+
+
+def _places_beside_side(elem: NodalElement, a: int, b: int) -> tuple[Floats, Floats]:
+    """The place (nodes,) in [-1, 1] along a side of each node, and its share (nodes,) of the move.
+
+    The share is 1 on the side between the corners a and b, and 0 on all other sides.
+    """
+    if elem.corners == 3:
+        x, y = elem.doflocs.T
+        corner = np.array([1 - x - y, x, y])
+        along = corner[b] - corner[a]
+        ends = 1 - along**2
+        share = np.zeros_like(ends)
+        np.divide(4 * corner[a] * corner[b], ends, out=share, where=ends > 0)
+        return along, share
+    direction = SQUARE_CORNERS[b] - SQUARE_CORNERS[a]
+    from_start = elem.doflocs - SQUARE_CORNERS[a]
+    return 2 * from_start @ direction - 1, 1 - np.abs(from_start @ direction[::-1])

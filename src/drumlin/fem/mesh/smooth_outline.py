@@ -1,0 +1,112 @@
+"""The smooth curves of which straight sides of elements may be the chords.
+
+A mesh of straight sides has no curves: an arc of the shoe is a polygon. Whether a polygon is meant
+cannot be seen in the mesh. The difference that arcs instead of chords make is therefore an error.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats, Ints
+from drumlin.fem.mesh.degree import NodalBasis, moves_of_nodes_that_follow_sides
+from drumlin.fem.mesh.edges import nodes_along_element_edges
+from drumlin.response.resultants import gauss_lobatto_points
+
+LARGEST_SMOOTH_TURN = np.radians(35.0)
+"""Largest turn between two neighbouring sides that may be chords of one curve; larger is a corner.
+
+A circle of eleven sides has turns of 33 degrees. Real bends of less than the limit count as curves,
+which makes the stated error larger. The value is a judgement.
+"""
+
+
+class _Bends(NamedTuple):
+    """The places at which two sides of a line meet in a corner of the mesh without a true corner.
+
+    Attributes
+    ----------
+    before, after : (n,) positions of both sides in the list of sides
+    ends_before : (n,) whether the side before ends there with its second corner
+    starts_after : (n,) whether the side after starts there with its first corner
+    curvature : (n,) curvature [1/m] of the circle through the three corners; positive to the left
+    """
+
+    before: Ints
+    after: Ints
+    ends_before: Ints
+    starts_after: Ints
+    curvature: Floats
+
+
+def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
+    """The moves (2, N) [m] of all nodes that make arcs of straight sides on curved lines.
+
+    The lines are the outline of the shoe and the interfaces of its layers. Sides on the contact
+    line do not move.
+    """
+    facets, kinds = _sides_on_outline_and_interfaces(basis)
+    bends = _bends_between_neighbouring_sides(basis, facets, kinds)
+    # A side has the mean curvature of the bends at its two ends.
+    total, count = np.zeros(len(facets)), np.zeros(len(facets))
+    for side, forward in ((bends.before, bends.ends_before), (bends.after, bends.starts_after)):
+        np.add.at(total, side, np.where(forward, bends.curvature, -bends.curvature))
+        np.add.at(count, side, 1)
+    curvature = total / np.maximum(count, 1)
+    xy = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
+    chord = xy[:, -1] - xy[:, 0]
+    along = 0.5 + 0.5 * gauss_lobatto_points(basis.elem.degree)[:, None]
+    # A curve to the left bulges to the right of its chord, by up to curvature times length^2 / 8.
+    bulge = 0.5 * along * (1 - along) * curvature * np.hypot(*chord)
+    arc = xy[:, :1] + along * chord[:, None] + bulge * np.array([chord[1], -chord[0]])[:, None]
+    moves = np.where(count > 0, arc - xy, 0.0)
+    return moves_of_nodes_that_follow_sides(basis, facets, moves)
+
+
+def _sides_on_outline_and_interfaces(basis: NodalBasis) -> tuple[Ints, Ints]:
+    """The sides (m,) on the outline and on interfaces of layers, and a number (m,) of their line.
+
+    Sides between the same two layers have the same number.
+    """
+    mesh = basis.mesh
+    layers = len(mesh.subdomains) + 1
+    layer = np.zeros(mesh.nelements + 1, dtype=np.int64)
+    for number, members in enumerate(mesh.subdomains.values(), start=1):
+        layer[members] = number
+    # The last layer, 0, is the space beyond the outline, which the element -1 stands for.
+    both = np.sort(layer[mesh.f2t], axis=0)
+    on_line = both[0] != both[1]
+    on_line[mesh.boundaries["contact"]] = False
+    facets = np.flatnonzero(on_line)
+    return facets, both[0, facets] * layers + both[1, facets]
+
+
+def _bends_between_neighbouring_sides(basis: NodalBasis, facets: Ints, kinds: Ints) -> _Bends:
+    """The bends of all lines, where exactly two sides of a line meet in a corner of the mesh.
+
+    Parameters
+    ----------
+    basis : the basis
+    facets : (m,) numbers of the sides
+    kinds : (m,) number of the line of each side
+    """
+    mesh = basis.mesh
+    ends = mesh.facets[:, facets]
+    vertex = ends.ravel()
+    side = np.tile(np.arange(len(facets)), 2)
+    # Sorted by corner and line, two sides that meet stand one after the other.
+    key = vertex * (kinds.max(initial=0) + 1) + np.tile(kinds, 2)
+    order = np.argsort(key, kind="stable")
+    _, first, count = np.unique(key[order], return_index=True, return_counts=True)
+    pair = first[count == 2]
+    before, after, at = side[order[pair]], side[order[pair + 1]], vertex[order[pair]]
+    start = mesh.p[:, ends[:, before].sum(axis=0) - at]
+    middle = mesh.p[:, at]
+    end = mesh.p[:, ends[:, after].sum(axis=0) - at]
+    u, v = middle - start, end - middle
+    cross = u[0] * v[1] - u[1] * v[0]
+    turn = np.arctan2(cross, (u * v).sum(axis=0))
+    curvature = 2 * cross / (np.hypot(*u) * np.hypot(*v) * np.hypot(*(u + v)))
+    found = _Bends(before, after, ends[1, before] == at, ends[0, after] == at, curvature)
+    smooth = np.abs(turn) <= LARGEST_SMOOTH_TURN
+    return _Bends(*(values[smooth] for values in found))

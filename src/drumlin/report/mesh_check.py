@@ -1,0 +1,374 @@
+"""The picture and the text of `drumlin mesh --check`: a shoe's mesh as drumlin read it from a file.
+
+The left panel shows the groups of the mesh, the pin and the force, to scale. The right panel shows
+how far the contact line lies off the drum or the plane, magnified.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+import skfem
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.transforms import ScaledTranslation
+
+from drumlin.base.arrays import Floats, Ints
+from drumlin.base.errors import BadInput
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.units import mm_text
+from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.fem.mesh.edges import nodes_along_element_edges
+from drumlin.fem.mesh.file import read_shoe_mesh_with_notes
+from drumlin.fem.mesh.from_file import ShoeMesh
+from drumlin.report.drawing import draw_arrow_from_tail_to_tip, force_as_text_with_unit
+from drumlin.report.figures import STYLE
+from drumlin.report.palette import BLUE, FAINT, GREEN, INK, PURPLE, RED
+from drumlin.report.signs import DRUM_COLOR, MM_PER_M, draw_support_of_shoe
+from drumlin.report.view import nodes_around_elements
+
+GROUP_COLORS = {
+    "lining": "#c89b6a",
+    "backing": "#e3cfa4",
+    "table": "#9db0c2",
+    "shoe": "#cdd6de",
+    "contact": RED,
+    "hinge": BLUE,
+    "actuation": GREEN,
+}
+"""The colour of each group of a mesh: of elements in areas, of edges in lines."""
+UM_PER_M = 1e6
+"""Micrometres in a metre."""
+LEGEND_DISTANCE = 0.55
+"""Distance [inch] of a legend below its axes, which leaves room for the axis label."""
+
+
+class CheckedShoe(NamedTuple):
+    """A shoe with the mesh that was read from its file."""
+
+    shoe: Shoe
+    read: ShoeMesh
+
+
+class _ContactOffsets(NamedTuple):
+    """The contact nodes (n,) of a mesh, in the order of their place along the lining.
+
+    Attributes
+    ----------
+    at : place along the lining, in the surface's coordinate [rad; on a plane m]
+    in_file : distance off the drum or the plane in the file [m]
+    solved : the same distance of the nodes that are solved [m]
+    """
+
+    at: Floats
+    in_file: Floats
+    solved: Floats
+
+
+def read_meshes_of_brake(brake: Brake) -> list[CheckedShoe]:
+    """Read the mesh of each shoe that has a mesh file.
+
+    Raises BadInput if no shoe has one, and for a file that cannot serve.
+    """
+    brake.check_shoes_can_be_meshed()
+    found = []
+    for shoe in brake.shoes:
+        if shoe.mesh is not None:
+            key = f"shoe {shoe.name!r}: mesh"
+            read = read_shoe_mesh_with_notes(shoe.mesh, shoe, brake.size, key)
+            found.append(CheckedShoe(shoe, read))
+    if not found:
+        raise BadInput("--check: no shoe has a mesh file; drumlin view draws its own meshes")
+    return found
+
+
+# The functions below write what will be solved.
+
+
+def lines_on_what_will_be_solved(brake: Brake, checked: CheckedShoe) -> Iterator[str]:
+    """Yield three lines of text on a shoe's mesh: elements, contact line, and support with force.
+
+    Further lines are the notes of the reader, one for each part of the file that it changed.
+    """
+    shoe, mesh = checked.shoe, checked.read.mesh
+    kind = element_kind_of_mesh(mesh)
+    form = "triangles" if len(mesh.t) == 3 else "quadrilaterals"
+    degree = "quadratic" if kind.edge == "line3" else "linear"
+    parts = ", ".join(f"{name} {len(of)}" for name, of in mesh.subdomains.items())
+    yield (
+        f"shoe {shoe.name!r}: {mesh.nelements} {degree} {form} ({parts}), "
+        f"{mesh.doflocs.shape[1]} nodes, in plane stress"
+    )
+    yield f"shoe {shoe.name!r}: {_text_on_contact_line(brake, checked)}"
+    yield f"shoe {shoe.name!r}: {_text_on_support_and_force(shoe, mesh)}"
+    for note in checked.read.notes:
+        yield f"shoe {shoe.name!r}: {note}"
+
+
+def _text_on_contact_line(brake: Brake, checked: CheckedShoe) -> str:
+    """The text on a contact line: its ends, and its distance off the drum or the plane."""
+    shoe, contact = checked.shoe, checked.read.contact
+    offsets = _offsets_of_contact_nodes(brake, checked)
+    surface, place = shoe.surface.word, shoe.surface.place
+    sides = len(checked.read.mesh.boundaries["contact"])
+    text = (
+        f"contact line of {sides} sides from {place(offsets.at[0])} to {place(offsets.at[-1])}, "
+        f"in the file up to {_um_text(offsets.in_file)} off the {surface}"
+    )
+    moved = contact.rounded + contact.straight
+    if moved:
+        text += f"; {moved} nodes are put on it, up to {_um_text(offsets.solved)} stays as a gap"
+    compression = mean_compression_under_actuation_force(brake, shoe)
+    return f"{text}; the force spread evenly compresses the lining by {_um_text(compression)}"
+
+
+def _um_text(lengths: Floats | float) -> str:
+    """The largest of some lengths [m] as text in micrometres; 0 for round-off."""
+    largest = float(np.abs(lengths).max()) * UM_PER_M
+    return f"{largest:.3g} um" if largest > 1e-4 else "0 um"
+
+
+def _text_on_support_and_force(shoe: Shoe, mesh: Any) -> str:
+    """The text on the edges that are held and loaded, and on the force."""
+    held = len(mesh.boundaries["hinge"])
+    x, y = shoe.pin.xy.tolist()
+    text = (
+        f"the {held} sides of the group hinge are a rigid line held at x = {mm_text(x)}, "
+        f"y = {mm_text(y)} ({shoe.kind_of_support}); "
+    )
+    where = "the rigid line"
+    if "actuation" in mesh.boundaries and not shoe.has_support_on_back_of_body:
+        where = f"the {len(mesh.boundaries['actuation'])} sides of the group actuation"
+    force = shoe.actuation.force
+    if not force:
+        return f"{text}no force of its own acts on {where}"
+    angle = math.degrees(shoe.actuation.direction)
+    sense = "against" if force < 0 else "at"
+    return f"{text}{force_as_text_with_unit(force)} {sense} {angle:.4g} deg act on {where}"
+
+
+def mean_compression_under_actuation_force(brake: Brake, shoe: Shoe) -> float:
+    """The compression [m] of a lining under its actuation force, spread over the whole lining.
+
+    It shows the size of distances that matter, before anything is solved.
+    """
+    lining = shoe.lining
+    area = lining.width * (lining.end - lining.start) * brake.scale_factor
+    return abs(shoe.actuation.force) / area * lining.thickness / lining.material.E_through
+
+
+def _offsets_of_contact_nodes(brake: Brake, checked: CheckedShoe) -> _ContactOffsets:
+    """The distances of a mesh's contact nodes off the drum or the plane."""
+    shoe, mesh = checked.shoe, checked.read.mesh
+    nodes = np.unique(_nodes_on_sides(mesh, mesh.boundaries["contact"]))
+    solved = _basis_of_mesh(mesh).doflocs[:, nodes]
+    in_file = _basis_of_mesh(checked.read.in_file).doflocs[:, nodes]
+    at = shoe.frame.theta(shoe.phi_of_points_in_shoe_frame(solved, brake.size))
+    order = np.argsort(at)
+    return _ContactOffsets(
+        at[order],
+        shoe.off(in_file, brake.size)[order],
+        shoe.off(solved, brake.size)[order],
+    )
+
+
+def _basis_of_mesh(mesh: Any) -> Any:
+    """The scikit-fem basis of a mesh, for its nodes only."""
+    return skfem.Basis(mesh, element_kind_of_mesh(mesh).scikit_fem_element_class(), intorder=1)
+
+
+def _nodes_on_sides(mesh: Any, facets: Ints) -> Ints:
+    """The nodes (order + 1, m) along sides of elements, with the numbers (m,) `facets`."""
+    return nodes_along_element_edges(_basis_of_mesh(mesh), facets)
+
+
+# The functions below draw.
+
+
+def draw_checked_meshes(brake: Brake, checked: list[CheckedShoe]) -> Figure:
+    """Draw the meshes that were read, a row of two panels for each shoe."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(13.0, 6.4 * len(checked)), layout="constrained")
+        rows = figure.subplots(
+            len(checked), 2, squeeze=False, gridspec_kw={"width_ratios": [1.25, 1.0]}
+        )
+        for (left, right), one in zip(rows, checked, strict=True):
+            _draw_groups_with_pin_and_force(left, brake, one)
+            _draw_offsets_of_contact_line(right, brake, one)
+    return figure
+
+
+def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedShoe) -> None:
+    """Draw the groups of a mesh in colour, its support and its force, in mm."""
+    shoe, mesh = checked.shoe, checked.read.mesh
+    basis = _basis_of_mesh(mesh)
+    xy = shoe.points(basis.doflocs).T * MM_PER_M
+    around = nodes_around_elements(basis)
+    # Thin lines keep the colours of fine meshes visible.
+    width = 0.4 if mesh.nelements < 3000 else 0.15
+    for name, elements in mesh.subdomains.items():
+        axes.add_collection(
+            PolyCollection(
+                list(xy[around[:, elements].T]),
+                facecolor=GROUP_COLORS[name],
+                edgecolor="#40505f",
+                lw=width,
+                zorder=3,
+            )
+        )
+    for name, facets in mesh.boundaries.items():
+        lines = xy[nodes_along_element_edges(basis, facets).T]
+        look: dict[str, Any] = {"color": GROUP_COLORS[name], "lw": 3.0, "zorder": 4.5}
+        axes.add_collection(LineCollection(list(lines), **look))
+    low, high = xy.min(axis=0), xy.max(axis=0)
+    unit = float((high - low).max()) / 22
+    draw_support_of_shoe(axes, shoe, unit)
+    held = xy[np.unique(nodes_along_element_edges(basis, mesh.boundaries["hinge"]))].mean(axis=0)
+    _draw_rigid_arm(axes, held, shoe.pin.xy * MM_PER_M, unit)
+    ends = _draw_force_at_loaded_sides(axes, checked, xy, basis, unit)
+    points = np.concatenate([[low, high, shoe.pin.xy * MM_PER_M], ends])
+    low, high = points.min(axis=0) - 1.8 * unit, points.max(axis=0) + 1.8 * unit
+    _draw_friction_surface(axes, brake, shoe, low, high)
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_aspect("equal")
+    axes.grid(visible=False)
+    axes.set_xlabel("x [mm]")
+    axes.set_ylabel("y [mm]")
+    assert shoe.mesh is not None
+    axes.set_title(f"shoe {shoe.name}: {shoe.mesh.name}")
+    _draw_legend_of_groups(axes, mesh)
+
+
+def _draw_legend_of_groups(axes: Axes, mesh: Any) -> None:
+    """Draw the legend of the groups with their numbers of elements or sides."""
+    handles: list[Any] = [
+        Patch(
+            facecolor=GROUP_COLORS[name], edgecolor="#40505f", label=f"{name}: {len(of)} elements"
+        )
+        for name, of in mesh.subdomains.items()
+    ]
+    handles += [
+        Line2D([], [], color=GROUP_COLORS[name], lw=3, label=f"{name}: {len(of)} sides")
+        for name, of in mesh.boundaries.items()
+    ]
+    _draw_legend_below_axes(axes, handles, 3)
+
+
+def _draw_legend_below_axes(axes: Axes, handles: list[Any], columns: int) -> None:
+    """Draw a legend below the label of the horizontal axis, where it covers no part of a mesh."""
+    figure = axes.get_figure()
+    assert isinstance(figure, Figure)
+    below = axes.transAxes + ScaledTranslation(0.0, -LEGEND_DISTANCE, figure.dpi_scale_trans)
+    axes.legend(
+        handles=handles,
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.0),
+        bbox_transform=below,
+        ncols=columns,
+        fontsize=9,
+    )
+
+
+def _draw_force_at_loaded_sides(
+    axes: Axes, checked: CheckedShoe, xy: Floats, basis: Any, unit: float
+) -> Floats:
+    """Draw the actuation force where it acts on the mesh; returns points (n, 2) [mm] to show.
+
+    The arrow's tip is the point of the line of action nearest to the loaded sides; without loaded
+    sides it is the force's point in the brake file.
+
+    Parameters
+    ----------
+    axes : axes of the drawing
+    checked : the shoe and its mesh
+    xy : (nodes, 2) nodes [mm]
+    basis : basis of the mesh
+    unit : size of the signs [mm]
+    """
+    shoe, mesh = checked.shoe, checked.read.mesh
+    if not shoe.actuation.force:
+        return np.zeros((0, 2))
+    tip = shoe.actuation.point.xy * MM_PER_M
+    along = shoe.actuation.unit_vector_of_force * math.copysign(1.0, shoe.actuation.force)
+    if "actuation" in mesh.boundaries:
+        sides = nodes_along_element_edges(basis, mesh.boundaries["actuation"])
+        middle = xy[np.unique(sides)].mean(axis=0)
+        tip = tip + ((middle - tip) @ along) * along
+        _draw_rigid_arm(axes, middle, tip, unit)
+    tail = tip - 4 * unit * along
+    draw_arrow_from_tail_to_tip(axes, tail, tip, PURPLE, width=0.12)
+    text = force_as_text_with_unit(shoe.actuation.force)
+    place = tail - 0.4 * unit * along
+    align = "right" if along[0] > 0.3 else "left" if along[0] < -0.3 else "center"
+    axes.text(place[0], place[1], text, color=PURPLE, ha=align, va="center", fontsize=10, zorder=7)
+    # The text is some four signs long.
+    reach = {"right": -4.0, "left": 4.0, "center": 0.0}[align] * unit
+    return np.array([tip, tail, place + np.array([reach, 0.0])])
+
+
+def _draw_rigid_arm(axes: Axes, start: Floats, end: Floats, unit: float) -> None:
+    """Draw the rigid arm from the middle of held or loaded sides to pin or force, (2,) [mm].
+
+    An arm shorter than a sign, whose size is `unit` [mm], is not drawn.
+    """
+    if float(np.hypot(*(end - start))) > unit:
+        axes.plot(*np.array([start, end]).T, color=INK, lw=1.2, ls="--", zorder=4.2)
+
+
+def _draw_friction_surface(axes: Axes, brake: Brake, shoe: Shoe, low: Floats, high: Floats) -> None:
+    """Draw the drum's circle with its centre, or the plane, behind the mesh."""
+    if shoe.flat:
+        axes.axhspan(min(low[1], 0.0) - 1.0, 0.0, facecolor=DRUM_COLOR, zorder=1)
+        axes.plot([low[0], high[0]], [0.0, 0.0], color=INK, lw=0.8, zorder=2)
+        return
+    angle = np.linspace(0.0, 2 * math.pi, 721)
+    radius = brake.size * MM_PER_M
+    axes.plot(radius * np.cos(angle), radius * np.sin(angle), color=INK, lw=0.8, ls="--", zorder=2)
+    axes.plot([0.0], [0.0], "+", color=FAINT, ms=10, zorder=2)
+
+
+def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: CheckedShoe) -> None:
+    """Draw the distance of the contact nodes off the drum or the plane, in micrometres."""
+    shoe = checked.shoe
+    offsets = _offsets_of_contact_nodes(brake, checked)
+    at = offsets.at * shoe.surface.shown
+    compression = mean_compression_under_actuation_force(brake, shoe) * UM_PER_M
+    word = shoe.surface.word
+    axes.axhline(0.0, color=INK, lw=1.2)
+    if compression:
+        axes.axhspan(-compression, compression, facecolor="#dfe5ea", zorder=0)
+    moved = np.abs(offsets.in_file - offsets.solved).max() > 0
+    in_file = "in the file" if moved else "in the file, solved as it is"
+    axes.plot(at, offsets.in_file * UM_PER_M, "o-", color=RED, ms=3, lw=0.9, label=in_file)
+    if moved:
+        axes.plot(at, offsets.solved * UM_PER_M, ".-", color=BLUE, ms=3, lw=1.2, label="solved")
+    # The panel shows at least the compression. Without it round-off would fill the panel.
+    shown = np.append(offsets.in_file * UM_PER_M, [-1.5 * compression, 1.5 * compression])
+    low, high = min(float(shown.min()), -1e-3), max(float(shown.max()), 1e-3)
+    margin = 0.06 * (high - low)
+    axes.set_ylim(low - margin, high + margin)
+    if compression:
+        text = f"grey: the force compresses the lining by {compression:.3g} \u00b5m"
+        box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none"}
+        axes.text(
+            0.98,
+            0.97,
+            text,
+            transform=axes.transAxes,
+            color=FAINT,
+            fontsize=9,
+            bbox=box,
+            ha="right",
+            va="top",
+            zorder=6,
+        )
+    axes.set_title(f"contact line off the {word}, positive: open gap")
+    axes.set_xlabel(shoe.surface.figure_axis)
+    axes.set_ylabel(f"distance off the {word} [\u00b5m]")
+    _draw_legend_below_axes(axes, axes.get_legend_handles_labels()[0], 2)

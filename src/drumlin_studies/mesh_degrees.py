@@ -1,0 +1,240 @@
+"""The stated errors of meshes of files, compared with true errors.
+
+    make degrees              60 meshes
+    make degrees ARGS="8 100" 8 meshes, from seed 100 on
+
+Gmsh meshes random shoes with elements of a tenth to a fortieth of the drum's radius: triangles or
+recombined quadrilaterals, of first or second order, with straight or curved sides. drumlin solves
+each mesh file, and the shoe itself in hp elements to a tolerance of 1e-4. The difference is the
+true error. The command prints a line for each mesh and the ratios of stated to true errors.
+"""
+
+import math
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.brake.components import Bar
+from drumlin.brake.file import make_drum_brake_from_data, vary
+from drumlin.fem.error_control.estimate import QUANTITIES, relative_differences_of_two_levels
+from drumlin.fem.solve import solve
+from drumlin.response.response import Response
+
+MESHES = 60
+"""Number of meshes without further words on the command line: five of each form in four sizes."""
+FINE = 1e-4
+"""Tolerance of the solution in hp elements from which true errors are taken."""
+UNSURE = 3.0
+"""Smallest true error, in stated errors of the solution in hp elements, that is compared."""
+WIDTH = 0.04
+"""Width [m] of lining and body of every random shoe; in plane stress it changes no ratio."""
+
+
+class MeshForm(NamedTuple):
+    """A form of elements: their order, whether Gmsh keeps sides straight, and quadrilaterals."""
+
+    order: int
+    straight: bool
+    recombined: bool
+
+
+FORMS = (
+    MeshForm(1, straight=True, recombined=False),
+    MeshForm(2, straight=False, recombined=False),
+    MeshForm(2, straight=True, recombined=False),
+    MeshForm(1, straight=True, recombined=True),
+    MeshForm(2, straight=False, recombined=True),
+)
+"""The forms of elements, in the order of the seeds."""
+
+
+class JudgedMesh(NamedTuple):
+    """The stated and the true errors of a mesh, by the names of QUANTITIES.
+
+    `size` is the drum's radius over the size of the elements.
+    """
+
+    seed: int
+    form: MeshForm
+    size: float
+    stated: Mapping[str, float]
+    true: Mapping[str, float]
+
+
+def draw_random_shoe(rng: np.random.Generator) -> Brake:
+    """Draw a brake with one hinged shoe, whose body reaches a little beyond its lining."""
+    R = float(rng.choice([0.1, 0.15, 0.2]))
+    side = str(rng.choice(["internal", "internal", "external"]))
+    sign = 1 if side == "internal" else -1
+    start = -math.radians(rng.uniform(55, 75))
+    end = start + math.radians(rng.uniform(50, 125))
+    thickness, depth = R * rng.uniform(0.04, 0.1), R * rng.uniform(0.06, 0.2)
+    before, behind = np.radians(rng.uniform(3, 8, size=2)).tolist()
+    middle = R - sign * (thickness + depth / 2)
+    closing = (start + end) / 2 + (0 if sign > 0 else math.pi)
+    loaded = end + behind
+    body: dict[str, Any] = {
+        "start": start - before,
+        "end": loaded,
+        "thickness": depth,
+        "width": WIDTH,
+    }
+    body["material"] = {"E": float(rng.choice([20e9, 100e9, 210e9])), "nu": 0.3}
+    lining: dict[str, Any] = {"start": start, "end": end, "thickness": thickness, "width": WIDTH}
+    lining["material"] = {"E": float(rng.choice([100e6, 300e6, 1e9])), "nu": 0.25}
+    hinge = {
+        "radius": middle * rng.uniform(0.9 if sign > 0 else 0.97, 1.05 if sign > 0 else 1.1),
+        "angle": start - before - math.radians(rng.uniform(0, 8)),
+    }
+    actuation = {
+        "force": 2000.0,
+        "direction": closing + math.radians(rng.uniform(-20, 20)),
+        "point": {"x": middle * math.cos(loaded), "y": middle * math.sin(loaded)},
+    }
+    shoe = {"name": "shoe", "side": side, "hinge": hinge, "lining": lining, "body": body}
+    data = {
+        "title": "random shoe for a mesh",
+        "rotation": str(rng.choice(["clockwise", "counter-clockwise"])),
+        "friction": float(rng.choice([0.2, 0.3, 0.4])),
+        "drum": {"radius": R},
+        "shoe": [shoe | {"actuation": actuation}],
+    }
+    return make_drum_brake_from_data(data)
+
+
+def write_gmsh_mesh_of_shoe(brake: Brake, form: MeshForm, size: float, path: Path) -> None:
+    """Mesh the only shoe of a brake on a drum with Gmsh, and write the mesh with its groups.
+
+    Parameters
+    ----------
+    brake : the brake, whose shoe has lining and body
+    form : form of the elements
+    size : size of the elements [m]
+    path : path of the .msh file
+    """
+    import gmsh  # noqa: PLC0415
+
+    gmsh.initialize(readConfigFiles=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+        gmsh.option.setNumber("Mesh.RecombineAll", form.recombined)
+        gmsh.option.setNumber("Mesh.SecondOrderLinear", form.straight)
+        _draw_outline_of_shoe(gmsh.model, brake)
+        gmsh.model.mesh.generate(2)
+        gmsh.model.mesh.setOrder(form.order)
+        gmsh.write(str(path))
+    finally:
+        gmsh.finalize()
+
+
+def _draw_outline_of_shoe(model: Any, brake: Brake) -> None:
+    """Draw lining and body of a shoe in Gmsh's `model`, with the groups that drumlin needs."""
+    (shoe,) = brake.shoes
+    lining, body = shoe.lining, shoe.body
+    assert isinstance(body, Bar)
+    geo = model.geo
+    centre = geo.addPoint(0, 0, 0)
+    points: dict[tuple[float, float], int] = {}
+
+    def point(depth: float, angle: float) -> int:
+        """The point at a depth [m] behind the friction surface and an angle [rad]."""
+        r = brake.size - shoe.sign * depth
+        if (depth, angle) not in points:
+            points[depth, angle] = geo.addPoint(r * math.cos(angle), r * math.sin(angle), 0)
+        return points[depth, angle]
+
+    def arc(depth: float, first: float, last: float) -> int:
+        """The arc at a depth [m] between two angles [rad]."""
+        return int(geo.addCircleArc(point(depth, first), centre, point(depth, last)))
+
+    def radial(angle: float, top: float, bottom: float) -> int:
+        """The straight line at an angle [rad] between two depths [m]."""
+        return int(geo.addLine(point(top, angle), point(bottom, angle)))
+
+    behind, back = lining.thickness, lining.thickness + body.depth
+    contact, face = (arc(depth, lining.start, lining.end) for depth in (0.0, behind))
+    sides = [radial(angle, 0.0, behind) for angle in (lining.start, lining.end)]
+    near, far = (radial(angle, behind, back) for angle in (body.start, body.end))
+    front = [arc(behind, body.start, lining.start), face, arc(behind, lining.end, body.end)]
+    rear = arc(back, body.start, body.end)
+    surfaces = {
+        "lining": geo.addPlaneSurface([geo.addCurveLoop([contact, sides[1], -face, -sides[0]])]),
+        "shoe": geo.addPlaneSurface([geo.addCurveLoop([*front, far, -rear, -near])]),
+    }
+    geo.synchronize()
+    for name, surface in surfaces.items():
+        model.setPhysicalName(2, model.addPhysicalGroup(2, [surface]), name)
+    for name, line in {"contact": contact, "hinge": near, "actuation": far}.items():
+        model.setPhysicalName(1, model.addPhysicalGroup(1, [line]), name)
+
+
+def judge_mesh_of_random_shoe(seed: int) -> JudgedMesh | str:
+    """The stated and true errors of the mesh of a seed, or the reason why it has no answer."""
+    rng = np.random.default_rng([seed, 3])
+    form = FORMS[seed % len(FORMS)]
+    size = float(10 * 4 ** rng.random())
+    try:
+        brake = draw_random_shoe(rng)
+        known = solve(brake, tolerance=FINE)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "shoe.msh"
+            write_gmsh_mesh_of_shoe(brake, form, brake.size / size, path)
+            response = solve(vary(brake, {"shoe.mesh": str(path)}))
+    except (BadInput, NoAnswer) as error:
+        return f"{type(error).__name__}: {error}"
+    return JudgedMesh(
+        seed, form, size, dict(response.error or {}), _true_errors(brake, response, known)
+    )
+
+
+def _true_errors(brake: Brake, response: Response, known: Response) -> dict[str, float]:
+    """The true relative errors of a response by QUANTITIES; nan where they are not certain."""
+    steps = relative_differences_of_two_levels(brake, response, known).steps[1:]
+    assert known.error is not None
+    errors = dict(zip(QUANTITIES, steps.tolist(), strict=True))
+    return {
+        name: error if error > UNSURE * known.error[name] else math.nan
+        for name, error in errors.items()
+    }
+
+
+def report_lines_on_judged_meshes(judged: Sequence[JudgedMesh]) -> Iterator[str]:
+    """Yield a line on the ratios of stated to true error for each quantity."""
+    for name in QUANTITIES:
+        ratios = np.array([mesh.stated[name] / mesh.true[name] for mesh in judged if mesh.stated])
+        ratios = ratios[np.isfinite(ratios)]
+        yield (
+            f"{name}: stated over true error: least {ratios.min():.2f}, median "
+            f"{np.median(ratios):.2f}, {np.count_nonzero(ratios < 1)} of {len(ratios)} too small"
+        )
+
+
+def main(words: Sequence[str]) -> int:
+    """Judge as many meshes as the first word says, from the seed of the second word on."""
+    count, first = [int(word) for word in words] + [MESHES, 0][len(words) :]
+    judged = []
+    for seed in range(first, first + count):
+        found = judge_mesh_of_random_shoe(seed)
+        if isinstance(found, str):
+            print(f"{seed}: {found}", flush=True)  # noqa: T201
+            continue
+        judged.append(found)
+        errors = ", ".join(
+            f"{name} {found.stated.get(name, math.nan):.1e} {found.true[name]:.1e}"
+            for name in QUANTITIES
+        )
+        print(f"{seed}: R/{found.size:.0f}, {found.form}: {errors}", flush=True)  # noqa: T201
+    for line in report_lines_on_judged_meshes(judged):
+        print(line, flush=True)  # noqa: T201
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
