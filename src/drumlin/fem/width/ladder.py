@@ -136,6 +136,23 @@ def solve_brake_with_widths_to_tolerance(
 ) -> Response:
     """The response of a brake with widths, whose estimated errors meet a tolerance.
 
+    The parameters and errors are those of `solve_and_keep_brake_with_widths`.
+    """
+    return solve_and_keep_brake_with_widths(
+        brake, tolerance, must=must, penalty=penalty, cache=cache
+    ).response
+
+
+def solve_and_keep_brake_with_widths(
+    brake: Brake,
+    tolerance: Tolerance,
+    *,
+    must: bool = True,
+    penalty: float = PENALTY,
+    cache: Cache | None = None,
+) -> SolvedLevel:
+    """The response of a brake with widths to a tolerance, and the prepared model that it is of.
+
     Parameters
     ----------
     brake : the brake
@@ -198,7 +215,7 @@ def solve_brake_with_widths_to_tolerance(
         f"with {unknowns} unknowns a shoe"
     )
     found = section.error.sum_with_other_errors(width.error)
-    return replace(
+    stated = replace(
         response,
         shoes=tuple(
             replace(shoe, error=own) for shoe, own in zip(response.shoes, found.shoes, strict=True)
@@ -206,6 +223,7 @@ def solve_brake_with_widths_to_tolerance(
         error=Errors.brake_errors_from_torque_and_shoe_errors(found.torque, found.shoes).brake,
         notes=(*response.notes, *warnings, how),
     )
+    return SolvedLevel(scene, stated)
 
 
 def _refinement_levels_of_section_with_errors(
