@@ -13,12 +13,21 @@ from drumlin.base.errors import BadInput
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.hp.division import divide_shoe_into_hp_elements
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solid import model as hexahedra
 from drumlin.fem.solid.fields import recover_fields_in_solid_shoe
-from drumlin.fem.solid.width_fields import recover_fields_in_shoe_with_width
+from drumlin.fem.solid.width_fields import (
+    fields_in_part_of_shoe,
+    recover_fields_in_shoe_with_width,
+)
+from drumlin.fem.width.functions import (
+    functions_across_width_of_shoe,
+    matrix_from_node_values_to_function_factors,
+)
 from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.recovery import WidthUnknowns
 from drumlin.response.response import length_of_edge_zone_without_peak
 from test_width_model import HELD, plane
 
@@ -74,6 +83,35 @@ def test_stresses_on_the_face_are_pressure_and_friction(kind):
         assert np.sqrt(np.mean((pressed + p) ** 2)) < within * size
         assert np.sqrt(np.mean((dragged - brake.friction * p) ** 2)) < within * size
         assert np.sqrt(np.mean(traction[:, 2] ** 2)) < within * size
+
+
+@pytest.mark.parametrize("name", ["lining", "shoe"])
+def test_the_stress_of_known_strains_is_exact(name):
+    """Uniform strain, and a shear strain in proportion to z, in all cells of a wide body."""
+    brake = HELD["wide body"]()
+    shoe = brake.shoes[0]
+    functions = functions_across_width_of_shoe(shoe, 3)
+    division = divide_shoe_into_hp_elements(shoe, brake.size, LEVELS[0])
+    unknowns = WidthUnknowns(shoe, brake.size, division, functions)
+    slope, across, bend = np.array([[3e-3, 1e-3], [-2e-3, 1e-3]]), 5e-4, 0.2
+    even = np.zeros((unknowns.grid.N, len(functions.even_functions_across_width), 2))
+    odd = np.zeros((unknowns.grid.N, len(functions.odd_functions_across_width)))
+    even[:, 0] = (slope @ unknowns.grid.doflocs).T
+    # u_x = bend z^2, and u_z = across z; the first odd function is z over half the width.
+    half = functions.breaks[-1]
+    z = functions.node_distances_across_part(half)
+    even[:, :, 0] += matrix_from_node_values_to_function_factors(functions, half) @ (bend * z**2)
+    odd[:, 0] = across * half
+    u = np.hstack([even.reshape(unknowns.grid.N, -1), odd]).ravel()
+    found = fields_in_part_of_shoe(unknowns, u, name)
+    lame = unknowns.layers.lame[division.part.index(name)]
+    strain = np.zeros((len(found.z), 3, 3))
+    strain[:, :2, :2] = 0.5 * (slope + slope.T)
+    strain[:, 2, 2] = across
+    strain[:, 0, 2] = strain[:, 2, 0] = bend * found.z
+    exact = lame.lam * np.trace(strain[0]) * np.eye(3) + 2 * lame.mu * strain
+    np.testing.assert_allclose(found.stress, exact, atol=1e-9 * np.abs(exact).max())
+    np.testing.assert_allclose(found.displacement[:, 2], across * found.z, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", partly(HELD, ("rigid",)))

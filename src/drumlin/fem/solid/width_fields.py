@@ -123,7 +123,7 @@ def recover_fields_in_shoe_with_width(
     # A sample at the interface of two parts stands once for each of them.
     parts, cells, numbers, pressures, count = [], [], [], [], 0
     for i, name in enumerate(unknowns.grid.subdomains):
-        part = _fields_in_part(unknowns, u, name)
+        part = fields_in_part_of_shoe(unknowns, u, name)
         parts.append(part)
         cells.append(part.cells + count)
         numbers.append(np.full(len(part.cells), i))
@@ -178,7 +178,7 @@ def _pieces_of_part(functions: WidthFunctions, half: float) -> Iterator[_Piece]:
         yield _Piece(z, *even, *odd)
 
 
-def _fields_in_part(unknowns: WidthUnknowns, u: Floats, name: str) -> _PartFields:
+def fields_in_part_of_shoe(unknowns: WidthUnknowns, u: Floats, name: str) -> _PartFields:
     """The fields in the part `name` of a shoe, from its unknowns u (unknowns,) [m]."""
     grid, elements = unknowns.grid, unknowns.grid.subdomains[name]
     even, odd = unknowns.even_and_odd_factors_of_nodes(u)
