@@ -13,7 +13,7 @@ from drumlin.fem.solid.width_fields import face_of_shoe_with_width
 from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_brake_with_widths
 from drumlin.response.face import pressure_on_face_of_lining
 from drumlin.response.response import length_of_edge_zone_without_peak
-from test_width_model import HELD
+from wide_shoes import HELD
 
 
 @pytest.fixture(scope="module")

@@ -29,7 +29,7 @@ from drumlin.fem.width.functions import (
 from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin.fem.width.recovery import WidthUnknowns
 from drumlin.response.response import length_of_edge_zone_without_peak
-from test_width_model import HELD, plane
+from wide_shoes import HELD, plane
 
 PUT_AT = ([0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2])
 """Rows and columns of the six stresses of a node in its stress tensor."""

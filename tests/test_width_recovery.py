@@ -32,7 +32,7 @@ from drumlin.fem.width.functions import (
 from drumlin.fem.width.integrals import LameConstants, section_integrals_of_any_shape
 from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin.response.balance import brake_with_forces_of_response
-from test_width_model import HELD, without_contraction
+from wide_shoes import HELD, without_contraction
 
 ROUND_OFF = 1e-8
 """Displacements of slender shoes lose up to eight of sixteen digits to rigid-body motions."""
