@@ -52,6 +52,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "WIDTH_LEVEL": "level 0 of the rule that the levels of a solve follow",
         "WIDTH_DEGREE": "the least degree that varies in a part of one width",
     },
+    "fem/solid/width_fields.py": {"FEWEST_STEPS": "points of fields that are written or drawn"},
     "fem/width/face.py": {"FACE_STEPS": "points of a face that is written or drawn"},
     "fem/width/functions.py": {
         "SAME_SIDE": ROUND_OFF,

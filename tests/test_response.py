@@ -288,7 +288,7 @@ def test_an_elastic_lining_by_growing_angles(brake):
         normal_force=4.0,
         self_energising=False,
         hinge_reaction=np.zeros(2),
-        surface=PressureOverWidth(np.arange(3.0), rows),
+        surface=PressureOverWidth(np.arange(3.0), rows, np.ones(3)),
     )
     assert over_width.surface.pressure.mean(axis=1) == pytest.approx(over_width.pressure)
     assert other.theta == pytest.approx(theta[::-1]) and other.pressure == pytest.approx(p)

@@ -1,7 +1,5 @@
 """Brakes with widths: limits in which they are plane stress, balances, and the solid shoes."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,6 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solid import model as hexahedra
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
 from drumlin.fem.width.error import WIDTH_LEVEL
@@ -19,51 +16,10 @@ from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.prepare import prepare_brake_with_widths, reason_against_width_model
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
 from drumlin_studies.random_kinds import draw_random_brake_of_kind
-from flat_pads import pad
-from held_shoes import BODY, brake_of
 from sections import t_section, widths, without_contraction
+from wide_shoes import HELD, plane
 
-ROOT = Path(__file__).resolve().parents[1]
-NO_CONTRACTION = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
-STEEL_BACK = {"thickness": 0.004, "material": {"E": 2.1e11, "nu": 0.3}}
-SOFT_BACK = {"thickness": 0.004, "material": {"E": 2.1e11, "nu": 0.0}}
-FLAT_BODY = {
-    "thickness": 0.02,
-    "width": 0.04,
-    "start": 0.05,
-    "end": 0.19,
-    "material": {"E": 2.1e11, "nu": 0.3},
-}
-
-
-def post():
-    """A post brake of straight beams on a rigid drum, of one width."""
-    brake = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
-    width = brake.shoes[0].lining.width
-    own = {"shoe.body.width": width, "shoe.body.bending_stiffness": None}
-    return vary(brake, {"drum.ring": None, **own})
-
-
-HELD = {
-    "double shoe": lambda: read_brake(ROOT / "studies" / "double_shoe" / "brake.toml"),
-    "T-section": lambda: t_section(read_brake(ROOT / "studies" / "double_shoe" / "flexible.toml")),
-    "rigid": lambda: brake_of("pivot", 1),
-    "rigid with a backing": lambda: brake_of("guide", 1, backing=STEEL_BACK),
-    "abutment": lambda: brake_of("rough abutment", -1, body=BODY),
-    "grip": lambda: brake_of("pivot", 1, body=BODY),
-    "narrow body in a grip": lambda: brake_of("guide", 1, body=BODY | {"width": 0.015}),
-    "wide body": lambda: brake_of("abutment", 1, body=BODY | {"width": 0.06}),
-    "post": post,
-    "pad": lambda: pad("hinge", body=FLAT_BODY),
-    "pad in a grip": lambda: pad("pivot", body=FLAT_BODY),
-    "rigid pad": lambda: pad("hinge"),
-}
-"""Brakes of all ways to hold and push shoes."""
 QUICK = ("T-section", "post", "grip", "pad")
-
-
-def plane(brake, level=LEVELS[0]):
-    return solve_prepared_model(make_prepared_model(brake, level), brake)
 
 
 def wide(brake, degree, level=LEVELS[0], places=None):

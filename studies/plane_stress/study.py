@@ -19,7 +19,7 @@ from drumlin.fem.analysis.fields import write_fields_to_vtu_file
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solid import model as solid
-from drumlin.fem.solid.fields import recover_fields_in_solid_shoe
+from drumlin.fem.solid.width_fields import recover_fields_in_shoes
 from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin.report.solid_picture import draw_solid_shoes_and_return_failure_reason
@@ -252,11 +252,7 @@ def report(result: Result, folder: Path) -> Path:
             drawing.save_figure(figure, folder / f"{name}.{ending}")
     brake, response = result.three.brake, result.three.solid
     write_fields_to_vtu_file(
-        folder / "solid.vtu",
-        [
-            recover_fields_in_solid_shoe(result.scene, brake, response, i)
-            for i in range(len(brake.shoes))
-        ],
+        folder / "solid.vtu", recover_fields_in_shoes(result.scene, brake, response)
     )
     not_drawn = draw_solid_shoes_and_return_failure_reason(
         folder / "solid.vtu", folder / "solid.png", brake.title

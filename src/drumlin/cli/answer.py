@@ -159,6 +159,26 @@ def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
     )
     if any(place is not None and place.zone for place in places):
         print_folded_line("peak p: the largest, half a lining's thickness at each end left out")
+    over_width = _peak_pressures_over_width_as_line(brake, response)
+    if over_width:
+        print_folded_line(over_width)
+
+
+def _peak_pressures_over_width_as_line(brake: "Brake", response: "Response") -> str:
+    """The peaks of the pressure over arc and width as one line of text; "" without a width."""
+    from drumlin.response.face import pressure_on_face_of_lining
+
+    shown, unit, peaks = brake.surface.shown, brake.surface.shown_unit, []
+    for i in range(len(response.shoes)):
+        face = pressure_on_face_of_lining(brake, response, i)
+        if face is not None:
+            # Adding 0.0 turns a negative zero into a zero without sign.
+            at = f"{face.peak_theta * shown + 0.0:.1f} {unit}"
+            place = f"at {at}, {face.peak_z * 1e3:.1f} mm from the mid-plane"
+            peaks.append(f"{face.shoe} {face.peak * 1e-6:.4g} MPa {place}")
+    if not peaks:
+        return ""
+    return f"peak p over the width: {'; '.join(peaks)}; its error is not known"
 
 
 def _columns_of_shoe_table(

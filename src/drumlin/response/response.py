@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -160,10 +160,13 @@ class PressureOverWidth(NamedTuple):
     z : (m,) [m], growing coordinates across the width, from the mid-plane of the shoe
     pressure : (n, m) [Pa], pressures at the n angles `theta` of the shoe's response and at z; a
         quadratic polynomial of z over every two steps
+    widths : (m,) [m], width of the lining that each z stands for: the mean of a row with these
+        weights is the `pressure` of the shoe's response
     """
 
     z: Floats
     pressure: Floats
+    widths: Floats
 
 
 @dataclass(frozen=True)
@@ -276,10 +279,21 @@ class ShoeResponse:
         # A polynomial may dip below zero between its nodes, where no pressure acts.
         return theta, np.maximum(self.pressure_at(theta), 0.0)
 
+    def curve_at_distance_from_mid_plane(self, number: int) -> tuple[Floats, Floats]:
+        """Points of the pressure curve at one distance from the mid-plane, by a solid model.
+
+        `number` is the position of the distance in z of `surface`. The angles (m,) [rad] are those
+        that `curve` returns.
+        """
+        # `surface` is the pressure of all models with widths, for a shoe in contact.
+        assert self.surface is not None
+        return replace(self, pressure=self.surface.pressure[:, number]).curve()
+
     def as_dict(self) -> dict[str, Any]:
         """The response of the shoe as plain data for JSON, in the units of the attributes.
 
-        The angles and pressures are the points that `curve` returns.
+        The angles and pressures are the points that `curve` returns, and the rows of the pressure
+        over the width belong to these angles.
         """
         theta, pressure = self.curve()
         data: dict[str, Any] = {
@@ -302,11 +316,18 @@ class ShoeResponse:
             data["reaction_moment"] = self.reaction_moment
         if self.pivot_reaction is not None:
             data["pivot_reaction"] = list(map(float, self.pivot_reaction))
-        for name in ("deformation", "surface"):
-            arrays = getattr(self, name)
-            if arrays is not None:
-                data[name] = {key: values.tolist() for key, values in arrays._asdict().items()}
+        if self.deformation is not None:
+            data["deformation"] = _arrays_as_lists(self.deformation)
+        if self.surface is not None:
+            columns = range(len(self.surface.z))
+            rows = np.array([self.curve_at_distance_from_mid_plane(k)[1] for k in columns]).T
+            data["surface"] = _arrays_as_lists(self.surface._replace(pressure=rows))
         return data
+
+
+def _arrays_as_lists(arrays: Deformation | PressureOverWidth) -> dict[str, list[Any]]:
+    """The arrays of a result as lists by their names, for JSON."""
+    return {key: values.tolist() for key, values in arrays._asdict().items()}
 
 
 class Merit(NamedTuple):

@@ -321,11 +321,14 @@ def _shape_gradients_at_element_nodes(mesh: Any, elements: Ints) -> _ElementNode
 FIELD_OF_VTU_NAME = {
     "displacement [m]": "displacement",
     "stress xx, yy, xy [Pa]": "stress",
+    "stress xx, yy, zz, xy, yz, xz [Pa]": "solid_stress",
     "von Mises [Pa]": "von_mises",
     "pressure [Pa]": "pressure",
     "push of the drum [Pa]": "push",
 }
-"""The attribute of `Fields` that each nodal field in a .vtu file shows, by the field's name there.
+"""The attribute of `Fields` or `SolidFields` that each nodal field in a .vtu file shows.
+
+The keys are the names of the fields in the file.
 """
 
 
@@ -337,7 +340,7 @@ def write_fields_to_vtu_file(path: Path, parts: Sequence[Any]) -> None:
         numbers.append(part.part)
         shoes.append(np.full(len(part.cells), i))
         first += len(part.points)
-    # `SolidFields` lack some of these attributes.
+    # `Fields` and `SolidFields` each lack some of these attributes.
     nodal = {}
     for head, name in FIELD_OF_VTU_NAME.items():
         if hasattr(parts[0], name):

@@ -123,9 +123,9 @@ def make_hp_bodies(
         condensed_ring_in_hp_elements, brake, level, singular_layer_size=singular_layer_size
     )
     if brake.ring is not None:
-        divisions = [rule.division.dictionary_key_of_division for rule in rules.values()]
+        keys = [rule.division.dictionary_key_of_division for rule in rules.values()]
         loadless = brake_without_loads_and_clearances(brake)
-        key = (loadless, level, singular_layer_size, *divisions)
+        key = (loadless, level, singular_layer_size, *keys)
         lines = tuple(body.line for body in bodies)
         with add_elapsed_time(seconds, "ring"):
             ring = cache.get(key, partial(ring_under, lines), memory_of_condensed_body)

@@ -83,7 +83,10 @@ class ContactFace(ContactLine):
         """The pressure over arc and whole width."""
         half = p.reshape(-1, len(self.z))
         z = np.concatenate([-self.z[:0:-1], self.z])
-        return PressureOverWidth(z, np.hstack([half[:, :0:-1], half]))
+        widths = 0.5 * np.concatenate([self.width[:0:-1], self.width])
+        # The level of the mid-plane stands for a strip on both sides of it.
+        widths[len(self.z) - 1] *= 2.0
+        return PressureOverWidth(z, np.hstack([half[:, :0:-1], half]), widths)
 
 
 def integrals_of_products_of_width_functions(z: Floats) -> Floats:

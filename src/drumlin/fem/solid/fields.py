@@ -6,7 +6,7 @@ import numpy as np
 import skfem
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.analysis.fields import nodal_displacements_of_shoe, nodal_means_of_element_tensors
 from drumlin.fem.preparation.scene import PreparedModel
@@ -41,13 +41,13 @@ def hexahedra_with_twenty_nodes_in_vtk_order(cells: Ints) -> Ints:
 
 
 def hexahedra_turned_to_positive_volume(points: Floats, cells: Ints) -> Ints:
-    """The hexahedra `cells` (m, 20), turned over where their volume is negative.
+    """The hexahedra `cells` (m, 8) or (m, 20), turned over where their volume is negative.
 
     A mirror image makes volumes negative. `points` (n, 3) are the nodes.
     """
     a, b, c, d = (points[cells[:, i]] for i in (0, 1, 3, 4))
     volume = np.einsum("mi,mi->m", np.cross(b - a, c - a), d - a)
-    return np.where((volume > 0)[:, None], cells, cells[:, _TURNED])
+    return np.where((volume > 0)[:, None], cells, cells[:, _TURNED[: cells.shape[1]]])
 
 
 class SolidFields(NamedTuple):
@@ -58,9 +58,10 @@ class SolidFields(NamedTuple):
     Attributes
     ----------
     points : (n, 3) nodes [m]
-    cells : (m, 20) nodes of each cell
+    cells : (m, 20) or (m, 8) nodes of each cell
     part : (m,) number of the subdomain of each cell
     displacement : (n, 3) displacement of the nodes [m]
+    solid_stress : (n, 6) stresses xx, yy, zz, xy, yz, xz [Pa]
     von_mises : (n,) von Mises stress [Pa]
     pressure : (n,) pressure on the friction surface [Pa], 0 elsewhere
     cell_type : name of the cells in meshio
@@ -70,6 +71,7 @@ class SolidFields(NamedTuple):
     cells: Ints
     part: Ints
     displacement: Floats
+    solid_stress: Floats
     von_mises: Floats
     pressure: Floats
     cell_type: str = "hexahedron20"
@@ -79,12 +81,12 @@ class _SolidPartFields(NamedTuple):
     """Fields of one subdomain.
 
     `nodes` (n,) are its nodes, `cells` (27, m) its cells by the positions of their nodes in
-    `nodes`, and `von_mises` (n,) the von Mises stress of the nodes [Pa].
+    `nodes`, and `stress` (n, 3, 3) the stress of the nodes [Pa] in the shoe's frame.
     """
 
     nodes: Ints
     cells: Ints
-    von_mises: Floats
+    stress: Floats
 
 
 def recover_fields_in_solid_shoe(
@@ -123,12 +125,14 @@ def recover_fields_in_solid_shoe(
     nodes = np.concatenate([part.nodes for part in parts])
     x, moved = body.basis.doflocs[:, nodes], u[:, nodes]
     points = np.column_stack([shoe.points(x[:2]).T, x[2]])
+    stress = np.concatenate([part.stress for part in parts])
     return SolidFields(
         points=points,
         cells=hexahedra_turned_to_positive_volume(points, np.concatenate(cells)),
         part=np.concatenate(part_of_cell),
         displacement=np.column_stack([shoe.frame.convert_to_brake_frame(moved[:2].T), moved[2]]),
-        von_mises=np.concatenate([part.von_mises for part in parts]),
+        solid_stress=stress_components_in_brake_frame(stress, shoe.frame),
+        von_mises=von_mises_stress_of_solid(stress),
         pressure=np.concatenate(pressures),
     )
 
@@ -153,6 +157,23 @@ def _fields_in_one_subdomain_of_solid(
     lam, mu = layer.elasticity[0, 1], layer.elasticity[-1, -1]
     at_nodes = mu * (gradient + gradient.swapaxes(0, 1))
     at_nodes[range(3), range(3)] += lam * np.trace(gradient)
-    nodes, cells, stress = nodal_means_of_element_tensors(at_nodes, basis.element_dofs)
+    return _SolidPartFields(*nodal_means_of_element_tensors(at_nodes, basis.element_dofs))
+
+
+def von_mises_stress_of_solid(stress: Floats) -> Floats:
+    """The von Mises stress (n,) [Pa] of stresses (n, 3, 3) [Pa]."""
     deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
-    return _SolidPartFields(nodes, cells, np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2))))
+    return np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2)))
+
+
+def stress_components_in_brake_frame(stress: Floats, frame: ShoeFrame) -> Floats:
+    """The stresses xx, yy, zz, xy, yz, xz (n, 6) [Pa] in the brake's frame.
+
+    `stress` (n, 3, 3) [Pa] are the stresses in the shoe's frame.
+    """
+    # Stresses are tensors: both of their indices turn with the frame.
+    turn = np.eye(3)
+    turn[:2, :2] = frame.convert_to_brake_frame(np.eye(2))
+    turned = np.einsum("ia,nij,jb->nab", turn, stress, turn, optimize=True)
+    rows, columns = [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]
+    return np.asarray(turned[:, rows, columns])

@@ -7,6 +7,7 @@ from pathlib import Path
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.adapt import Tolerance, require_tolerance_applies_to_brake
+from drumlin.fem.error_control.levels import SolvedLevel
 from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.cache import (
@@ -23,7 +24,7 @@ from drumlin.fem.preparation.scene import (
 )
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import condensed_body_of_solid_shoe
-from drumlin.fem.width.ladder import solve_brake_with_widths_to_tolerance
+from drumlin.fem.width.ladder import solve_and_keep_brake_with_widths
 from drumlin.fem.width.prepare import OTHER_HALF, reason_against_any_model_with_widths
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response
@@ -139,7 +140,8 @@ def solve(
     tolerance : relative error of p (mean over the width, L2) and of the torque that must be
         reached by the hierarchic model of the width
     penalty : factor alpha of the contact stiffness alpha E/t
-    fields : name of a .vtu file for the displacements and stresses inside the shoes, by hexahedra
+    fields : name of a .vtu file for the displacements and stresses inside the shoes; half of each
+        shoe, on one side of its mid-plane
 
     Raises
     ------
@@ -150,28 +152,24 @@ def solve(
         where the contact has no answer, and where a given tolerance is not reached
     """
     require_positive_penalty(penalty)
-    given = {"elements": elements, "across": across, "fields": fields}
-    if tolerance is not None or all(value is None for value in given.values()):
-        return _solve_solid_shoes_to_error_tolerance(brake, tolerance, given, penalty, cache)
     if fields is not None and fields.suffix != ".vtu":
         raise BadInput(f"--fields = {str(fields)!r}: must end in .vtu")
-    brake.check_shoes_can_be_meshed()
-    elements = SOLID_LINING_ELEMENTS if elements is None else elements
-    scene = prepare_model_of_solid_shoes(brake, elements=elements, across=across, cache=cache)
-    response = solve_prepared_model(scene, brake, penalty=penalty)
+    given = {"elements": elements, "across": across}
+    if tolerance is not None or all(value is None for value in given.values()):
+        solved = _solve_solid_shoes_to_error_tolerance(brake, tolerance, given, penalty, cache)
+    else:
+        brake.check_shoes_can_be_meshed()
+        elements = SOLID_LINING_ELEMENTS if elements is None else elements
+        scene = prepare_model_of_solid_shoes(brake, elements=elements, across=across, cache=cache)
+        solved = SolvedLevel(scene, solve_prepared_model(scene, brake, penalty=penalty))
     if fields is not None:
         # The fields load only where they are asked for.
         from drumlin.fem.analysis.fields import write_fields_to_vtu_file  # noqa: PLC0415
-        from drumlin.fem.solid.fields import recover_fields_in_solid_shoe  # noqa: PLC0415
+        from drumlin.fem.solid.width_fields import recover_fields_in_shoes  # noqa: PLC0415
 
-        write_fields_to_vtu_file(
-            fields,
-            [
-                recover_fields_in_solid_shoe(scene, brake, response, i)
-                for i in range(len(brake.shoes))
-            ],
-        )
-    return response_with_figures_of_merit(brake, response)
+        recovered = recover_fields_in_shoes(solved.scene, brake, solved.response)
+        write_fields_to_vtu_file(fields, recovered)
+    return response_with_figures_of_merit(brake, solved.response)
 
 
 def _solve_solid_shoes_to_error_tolerance(
@@ -180,8 +178,8 @@ def _solve_solid_shoes_to_error_tolerance(
     given: Mapping[str, object],
     penalty: float,
     cache: Cache | None,
-) -> Response:
-    """The response of a brake by the hierarchic model of the width, to a tolerance.
+) -> SolvedLevel:
+    """The response of a brake by the hierarchic model of the width to a tolerance, and the model.
 
     Parameters
     ----------
@@ -204,7 +202,6 @@ def _solve_solid_shoes_to_error_tolerance(
     if tolerance is not None:
         require_tolerance_applies_to_brake(brake, tolerance)
         asked = tolerance
-    response = solve_brake_with_widths_to_tolerance(
+    return solve_and_keep_brake_with_widths(
         brake, Tolerance(asked, asked), must=tolerance is not None, penalty=penalty, cache=cache
     )
-    return response_with_figures_of_merit(brake, response)

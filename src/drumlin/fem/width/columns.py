@@ -228,34 +228,17 @@ def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnP
 
     `along` are the unknowns along each row of nodes.
     """
-    p, last = stack.p, len(stack.counts)
-    left, right = (
-        stack.unknowns_on_left_or_right_side_of_column(along.left),
-        stack.unknowns_on_left_or_right_side_of_column(along.right),
-    )
-    stays = [*left, *stack.unknowns_of_contact_nodes(along), *right]
-    # The column keeps its two lines and its contact. It eliminates the inner nodes on the edges of
-    # its layers.
-    edges = [stack.row_unknowns_without_contact(k * p, along.inside) for k in range(last + 1)]
-    goes = [unknown for edge in edges for unknown in edge]
-    kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (stays, goes))
+    names = unknowns_of_column(stack, along)
+    kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (names.kept, names.rest))
     layers = []
     for k, counts in enumerate(stack.counts):
-        rows = range(k * p, (k + 1) * p + 1)
-        mine = [
-            u for u in (*stays, *edges[k], *edges[k + 1]) if _is_unknown_of_layer(u, rows, counts)
-        ]
-        # The unknowns inside an element are eliminated before the element is added to its column.
-        within = []
-        for row in rows[1:-1]:
-            own = [
-                u
-                for u in stack.row_unknowns_without_contact(row, along.inside)
-                if _is_unknown_of_layer(u, rows, counts)
-            ]
-            within += own
+        mine, within = names.boundary[k], names.within[k]
         place = partial(
-            _flat_positions_of_element_stiffness_block, along=along, counts=counts, p=p, first=k * p
+            _flat_positions_of_element_stiffness_block,
+            along=along,
+            counts=counts,
+            p=stack.p,
+            first=k * stack.p,
         )
         layers.append(
             LayerPlan(
@@ -266,7 +249,53 @@ def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnP
                 rest=_runs_of_consecutive_unknowns(mine, rest),
             )
         )
-    return ColumnPlan(tuple(layers), len(stays), len(goes), len(left))
+    line = len(stack.unknowns_on_left_or_right_side_of_column(along.left))
+    return ColumnPlan(tuple(layers), len(kept), len(rest), line)
+
+
+class ColumnUnknownNames(NamedTuple):
+    """The unknowns of a column, by what its condensation does with them.
+
+    Attributes
+    ----------
+    kept : unknowns that the column keeps: left line, contact, right line
+    rest : unknowns on the edges of its elements that the column eliminates
+    boundary : unknowns on the boundary of the element of each layer, kept ones and others
+    within : unknowns inside the element of each layer, which are eliminated first
+    """
+
+    kept: list[WidthUnknown]
+    rest: list[WidthUnknown]
+    boundary: list[list[WidthUnknown]]
+    within: list[list[WidthUnknown]]
+
+
+def unknowns_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNames:
+    """The unknowns of a column of a stack of layers.
+
+    `along` are the unknowns along each row of nodes.
+    """
+    p, last = stack.p, len(stack.counts)
+    kept = [
+        *stack.unknowns_on_left_or_right_side_of_column(along.left),
+        *stack.unknowns_of_contact_nodes(along),
+        *stack.unknowns_on_left_or_right_side_of_column(along.right),
+    ]
+    # The column keeps its two lines and its contact. It eliminates the inner nodes on the edges of
+    # its layers.
+    edges = [stack.row_unknowns_without_contact(k * p, along.inside) for k in range(last + 1)]
+    boundary, within = [], []
+    for k, counts in enumerate(stack.counts):
+        rows = range(k * p, (k + 1) * p + 1)
+        outer = (*kept, *edges[k], *edges[k + 1])
+        boundary.append([u for u in outer if _is_unknown_of_layer(u, rows, counts)])
+        # The unknowns inside an element are eliminated before the element is added to its column.
+        inside = []
+        for row in rows[1:-1]:
+            own = stack.row_unknowns_without_contact(row, along.inside)
+            inside += [u for u in own if _is_unknown_of_layer(u, rows, counts)]
+        within.append(inside)
+    return ColumnUnknownNames(kept, [u for edge in edges for u in edge], boundary, within)
 
 
 def _is_unknown_of_layer(unknown: WidthUnknown, rows: range, counts: tuple[int, int]) -> bool:
@@ -369,10 +398,27 @@ def _sum_of_section_times_width_integrals(section: list[Floats], width: list[Flo
     return found
 
 
-def _condensed_stiffness_of_columns(
+class AssembledColumns(NamedTuple):
+    """The stiffness of c columns on the boundaries of their elements, in three blocks.
+
+    Attributes
+    ----------
+    kept : (c, k, k) block of the unknowns that the columns keep
+    coupling : (c, r, k) block of eliminated by kept unknowns
+    rest : (c, r, r) block of the unknowns on edges of elements that the columns eliminate
+    """
+
+    kept: Floats
+    coupling: Floats
+    rest: Floats
+
+
+def assembled_stiffness_of_columns(
     parts: Sequence[SectionIntegrals], widths: Sequence[WidthIntegrals], plan: ColumnPlan
-) -> Floats:
-    """The stiffness (c, kept, kept) of columns on the unknowns that their plan keeps.
+) -> AssembledColumns:
+    """The stiffness of columns on the boundaries of their elements.
+
+    The unknowns inside elements are eliminated.
 
     Parameters
     ----------
@@ -395,6 +441,36 @@ def _condensed_stiffness_of_columns(
         _add_element_blocks_to_columns(own, layer.kept, layer.kept, K)
         _add_element_blocks_to_columns(own, layer.rest, layer.kept, C)
         _add_element_blocks_to_columns(own, layer.rest, layer.rest, inner)
+    return AssembledColumns(K, C, inner)
+
+
+def displacements_inside_elements(
+    part: SectionIntegrals, width: WidthIntegrals, layer: LayerPlan, boundary: Floats
+) -> Floats:
+    """The displacements (c, i, m) of the i unknowns inside c elements, in m load cases.
+
+    No force acts inside the elements.
+
+    Parameters
+    ----------
+    part : integrals over the section of the elements
+    width : integrals over their width
+    layer : the plan of their layer
+    boundary : (c, b, m) displacements of the b unknowns on the boundaries of the elements
+    """
+    values = _stiffness_entries_of_elements(part, width)
+    forces = values.take(layer.mixed, axis=1) @ boundary
+    return -np.asarray(np.linalg.solve(values.take(layer.inner, axis=1), forces), dtype=float)
+
+
+def _condensed_stiffness_of_columns(
+    parts: Sequence[SectionIntegrals], widths: Sequence[WidthIntegrals], plan: ColumnPlan
+) -> Floats:
+    """The stiffness (c, kept, kept) of columns on the unknowns that their plan keeps.
+
+    The parameters are those of `assembled_stiffness_of_columns`.
+    """
+    K, C, inner = assembled_stiffness_of_columns(parts, widths, plan)
     return replace_each_by_schur_complement(K, C, inner) if plan.rest else K
 
 

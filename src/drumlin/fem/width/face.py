@@ -25,10 +25,11 @@ from drumlin.fem.width.functions import (
 )
 from drumlin.response.response import PressureOverWidth
 
-FACE_STEPS = 8
+FACE_STEPS = 10
 """Number of even steps of z in each piece at which the pressure on the contact face is written.
 
-Parabolas over two steps then follow polynomials of degree 6 with an error of 1e-3 of their size.
+It is even, since readers draw parabolas over two steps. It is at least the largest degree across
+the width, so that the written values determine the polynomial.
 """
 
 
@@ -115,25 +116,58 @@ class WidthFace(ContactLine):
             @ self.width_shares_of_nodes_across_width,
         )
 
+    @cached_property
+    def _distances_of_written_pressures(self) -> Floats:
+        """The distances (k,) [m] from the mid-plane at which the pressure is written."""
+        ends = np.array(self.functions.breaks)
+        ends = ends[: self.functions.number_of_pieces_in_part(self.half) + 1]
+        if len(ends) == 1:
+            ends = np.array([0.0, self.half])
+        steps = np.arange(FACE_STEPS) / FACE_STEPS
+        return np.append((ends[:-1, None] + np.diff(ends)[:, None] * steps).ravel(), ends[-1])
+
+    @cached_property
+    def _widths_of_written_pressures(self) -> Floats:
+        """The weights (k,) [m] of the written pressures in their integral over half the width."""
+        values = self._values_of_node_polynomials(self._distances_of_written_pressures)
+        half_widths = 0.5 * self.tributary_widths_of_nodes_across_width
+        return np.asarray(np.linalg.lstsq(values, half_widths)[0], dtype=float)
+
+    def _values_of_node_polynomials(self, z: Floats) -> Floats:
+        """The values (m, k) of the polynomials zeta of the m nodes at distances z (k,) [m]."""
+        own = self.functions.even_functions_across_width[
+            : self.functions.numbers_of_even_and_odd_functions(self.half)[0]
+        ]
+        values, _ = self.functions.function_values_and_slopes(own, z)
+        to_functions = matrix_from_node_values_to_function_factors(self.functions, self.half)
+        return np.asarray(to_functions.T @ values)
+
+    def pressure_at_distances_from_mid_plane(self, p: Floats, z: Floats) -> Floats:
+        """The pressure (n, k) [Pa] at the n line nodes and at distances z (k,) [m].
+
+        `p` (n m,) [Pa] are the pressures at the nodes of the face.
+        """
+        by_line_node = p.reshape(-1, len(self.node_distances_from_mid_plane))
+        return np.asarray(by_line_node @ self._values_of_node_polynomials(z))
+
     def pressure_over_arc_and_width(self, p: Floats) -> PressureOverWidth:
         """The pressure over arc and whole width of the lining, at even steps of z in each piece.
 
         z is the distance from the mid-plane, and a piece is a part of the half width between
         breaks.
         """
-        ends = np.array(self.functions.breaks)
-        ends = ends[: self.functions.number_of_pieces_in_part(self.half) + 1]
-        if len(ends) == 1:
-            ends = np.array([0.0, self.half])
-        steps = np.arange(FACE_STEPS) / FACE_STEPS
-        z = np.append((ends[:-1, None] + np.diff(ends)[:, None] * steps).ravel(), ends[-1])
-        # The nodal pressures become factors of the even functions, which are evaluated at all z.
-        own = self.functions.even_functions_across_width[
-            : self.functions.numbers_of_even_and_odd_functions(self.half)[0]
-        ]
-        values, _ = self.functions.function_values_and_slopes(own, z)
-        to_functions = matrix_from_node_values_to_function_factors(self.functions, self.half)
-        half = p.reshape(-1, len(self.node_distances_from_mid_plane)) @ to_functions.T @ values
+        z = self._distances_of_written_pressures
+        half = self.pressure_at_distances_from_mid_plane(p, z)
         # The pressure is symmetric about the mid-plane.
-        both = np.concatenate([-z[:0:-1], z])
-        return PressureOverWidth(both, np.hstack([half[:, :0:-1], half]))
+        both, own = np.concatenate([-z[:0:-1], z]), self._widths_of_written_pressures
+        widths = np.concatenate([own[:0:-1], [2 * own[0]], own[1:]])
+        return PressureOverWidth(both, np.hstack([half[:, :0:-1], half]), widths)
+
+    def nodal_pressures_of_surface(self, surface: PressureOverWidth) -> Floats:
+        """The pressures (n m,) [Pa] at the nodes of the face, from the written pressures.
+
+        The rows of `surface` stand by growing angle, as the nodes do.
+        """
+        half = surface.pressure[:, len(surface.z) // 2 :]
+        values = self._values_of_node_polynomials(self._distances_of_written_pressures)
+        return np.asarray(np.linalg.lstsq(values.T, half.T)[0].T.ravel(), dtype=float)

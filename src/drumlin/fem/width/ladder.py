@@ -199,6 +199,23 @@ def solve_brake_with_widths_to_tolerance(
 ) -> Response:
     """The response of a brake with widths, whose estimated errors meet a tolerance.
 
+    The parameters and errors are those of `solve_and_keep_brake_with_widths`.
+    """
+    return solve_and_keep_brake_with_widths(
+        brake, tolerance, must=must, penalty=penalty, cache=cache
+    ).response
+
+
+def solve_and_keep_brake_with_widths(
+    brake: Brake,
+    tolerance: Tolerance,
+    *,
+    must: bool = True,
+    penalty: float = PENALTY,
+    cache: Cache | None = None,
+) -> SolvedLevel:
+    """The response of a brake with widths to a tolerance, and the prepared model that it is of.
+
     Parameters
     ----------
     brake : the brake
@@ -296,8 +313,8 @@ def solve_level_of_section_with_width_degree(
 
 def _response_with_errors_and_notes(
     solved: SolvedLevel, level: Level, degree: int, found: SolidErrors, warning: str
-) -> Response:
-    """The answer with its errors, a warning if there is one, and a note on the degrees.
+) -> SolvedLevel:
+    """A solved level whose answer has its errors, a warning if need be, and a note on the degrees.
 
     Parameters
     ----------
@@ -315,12 +332,13 @@ def _response_with_errors_and_notes(
         f"with {unknowns} unknowns a shoe"
     )
     shoes = zip(response.shoes, found.shoes, strict=True)
-    return replace(
+    stated = replace(
         response,
         shoes=tuple(replace(shoe, error=own) for shoe, own in shoes),
         error=Errors.brake_errors_from_torque_and_shoe_errors(found.torque, found.shoes).brake,
         notes=(*response.notes, *warnings, how),
     )
+    return SolvedLevel(solved.scene, stated)
 
 
 def climb_levels_to_tolerance(

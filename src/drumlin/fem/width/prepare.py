@@ -1,12 +1,11 @@
 """The prepared model of a brake whose shoes have a finite width (hierarchic model of the width)."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
@@ -30,10 +29,10 @@ from drumlin.fem.preparation.scene import (
     text_lines_on_shoes_of_equal_shape,
 )
 from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled as plane_why_not
-from drumlin.fem.substructure.body import InnerSystem, InnerUnknowns
-from drumlin.fem.substructure.elimination import CondensedSystem
+from drumlin.fem.width.columns import BackEdge
 from drumlin.fem.width.face import WidthFace
 from drumlin.fem.width.functions import WidthFunctions, functions_across_width_of_shoe
+from drumlin.fem.width.recovery import WidthUnknowns
 from drumlin.fem.width.shoe import condense_shoe_with_width, layers_with_width_functions
 
 LARGEST_WIDTH_NU = 0.499
@@ -46,7 +45,7 @@ LARGEST_WIDTH_DEGREE = 9
 
 The Gauss rules over the width are exact up to degree 11.
 """
-INTERIOR = "interior fields: not recovered across the width"
+INTERIOR = "interior fields: recovered only for a picture"
 """Line on what a prepared model with a width leaves out: displacements and stresses in bodies."""
 OTHER_HALF = "the other half of each shoe: symmetric"
 """Line on what a prepared model with a width leaves out: the half shoe behind the mid-plane."""
@@ -55,40 +54,19 @@ MakeFunctions = Callable[[Shoe], WidthFunctions]
 """A function from a shoe to the functions across the shoe's width."""
 
 
-@dataclass(frozen=True)
-class NodesOverWidth:
-    """The number of nodes of a body whose nodes have several functions across the width.
+class NodesOverWidth(NamedTuple):
+    """The number of displacement `unknowns` of a body with functions across the width."""
 
-    `N` is half the number of the body's displacements: the number of nodes of a plane section with
-    as many unknowns.
-    """
-
-    N: int
+    unknowns: int
 
 
-class UnrecoveredUnknowns:
-    """The eliminated unknowns of a body with a width, in the place of `InnerUnknowns`.
+class WidthBody(ShoeSubstructure):
+    """A condensed body of a shoe with functions across its width."""
 
-    They are not recovered after condensation, so that each method raises NotImplementedError.
-    """
-
-    def equations_of_body_before_condensation(self) -> InnerSystem:
-        """Raise NotImplementedError instead of returning the body's equations on all nodes."""
-        raise NotImplementedError(INTERIOR)
-
-    def condense_loads_and_stiffness(self) -> CondensedSystem:
-        """Raise NotImplementedError instead of condensing the unit loads to contact and frame."""
-        raise NotImplementedError(INTERIOR)
-
-    def body_system_with_further_loads(self, forces: Floats) -> InnerUnknowns:
-        """Raise NotImplementedError instead of adding unit loads to the unknowns."""
-        raise NotImplementedError(INTERIOR)
-
-    def nodal_displacements_in_load_cases(
-        self, nodal: Floats, frame: Floats, loads: Floats
-    ) -> Floats:
-        """Raise NotImplementedError instead of returning the displacements of all nodes."""
-        raise NotImplementedError(INTERIOR)
+    @property
+    def unknowns(self) -> int:
+        """Number of displacements of the body, of all functions across the width."""
+        return int(self.basis.unknowns)
 
 
 def reason_against_width_model(brake: Brake) -> str | None:
@@ -283,15 +261,15 @@ def condense_and_couple_shoe_with_width(
     """
     with add_elapsed_time(seconds, "condensation"):
         found = condense_shoe_with_width(shoe, radius, division, functions)
-        condensed = condensed_body_with_cholesky_factor(found, UnrecoveredUnknowns())
+        condensed = condensed_body_with_cholesky_factor(
+            found, WidthUnknowns(shoe, radius, division, functions)
+        )
     with add_elapsed_time(seconds, "coupling"):
         face = friction_surface_of_shoe_with_width(shoe, radius, division, functions)
-        basis = NodesOverWidth(
-            number_of_displacement_unknowns_of_shoe(shoe, division, functions) // 2
-        )
+        basis = NodesOverWidth(number_of_displacement_unknowns_of_shoe(shoe, division, functions))
         divided = DividedBody(basis, basis, face)
         return make_shoe_substructure(
-            ShoeSubstructure, shoe, divided, condensed, found.centre, friction=friction
+            WidthBody, shoe, divided, condensed, found.centre, friction=friction
         )
 
 
@@ -318,16 +296,21 @@ def number_of_displacement_unknowns_of_shoe(
 ) -> int:
     """Number of displacements of a divided shoe with functions across the shoe's width.
 
-    A row of nodes between two layers counts with the functions of the layer nearer to the contact.
-    The displacements that supports hold are counted as well.
+    A row of nodes between two layers has the functions of the layer with more of them. The
+    displacements that supports hold are counted as well.
     """
-    p, beyond = division.degree, len(division.before) + len(division.after) - 2
+    p, layers = division.degree, layers_with_width_functions(shoe, division, functions)
+    beyond = (len(division.before) + len(division.after) - 2) * p
+    # The columns beyond the lining begin with the first layer of the body.
+    rows_of_nodes = [(0, division.contact_nodes), (division.index_of_first_body_layer, beyond)]
     count = 0
-    layers = layers_with_width_functions(shoe, division, functions)
-    for k, half in enumerate(layers.halves):
-        even, odd = functions.numbers_of_even_and_odd_functions(half)
-        nodes = division.contact_nodes + (
-            beyond * p if k >= division.index_of_first_body_layer else 0
+    for first, nodes in rows_of_nodes:
+        if first == division.number_of_element_layers:
+            continue
+        stack = layers.layers_of_element_column_from_index(
+            p, first, contact=False, back=BackEdge.FREE
         )
-        count += (2 * even + odd) * nodes * (p + (k == 0))
+        for row in range((division.number_of_element_layers - first) * p + 1):
+            even, odd = stack.function_counts_of_node_row(row)
+            count += (2 * even + odd) * nodes
     return count

@@ -1,0 +1,273 @@
+"""Displacements and stresses inside shoes with a width, solved with polynomials across the width.
+
+The fields are sampled at the nodes of the section times points across the width. They are recovered
+only where a picture or a file asks for them.
+"""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats, Ints
+from drumlin.brake.brake import Brake
+from drumlin.fem.analysis.fields import nodal_displacements_of_shoe, nodal_means_of_element_tensors
+from drumlin.fem.preparation.bodies import ShoeSubstructure
+from drumlin.fem.preparation.scene import PreparedModel
+from drumlin.fem.solid.fields import (
+    SolidFields,
+    hexahedra_turned_to_positive_volume,
+    recover_fields_in_solid_shoe,
+    stress_components_in_brake_frame,
+    von_mises_stress_of_solid,
+)
+from drumlin.fem.width.face import WidthFace
+from drumlin.fem.width.functions import WidthFunctions
+from drumlin.fem.width.integrals import LameConstants
+from drumlin.fem.width.recovery import WidthUnknowns
+from drumlin.response.balance import brake_with_forces_of_response
+from drumlin.response.response import Response
+from drumlin.response.resultants import gauss_lobatto_points
+
+FEWEST_STEPS = 2
+"""Smallest number of steps of the samples across a piece of the width.
+
+With one step the sides of a shoe would be drawn flat. A degree above this number has a step for
+each degree, so that the samples determine the polynomial.
+"""
+
+
+class _Piece(NamedTuple):
+    """The sample points across one piece of the half width, with the functions of z there.
+
+    Attributes
+    ----------
+    z : (s,) distances from the mid-plane [m]
+    even, even_slopes : (e, s) values [1] and slopes [1/m] of the even functions
+    odd, odd_slopes : (o, s) values [1] and slopes [1/m] of the odd functions
+    """
+
+    z: Floats
+    even: Floats
+    even_slopes: Floats
+    odd: Floats
+    odd_slopes: Floats
+
+
+class _PartFields(NamedTuple):
+    """The fields in one part of a shoe, in the shoe's frame.
+
+    Attributes
+    ----------
+    nodes : (n,) nodes of the section at the samples
+    z : (n,) distances of the samples from the mid-plane [m]
+    cells : (m, 8) samples at the corners of each cell
+    displacement : (n, 3) displacement [m]
+    stress : (n, 3, 3) stress [Pa], the mean over the elements around a sample
+    """
+
+    nodes: Ints
+    z: Floats
+    cells: Ints
+    displacement: Floats
+    stress: Floats
+
+
+def recover_fields_in_shoes(
+    scene: PreparedModel, brake: Brake, response: Response
+) -> list[SolidFields]:
+    """The fields in half of each shoe of a brake, in hexahedra or in shoes with a width.
+
+    Parameters
+    ----------
+    scene : the prepared model of solid shoes
+    brake : the brake
+    response : response of the brake on the model
+    """
+    found = []
+    for i, body in enumerate(scene.bodies):
+        recover = (
+            recover_fields_in_shoe_with_width
+            if isinstance(body.line, WidthFace)
+            else recover_fields_in_solid_shoe
+        )
+        found.append(recover(scene, brake, response, i))
+    return found
+
+
+def recover_fields_in_shoe_with_width(
+    scene: PreparedModel, brake: Brake, response: Response, index: int
+) -> SolidFields:
+    """The fields in half of shoe `index` of a brake, from the contact pressure of its response.
+
+    Parameters
+    ----------
+    scene : the prepared model of shoes with widths
+    brake : the brake
+    response : response of the brake on the model
+    index : position of the shoe in the brake
+    """
+    brake = brake_with_forces_of_response(brake, response)
+    shoe, body, answer = brake.shoes[index], scene.bodies[index], response.shoes[index]
+    face = face_of_shoe_with_width(body)
+    p = np.zeros(len(face.nodes))
+    if answer.surface is not None:
+        surface = answer.surface
+        p = face.nodal_pressures_of_surface(
+            surface._replace(pressure=surface.pressure[:: shoe.frame.sense])
+        )
+    unknowns = unknowns_of_shoe_with_width(body)
+    u = nodal_displacements_of_shoe(body, brake, shoe, answer, p)
+
+    # A sample at the interface of two parts stands once for each of them.
+    parts, cells, numbers, pressures, count = [], [], [], [], 0
+    for i, name in enumerate(unknowns.grid.subdomains):
+        part = fields_in_part_of_shoe(unknowns, u, name)
+        parts.append(part)
+        cells.append(part.cells + count)
+        numbers.append(np.full(len(part.cells), i))
+        pressures.append(
+            _pressure_at_samples(face, p, part) if name == "lining" else np.zeros(len(part.z))
+        )
+        count += len(part.nodes)
+    nodes, z, stress = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("nodes", "z", "stress")
+    )
+    moved = np.concatenate([part.displacement for part in parts])
+    to_brake = shoe.frame.convert_to_brake_frame
+    points = np.column_stack([shoe.points(unknowns.grid.doflocs[:, nodes]).T, z])
+    return SolidFields(
+        points=points,
+        cells=hexahedra_turned_to_positive_volume(points, np.concatenate(cells)),
+        part=np.concatenate(numbers),
+        displacement=np.column_stack([to_brake(moved[:, :2]), moved[:, 2]]),
+        von_mises=von_mises_stress_of_solid(stress),
+        solid_stress=stress_components_in_brake_frame(stress, shoe.frame),
+        pressure=np.concatenate(pressures),
+        cell_type="hexahedron",
+    )
+
+
+def face_of_shoe_with_width(body: ShoeSubstructure) -> WidthFace:
+    """The contact face of a shoe with a width."""
+    # `prepare_brake_with_widths` makes bodies with this face only.
+    assert isinstance(body.line, WidthFace)
+    return body.line
+
+
+def unknowns_of_shoe_with_width(body: ShoeSubstructure) -> WidthUnknowns:
+    """The displacements of a shoe with a width that its condensation has eliminated."""
+    # `prepare_brake_with_widths` makes bodies with these unknowns only.
+    assert isinstance(body.condensed.inner, WidthUnknowns)
+    return body.condensed.inner
+
+
+def _pieces_of_part(functions: WidthFunctions, half: float) -> Iterator[_Piece]:
+    """Yield the samples across each piece of a part of half width `half` [m]."""
+    ends = functions.breaks[: functions.number_of_pieces_in_part(half) + 1]
+    if len(ends) == 1 or functions.degree == 0:
+        ends = (0.0, half)
+    steps = 0.5 * (1 + gauss_lobatto_points(max(functions.degree, FEWEST_STEPS)))
+    for start, end in pairwise(ends):
+        z = start + (end - start) * steps
+        # At the outer end of a piece the slopes are those within the piece.
+        at = np.append(z[:-1], np.nextafter(end, 0.0))
+        even = functions.function_values_and_slopes(functions.even_functions_across_width, at)
+        odd = functions.function_values_and_slopes(functions.odd_functions_across_width, at)
+        yield _Piece(z, *even, *odd)
+
+
+def fields_in_part_of_shoe(unknowns: WidthUnknowns, u: Floats, name: str) -> _PartFields:
+    """The fields in the part `name` of a shoe, from its unknowns u (unknowns,) [m]."""
+    grid, elements = unknowns.grid, unknowns.grid.subdomains[name]
+    even, odd = unknowns.even_and_odd_factors_of_nodes(u)
+    layer = unknowns.division.part.index(name)
+    half, lame = unknowns.layers.halves[layer], unknowns.layers.lame[layer]
+    dofs, slopes = (
+        grid.element_dofs[:, elements],
+        grid.shape_function_gradients_at_element_nodes(elements),
+    )
+    pieces = list(_pieces_of_part(unknowns.functions, half))
+    steps = len(pieces[0].z) - 1
+    levels = np.append(np.concatenate([piece.z[:-1] for piece in pieces]), pieces[-1].z[-1])
+    stresses, places = [], []
+    for k, piece in enumerate(pieces):
+        stress = _stress_at_samples(even, odd, dofs, slopes, piece, lame)
+        if unknowns.functions.degree == 0:
+            # Plane stress has no stress across the width.
+            stress[2, 2] = 0.0
+        stresses.append(stress.reshape(3, 3, len(elements), -1))
+        # A sample has the number of its node times the number of levels plus that of its level.
+        level = k * steps + np.arange(steps + 1)
+        places.append((dofs[:, None] * len(levels) + level[:, None]).reshape(-1, len(elements)))
+    means = nodal_means_of_element_tensors(
+        np.concatenate(stresses, axis=2), np.concatenate(places, axis=1)
+    )
+    nodes, level = np.divmod(means.nodes, len(levels))
+    displacement = np.zeros((len(levels), grid.N, 3))
+    for k, piece in enumerate(pieces):
+        within = slice(k * steps, (k + 1) * steps + 1)
+        displacement[within, :, :2] = np.einsum("nkc,ks->snc", even, piece.even)
+        displacement[within, :, 2] = np.einsum("nk,ks->sn", odd, piece.odd)
+    corners = _corners_of_cells_between_samples(
+        grid.quadrilaterals_between_element_nodes, steps + 1
+    )
+    cells = means.cells[corners].reshape(8, -1).T
+    return _PartFields(nodes, levels[level], cells, displacement[level, nodes], means.values)
+
+
+def _corners_of_cells_between_samples(quadrilaterals: Ints, levels: int) -> Ints:
+    """The corners (8, cells) of the cells between the samples of an element.
+
+    The samples of an element are numbered node by node, and at each node level by level. The order
+    of the corners is that of VTK.
+
+    Parameters
+    ----------
+    quadrilaterals : (4, k) nodes of the quadrilaterals between the nodes of the element
+    levels : number of levels
+    """
+    lower = quadrilaterals[:, :, None] * levels + np.arange(levels - 1)
+    return np.concatenate([lower, lower + 1]).reshape(8, -1)
+
+
+def _stress_at_samples(
+    even: Floats, odd: Floats, dofs: Ints, slopes: Floats, piece: _Piece, lame: LameConstants
+) -> Floats:
+    """The stress (3, 3, m, a, s) [Pa] of m elements at their a nodes times s levels.
+
+    Parameters
+    ----------
+    even, odd : (nodes, e, 2), (nodes, o) factors of the functions across the width [m]
+    dofs : (a, m) nodes of the elements
+    slopes : (a, 2, m, a) gradients of the shape functions at the nodes [1/m]
+    piece : the levels, and the functions there
+    lame : Lame constants of the elements
+    """
+    # The factors of the functions and their gradients in the section come first.
+    own, across = even[dofs], odd[dofs]
+    plane = np.einsum("amkc,ajmn->cjmnk", own, slopes, optimize=True)
+    tilted = np.einsum("amk,ajmn->jmnk", across, slopes, optimize=True)
+    gradient = np.zeros((3, 3, dofs.shape[1], dofs.shape[0], len(piece.z)))
+    gradient[:2, :2] = plane @ piece.even
+    gradient[2, :2] = tilted @ piece.odd
+    gradient[:2, 2] = np.einsum("amkc,ks->cmas", own, piece.even_slopes, optimize=True)
+    gradient[2, 2] = np.einsum("amk,ks->mas", across, piece.odd_slopes, optimize=True)
+    stress = lame.mu * (gradient + gradient.swapaxes(0, 1))
+    stress[range(3), range(3)] += lame.lam * np.trace(gradient)
+    return np.asarray(stress)
+
+
+def _pressure_at_samples(face: WidthFace, p: Floats, lining: _PartFields) -> Floats:
+    """The pressure (n,) [Pa] at the samples of a lining, 0 off the face.
+
+    `p` are the pressures at the nodes of the face.
+    """
+    levels, level = np.unique(lining.z, return_inverse=True)
+    on_face = face.pressure_at_distances_from_mid_plane(p, levels)
+    # The nodes of the contact line have the first numbers of the section.
+    touching = lining.nodes < len(on_face)
+    found = np.zeros(len(lining.z))
+    found[touching] = on_face[lining.nodes[touching], level[touching]]
+    return found

@@ -1,0 +1,407 @@
+"""The displacements of all nodes of a shoe with a width, recovered from the forces on the shoe.
+
+The condensed shoe has the unknowns of the contact alone. Where a picture asks for the others, the
+columns of the shoe are condensed once more, to their two side lines. The lines are eliminated from
+one end of the shoe to the other, and all displacements follow on the way back. All displacements
+are in the axes of the shoe's frame.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.base.errors import NoAnswer
+from drumlin.base.lapack import dpotrf, dtrsm
+from drumlin.brake.brake import Shoe
+from drumlin.fem.hp.body import grid_of_all_nodes_of_shoe
+from drumlin.fem.hp.division import ShoeDivision
+from drumlin.fem.hp.element import reference_element_of_degree
+from drumlin.fem.hp.grid import ColumnGrid
+from drumlin.fem.hp.shoe import node_positions_of_element_row, unit_actuation_loads_on_end_face
+from drumlin.fem.substructure.body import (
+    InnerSystem,
+    InnerUnknowns,
+    rigid_body_displacements_of_nodes,
+)
+from drumlin.fem.substructure.elimination import SINGULAR_BODY, CondensedSystem
+from drumlin.fem.width.columns import (
+    AssembledColumns,
+    BackEdge,
+    ColumnPlan,
+    WidthUnknown,
+    assembled_stiffness_of_columns,
+    condensation_plan_of_column,
+    displacements_inside_elements,
+    unknowns_along_whole_row,
+    unknowns_of_column,
+)
+from drumlin.fem.width.functions import (
+    WidthFunctions,
+    integrals_over_width_of_part,
+    matrix_from_node_values_to_function_factors,
+)
+from drumlin.fem.width.integrals import SectionIntegrals, section_integrals_of_any_shape
+from drumlin.fem.width.shoe import WidthLayers, layers_with_width_functions
+
+ONLY_DISPLACEMENTS = "a shoe with a width recovers displacements only"
+"""Text of the error for an operation on all equations of a shoe with a width."""
+
+
+class _LineFactor(NamedTuple):
+    """The Cholesky factor of a line of nodes between two columns of elements.
+
+    Attributes
+    ----------
+    own : (n,) numbers of the line's unknowns
+    later : (k,) numbers of the unknowns of the next line
+    L : (n, n) lower Cholesky factor
+    below : (k, n) rows of the factor for the next line
+    forces : (n, m) forces on the line over its factor, L^-1 f, in m load cases
+    """
+
+    own: Ints
+    later: Ints
+    L: Floats
+    below: Floats
+    forces: Floats
+
+
+class _Column(NamedTuple):
+    """A column of elements: its nodes and the numbers of its unknowns among those of the shoe.
+
+    Attributes
+    ----------
+    nodes : (rows, p + 1) numbers of the nodes in the section
+    first : number of its first layer of elements
+    plan : the plan that condenses the column to its two lines
+    kept, rest : (k,), (r,) numbers of the unknowns on the two lines, and on edges of elements
+    boundary, within : numbers of the unknowns on the boundary and inside the element of each layer
+    """
+
+    nodes: Ints
+    first: int
+    plan: ColumnPlan
+    kept: Ints
+    rest: Ints
+    boundary: tuple[Ints, ...]
+    within: tuple[Ints, ...]
+
+
+@dataclass(frozen=True)
+class WidthUnknowns:
+    """The displacements of a shoe with a width that its condensation has eliminated.
+
+    The class is a `substructure.body.InnerUnknowns`. An unknown of a node of the section is the
+    factor of a function across the width: x and y of each even function, and z of each odd one.
+    Functions that a node lacks, because the parts there are too narrow, have the factor zero.
+
+    Attributes
+    ----------
+    shoe : a parametric shoe
+    radius : radius of the drum [m]
+    division : division of the section into hp elements
+    functions : functions across the width
+    """
+
+    shoe: Shoe
+    radius: float
+    division: ShoeDivision
+    functions: WidthFunctions
+
+    @cached_property
+    def grid(self) -> ColumnGrid:
+        """All nodes and elements of the section."""
+        return grid_of_all_nodes_of_shoe(self.shoe, self.radius, self.division)
+
+    @cached_property
+    def layers(self) -> WidthLayers:
+        """The layers of elements, from the contact inwards."""
+        return layers_with_width_functions(self.shoe, self.division, self.functions)
+
+    @property
+    def unknowns_per_node(self) -> int:
+        """Number of the unknowns of a node: two for each even function, one for each odd one."""
+        functions = self.functions
+        even, odd = functions.even_functions_across_width, functions.odd_functions_across_width
+        return 2 * len(even) + len(odd)
+
+    def equations_of_body_before_condensation(self) -> InnerSystem:
+        """Raise NotImplementedError instead of returning the body's equations on all nodes."""
+        raise NotImplementedError(ONLY_DISPLACEMENTS)
+
+    def condense_loads_and_stiffness(self) -> CondensedSystem:
+        """Raise NotImplementedError instead of condensing the unit loads to contact and frame."""
+        raise NotImplementedError(ONLY_DISPLACEMENTS)
+
+    def body_system_with_further_loads(self, forces: Floats) -> InnerUnknowns:
+        """Raise NotImplementedError instead of adding unit loads to the unknowns."""
+        raise NotImplementedError(ONLY_DISPLACEMENTS)
+
+    def nodal_displacements_in_load_cases(
+        self, nodal: Floats, frame: Floats, loads: Floats
+    ) -> Floats:
+        """The unknowns (nodes unknowns_per_node, m) of all nodes of the section in m load cases.
+
+        The unknowns of a node stand together, see `even_and_odd_factors_of_nodes`.
+
+        Parameters
+        ----------
+        nodal : (2n, m) forces on the n nodes of the contact face [N]
+        frame : (3, m) displacements of the frame
+        loads : (l, m) factors of the unit loads
+
+        Raises
+        ------
+        NoAnswer
+            for a singular stiffness
+        """
+        forces = self._forces_on_contact_face(nodal)
+        if "actuation" in self.grid.sets:
+            at, unit = self._unit_loads_on_loaded_end()
+            forces[at] += unit @ loads
+        u = self._displacements_with_frame_held(forces)
+        # A motion of the frame moves the whole shoe as a rigid body, which strains nothing.
+        modes = rigid_body_displacements_of_nodes(self.grid.doflocs, self.shoe.pin_in_shoe_frame)
+        by_node = u.reshape(self.grid.N, self.unknowns_per_node, -1)
+        by_node[:, :2] += (modes @ frame).reshape(self.grid.N, 2, -1)
+        return u
+
+    def even_and_odd_factors_of_nodes(self, u: Floats) -> tuple[Floats, Floats]:
+        """The factors (nodes, even, 2) and (nodes, odd) of the functions, from unknowns u.
+
+        u (nodes unknowns_per_node,) [m] are the unknowns of one load case. The last axis of the
+        even factors is x and y, the factors of odd functions are displacements along z.
+        """
+        by_node = u.reshape(self.grid.N, self.unknowns_per_node)
+        even = 2 * len(self.functions.even_functions_across_width)
+        return by_node[:, :even].reshape(self.grid.N, -1, 2), by_node[:, even:]
+
+    def _numbers_of_displacements(
+        self, nodes: Ints, function: Ints, component: Ints, along_z: Ints
+    ) -> Ints:
+        """The numbers (n,) of displacements among the unknowns of the shoe.
+
+        Parameters
+        ----------
+        nodes : (n,) nodes of the section
+        function : (n,) numbers of their functions across the width
+        component : (n,) 0 for x and 1 for y
+        along_z : (n,) 1 for a displacement along z, which has no component, and 0 for others
+        """
+        even = 2 * len(self.functions.even_functions_across_width)
+        within = np.where(along_z == 1, even + function, 2 * function + component)
+        return np.asarray(nodes * self.unknowns_per_node + within)
+
+    def _forces_on_contact_face(self, nodal: Floats) -> Floats:
+        """The forces (unknowns, m) that forces (2n, m) on the nodes of the contact face make."""
+        half = self.layers.halves[0]
+        to_functions = matrix_from_node_values_to_function_factors(self.functions, half)
+        values, count = np.linalg.inv(to_functions).T, len(to_functions)
+        contact, cases = self.division.contact_nodes, nodal.shape[1]
+        by_function = np.einsum("kj,njcm->nkcm", values, nodal.reshape(contact, count, 2, cases))
+        forces = np.zeros((self.grid.N, self.unknowns_per_node, cases))
+        forces[:contact, : 2 * count] = by_function.reshape(contact, 2 * count, cases)
+        return forces.reshape(-1, cases)
+
+    def _unit_loads_on_loaded_end(self) -> tuple[Ints, Floats]:
+        """The numbers (n,) of unknowns on the loaded end face, and the unit loads (n, 3) on them.
+
+        The loads are those of `shoe.condense_shoe_with_width`.
+        """
+        div, nodes = self.division, self.grid.sets["actuation"]
+        depths = node_positions_of_element_row(
+            div.depths[div.index_of_first_body_layer :], div.degree
+        )
+        end = unit_actuation_loads_on_end_face(self.grid.doflocs[:, nodes], depths, div.degree)
+        line = self.layers.unknowns_across_body_thickness(div)
+        even = integrals_over_width_of_part(self.functions, line.half).even
+        loads = line.expand_section_vectors_by_width_functions(end.forces, even[0] / even[0, 0])
+        at = self._numbers_of_displacements(nodes[line.row], line.function, line.component, line.z)
+        return at, loads
+
+    def _held_unknowns(self) -> Bools:
+        """Which unknowns (unknowns,) of the shoe move with the frame only, as booleans."""
+        div, nodes = self.division, self.grid.sets["hinge"]
+        held = np.zeros(self.grid.N * self.unknowns_per_node, dtype=bool)
+        by_node = held.reshape(self.grid.N, -1)
+        if div.index_of_first_body_layer == div.number_of_element_layers:
+            # The back of the lining is bonded to a rigid shoe.
+            by_node[nodes] = True
+        elif "actuation" not in self.grid.sets:
+            # A grip leaves the nodes free along z.
+            by_node[nodes, : 2 * len(self.functions.even_functions_across_width)] = True
+        else:
+            line = self.layers.unknowns_across_body_thickness(div)
+            numbers = self._numbers_of_displacements(
+                nodes[line.row], line.function, line.component, line.z
+            )
+            held[numbers[line.z == 0]] = True
+        return held
+
+    def columns_from_hinge_to_far_end(self) -> list[_Column]:
+        """The columns of the shoe, from the end at its hinge to the other end."""
+        p, div = self.division.degree, self.division
+        under, *beyond = (block.number for block in self.grid.blocks)
+        first, columns = div.index_of_first_body_layer, [self._columns_of_block(under, 0)]
+        if beyond and len(div.before) > 1:
+            # The nodes of this block go from the lining to the hinge.
+            columns.insert(0, self._columns_of_block(beyond.pop(0)[:, ::-1], first))
+        if beyond:
+            columns.append(self._columns_of_block(beyond.pop(0), first))
+        assert all(column.nodes.shape[1] == p + 1 for block in columns for column in block)
+        return [column for block in columns for column in block]
+
+    def _columns_of_block(self, number: Ints, first: int) -> list[_Column]:
+        """The columns of a block of elements with the nodes `number` (rows, nodes of a row).
+
+        `first` is the number of the first layer of elements.
+        """
+        p = self.division.degree
+        stack = self.layers.layers_of_element_column_from_index(
+            p, first, contact=False, back=BackEdge.FREE
+        )
+        along = unknowns_along_whole_row(p)
+        plan, names = condensation_plan_of_column(stack, along), unknowns_of_column(stack, along)
+        found = []
+        for start in range(0, number.shape[1] - 1, p):
+            nodes = number[:, start : start + p + 1]
+
+            def numbers(unknowns: list[WidthUnknown], nodes: Ints = nodes) -> Ints:
+                """The numbers of unknowns of the column among those of the shoe."""
+                z, place, row, function = np.array(unknowns, dtype=int).reshape(-1, 4).T
+                node = nodes[row, np.where(z == 1, place, place // 2)]
+                return self._numbers_of_displacements(node, function, place % 2, z)
+
+            boundary = tuple(numbers(own) for own in names.boundary)
+            within = tuple(numbers(own) for own in names.within)
+            kept, rest = numbers(names.kept), numbers(names.rest)
+            found.append(_Column(nodes, first, plan, kept, rest, boundary, within))
+        return found
+
+    def _section_integrals_of_layers(self, column: _Column) -> list[SectionIntegrals]:
+        """The integrals over the section of the element of each layer of a column."""
+        p, order = self.division.degree, reference_element_of_degree(self.division.degree).order
+        found = []
+        for k, lame in enumerate(self.layers.lame[column.first :]):
+            nodes = column.nodes[k * p : (k + 1) * p + 1].ravel()[order]
+            found.append(section_integrals_of_any_shape(self.grid.doflocs[:, nodes][None], lame, p))
+        return found
+
+    def _assembled_column(self, column: _Column, held: Bools) -> AssembledColumns:
+        """The assembled stiffness of one column, without forces and motions of held unknowns.
+
+        The three blocks lack the axis of the columns.
+        """
+        widths = self.layers.width_integrals_of_layers(column.first)
+        parts = self._section_integrals_of_layers(column)
+        made = assembled_stiffness_of_columns(parts, widths, column.plan)
+        kept, rest = ~held[column.kept], ~held[column.rest]
+        own = made.rest[0] * np.outer(rest, rest)
+        # A held unknown gets a stiffness of its own, so that its displacement is zero.
+        own[np.diag_indices(len(own))] += np.where(rest, 0.0, 1.0)
+        return AssembledColumns(
+            made.kept[0] * np.outer(kept, kept), made.coupling[0] * np.outer(rest, kept), own
+        )
+
+    def _displacements_with_frame_held(self, forces: Floats) -> Floats:
+        """The displacements (unknowns, m) by forces (unknowns, m) on the unknowns [N].
+
+        Raises NoAnswer for a singular stiffness.
+        """
+        held = self._held_unknowns()
+        forces = np.where(held[:, None], 0.0, forces)
+        columns = self.columns_from_hinge_to_far_end()
+        u = np.zeros(forces.shape)
+        for line in reversed(self._factors_of_lines(columns, held, forces.copy())):
+            rest = line.forces - line.below.T @ u[line.later]
+            u[line.own] = dtrsm(1.0, line.L, rest, lower=1, trans_a=1)
+        for column in columns:
+            # The edges and then the insides of the elements follow from the two lines.
+            made = self._assembled_column(column, held)
+            right = forces[column.rest] - made.coupling @ u[column.kept]
+            u[column.rest] = np.linalg.solve(made.rest, right)
+            parts = self._section_integrals_of_layers(column)
+            widths = self.layers.width_integrals_of_layers(column.first)
+            for k, layer in enumerate(column.plan.layers):
+                if len(column.within[k]):
+                    on_boundary = u[column.boundary[k]][None]
+                    inside = displacements_inside_elements(parts[k], widths[k], layer, on_boundary)
+                    u[column.within[k]] = inside[0]
+        return u
+
+    def _factors_of_lines(
+        self, columns: list[_Column], held: Bools, forces: Floats
+    ) -> list[_LineFactor]:
+        """The factors of all lines between columns, from the hinge to the far end.
+
+        Parameters
+        ----------
+        columns : columns of the shoe
+        held : (unknowns,) which unknowns are held
+        forces : (unknowns, m) forces on the unknowns [N], which are changed in place
+
+        Raises
+        ------
+        NoAnswer
+            for a singular stiffness
+        """
+        # `earlier` and `S` are the unknowns of the last line and its stiffness by all columns
+        # before it.
+        earlier, S = np.zeros(0, dtype=int), np.zeros((0, 0))
+        found = []
+        for column in columns:
+            line = column.plan.line
+            left, right = column.kept[:line], column.kept[line:]
+            made = self._assembled_column(column, held)
+            L = _cholesky_factor(made.rest)
+            coupling = dtrsm(1.0, L, made.coupling, lower=1)
+            K = made.kept - coupling.T @ coupling
+            forces[column.kept] -= coupling.T @ dtrsm(1.0, L, forces[column.rest], lower=1)
+            # At an end of the lining one of the two columns has a part of the line only.
+            own = np.union1d(earlier, left)
+            D = np.diag(held[own].astype(float))
+            before, at = np.searchsorted(own, earlier), np.searchsorted(own, left)
+            D[np.ix_(before, before)] += S
+            D[np.ix_(at, at)] += K[:line, :line]
+            to_next = np.zeros((len(own), len(right)))
+            to_next[at] = K[:line, line:]
+            factor = _factor_of_line(own, right, D, to_next, forces)
+            forces[right] -= factor.below @ factor.forces
+            found.append(factor)
+            earlier, S = right, K[line:, line:] - factor.below @ factor.below.T
+        S += np.diag(held[earlier].astype(float))
+        none = np.zeros((len(earlier), 0))
+        return [*found, _factor_of_line(earlier, np.zeros(0, dtype=int), S, none, forces)]
+
+
+def _cholesky_factor(K: Floats) -> Floats:
+    """The lower Cholesky factor of a stiffness; raises NoAnswer where it is singular."""
+    L, info = dpotrf(K, lower=1)
+    if info:
+        raise NoAnswer(SINGULAR_BODY)
+    return np.asarray(L)
+
+
+def _factor_of_line(
+    own: Ints, later: Ints, D: Floats, to_next: Floats, forces: Floats
+) -> _LineFactor:
+    """The factor of a line of nodes.
+
+    Parameters
+    ----------
+    own, later : numbers (n,) and (k,) of the unknowns of the line and of the next line
+    D : (n, n) stiffness of the line
+    to_next : (n, k) stiffness that couples it with the next line
+    forces : (unknowns, m) forces on all unknowns of the shoe
+    """
+    L = _cholesky_factor(D)
+    return _LineFactor(
+        own,
+        later,
+        L,
+        np.asarray(dtrsm(1.0, L, to_next, lower=1)).T,
+        np.asarray(dtrsm(1.0, L, forces[own], lower=1)),
+    )

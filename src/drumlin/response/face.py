@@ -1,0 +1,86 @@
+"""The pressure over arc and width of a lining and its peak, from the response of a solid model."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.brake.brake import Brake
+from drumlin.response.response import Response, length_of_edge_zone_without_peak
+from drumlin.response.resultants import LiningWithoutEndZones, edge_zone_that_does_not_count
+
+
+class FacePressure(NamedTuple):
+    """The pressure p(theta, z) on the face of a lining, and its peak.
+
+    The pressure is a piecewise polynomial of the degree `order` of the shoe's response over theta.
+    Its mean over z with the weights `widths` is the pressure of the shoe's response.
+
+    Attributes
+    ----------
+    shoe : name of the shoe
+    theta : (n,) growing angles of the nodes [rad], on a plane their places x [m]
+    z : (m,) growing distances from the mid-plane [m]
+    pressure : (n, m) pressures [Pa]
+    widths : (m,) width of the lining that each z stands for [m]
+    peak : largest pressure [Pa] at the distances z, without the edge zones at the lining's ends
+    peak_theta : angle of the peak [rad], on a plane its place [m]
+    peak_z : distance of the peak from the mid-plane [m], which is not negative
+    error : estimated relative error of p(theta, z); None, since it is not known
+    """
+
+    shoe: str
+    theta: Floats
+    z: Floats
+    pressure: Floats
+    widths: Floats
+    peak: float
+    peak_theta: float
+    peak_z: float
+    error: float | None = None
+
+    @property
+    def mean_over_width(self) -> Floats:
+        """The mean pressure (n,) [Pa] over the width, which is that of the shoe's response."""
+        return np.asarray(self.pressure @ self.widths / self.widths.sum())
+
+
+def pressure_on_face_of_lining(brake: Brake, response: Response, index: int) -> FacePressure | None:
+    """The pressure on the face of the lining of shoe `index`, from the response of a solid model.
+
+    The result is None for a shoe that does not touch, and for a model without widths.
+
+    Parameters
+    ----------
+    brake : the brake
+    response : response of a model with widths
+    index : position of the shoe in the brake
+    """
+    answer, shoe = response.shoes[index], brake.shoes[index]
+    if answer.surface is None:
+        return None
+    z, pressure, widths = answer.surface
+    theta = answer.theta
+    zone = edge_zone_that_does_not_count(
+        theta,
+        answer.pressure,
+        answer.order,
+        length_of_edge_zone_without_peak(shoe, brake.scale_factor),
+    )
+    lining = LiningWithoutEndZones(theta, answer.order, zone)
+    half = np.arange(len(z) // 2, len(z))
+    peaks = [lining.largest_value_outside_end_zones(pressure[:, column]) for column in half]
+    at = int(half[int(np.argmax(peaks))])
+    # The angle of the peak is that of the highest point on the curve at the same distance z.
+    points, curve = answer.curve_at_distance_from_mid_plane(at)
+    inside = (points >= theta[0] + zone) & (points <= theta[-1] - zone)
+    return FacePressure(
+        answer.name,
+        theta,
+        z,
+        pressure,
+        widths,
+        peak=float(max(peaks)),
+        peak_theta=float(points[inside][curve[inside].argmax()]),
+        peak_z=float(z[at]),
+    )
