@@ -24,7 +24,6 @@ from drumlin.fem.preparation.scene import (
 )
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import condensed_body_of_solid_shoe
-from drumlin.fem.width.functions import half_widths_of_parts
 from drumlin.fem.width.ladder import solve_and_keep_brake_with_widths
 from drumlin.fem.width.prepare import OTHER_HALF, reason_against_any_model_with_widths
 from drumlin.response.merit import response_with_figures_of_merit
@@ -32,6 +31,8 @@ from drumlin.response.response import Response
 
 SOLID_LINING_ELEMENTS = 48
 """Default number of elements along a lining. The work grows with its fourth power."""
+DEFAULT_SOLID_TOLERANCE = 0.01
+"""Tolerance of a solve of solid shoes without options: 1 % of the mean pressure and the torque."""
 STIFFNESS = 2500
 """Memory of a row of the stiffness of a solid [bytes], approximately."""
 
@@ -129,13 +130,15 @@ def solve(
 ) -> Response:
     """The response of a brake's solid shoes.
 
+    Without options the hierarchic model of the width solves the brake to DEFAULT_SOLID_TOLERANCE,
+    see fem/width/ladder.py. Its answer states its errors. The options of hexahedra choose a mesh of
+    hexahedra, whose answer states no errors.
+
     Parameters
     ----------
-    brake, elements, across, cache : as of `prepare_model_of_solid_shoes`; by default
-        SOLID_LINING_ELEMENTS elements
-    tolerance : tolerance of the estimated relative errors of p (mean over the width, L2) and of the
-        torque; the brake is then solved by the hierarchic model of the width, see
-        fem/width/ladder.py, in place of hexahedra
+    brake, elements, across, cache : as of `prepare_model_of_solid_shoes`
+    tolerance : relative error of p (mean over the width, L2) and of the torque that must be
+        reached by the hierarchic model of the width
     penalty : factor alpha of the contact stiffness alpha E/t
     fields : name of a .vtu file for the displacements and stresses inside the shoes; half of each
         shoe, on one side of its mid-plane
@@ -146,13 +149,13 @@ def solve(
         as `prepare_model_of_solid_shoes` does, for a file of another kind, and for options of
         hexahedra beside a tolerance
     NoAnswer
-        where the contact has no answer, and where the tolerance is not reached
+        where the contact has no answer, and where a given tolerance is not reached
     """
     require_positive_penalty(penalty)
     if fields is not None and fields.suffix != ".vtu":
         raise BadInput(f"--fields = {str(fields)!r}: must end in .vtu")
-    if tolerance is not None:
-        given = {"elements": elements, "across": across}
+    given = {"elements": elements, "across": across}
+    if tolerance is not None or all(value is None for value in given.values()):
         solved = _solve_solid_shoes_to_error_tolerance(brake, tolerance, given, penalty, cache)
     else:
         brake.check_shoes_can_be_meshed()
@@ -171,7 +174,7 @@ def solve(
 
 def _solve_solid_shoes_to_error_tolerance(
     brake: Brake,
-    tolerance: float,
+    tolerance: float | None,
     given: Mapping[str, object],
     penalty: float,
     cache: Cache | None,
@@ -180,7 +183,9 @@ def _solve_solid_shoes_to_error_tolerance(
 
     Parameters
     ----------
-    brake, tolerance, penalty, cache : as of `solve`
+    brake, penalty, cache : as of `solve`
+    tolerance : tolerance that must be reached; with None DEFAULT_SOLID_TOLERANCE is tried, and a
+        note says what is reached
     given : the options of hexahedra by name, which must all be None
     """
     for option, value in given.items():
@@ -189,15 +194,14 @@ def _solve_solid_shoes_to_error_tolerance(
                 f"--tolerance = {tolerance:g}: chooses degree and division of the solid; leave "
                 f"out --{option} = {value}"
             )
+    reason = reason_why_solid_model_does_not_apply(brake)
+    if reason is not None:
+        raise BadInput(f"solid does not apply to this brake: {reason}")
     brake.check_shoes_can_be_meshed()
-    require_tolerance_applies_to_brake(brake, tolerance)
-    # The section's part of the error of such shoes was stated at 0.3 of the true error.
-    # See fem/width/ladder.py.
-    for shoe in brake.shoes:
-        if len(set(half_widths_of_parts(shoe).values())) > 1:
-            raise BadInput(
-                f"--tolerance = {tolerance:g}: shoe {shoe.name!r} has parts of several widths, "
-                "whose errors are not known; leave it out for hexahedra"
-            )
-    asked = Tolerance(tolerance, tolerance)
-    return solve_and_keep_brake_with_widths(brake, asked, penalty=penalty, cache=cache)
+    asked = DEFAULT_SOLID_TOLERANCE
+    if tolerance is not None:
+        require_tolerance_applies_to_brake(brake, tolerance)
+        asked = tolerance
+    return solve_and_keep_brake_with_widths(
+        brake, Tolerance(asked, asked), must=tolerance is not None, penalty=penalty, cache=cache
+    )
