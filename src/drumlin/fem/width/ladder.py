@@ -267,7 +267,7 @@ def solve_and_keep_brake_with_widths(
     solved = solve_level_of_section_with_width_degree(
         brake, section.level, width.degree, width.response, penalty=penalty, cache=cache
     )
-    return _response_with_errors_and_notes(solved, section.level, width.degree, found, warning)
+    return _solved_level_with_errors_and_notes(solved, section.level, width.degree, found, warning)
 
 
 def solve_level_of_section_with_width_degree(
@@ -311,7 +311,7 @@ def solve_level_of_section_with_width_degree(
     raise NoAnswer(f"no equilibrium on a section of degree {level.degree} with its width")
 
 
-def _response_with_errors_and_notes(
+def _solved_level_with_errors_and_notes(
     solved: SolvedLevel, level: Level, degree: int, found: SolidErrors, warning: str
 ) -> SolvedLevel:
     """A solved level whose answer has its errors, a warning if need be, and a note on the degrees.
