@@ -24,7 +24,9 @@ from drumlin.fem.model import (
     LARGEST_UNREFINED_ROUND_OFF,
     PENALTY,
 )
+from drumlin.fem.solid.model import DEFAULT_SOLID_TOLERANCE
 from drumlin.fem.width.correction import REMAINING_SHARE
+from drumlin.fem.width.ladder import SECTION_SAFETY
 from drumlin.fem.width.prepare import LARGEST_WIDTH_NU
 from drumlin.lining_wear.run_in import DEFAULT_WEAR_COEFFICIENT, WEAR_SETTLED, WORN_OUT_FRACTION
 from drumlin.response.response import EDGE_ZONE
@@ -59,6 +61,8 @@ def quoted_values() -> dict[str, str]:
         "largest_smooth_turn": f"{math.degrees(LARGEST_SMOOTH_TURN):g} deg",
         "most_raised_nodes": f"{MOST_RAISED_NODES:,}".replace(",", " "),
         "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
+        "solid_tolerance": f"{100 * DEFAULT_SOLID_TOLERANCE:g} %",
+        "section_safety": f"{SECTION_SAFETY:g}",
         "wear_coefficient": f"{1e9 * DEFAULT_WEAR_COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",
         "worn_out": f"{100 * WORN_OUT_FRACTION:g} %",
