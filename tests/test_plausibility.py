@@ -94,6 +94,19 @@ def test_the_note_stands_with_the_answer_in_json_and_with_a_refusal(tmp_path, br
     )
 
 
+def test_a_law_says_that_it_leaves_blocks_out(brake):
+    """The blocks stand back by 5 mm, where neither a law nor a lining on a drum presses."""
+    slotted = vary(brake, {"shoe[0].lining.misfit.blocks": [["-5 deg", "5 mm"], ["5 deg", "0 mm"]]})
+    for model, count in {"sine": 1, "short": 1, "fem": 0}.items():
+        options = {"elements": 12, "model_error": False} if model == "fem" else {}
+        lines = [
+            note
+            for note in drumlin.solve(slotted, model, **options).notes
+            if note.startswith("warning: shoe 'right': misfit.blocks are left out")
+        ]
+        assert len(lines) == count, model
+
+
 def test_brake_files_of_the_studies_have_no_note():
     paths = [p for p in sorted((ROOT / "studies").rglob("*.toml")) if "[[shoe]]" in p.read_text()]
     assert len(paths) > 20

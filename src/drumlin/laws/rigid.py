@@ -529,6 +529,22 @@ def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
     )
 
 
+def warnings_on_blocks_left_out(brake: Brake, response: Response) -> tuple[str, ...]:
+    """A line of text for each lining of blocks in the response of a law, which leaves blocks out.
+
+    Between blocks that stand back the lining does not press, so that torque and pressure of the law
+    are those of another lining. For responses of other models there is no line.
+    """
+    if response.left_out != NEGLECTED_BY_RIGID_LAWS[brake.surface.word]:
+        return ()
+    return tuple(
+        f"warning: shoe {shoe.name!r}: misfit.blocks are left out, the law takes the lining as "
+        "whole; --model fem has the blocks"
+        for shoe in brake.shoes
+        if shoe.lining.misfit.blocks
+    )
+
+
 def note_on_shoe_without_contact(name: str, body: str = "drum") -> str:
     """The text of the note on a shoe that its force does not press on the drum or the plane."""
     return f"shoe {name!r}: no contact, the force does not turn it towards the {body}"
