@@ -54,8 +54,10 @@ not.
 SEED = 90_000
 """Seed of the first random brake."""
 
-TIMES = re.compile(r"\d[\d.e+-]* ?(?:ms|s)\b")
-"""Times in a printed text."""
+TIMES = re.compile(r"\d[\d.e+-]* ?(?:ms|s)\b|\bms: .*?(?=\n\S|\Z)", re.DOTALL)
+"""Times in a printed text: numbers with a unit, and the list of phases of a solve."""
+NOT_COMPARED = {"seconds", "brake_file"}
+"""Keys that are not compared: times, and the path of a brake file."""
 
 
 class Difference(NamedTuple):
@@ -122,7 +124,7 @@ def write(file: str, count: str = "100") -> int:
 def differences(before: Any, after: Any, where: str = "") -> Iterator[str]:
     """In words, where two JSON values differ; times are not compared."""
     if isinstance(before, dict) and isinstance(after, dict):
-        for key in sorted({*before, *after} - {"seconds"}):
+        for key in sorted({*before, *after} - NOT_COMPARED):
             if key not in before or key not in after:
                 yield f"{where}.{key} is only in one"
             else:

@@ -60,6 +60,10 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/width/integrals.py": {"SYMMETRIES": DEFINITION},
     "fem/width/ladder.py": {
         "LOOKED_AHEAD": "one even and one odd degree",
+        "SECTION_DEGREE": "the least degree that varies across a lining beside its web",
+        "SECTION_SHARE": "half of a tolerance for each of two parts of the error",
+        "MOST_SECTION_LEVELS": "bound of the work of one solve; the errors that remain are stated",
+        "MOST_DEGREE": "bound of the work of one solve; the errors that remain are stated",
         "SLOWEST_FALL": "power for the strongest singularity at a corner",
     },
     "fem/width/prepare.py": {
@@ -185,6 +189,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/solid/fields.py": dict.fromkeys(("_BOTTOM", "_CORNERS", "_EDGES", "_TURNED"), FORMAT),
     "fem/solid/mesh.py": {"SIDE_SIZE": "mesh of a model without stated errors", "CORNERS": FORMAT},
     "fem/solid/model.py": {
+        "DEFAULT_SOLID_TOLERANCE": "default of an option that is said",
         "SOLID_LINING_ELEMENTS": "default of an option: a minute of work",
         "STIFFNESS": MEMORY,
     },

@@ -1,6 +1,7 @@
 """Brakes with widths solved to a tolerance: stated against true errors, and refusals."""
 
 import json
+from functools import partial
 
 import pytest
 
@@ -10,15 +11,20 @@ from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
-from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.model import PENALTY, solve_prepared_model
+from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import distance_of_plane_stress_from_widths
 from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.ladder import (
-    plane_stress_solution_to_compare_width_degrees,
+    SECTION_SAFETY,
+    climb_levels_to_tolerance,
+    coarsest_level_within_tolerance,
+    section_to_compare_width_degrees,
     smallest_width_degree_within_tolerance,
     solve_brake_with_widths_to_tolerance,
+    solve_level_of_section_with_width_degree,
 )
 from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin_studies.solid_error import (
@@ -26,6 +32,7 @@ from drumlin_studies.solid_error import (
     JUDGED_ERRORS,
     SolidErrorRow,
     functions_across_width_graded_to_sides,
+    response_with_graded_width_functions,
     table_lines_of_stated_over_true_quantiles,
 )
 from sections import t_section
@@ -66,15 +73,12 @@ def test_a_finer_tolerance_takes_a_finer_section_or_a_higher_degree(brake):
 
 
 @pytest.mark.slow
-def test_on_a_t_section_stated_errors_are_above_the_true_ones(brake):
-    section = t_section(brake)
-    found = solve_brake_with_widths_to_tolerance(section, Tolerance(1e-2, 1e-2))
-    start = solve(section)
-    points = singular_points_of_all_linings(section, start)
-    truth = solve_prepared_model(
-        prepare_brake_with_widths(section, LEVELS[0], 6, points), section, start=start
-    )
-    for name, error in distance_of_plane_stress_from_widths(section, found, truth).brake.items():
+@pytest.mark.parametrize(("kind", "seed"), [("T", 0), ("built", 3100), ("free", 3207)])
+def test_with_several_widths_stated_errors_are_above_the_true_ones(brake, kind, seed):
+    drawn = t_section(brake) if kind == "T" else DRAWN[kind](seed)
+    found = solve_brake_with_widths_to_tolerance(drawn, Tolerance(2e-2, 2e-2), must=False)
+    truth = response_with_graded_width_functions(drawn, LEVELS[1])
+    for name, error in distance_of_plane_stress_from_widths(drawn, found, truth).brake.items():
         assert error < found.error[name], name
 
 
@@ -82,7 +86,7 @@ def test_on_a_t_section_stated_errors_are_above_the_true_ones(brake):
 def test_beside_a_web_the_width_has_its_part_in_the_error():
     brake, level = DRAWN["free"](2000), LEVELS[0]
     plane = solve(brake)
-    section = plane_stress_solution_to_compare_width_degrees(brake, plane)
+    section = section_to_compare_width_degrees(brake, plane)
     points = singular_points_of_all_linings(
         brake, plane, error=level.pressure_error_by_column_ratio
     )
@@ -145,21 +149,55 @@ def test_options_of_hexahedra_do_not_go_with_a_tolerance(brake, options, said):
         solid.solve(brake, tolerance=1.0)
 
 
-def test_shoes_of_several_widths_have_no_stated_errors_yet(brake):
-    with pytest.raises(BadInput, match="shoe 'right' has parts of several widths, whose errors"):
-        solid.solve(t_section(brake), tolerance=1e-2)
+@pytest.mark.slow
+def test_divisions_follow_the_contact_that_the_width_has_found():
+    brake = DRAWN["free"](2000)
+    plane = solve(brake)
+    first, second = (
+        solve_level_of_section_with_width_degree(brake, level, 2, plane).response
+        for level in LEVELS[:2]
+    )
+    # With elements for the contact of plane stress the two levels differ by 3.7 %.
+    moved = distance_of_plane_stress_from_widths(brake, first, second).brake
+    assert moved["pressure"] < 5e-3
+
+
+@pytest.mark.slow
+def test_the_error_of_the_section_beside_a_web_covers_that_of_a_higher_degree():
+    brake, loose = DRAWN["built"](3111), Tolerance(0.1, 0.1)
+    plane, answer = solve(brake), partial(solve_prepared_model, penalty=PENALTY)
+    climb = climb_levels_to_tolerance(brake, loose, answer, Cache(), LEVELS[:2], plane)
+    section = coarsest_level_within_tolerance(brake, climb, loose, SECTION_SAFETY)
+    first, second = (
+        solve_level_of_section_with_width_degree(brake, level, 3, plane).response
+        for level in LEVELS[:2]
+    )
+    moved = distance_of_plane_stress_from_widths(brake, first, second).brake
+    assert section.level == LEVELS[0]
+    assert moved["pressure"] < section.error.largest_pressure_error < 2 * moved["pressure"]
+
+
+def test_without_options_solid_shoes_state_their_errors(brake, truth):
+    found = solid.solve(brake)
+    true = distance_of_plane_stress_from_widths(brake, found, truth).brake
+    for name, error in true.items():
+        assert error < found.error[name] < 1e-2, name
 
 
 def test_the_table_of_solid_errors_counts_the_too_small_ones():
+    # A row whose truth is as uncertain as the true error is counted as reached, and not judged.
+    unjudged = 0.1
+
     def row(ratio, reached):
         """A row with this ratio of stated to true errors."""
         names = dict.fromkeys(JUDGED_ERRORS, 1e-3)
         stated = dict.fromkeys(JUDGED_ERRORS, ratio * 1e-3)
-        return SolidErrorRow("t", names, stated, 10 * ratio, reached, "how")
+        unsure = dict.fromkeys(JUDGED_ERRORS, 1e-3 if ratio == unjudged else 1e-6)
+        return SolidErrorRow("t", names, stated, unsure, 10 * ratio, reached, "how")
 
     _, torque, _, reached, cost = table_lines_of_stated_over_true_quantiles(
-        [row(0.5, True), row(3.0, True), row(4.0, False)]
+        [row(0.5, True), row(3.0, True), row(4.0, False), row(unjudged, True)]
     )
     assert torque.split()[:4] == ["torque", "3", "33%", "0.50"]
-    assert reached == "67% of 3 brakes reach the tolerance"
-    assert cost.startswith("30 times")
+    assert reached == "75% of 4 brakes reach the tolerance"
+    assert cost.startswith("18 times")

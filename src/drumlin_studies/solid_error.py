@@ -12,13 +12,15 @@ true errors. KIND is a name in DRAWN:
 - "one": brakes of draw_random_brake whose bodies are made as wide as the linings
 
 The truth has functions across the width that are graded to the sides of all parts, on the level
-LEVEL (2) of the section.
+LEVEL (2) of the section. Its uncertainty is its distance from the same functions of one degree
+less. An error is judged where it is at least TRUTH_FACTOR times this uncertainty.
 """
 
 import math
 import sys
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -29,9 +31,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import Level
-from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import distance_of_plane_stress_from_widths
 from drumlin.fem.width.functions import (
@@ -41,8 +41,11 @@ from drumlin.fem.width.functions import (
     half_widths_of_parts,
     has_several_widths,
 )
-from drumlin.fem.width.ladder import solve_brake_with_widths_to_tolerance
-from drumlin.fem.width.prepare import prepare_brake_with_widths, reason_against_width_model
+from drumlin.fem.width.ladder import (
+    solve_brake_with_widths_to_tolerance,
+    solve_level_of_section_with_width_degree,
+)
+from drumlin.fem.width.prepare import reason_against_width_model
 from drumlin.response.response import Response
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.width_error import KINDS_WITH_WIDTHS
@@ -63,6 +66,8 @@ WEB = (1 / 12, 1 / 4)
 """Smallest and largest width of a drawn web, over the lining's width."""
 JUDGED_ERRORS = ("torque", "pressure")
 """The errors that a tolerance bounds, by their names in the response's `error`."""
+TRUTH_FACTOR = 4.0
+"""Smallest true error that is judged, over the uncertainty of the truth, as for stored truths."""
 LEAST_TRUE_ERROR = 1e-5
 """True relative error from which on a stated error is judged: the truth itself is no better."""
 
@@ -74,6 +79,7 @@ class SolidErrorRow(NamedTuple):
     ----------
     title : of the brake
     true, stated : relative errors by the names of JUDGED_ERRORS
+    unsure : uncertainties of the true errors, by the same names
     cost : processor time of the solve, over that of a default solve by plane stress
     reached : whether the stated errors meet the tolerance
     how : degrees across the width and of the section, in words
@@ -82,9 +88,14 @@ class SolidErrorRow(NamedTuple):
     title: str
     true: dict[str, float]
     stated: dict[str, float]
+    unsure: dict[str, float]
     cost: float
     reached: bool
     how: str
+
+    def is_judged(self, name: str) -> bool:
+        """Whether the true error is large enough beside its uncertainty to judge the stated one."""
+        return self.true[name] > max(LEAST_TRUE_ERROR, TRUTH_FACTOR * self.unsure[name])
 
     def ratio(self, name: str) -> float:
         """The stated error over the true error; inf where the true error is zero."""
@@ -127,7 +138,9 @@ DRAWN: dict[str, Callable[[int], Brake]] = {
 """How a brake is drawn from a seed, by the kind of its widths."""
 
 
-def functions_across_width_graded_to_sides(shoe: Shoe) -> WidthFunctions:
+def functions_across_width_graded_to_sides(
+    shoe: Shoe, degree: int = GRADED_DEGREE
+) -> WidthFunctions:
     """Functions across the width of a shoe that are graded to the sides of all its parts."""
     halves, breaks = half_widths_of_parts(shoe).values(), breaks_across_half_width_of_shoe(shoe)
 
@@ -142,17 +155,22 @@ def functions_across_width_graded_to_sides(shoe: Shoe) -> WidthFunctions:
             found.add(inner + size)
         if is_place_a_side_of_shoe_part(outer):
             found.add(outer - size)
-    return WidthFunctions(tuple(sorted(found)), GRADED_DEGREE)
+    return WidthFunctions(tuple(sorted(found)), degree)
 
 
-def response_with_graded_width_functions(brake: Brake, level: Level) -> Response:
-    """The response of a brake with graded functions across the width, on a level of the section."""
-    start = solve(brake)
-    points = singular_points_of_all_linings(
-        brake, start, error=level.pressure_error_by_column_ratio
-    )
-    scene = prepare_brake_with_widths(brake, level, functions_across_width_graded_to_sides, points)
-    return solve_prepared_model(scene, brake, start=start)
+def response_with_graded_width_functions(
+    brake: Brake, level: Level, degree: int = GRADED_DEGREE
+) -> Response:
+    """The response of a brake with graded functions across the width, on a level of the section.
+
+    Parameters
+    ----------
+    brake : the brake
+    level : degree and grading of the hp elements of the section
+    degree : degree of the functions in each of their pieces
+    """
+    graded = partial(functions_across_width_graded_to_sides, degree=degree)
+    return solve_level_of_section_with_width_degree(brake, level, graded, solve(brake)).response
 
 
 def stated_and_true_width_errors_or_why_none(
@@ -177,9 +195,12 @@ def stated_and_true_width_errors_or_why_none(
             brake, Tolerance(tolerance, tolerance), must=False
         )
         done = time.process_time()
-        true = distance_of_plane_stress_from_widths(
-            brake, found, response_with_graded_width_functions(brake, level)
+        truth, lower = (
+            response_with_graded_width_functions(brake, level, degree)
+            for degree in (GRADED_DEGREE, GRADED_DEGREE - 1)
         )
+        true = distance_of_plane_stress_from_widths(brake, found, truth)
+        unsure = distance_of_plane_stress_from_widths(brake, lower, truth)
     except (NoAnswer, np.linalg.LinAlgError) as error:
         return str(error)
     stated = {name: (found.error or {})[name] for name in JUDGED_ERRORS}
@@ -187,6 +208,7 @@ def stated_and_true_width_errors_or_why_none(
         title=brake.title,
         true={name: true.brake[name] for name in JUDGED_ERRORS},
         stated=stated,
+        unsure={name: unsure.brake[name] for name in JUDGED_ERRORS},
         cost=(done - plane_done) / (plane_done - started),
         reached=max(stated.values()) <= tolerance,
         how=found.notes[-1],
@@ -221,7 +243,7 @@ def table_lines_of_stated_over_true_quantiles(rows: list[SolidErrorRow]) -> list
     """Lines of stated over true errors: their number, the share of too small ones, quantiles."""
     lines = ["error     brakes  too small  least   5 %   half  95 %"]
     for name in JUDGED_ERRORS:
-        ratios = [row.ratio(name) for row in rows if row.true[name] > LEAST_TRUE_ERROR]
+        ratios = [row.ratio(name) for row in rows if row.is_judged(name)]
         if ratios:
             small = np.mean([ratio < 1 for ratio in ratios])
             at = np.quantile(ratios, [0.0, 0.05, 0.5, 0.95])
@@ -247,7 +269,9 @@ def main() -> None:
             continue
         rows.append(row)
         errors = ", ".join(
-            f"{name} {row.true[name]:.1e} x {row.ratio(name):.2f}" for name in JUDGED_ERRORS
+            f"{name} {row.true[name]:.1e} x {row.ratio(name):.2f}"
+            f"{'' if row.is_judged(name) else ' (not judged)'}"
+            for name in JUDGED_ERRORS
         )
         sys.stdout.write(f"{row.title}: {errors}, cost {row.cost:.0f}, {row.how}\n")
         sys.stdout.flush()

@@ -22,7 +22,9 @@ from drumlin.fem.model import (
     LARGEST_UNREFINED_ROUND_OFF,
     PENALTY,
 )
+from drumlin.fem.solid.model import DEFAULT_SOLID_TOLERANCE
 from drumlin.fem.width.correction import REMAINING_SHARE
+from drumlin.fem.width.ladder import SECTION_SAFETY
 from drumlin.fem.width.prepare import LARGEST_WIDTH_NU
 from drumlin.lining_wear.run_in import DEFAULT_WEAR_COEFFICIENT, WEAR_SETTLED, WORN_OUT_FRACTION
 from drumlin.response.response import EDGE_ZONE
@@ -55,6 +57,8 @@ def quoted_values() -> dict[str, str]:
         "most_loss": _power_of_ten_text(LARGEST_REFINED_ROUND_OFF),
         **_width_shares(),
         "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
+        "solid_tolerance": f"{100 * DEFAULT_SOLID_TOLERANCE:g} %",
+        "section_safety": f"{SECTION_SAFETY:g}",
         "wear_coefficient": f"{1e9 * DEFAULT_WEAR_COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",
         "worn_out": f"{100 * WORN_OUT_FRACTION:g} %",

@@ -4,7 +4,7 @@ Each division has small elements at the ends of the contact that the earlier div
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple, Protocol
@@ -154,6 +154,10 @@ class ResponseFunction(Protocol):
         """
 
 
+PrepareFunction = Callable[[Level, PointsByShape], PreparedModel]
+"""A function from a level and the singular points of each shape of shoe to a prepared model."""
+
+
 class SolvedLevel(NamedTuple):
     """The prepared model of one level of a solve, `scene`, and the response of the brake on it."""
 
@@ -166,6 +170,9 @@ def solve_on_finer_and_finer_levels(
     respond: ResponseFunction,
     cache: Cache | None = None,
     levels: Sequence[Level] = (),
+    *,
+    prepare: PrepareFunction | None = None,
+    start: Response | None = None,
 ) -> Iterator[SolvedLevel]:
     """Solve a brake on one level after the other, finer and finer, and yield each solved level.
 
@@ -182,14 +189,17 @@ def solve_on_finer_and_finer_levels(
     respond : function that computes the response on a prepared model
     cache : keeps condensed bodies, see `make_prepared_model`
     levels : the levels; LEVELS if it is empty
+    prepare : function that makes the prepared model of a level; None for plane stress
+    start : an earlier response, whose contact the first division is made for
 
     Raises
     ------
     NoAnswer
         if neither division of the first level has a solution, or if two later levels have none
     """
-    last: Response | None = None
+    last: Response | None = start
     alike = equal_shapes(brake)
+    prepare = prepare or partial(make_prepared_model, brake, alike=alike, cache=cache)
     refusals, column_limit = 0, math.inf
     shortest_arc = min(end - start for start, end in (shoe.arc for shoe in brake.shoes))
     for level in levels or LEVELS:
@@ -201,7 +211,7 @@ def solve_on_finer_and_finer_levels(
         for _ in range(MOST_PASSES):
             # The level is divided and solved, with the singular points of the earlier pass.
             limited = replace(level, largest=min(level.largest, column_limit))
-            model = make_prepared_model(brake, limited, points, alike=alike, cache=cache)
+            model = prepare(limited, points)
             try:
                 response = respond(model, brake, start=last)
             except NoAnswer as refusal:
@@ -210,7 +220,7 @@ def solve_on_finer_and_finer_levels(
                     column_limit = shortest_arc / ELEMENTS
                     continue
                 refusals += 1
-                if refusals == 2 or (last is None and math.isfinite(column_limit)):
+                if refusals == 2 or (last is start and math.isfinite(column_limit)):
                     raise
                 break
             solved = SolvedLevel(model, response)

@@ -23,7 +23,6 @@ from drumlin.fem.preparation.scene import (
 )
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import condensed_body_of_solid_shoe
-from drumlin.fem.width.functions import half_widths_of_parts
 from drumlin.fem.width.ladder import solve_brake_with_widths_to_tolerance
 from drumlin.fem.width.prepare import OTHER_HALF, reason_against_any_model_with_widths
 from drumlin.response.merit import response_with_figures_of_merit
@@ -31,6 +30,8 @@ from drumlin.response.response import Response
 
 SOLID_LINING_ELEMENTS = 48
 """Default number of elements along a lining. The work grows with its fourth power."""
+DEFAULT_SOLID_TOLERANCE = 0.01
+"""Tolerance of a solve of solid shoes without options: 1 % of the mean pressure and the torque."""
 STIFFNESS = 2500
 """Memory of a row of the stiffness of a solid [bytes], approximately."""
 
@@ -128,15 +129,17 @@ def solve(
 ) -> Response:
     """The response of a brake's solid shoes.
 
+    Without options the hierarchic model of the width solves the brake to DEFAULT_SOLID_TOLERANCE,
+    see fem/width/ladder.py. Its answer states its errors. The options of hexahedra choose a mesh of
+    hexahedra, whose answer states no errors.
+
     Parameters
     ----------
-    brake, elements, across, cache : as of `prepare_model_of_solid_shoes`; by default
-        SOLID_LINING_ELEMENTS elements
-    tolerance : tolerance of the estimated relative errors of p (mean over the width, L2) and of the
-        torque; the brake is then solved by the hierarchic model of the width, see
-        fem/width/ladder.py, in place of hexahedra
+    brake, elements, across, cache : as of `prepare_model_of_solid_shoes`
+    tolerance : relative error of p (mean over the width, L2) and of the torque that must be
+        reached by the hierarchic model of the width
     penalty : factor alpha of the contact stiffness alpha E/t
-    fields : name of a .vtu file for the displacements and stresses inside the shoes
+    fields : name of a .vtu file for the displacements and stresses inside the shoes, by hexahedra
 
     Raises
     ------
@@ -144,11 +147,11 @@ def solve(
         as `prepare_model_of_solid_shoes` does, for a file of another kind, and for options of
         hexahedra beside a tolerance
     NoAnswer
-        where the contact has no answer, and where the tolerance is not reached
+        where the contact has no answer, and where a given tolerance is not reached
     """
     require_positive_penalty(penalty)
-    if tolerance is not None:
-        given = {"elements": elements, "across": across, "fields": fields}
+    given = {"elements": elements, "across": across, "fields": fields}
+    if tolerance is not None or all(value is None for value in given.values()):
         return _solve_solid_shoes_to_error_tolerance(brake, tolerance, given, penalty, cache)
     if fields is not None and fields.suffix != ".vtu":
         raise BadInput(f"--fields = {str(fields)!r}: must end in .vtu")
@@ -173,7 +176,7 @@ def solve(
 
 def _solve_solid_shoes_to_error_tolerance(
     brake: Brake,
-    tolerance: float,
+    tolerance: float | None,
     given: Mapping[str, object],
     penalty: float,
     cache: Cache | None,
@@ -182,7 +185,9 @@ def _solve_solid_shoes_to_error_tolerance(
 
     Parameters
     ----------
-    brake, tolerance, penalty, cache : as of `solve`
+    brake, penalty, cache : as of `solve`
+    tolerance : tolerance that must be reached; with None DEFAULT_SOLID_TOLERANCE is tried, and a
+        note says what is reached
     given : the options of hexahedra by name, which must all be None
     """
     for option, value in given.items():
@@ -191,17 +196,15 @@ def _solve_solid_shoes_to_error_tolerance(
                 f"--tolerance = {tolerance:g}: chooses degree and division of the solid; leave "
                 f"out --{option} = {value}"
             )
+    reason = reason_why_solid_model_does_not_apply(brake)
+    if reason is not None:
+        raise BadInput(f"solid does not apply to this brake: {reason}")
     brake.check_shoes_can_be_meshed()
-    require_tolerance_applies_to_brake(brake, tolerance)
-    # The section's part of the error of such shoes was stated at 0.3 of the true error.
-    # See fem/width/ladder.py.
-    for shoe in brake.shoes:
-        if len(set(half_widths_of_parts(shoe).values())) > 1:
-            raise BadInput(
-                f"--tolerance = {tolerance:g}: shoe {shoe.name!r} has parts of several widths, "
-                "whose errors are not known; leave it out for hexahedra"
-            )
-    asked = Tolerance(tolerance, tolerance)
-    return response_with_figures_of_merit(
-        brake, solve_brake_with_widths_to_tolerance(brake, asked, penalty=penalty, cache=cache)
+    asked = DEFAULT_SOLID_TOLERANCE
+    if tolerance is not None:
+        require_tolerance_applies_to_brake(brake, tolerance)
+        asked = tolerance
+    response = solve_brake_with_widths_to_tolerance(
+        brake, Tolerance(asked, asked), must=tolerance is not None, penalty=penalty, cache=cache
     )
+    return response_with_figures_of_merit(brake, response)
