@@ -182,7 +182,7 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
     turns = [{0: [SingularPoint(first, 1.0, Singularity.END), last]} for first in (0.2, 0.3)]
     seen: list[Any] = []
 
-    def in_turn(*_: Any) -> Any:
+    def in_turn(*_: Any, **__: Any) -> Any:
         seen.append(turns[len(seen) % 2])
         return seen[-1]
 

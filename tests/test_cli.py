@@ -336,12 +336,12 @@ def test_meshes_of_every_kind_are_written_and_solved(tmp_path, suffix):
     for name in ("right", "left"):
         text = text.replace(f'name = "{name}"', f'name = "{name}"\nmesh = "brake_{name}.{suffix}"')
     (tmp_path / "filed.toml").write_text(text)
-    torques = [
-        drumlin("solve", *solved).stdout.splitlines()[1]
-        for solved in ([tmp_path / "filed.toml"], [STUDY / "brake.toml", *words])
-    ]
-    assert torques[0] == torques[1]
-    assert "torque" in torques[0]
+    # The degree of the elements rises on the meshes of the files, whose errors are stated.
+    on_files, known = (
+        float(drumlin("solve", solved).stdout.splitlines()[1].split()[1])
+        for solved in (tmp_path / "filed.toml", STUDY / "brake.toml")
+    )
+    assert on_files == pytest.approx(known, rel=1e-3)
     for command in (["solve"], ["mesh"], ["export", "--to", "calculix"], ["cost"]):
         refused = drumlin(*command, tmp_path / "filed.toml", "--elements", 40)
         assert (
