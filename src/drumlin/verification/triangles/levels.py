@@ -243,10 +243,10 @@ def solve_on_triangle_level_sequence(
 ) -> list[list[ShoeSolution]]:
     """Solve a brake on a sequence of meshes; returns for each mesh the solutions of all shoes.
 
-    Every mesh is graded to the ends of the contact that the mesh before has found. Coarse meshes
-    FINDING come first, until these ends settle. They begin with the fractions LESS of the
-    coefficient of friction: with much friction a brake may have several solutions, and the one
-    sought is reached when friction grows from zero.
+    Every mesh is graded to the ends of the contact that the mesh before has found. Coarse meshes of
+    CONTACT_FINDING_LEVEL come first, until these ends settle. They begin with the fractions
+    FIRST_FRICTION_FRACTIONS of the coefficient of friction: with much friction a brake may have
+    several solutions, and the one sought is reached when friction grows from zero.
 
     Raises BadInput and NoAnswer as `solve_brake_on_one_triangle_mesh` does.
     """
