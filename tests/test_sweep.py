@@ -143,7 +143,7 @@ NORMAL = {"distribution": "normal", "deviation": 0.03}
             ['vary."shoe.lining.thickness" = 8', "has no unit", "8 mm"],
         ),
         ({"shoe.lining.thickness": ["8 MPa"]}, {}, ["'8 MPa'", "a length"]),
-        ({"friction": ["0.3"]}, {}, ["vary.friction = '0.3'", "must be a number"]),
+        ({"friction": ["much"]}, {}, ["vary.friction = 'much'", "must be a number"]),
         ({"friction": 0.3}, {}, ["vary.friction = 0.3", "must be a list"]),
         ({"friction": []}, {}, ["at least one value"]),
         ({"friction": [-0.1]}, {}, ["friction = -0.1", "greater than or equal to 0"]),
