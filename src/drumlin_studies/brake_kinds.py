@@ -31,7 +31,7 @@ from drumlin.response.response import Response
 from drumlin_studies.tables import values_of_key_in_rows
 
 TRUSTED_LAW_ERROR = 0.05
-"""Relative error up to which the text says that a rigid-shoe law can be trusted."""
+"""Relative error up to which the study's report says that a rigid-shoe law can be trusted."""
 ROUGH_LAW_ERROR = 0.15
 """Relative error up to which the text says that a rigid-shoe law is an estimate."""
 NO_EFFECT_ERROR = 1e-9

@@ -363,7 +363,10 @@ def read_stored_spreads_of_stated_errors(folder: Path) -> Written:
 def _rounded_spreads_of_stated_over_true_errors(
     rows: Sequence[StatedTrueErrors],
 ) -> dict[str, dict[str, float]]:
-    """The spreads of `spreads_of_stated_over_true_errors`, rounded as FILE holds them."""
+    """Quantiles of stated over true errors, rounded to the digits of the kept file `FILE`.
+
+    The keys are those of `spreads_of_stated_over_true_errors`.
+    """
     return {
         quantity: {which: round(value, 2) for which, value in spread._asdict().items()}
         for quantity, spread in spreads_of_stated_over_true_errors(rows).items()

@@ -69,7 +69,11 @@ class _Notes(NamedTuple):
 
     @classmethod
     def response_notes_sorted_by_printing_place(cls, response: "Response") -> "_Notes":
-        """The notes of a response, sorted by the words that each note begins with or contains."""
+        """The notes of a response, sorted by the place of the printed answer where they stand.
+
+        Some notes stand below the table, some at the end, and some only with --verbose. The first
+        words of a note tell which.
+        """
         notes = cls([], [], [], [])
         for line in response.notes:
             if ": no contact" in line:

@@ -59,8 +59,11 @@ class ContactProblem(NamedTuple):
 class ScaledContactSystem(NamedTuple):
     """A contact problem whose rows and columns are scaled to entries of similar size.
 
-    The weighted gaps and the imbalances of the modes are r + K x. Here x = (p, y) are pressures and
-    rigid-body motions, K = [[A, B], [C, 0]] and r = (q, -h).
+    The unknowns x = (p, y) are the nodal pressures p and the rigid-body motions y of the shoes. The
+    first n values of r + K x are the gaps at the nodes, weighted by lengths. The other k values are
+    the forces and moments that do not balance. K = [[A, B], [C, 0]] has the compliance A, the gaps
+    B by rigid-body motions and the resultants C of the pressures. r = (q, -h) has the gaps q
+    without pressure and the given loads h.
 
     Attributes
     ----------

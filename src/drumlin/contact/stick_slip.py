@@ -353,10 +353,11 @@ def _next_stick_and_slip_states(
 def _round_off_scales_of_margins(
     system: _FrictionalSystem, equations: _StateEquations, solution: _IncrementSolution
 ) -> Floats:
-    """Return the numbers (2, n) against which the distances to a change of state are judged.
+    """The sizes (2, n) to which the round-off of each node's two margins is relative.
 
-    For each distance this is the largest of all pressures and tractions, or of all gaps and slips.
-    Round-off of the distance is relative to this number.
+    A margin says how far a node is from another state, such as from sticking to slipping. The size
+    of a margin in stresses is the largest of all pressures and tractions. The size of a margin in
+    lengths is the largest of all gaps and slips.
     """
     of_z = np.abs(solution.z).max(initial=0.0)
     of_v = max(

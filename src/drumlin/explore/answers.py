@@ -309,7 +309,7 @@ def _run_in_over_range_of_wear_knob(scene: PreparedModel, brake: Brake) -> _Wear
 
 
 def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> ExploredAnswer:
-    """An answer of finite elements, completed by the law's response and limit of self-locking."""
+    """An answer of finite elements, with that of a pressure law and its limit of self-locking."""
     name, brake = answer.law_name, answer.brake
     if name is None or brake is None:
         return answer

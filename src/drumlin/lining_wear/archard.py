@@ -553,11 +553,11 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
 def _solve_steady_wear_for_abutment_friction(
     interface: WearInterface, footing: Footing, law: WearLaw
 ) -> Contact:
-    """The steady wear of linings if friction acts at the abutments as in one `footing`.
+    """The steady wear of linings for given directions of friction at the abutments, `footing`.
 
-    For the exponent 1, steady wear is the solution of one contact problem, in which the compliance
-    is that of wear. For other exponents this solution is the first guess. Raises NoAnswer if there
-    is no equilibrium.
+    For the exponent 1, steady wear is the solution of one contact problem, in which wear depth over
+    pressure takes the place of the elastic compliance. For other exponents this solution is the
+    first guess. Raises NoAnswer if there is no equilibrium.
     """
     _, q, B, C, h = footing.problem
     compliance = interface.weight * interface.pressure

@@ -184,7 +184,7 @@ def largest_pressure_difference_of_linings(setup: WearSetup, p: Floats, goal: Fl
     distances = []
     for surface in setup.surfaces:
         size = _norm_of_values_over_face_without_ends(surface, goal)
-        # A lining without pressure at the end of wear has no relative distance.
+        # A lining that no longer presses when it is worn in has no pressure to divide by.
         if size:
             distances.append(_norm_of_values_over_face_without_ends(surface, p - goal) / size)
     return max(distances, default=0.0)
@@ -464,7 +464,7 @@ def _imbalance_of_wear_and_friction_energy(
     brake = setup.brake
     if not (brake.friction > 0 and law.exponent == 1):
         return None
-    # The volume of the worn shape is the integral of the depth over the round lining.
+    # The worn volume is the integral of the depth over the lining's face, which is an arc.
     volumes = []
     for surface in setup.surfaces:
         width = brake.shoes[surface.shoe].lining.width

@@ -419,7 +419,8 @@ def _assemble_stiffness_of_closed_ring(
     extra : number of extra unknowns, the factors of unit loads
     """
     starts, count = div.first_columns_of_contacts_and_gaps, len(runs)
-    # The number `own` of contact unknowns of each run does not count its last node. A run between
+    # A run is a stretch of the ring under one lining, or between two linings. The number `own` of
+    # its contact unknowns does not count its last node, which the next run counts. A run between
     # two linings has only its first node in contact.
     p = div.degree
     columns = np.diff([*starts, len(div.contact)])

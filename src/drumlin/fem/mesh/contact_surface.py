@@ -168,7 +168,10 @@ def _unit_normals_away_from_drum(xy: Floats, shoe: Shoe) -> Floats:
 def _is_middle_node_of_straight_edge(
     mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float
 ) -> Bools:
-    """Whether each contact node (n,) is a middle node that a straight edge keeps off the drum.
+    """Whether each contact node (n,) is the middle node of a straight edge, and so off the drum.
+
+    A quadratic element has a node in the middle of each edge. On a straight edge this node lies
+    inside the circle of the drum.
 
     It is False for all nodes if too few edges on the lining's face are straight.
     """

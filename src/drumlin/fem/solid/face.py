@@ -23,16 +23,20 @@ from drumlin.response.response import PressureOverWidth
 
 @dataclass(frozen=True)
 class ContactFace(ContactLine):
-    """The friction surface of a solid lining: a contact line times the levels over half the width.
+    """The friction surface of a solid lining: a contact line, repeated at m distances z.
+
+    z is the distance from the mid-plane of the shoe.
 
     The contact nodes stand by growing angle, and at each angle from the mid-plane outwards.
 
     Attributes
     ----------
-    nodes, xy, phi : (n m,), (2, n m) [m], (n m,) [rad], as of `ContactLine`, of all nodes
-    pieces : as of `line`
+    nodes : (n m,) numbers of the contact nodes
+    xy : (2, n m) places of the contact nodes in the section [m]
+    phi : (n m,) angles of the contact nodes [rad]
+    pieces : the nodes of each element edge on `line`
     line : the contact line of the section, with n nodes
-    z : (m,) levels of the nodes over half the width [m]
+    z : (m,) distances of the nodes from the mid-plane [m]
     """
 
     line: ContactLine

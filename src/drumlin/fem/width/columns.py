@@ -289,7 +289,8 @@ def unknowns_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNam
         rows = range(k * p, (k + 1) * p + 1)
         outer = (*kept, *edges[k], *edges[k + 1])
         boundary.append([u for u in outer if _is_unknown_of_layer(u, rows, counts)])
-        # The unknowns inside an element are eliminated before the element is added to its column.
+        # The unknowns inside an element are eliminated before its stiffness is added to that of the
+        # column of elements.
         inside = []
         for row in rows[1:-1]:
             own = stack.row_unknowns_without_contact(row, along.inside)

@@ -236,11 +236,12 @@ class Compliance:
 
 
 class PartialSchurComplement(NamedTuple):
-    """The Schur complement of a part of a body, on its unknowns that are not eliminated yet.
+    """The stiffness of a part of a body, condensed to the unknowns that are not eliminated yet.
 
     Attributes
     ----------
-    dofs : (k,) growing numbers of these unknowns, which are kept or belong to other parts, too
+    dofs : (k,) numbers of these unknowns, in growing order. They stay unknowns to the end, or are
+        shared with parts that are not added yet.
     triangles : (k,) number of triangles of the part at each of these unknowns
     K : (k, k) stiffness [N/m]
     loads : (k, l) l loads on these unknowns [N]
@@ -352,8 +353,8 @@ def _assemble_parts_and_eliminate_inner_unknowns(
     """Assemble parts of the body and eliminate the unknowns that no other part shares."""
     dofs, where = np.unique(np.concatenate([part.dofs for part in parts]), return_inverse=True)
     triangles = np.bincount(where, np.concatenate([part.triangles for part in parts])).astype(int)
-    # An unknown can be eliminated if all of its triangles are in these parts. The n unknowns to
-    # eliminate come first in S and f.
+    # An unknown can be eliminated if all triangles around it are in the parts that are joined
+    # here. The n unknowns to eliminate come first in the stiffness S and the loads f.
     gone = triangles == body.triangles[dofs]
     order, n = np.argsort(~gone, kind="stable"), int(gone.sum())
     place = np.argsort(order)
