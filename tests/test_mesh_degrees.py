@@ -9,6 +9,7 @@ import skfem
 
 from conftest import partly
 from drumlin import vary
+from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control import degrees
 from drumlin.fem.error_control.estimate import QUANTITIES
 from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
@@ -20,6 +21,8 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.meshes import RaisedDegree
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
+from drumlin.report import render
+from drumlin.report.comparison import write_and_draw_stress_fields
 from drumlin.response.resultants import gauss_lobatto_points
 from drumlin_studies.mesh_degrees import (
     JudgedMesh,
@@ -212,3 +215,28 @@ def test_stated_errors_of_meshes_by_gmsh_are_above_the_true_ones():
         ratios = [mesh.stated[name] / mesh.true[name] for mesh in judged]
         assert np.nanmin(ratios) > 1, name
         assert 1 < np.nanmedian(ratios) < 6, name
+
+
+def test_a_comparison_draws_the_fields_of_a_mesh_file(own, tmp_path, monkeypatch):
+    monkeypatch.setattr(render, "draw_fields_and_return_failure_reason", lambda *_: "not drawn")
+    brake = own("tri2")
+    response = solve(brake)
+    # The response has more nodes along the lining than the mesh of the file, on which fields are.
+    assert write_and_draw_stress_fields(brake, response, tmp_path, "fields") == "not drawn"
+    assert (tmp_path / "fields.vtu").exists()
+
+
+def test_a_degree_without_an_answer_is_said_beside_the_stated_error(own, monkeypatch):
+    def refuse_degree_four(model, brake, *, start=None):
+        if model.bodies[0].line.interpolation_degree_along_contact_line == 4:
+            raise NoAnswer("no equilibrium")
+        return solve_prepared_model(model, brake, start=start)
+
+    solved = degrees.solve_meshes_of_files(own("tri2"), refuse_degree_four, 1e-6)
+    assert saying(solved.response.notes, "no higher degree: at degree 4: no equilibrium")
+    assert solved.response.error["torque"] > 0
+    assert solved.scene.bodies[0].line.interpolation_degree_along_contact_line == 3
+
+
+def test_meshes_without_judged_errors_have_a_line():
+    assert all("no error to judge" in line for line in report_lines_on_judged_meshes([]))

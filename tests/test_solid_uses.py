@@ -277,7 +277,7 @@ def test_the_division_of_the_section_is_that_of_plane_stress(flexible):
         (
             "wear",
             {"model": "solid", "sections": 12},
-            "--elements, --kind and --guided belong to --model fem, "
+            "--elements and --kind belong to --model fem, --guided to fem and solid, "
             "--sections and --lift to foundation",
         ),
     ],

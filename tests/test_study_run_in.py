@@ -146,7 +146,7 @@ def test_the_command_runs_a_brake_in_and_writes_all_states(tmp_path):
         (["--model", "sine"], "--model = 'sine': does not wear; allowed: fem, foundation"),
         (
             ["--model", "foundation", "--elements", "4"],
-            "--elements, --kind and --guided belong to --model fem",
+            "--elements and --kind belong to --model fem, --guided to fem and solid",
         ),
         (["--torque", "5"], "--torque = '5': must be a torque: a number and its unit"),
     ],

@@ -151,7 +151,8 @@ def solve(
         for an unknown model, a model that does not apply, an option out of range or of another
         model
     NoAnswer
-        for self-locking, no equilibrium, no convergence, a tolerance that is not reached
+        for self-locking, no equilibrium, no convergence, a tolerance that is not reached (with mesh
+        files the answer has a warning instead)
 
     Examples
     --------

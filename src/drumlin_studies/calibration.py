@@ -191,7 +191,8 @@ def true_errors_and_estimates_on_each_mesh(
 def _largest_value_of_each_quantity_over_shoes(values: Floats) -> dict[str, float]:
     """The largest value over all shoes for each quantity; for the torque, the value of the brake.
 
-    `values` (1 + 4 shoes,) are in the order of `Distances`: the torque of the brake comes first.
+    `values` (1 + 4 shoes,) are in the order of `LevelDifferences`: the torque of the brake comes
+    first.
     """
     most = values[1:].reshape(-1, len(QUANTITIES)).max(axis=0).tolist()
     return dict(zip(QUANTITIES, most, strict=True)) | {"torque": float(values[0])}

@@ -26,7 +26,10 @@ Penalty = Annotated[
 ]
 Tolerance = Annotated[
     float | None,
-    typer.Option(help="refine until the estimated errors of p (L2) and torque are below it"),
+    typer.Option(
+        help="refine until the estimated errors of p (L2) and torque are below it; on mesh files "
+        "as far as possible"
+    ),
 ]
 FiniteWidth = Annotated[
     bool,

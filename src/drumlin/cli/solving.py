@@ -279,7 +279,7 @@ def sensitivity(
     kind: Kind = None,
     penalty: Penalty = None,
 ) -> None:
-    """How the torque changes with friction, force, moduli, clearance and hinge: exact slopes."""
+    """How the torque changes with friction, force, moduli, clearance and hinge, by its slopes."""
     from drumlin.base.files import check_output_files_are_writable, write_json
     from drumlin.fem.analysis.sensitivity import sensitivity_as_text_lines
 

@@ -127,7 +127,7 @@ class StatedError(NamedTuple):
     ----------
     torque : relative difference of the torque
     pressure : relative difference of the pressure (L2) on the shoe where it is largest
-    own : estimated errors of the accurate answer; None on a mesh from a file
+    own : estimated errors of the accurate answer; None where none is stated
     """
 
     torque: float

@@ -21,6 +21,7 @@ from drumlin.brake.components import Bar, Beam
 from drumlin.explore.answers import (
     HIGHEST_FRICTION,
     WEAR_TOLERANCE,
+    WIDTH_TOLERANCE,
     ExploredAnswer,
     LockingFriction,
     StatedError,
@@ -312,15 +313,18 @@ def error_of_finite_elements_as_html(
         return ""
     words = "finite elements on a fixed division; their error is found out when the sliders rest"
     if stated is not None:
-        own = "which states no error of its own, as it is one mesh"
+        own = "which states no error of its own"
         if stated.own is not None:
             torque, pressure = stated.own["torque"], stated.own["pressure"]
             own = f"whose own errors are estimated as {torque:.1e} and {pressure:.1e}"
+        command = "drumlin solve"
+        if answer.found.model == "solid":
+            command += f" --model solid --tolerance {WIDTH_TOLERANCE:g}"
         words = (
             "error of the finite elements on this fixed division: "
             f"{answer.brake.surface.effect} {_relative_error_as_text(stated.torque)}, "
             f"p {_relative_error_as_text(stated.pressure)} (L2, worst shoe) "
-            f"from drumlin solve, {own}"
+            f"from {command}, {own}"
         )
     worn = f"; wear in steps of {WEAR_TOLERANCE:g} of p" if answer.distance else ""
     return f"<p>{words}{worn}</p>"

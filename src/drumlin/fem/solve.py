@@ -4,6 +4,7 @@ A solve divides the brake into elements, condenses its bodies and solves its con
 finer and finer divisions until the a posteriori error estimate is small enough.
 """
 
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
@@ -17,7 +18,7 @@ from drumlin.fem.error_control.adapt import (
     solve_brake_to_tolerance,
 )
 from drumlin.fem.error_control.degrees import solve_meshes_of_files
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import LEVELS, SolvedLevel
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
@@ -94,7 +95,7 @@ def solve(
     brake.check_shoes_can_be_meshed()
     if finite_width:
         require_brake_that_width_model_applies_to(brake)
-    scene, response = _model_and_response_in_plane_stress(
+    scene, response = _solved_model_in_plane_stress(
         brake, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
     )
     seconds = dict(response.seconds)
@@ -106,10 +107,10 @@ def solve(
     elif not brake.surface.is_plane_and_not_drum:
         response = _response_with_note_on_curve_balance(brake, response)
     if self_locking:
-        with add_elapsed_time(seconds, "self-locking"):
-            scene = scene or prepared_model_with_finest_elements(brake, cache=cache)
+        # An answer that was found is kept where the limit of the elastic brake is not found.
+        with add_elapsed_time(seconds, "self-locking"), suppress(NoAnswer):
             found = distance_of_friction_from_self_locking(scene, brake, penalty)
-        response = replace(response, self_locking=found)
+            response = replace(response, self_locking=found)
     if model_error and not finite_width:
         with add_elapsed_time(seconds, "error of plane stress"):
             own = estimate_error_of_plane_stress(brake, response, penalty=penalty, cache=cache)
@@ -129,7 +130,7 @@ def _require_tolerance_without_elements(
             )
 
 
-def _model_and_response_in_plane_stress(
+def _solved_model_in_plane_stress(
     brake: Brake,
     *,
     elements: int | None,
@@ -137,25 +138,25 @@ def _model_and_response_in_plane_stress(
     tolerance: float | None,
     penalty: float,
     cache: Cache | None,
-) -> tuple[PreparedModel | None, Response]:
+) -> SolvedLevel:
     """The prepared model and the response of a brake in plane stress; parameters as in `solve`.
 
     A given tolerance must be met. Without options the default tolerance is met as well as possible,
     and so is any tolerance on the meshes of files. Given elements are solved once without error
-    estimate. The prepared model is None for meshes of files, which have several.
+    estimate.
     """
     answer = partial(solve_prepared_model, penalty=penalty)
     if tolerance is not None:
         require_tolerance_between_zero_and_one(tolerance)
     if elements is None and kind is None and any(shoe.mesh for shoe in brake.shoes):
-        return None, solve_meshes_of_files(brake, answer, tolerance, cache)
+        return solve_meshes_of_files(brake, answer, tolerance, cache)
     if tolerance is not None:
         asked = Tolerance(tolerance, tolerance)
         return solve_brake_to_tolerance(brake, asked, answer, cache=cache)
     if _is_solved_on_finer_and_finer_levels(brake, elements, kind):
         return solve_brake_to_tolerance(brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache)
     model = prepared_model_with_finest_elements(brake, elements=elements, kind=kind, cache=cache)
-    return model, answer(model, brake)
+    return SolvedLevel(model, answer(model, brake))
 
 
 def prepared_model_with_finest_elements(

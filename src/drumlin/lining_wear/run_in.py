@@ -240,7 +240,8 @@ def wear_brake_linings_until_worn_in(
     Parameters
     ----------
     setup : the brake with the contact problems of its linings
-    law : the wear law; None for Archard's law with COEFFICIENT
+    law : the wear law; None for Archard's law with
+        DEFAULT_WEAR_COEFFICIENT
     backward : setup of the same brake with the drum turning the other way, for `reverse`
     until : function that tells whether the run ends with a given state; None to end the run when
         pressure and torque have come within WEAR_SETTLED of the end of wear

@@ -89,7 +89,7 @@ def require_options_of_wear_model(
     foreign = on_mesh if model == "foundation" else on_springs
     if foreign:
         raise BadInput(
-            "--elements, --kind and --guided belong to --model fem, "
+            "--elements and --kind belong to --model fem, --guided to fem and solid, "
             "--sections and --lift to foundation"
         )
 
@@ -97,7 +97,8 @@ def require_options_of_wear_model(
 def make_wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
     """The wear law with a coefficient and an exponent of the pressure.
 
-    The coefficient is a number [1/Pa] or a text with a unit. For None it is COEFFICIENT.
+    The coefficient is a number [1/Pa] or a text with a unit. For None it is
+    DEFAULT_WEAR_COEFFICIENT.
     """
     if coefficient is None:
         return WearLaw(DEFAULT_WEAR_COEFFICIENT, exponent)

@@ -273,8 +273,8 @@ def torque_and_peak_during_run_in(
 ) -> dict[str, Any]:
     """Torque and peak pressure of a new brake on a round drum while its linings run in by wear.
 
-    The linings wear by Archard's law with run_in.COEFFICIENT until pressure and torque no longer
-    change. At greater sliding distances both have their last values.
+    The linings wear by Archard's law with run_in.DEFAULT_WEAR_COEFFICIENT until pressure and torque
+    no longer change. At greater sliding distances both have their last values.
 
     Parameters
     ----------

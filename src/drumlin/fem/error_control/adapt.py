@@ -385,17 +385,3 @@ def require_tolerance_between_zero_and_one(tolerance: float) -> None:
     """Raise BadInput for a tolerance that is not between 0 and 1."""
     if not 0 < tolerance < 1:
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
-
-
-def require_tolerance_applies_to_brake(brake: Brake, tolerance: float) -> None:
-    """Raise BadInput for a tolerance that is not between 0 and 1, or for a brake with a mesh file.
-
-    The elements of a mesh file are not refined.
-    """
-    require_tolerance_between_zero_and_one(tolerance)
-    for shoe in brake.shoes:
-        if shoe.mesh is not None:
-            raise BadInput(
-                f"--tolerance = {tolerance:g}: shoe {shoe.name!r} has a mesh file, "
-                "which is not refined"
-            )

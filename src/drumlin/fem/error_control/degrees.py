@@ -25,7 +25,7 @@ from drumlin.fem.error_control.estimate import (
     errors_from_differences,
     relative_differences_of_two_levels,
 )
-from drumlin.fem.error_control.levels import ResponseFunction
+from drumlin.fem.error_control.levels import ResponseFunction, SolvedLevel
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.meshes import ELEMENTS, RaisedDegree, read_mesh_file_of_shoe
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -69,10 +69,11 @@ A solve with this number takes a minute. The degree of a larger mesh is not rais
 
 def solve_meshes_of_files(
     brake: Brake, respond: ResponseFunction, tolerance: float | None, cache: Cache | None = None
-) -> Response:
+) -> SolvedLevel:
     """Solve a brake on the meshes of its shoes' files, with stated errors.
 
-    The degree rises until the estimated errors meet the tolerance, or to the last degree. A given
+    Returns the prepared model of the highest degree that was solved, and the response on it. The
+    degree rises until the estimated errors meet the tolerance, or to the last degree. A given
     tolerance that is not met is said in a warning. If the errors cannot be estimated, the brake is
     solved at the meshes' own degrees, and a note says why no error is stated.
 
@@ -94,46 +95,58 @@ def solve_meshes_of_files(
     aim = DEFAULT_TOLERANCE if tolerance is None else Tolerance(tolerance, tolerance)
     responses: list[Response] = []
     error: Errors | None = None
-    stopped = "not even degree 3 is solved, the mesh is too fine"
+    stopped = ""
     try:
-        for response in _responses_at_rising_degrees(brake, respond, cache):
+        for scene, response in _solved_models_at_rising_degrees(brake, respond, cache):
             responses.append(response)
+            solved_last = scene
+            if len(responses) == 1:
+                continue
             if len(responses) == 2:
                 outline = _errors_of_straight_sides(brake, respond, responses[0], cache)
-            if len(responses) > 1:
-                error = _errors_of_last_degree(brake, responses, outline)
-                if is_tolerance_met(error, aim):
-                    break
+            error = _errors_of_last_degree(brake, responses, outline)
+            if is_tolerance_met(error, aim):
+                break
     except NoAnswer as refusal:
-        stopped = f"at degree {DEGREES[len(responses)]}: {refusal}"
+        stopped = str(refusal)
     if error is None:
-        response = respond(make_prepared_model(brake, cache=cache), brake)
-        return replace(response, notes=(*response.notes, f"warning: no error stated: {stopped}"))
+        why = stopped or "not even degree 3 is solved, the mesh is too fine"
+        own = make_prepared_model(brake, cache=cache)
+        response = respond(own, brake)
+        notes = (*response.notes, f"warning: no error stated: {why}")
+        return SolvedLevel(own, replace(response, notes=notes))
     notes = [f"meshes of files: elements of degree {DEGREES[len(responses) - 1]}"]
+    if stopped:
+        notes.append(f"meshes of files: no higher degree: {stopped}")
     if tolerance is not None and not is_tolerance_met(error, aim):
         notes.append(
             f"warning: tolerance {tolerance:g} not reached on the meshes of the files: estimated "
             f"error of p {error.brake['pressure']:.1e}, of the torque {error.brake['torque']:.1e}; "
             "a finer mesh makes it smaller"
         )
-    return response_with_estimated_errors(responses, error, notes)
+    return SolvedLevel(solved_last, response_with_estimated_errors(responses, error, notes))
 
 
-def _responses_at_rising_degrees(
+def _solved_models_at_rising_degrees(
     brake: Brake, respond: ResponseFunction, cache: Cache
-) -> Iterator[Response]:
-    """Yield the response of a brake at each of the DEGREES that its meshes are not too fine for."""
+) -> Iterator[SolvedLevel]:
+    """Yield the solved model of a brake at each degree for which its meshes are not too fine.
+
+    Raises NoAnswer with the degree at which the brake has no solution.
+    """
     last: Response | None = None
     for degree in DEGREES:
         if not _is_small_enough_at_degree(brake, degree, cache):
             return
         # Parametric shoes and the ring have twice as many elements at each degree.
         elements = ELEMENTS * 2**degree // 2 ** DEGREES[1]
-        scene = make_prepared_model(
-            brake, elements=elements, raised=RaisedDegree(degree), cache=cache
-        )
-        last = respond(scene, brake, start=last)
-        yield last
+        raised = RaisedDegree(degree)
+        try:
+            scene = make_prepared_model(brake, elements=elements, raised=raised, cache=cache)
+            last = respond(scene, brake, start=last)
+        except NoAnswer as refusal:
+            raise NoAnswer(f"at degree {degree}: {refusal}") from refusal
+        yield SolvedLevel(scene, last)
 
 
 def _is_small_enough_at_degree(brake: Brake, degree: int, cache: Cache) -> bool:
@@ -175,8 +188,11 @@ def _errors_of_straight_sides(
         return 0.0
     raised = RaisedDegree(DEGREES[0], smooth=True)
     elements = ELEMENTS * 2 ** DEGREES[0] // 2 ** DEGREES[1]
-    scene = make_prepared_model(brake, elements=elements, raised=raised, cache=cache)
-    smooth = respond(scene, brake, start=first)
+    try:
+        scene = make_prepared_model(brake, elements=elements, raised=raised, cache=cache)
+        smooth = respond(scene, brake, start=first)
+    except NoAnswer as refusal:
+        raise NoAnswer(f"with sides that follow the curves: {refusal}") from refusal
     return OUTLINE_FACTOR * relative_differences_of_two_levels(brake, smooth, first).steps
 
 

@@ -228,7 +228,7 @@ def _relative_shoe_response_differences_of_levels(
     Parameters
     ----------
     zone : length of the zone at each end of the lining in which no peak is looked for
-    unit : change of the coordinate theta per radian of the shoe's angle phi, see `Frame`
+    unit : change of the coordinate theta per radian of the shoe's angle phi, see `ShoeFrame`
     a, b : responses of the shoe on a level and on the next
     """
     held = reference_force_of_reaction_errors(b.hinge_reaction, b.normal_force)

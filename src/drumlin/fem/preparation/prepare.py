@@ -88,7 +88,7 @@ def _text_lines_on_neglected_quantities(brake: Brake, shapes: int) -> list[str]:
 
     `shapes` is the number of different shapes of shoe in the brake.
     """
-    lines = ["interior fields: recovered only for a picture"]
+    lines = ["interior fields: recovered only for a file or a picture"]
     lines += text_lines_on_shoes_of_equal_shape(brake, shapes)
     if brake.friction == 0:
         lines.append("friction: mu = 0, symmetric, without the flexibility under drag")

@@ -1,7 +1,9 @@
-"""The solid shoe: the section of the plane model, as wide as its parts are, in hexahedra.
+"""Solid shoes: the section of the plane model, as wide as its parts are.
 
-One half of the shoe stands for the whole, by symmetry. The room only meshes and condenses. Contact,
-response and self-locking are those of the plane model.
+The room starts the solve of `--model solid`. Without options `fem.width` solves the brake, to a
+stated error. A given number of elements takes hexahedra, which this room meshes and condenses. One
+half of the shoe stands for the whole, by symmetry. Contact, response and self-locking are those of
+the plane model. The room also samples displacements and stresses inside solid shoes of both kinds.
 """
 
 MOST_ELEMENTS = 200

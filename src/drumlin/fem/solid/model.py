@@ -6,7 +6,7 @@ from pathlib import Path
 
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.error_control.adapt import Tolerance, require_tolerance_applies_to_brake
+from drumlin.fem.error_control.adapt import Tolerance, require_tolerance_between_zero_and_one
 from drumlin.fem.error_control.levels import SolvedLevel
 from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
 from drumlin.fem.preparation.bodies import ShoeSubstructure
@@ -100,7 +100,7 @@ def prepare_model_of_solid_shoes(
             make = partial(condensed_body_of_solid_shoe, brake, shoe, *counts, seconds)
             made[key] = cache.get(same, make, _memory_size_of_solid_body)
     left_out = [
-        "interior fields: recovered only for a picture",
+        "interior fields: recovered only for a file or a picture",
         OTHER_HALF,
         *text_lines_on_shoes_of_equal_shape(brake, len(made)),
     ]
@@ -200,7 +200,7 @@ def _solve_solid_shoes_to_error_tolerance(
     brake.check_shoes_can_be_meshed()
     asked = DEFAULT_SOLID_TOLERANCE
     if tolerance is not None:
-        require_tolerance_applies_to_brake(brake, tolerance)
+        require_tolerance_between_zero_and_one(tolerance)
         asked = tolerance
     return solve_and_keep_brake_with_widths(
         brake, Tolerance(asked, asked), must=tolerance is not None, penalty=penalty, cache=cache

@@ -26,6 +26,7 @@ from drumlin.fem.preparation.scene import (
     PreparedModel,
     Seconds,
     add_elapsed_time,
+    text_lines_on_rigid_parts,
     text_lines_on_shoes_of_equal_shape,
 )
 from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled as plane_why_not
@@ -45,7 +46,7 @@ LARGEST_WIDTH_DEGREE = 9
 
 The Gauss rules over the width are exact up to degree 11.
 """
-INTERIOR = "interior fields: recovered only for a picture"
+INTERIOR = "interior fields: recovered only for a file or a picture"
 """Line on what a prepared model with a width leaves out: displacements and stresses in bodies."""
 OTHER_HALF = "the other half of each shoe: symmetric"
 """Line on what a prepared model with a width leaves out: the half shoe behind the mid-plane."""
@@ -205,7 +206,12 @@ def prepare_divided_brake_with_widths(
         )
         made[i] = cache.get(key, body, _memory_of_condensed_body)
     bodies = tuple(made[i] for i in alike)
-    left_out = (INTERIOR, OTHER_HALF, *text_lines_on_shoes_of_equal_shape(brake, len(made)))
+    left_out = (
+        INTERIOR,
+        OTHER_HALF,
+        *text_lines_on_shoes_of_equal_shape(brake, len(made)),
+        *text_lines_on_rigid_parts(brake),
+    )
     return PreparedModel(brake, bodies, None, seconds, left_out, model="solid", divisions=divisions)
 
 
