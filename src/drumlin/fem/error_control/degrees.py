@@ -113,8 +113,8 @@ def solve_meshes_of_files(
         why = stopped or "not even degree 3 is solved, the mesh is too fine"
         own = make_prepared_model(brake, cache=cache)
         response = respond(own, brake)
-        notes = (*response.notes, f"warning: no error stated: {why}")
-        return SolvedLevel(own, replace(response, notes=notes))
+        warning = f"warning: no error stated: {why}"
+        return SolvedLevel(own, replace(response, notes=(*response.notes, warning)))
     notes = [f"meshes of files: elements of degree {DEGREES[len(responses) - 1]}"]
     if stopped:
         notes.append(f"meshes of files: no higher degree: {stopped}")
