@@ -143,12 +143,12 @@ def test_the_command_runs_a_brake_in_and_writes_all_states(tmp_path):
             r"--coefficient = '3 kg': must be a wear coefficient such as '1e-5 mm\^3/\(N m\)'",
         ),
         (["--distance", "-2"], "distance = .*: must be greater than 0"),
-        (["--model", "sine"], "--model = 'sine': does not wear; allowed: fem, foundation"),
+        (["--model", "sine"], "--model = 'sine': does not wear; allowed: fem, solid, foundation"),
         (
             ["--model", "foundation", "--elements", "4"],
             "--elements and --kind belong to --model fem, --guided to fem and solid",
         ),
-        (["--torque", "5"], "--torque = '5': must be a torque: a number and its unit"),
+        (["--torque", "5"], "--torque = '5': has no unit; write a torque such as '400 N m'"),
     ],
 )
 def test_bad_options_are_one_line_and_exit_2(arguments, line):
