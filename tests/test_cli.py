@@ -227,6 +227,7 @@ def test_on_a_narrow_terminal_columns_are_left_out_by_name_and_no_number_is_cut(
         ) is bool(left_out)
 
 
+@pytest.mark.slow
 def test_a_terminal_without_greek_letters_is_no_fault(tmp_path):
     text = (STUDY / "brake.toml").read_text().replace('name = "left"', 'name = "λ"')
     (tmp_path / "b.toml").write_text(text, encoding="utf-8")
