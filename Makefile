@@ -17,7 +17,7 @@ WHOLE = tests/test_study_double_shoe.py tests/test_sweep_stopped.py::test_a_dask
   tests/test_manual.py::test_the_manual_is_built_whole_and_stands_alone
 TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
-.PHONY: study manual test types passes test-all oldest newest truths calibrate levels degrees sharpness noticed benchmarks packages constraints setup clean
+.PHONY: study manual test types types-of-tests passes test-all oldest newest truths calibrate levels degrees sharpness noticed benchmarks packages constraints setup clean
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
 
@@ -33,13 +33,16 @@ test: .venv/ready
 
 types:
 	$(BIN)/mypy
+
+# Types in tests take half a minute, and are left to make test-all.
+types-of-tests: .venv/ready
 	$(BIN)/mypy --config-file tests/mypy.ini tests
 
 # loadscope: a module, and what its tests share, stays in one process
 passes:
 	$(BIN)/pytest -n 2 --dist loadscope
 
-test-all: packages
+test-all: packages types-of-tests
 	$(BIN)/pytest $(TESTS)
 	$(MAKE) oldest newest
 
