@@ -54,9 +54,7 @@ from drumlin.fem.preparation.columns import PointsByShape
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.width.error import (
     WIDTH_DEGREE,
-    CoarseSection,
     plane_stress_solution_on_coarse_division,
-    plane_stress_solution_on_given_hp_elements,
     relative_distances_of_shoe_responses,
 )
 from drumlin.fem.width.functions import has_several_widths
@@ -171,6 +169,17 @@ class SectionError(NamedTuple):
     error: SolidErrors
 
 
+class ComparedSection(NamedTuple):
+    """The section on which degrees across the width are compared.
+
+    `level` is its division into hp elements, and `points` are the singular points of each shape of
+    shoe.
+    """
+
+    level: Level
+    points: PointsByShape
+
+
 class LevelClimb(NamedTuple):
     """The levels of a solve, and the answer of the last one with its stated errors."""
 
@@ -243,9 +252,10 @@ def solve_and_keep_brake_with_widths(
     if has_several_widths_on_any_shoe(brake):
         factor = SECTION_SAFETY
         asked = Tolerance(share.pressure / factor, share.torque / factor)
-        levels = LEVELS[: MOST_SECTION_LEVELS + must]
+        levels = LEVELS[: MOST_SECTION_LEVELS + 1] if must else LEVELS[:MOST_SECTION_LEVELS]
         climb = climb_levels_to_tolerance(brake, asked, answer, cache, levels, plane)
-        largest_degree = largest_degree if must else MOST_DEGREE
+        if not must:
+            largest_degree = MOST_DEGREE
     section = coarsest_level_within_tolerance(brake, climb, share, factor)
     compared = section_to_compare_width_degrees(brake, plane, penalty=penalty, cache=cache)
     left = Tolerance(
@@ -431,7 +441,7 @@ def _message_on_unreached_error_tolerance(
 
 def section_to_compare_width_degrees(
     brake: Brake, plane: Response, *, penalty: float = PENALTY, cache: Cache | None = None
-) -> CoarseSection:
+) -> ComparedSection:
     """The section on which degrees across the width are compared, by the widths of the shoes.
 
     Shoes of one width have the coarse section. A brake with a shoe of several widths has the first
@@ -448,26 +458,27 @@ def section_to_compare_width_degrees(
     Raises
     ------
     NoAnswer
-        where plane stress or the brake with widths has no answer on the first level
+        on the first level, where plane stress (shoes of one width) or the brake with its widths has
+        no answer
     """
     if not has_several_widths_on_any_shoe(brake):
-        return plane_stress_solution_on_coarse_division(brake, plane, penalty=penalty, cache=cache)
+        coarse = plane_stress_solution_on_coarse_division(
+            brake, plane, penalty=penalty, cache=cache
+        )
+        return ComparedSection(coarse.level, coarse.points)
     wide = solve_level_of_section_with_width_degree(
         brake, LEVELS[0], WIDTH_DEGREE, plane, penalty=penalty, cache=cache
-    )
-    section = plane_stress_solution_on_given_hp_elements(
-        brake, plane, LEVELS[0], penalty=penalty, cache=cache
     )
     points = singular_points_of_all_linings(
         brake, wide.response, error=LEVELS[0].pressure_error_by_column_ratio
     )
-    return section._replace(points=points)
+    return ComparedSection(LEVELS[0], points)
 
 
 def smallest_width_degree_within_tolerance(
     brake: Brake,
     plane: Response,
-    section: CoarseSection,
+    section: ComparedSection,
     tolerance: Tolerance,
     largest_degree: int = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD,
     *,
