@@ -211,7 +211,7 @@ def compare(
     )
     with show_spinner_beside_words("comparing the models"):
         result = compare_models_and_write_html_page(brake, text, folder, options)
-    print_folded_line(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
+    print_folded_line(f"{brake.title}: {brake.motion}, {brake.friction_in_words}")
     print_table_of_compared_models(result.table, result.columns)
     for line in result.notes:
         print_folded_line(line)
@@ -290,7 +290,7 @@ def sensitivity(
         found = drumlin.sensitivity(brake, model, elements=elements, kind=kind, penalty=stiffness)
     if json_file is not None:
         write_json(json_file, found.as_dict())
-    print_folded_line(f"{brake.title}: {model}, {brake.motion}, mu = {brake.friction:g}")
+    print_folded_line(f"{brake.title}: {model}, {brake.motion}, {brake.friction_in_words}")
     for line in sensitivity_as_text_lines(found, brake):
         print_folded_line(line)
 

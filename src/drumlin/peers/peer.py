@@ -157,6 +157,12 @@ def meshes_of_shoes_for_peer_program(
         raise BadInput(
             "friction = 0: the peers are given a drum that slips; must be greater than 0"
         )
+    for i, shoe in enumerate(brake.shoes):
+        if brake.friction_of_shoe(shoe) == 0:
+            raise BadInput(
+                f"shoe[{i}].lining.friction = 0: the peers are given a drum that slips; "
+                "must be greater than 0"
+            )
     mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
     # Shoes of equal shape share one mesh.
     by_shape: dict[tuple[object, ...], MeshedShoe] = {}
