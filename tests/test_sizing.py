@@ -192,7 +192,8 @@ def test_a_plane_asks_for_a_braking_force():
     ("key", "wanted", "message"),
     [
         ("frictoin", {"torque": 1.0}, "unknown key"),
-        ("title", {"torque": 1.0}, "title"),
+        ("title", {"torque": 1.0}, "title: must be a key of the brake with a number"),
+        ("shoe.left.lining.friction", {"torque": 1.0}, "friction: has no value in the brake file"),
         ("friction", {}, "--torque, --peak-pressure: give at least one of both"),
         ("friction", {"torque": -1.0}, "--torque = -1: must be greater than 0"),
         ("friction", {"peak_pressure": "0 MPa"}, "--peak-pressure = 0: must be greater"),

@@ -344,11 +344,13 @@ def size(
     pressure = None
     if peak_pressure is not None:
         pressure = _option_value_in_si("--peak-pressure", peak_pressure, "Pa")
-    ends = {}
-    for name, end, option in (("low", low, "--from"), ("high", high, "--to")):
-        if end is not None:
-            ends[name] = _option_value_in_si(option, end, question.unit)
-    question = replace(question, torque=wanted, peak_pressure=pressure, **ends)
+    question = replace(
+        question,
+        torque=wanted,
+        peak_pressure=pressure,
+        low=None if low is None else _option_value_in_si("--from", low, question.unit),
+        high=None if high is None else _option_value_in_si("--to", high, question.unit),
+    )
     return size_brake(question, lambda sized: solve(sized, model, **given))
 
 

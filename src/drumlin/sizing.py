@@ -23,6 +23,7 @@ from drumlin.brake.file import (
     is_allowed_range_an_interval,
     numerical_value_of_brake_key,
     si_unit_of_brake_key,
+    values_of_brake_key,
     vary,
 )
 from drumlin.fem.preparation.cache import Cache
@@ -131,6 +132,8 @@ class Question:
     @cached_property
     def value_of_file(self) -> float:
         """The value of the key in the brake file. Raises BadInput if it is no single number."""
+        if set(map(type, values_of_brake_key(self.brake, self.key))) == {type(None)}:
+            raise BadInput(f"{self.key}: has no value in the brake file to start from; write one")
         return numerical_value_of_brake_key(self.brake, self.key)
 
     @cached_property
