@@ -298,3 +298,11 @@ def test_a_temperature_rise_is_a_difference_in_every_unit(text, kelvin):
     brake = read_brake(ROOT / "x.toml", text_of_brake)
     assert isinstance(brake, DrumBrake)
     assert brake.drum.temperature_rise == pytest.approx(kelvin)
+
+
+@DIVISIONS
+def test_heat_calls_for_no_reaction_and_loses_no_balance(level):
+    """Even heat whose internal forces are 1e5 times the actuation leaves the forces in balance."""
+    weak = vary(MAIN, LINING | BODY | {"shoe.actuation.force": 0.1, "shoe.lining.clearance": 1e-4})
+    response = solved(weak, level)
+    assert max(response.balance.force, response.balance.moment) < 1e-9

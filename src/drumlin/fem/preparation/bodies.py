@@ -184,6 +184,11 @@ def make_shoe_substructure(
     closure = -Y[:, :n].T @ Y
     reaction = condensed.L_fc @ Y
 
+    reaction_to_load = reaction[:, loaded] - condensed.load_on_frame
+    # Free strains are in equilibrium with themselves, and the frame alone holds the body in a
+    # statically determinate way: heat calls for no reaction. What is computed is round-off.
+    if HEAT in condensed.columns.column_slice_of_each_load:
+        reaction_to_load[:, condensed.columns.column_slice_of_each_load[HEAT]] = 0.0
     x, y = line.xy - shoe.pin_in_shoe_frame[:, None]
     return kind(
         mesh=division.mesh,
@@ -199,7 +204,7 @@ def make_shoe_substructure(
         load_motion_by_friction=Y[:, loaded].T @ Y[:, dragged] if friction else None,
         load_motion_by_load=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
         reaction_to_pressure=reaction[:, pressed],
-        reaction_to_load=reaction[:, loaded] - condensed.load_on_frame,
+        reaction_to_load=reaction_to_load,
         reaction_to_friction=reaction[:, dragged] if friction else None,
         of_file=division.of_file,
     )
