@@ -74,7 +74,8 @@ BRAKE: tuple[Table, ...] = (
     ("The brake", DrumBrake, {
         "title": "title of tables, figures and reports",
         "rotation": "sense in which the drum turns",
-        "friction": "friction coefficient μ, the same on all linings", "drum": "the table `[drum]`",
+        "friction": "friction coefficient μ of the linings that have none of their own",
+        "drum": "the table `[drum]`",
         "shoe": "the tables `[[shoe]]`, one for each shoe", **_SHARED}),
     ("`[drum]`", Drum, {
         "radius": "radius R of the friction surface",
@@ -107,7 +108,8 @@ BRAKE: tuple[Table, ...] = (
         "material": "material of the lining",
         "clearance": "gap of the unloaded lining, positive if open: one value, or rows of angle "
             "and gap",
-        "misfit": "further deviation of the surface from the drum's circle; see below", **_HEAT}),
+        "misfit": "further deviation of the surface from the drum's circle; see below",
+        "friction": "friction coefficient of this lining, by default that of the brake", **_HEAT}),
     ("`misfit` of `[shoe.lining]`", Misfit, {
         "radius": "radius of the lining's own circle, by default the drum's radius",
         "offset": "vector by which the circle is moved",
@@ -165,7 +167,7 @@ BRAKE: tuple[Table, ...] = (
         "x": "distance from the drum's centre in x", "y": "distance from the drum's centre in y"}),
     ("A brake on a plane", FlatBrake, {
         "title": "title of tables, figures and reports",
-        "friction": "friction coefficient μ, the same on all linings",
+        "friction": "friction coefficient μ of the linings that have none of their own",
         "plane": "the table `[plane]`, in place of `[drum]`",
         "shoe": "the tables `[[shoe]]`", **_SHARED}),
     ("`[plane]`", Plane, {"sliding": "direction in which the plane slides under the linings"}),
@@ -177,7 +179,8 @@ BRAKE: tuple[Table, ...] = (
         "material": "material of the lining, for finite elements",
         "clearance": "gap between the unloaded lining and the plane: one value, or rows of place "
             "x and gap",
-        "misfit": "further deviation of the face from the plane; see below", **_HEAT}),
+        "misfit": "further deviation of the face from the plane; see below",
+        "friction": "friction coefficient of this lining, by default that of the brake", **_HEAT}),
     ("`misfit` of `[shoe.lining]` on a plane", FlatMisfit, {
         "radius": "radius of a face that is ground to a circle and meets the plane in its middle: "
             "positive for a crowned face, negative for a hollow face; by default the face is flat",

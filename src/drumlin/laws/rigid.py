@@ -156,11 +156,14 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
 
 def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
     """The friction of a brake beside the smallest mu_lock of its shoes by the rigid-shoe law."""
-    limits = [
-        LockedShoes((shoe.name,), self_locking_friction_of_rigid_shoe(brake, shoe))
-        for shoe in brake.shoes
-    ]
-    return SelfLocking(brake.friction, first_shoes_to_lock(limits))
+    limits = []
+    for shoe in brake.shoes:
+        limit = self_locking_friction_of_rigid_shoe(brake, shoe)
+        scaled = brake.friction_at_friction_of_shoe(shoe, limit)
+        limits.append(LockedShoes((shoe.name,), scaled))
+    return SelfLocking(
+        brake.friction, first_shoes_to_lock(limits), scaled=brake.key_of_first_own_friction() or ""
+    )
 
 
 def find_contact_of_rigid_shoe(
@@ -241,7 +244,8 @@ def _find_contact_for_friction_sense(
     NoAnswer
         if the shoe locks itself, or no pressure on its lining balances the actuation
     """
-    free, ends, mu = shoe.freedoms(sense), (shoe.lining.start, shoe.lining.end), brake.friction
+    free, ends = shoe.freedoms(sense), (shoe.lining.start, shoe.lining.end)
+    mu = brake.friction_of_shoe(shoe)
     shapes = face.gap_closing_by_motions(free.motions)
     locking_friction_on = partial(
         self_locking_friction_on_arcs, face, free, shoe.lining.width, spin=brake.sign_of_motion
@@ -313,7 +317,7 @@ def _contact_resultant_of_rigid_shoe(
 ) -> Resultant:
     """Resultant of pressure and friction on a rigid shoe in contact."""
     loads = shoe.lining.width * found.face.integrals_of_shape_products(found.arcs) @ found.c
-    return found.face.force(loads, brake.friction * brake.sign_of_motion)
+    return found.face.force(loads, brake.signed_friction_per_pressure(shoe))
 
 
 def response_of_rigid_shoe(
@@ -336,7 +340,8 @@ def response_of_rigid_shoe(
     helping = about_pin.friction * of_actuation
     # A shoe on a guide does not turn, so the work of the friction decides there.
     if guided:
-        helping = _friction_work_on_guide_above_round_off(brake, found)
+        drag = brake.signed_friction_per_pressure(shoe)
+        helping = _friction_work_on_guide_above_round_off(drag, found)
     return ShoeResponse(
         name=shoe.name,
         torque=0.0 if flat else abs(contact.moment),
@@ -352,16 +357,17 @@ def response_of_rigid_shoe(
     )
 
 
-def _friction_work_on_guide_above_round_off(brake: Brake, found: RigidShoeContact) -> float:
+def _friction_work_on_guide_above_round_off(drag: float, found: RigidShoeContact) -> float:
     """Work of the friction as a shoe moves along its guide, less NEITHER of the pressure's work.
 
     The result is positive if friction is self-energising. It is not positive if the guide is square
-    to the surface, where the friction does no work but round-off.
+    to the surface, where the friction does no work but round-off. `drag` is the friction stress on
+    the lining per pressure.
     """
     a = found.amounts
     systems = equilibrium_matrices_of_rigid_shoe(found.face, found.freedoms, 1.0, found.arcs)
     closed, dragged = (float(a @ work @ a) for work in systems)
-    return brake.friction * brake.sign_of_motion * dragged - NEITHER * closed
+    return drag * dragged - NEITHER * closed
 
 
 def pressure_of_rigid_shoe_at_places(found: RigidShoeContact | None, place: Floats) -> Floats:

@@ -176,7 +176,7 @@ def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
         weight=group.mass_matrix_of_contact_nodes,
         pressure=np.ones(len(gap)),
         area=np.concatenate(list(map(attrgetter("areas_of_contact_nodes"), couplings))),
-        torque=group.brake.friction * np.concatenate(list(map(attrgetter("lever"), couplings))),
+        torque=group.brake.friction * group.torque_of_each_shoe_per_nodal_pressure.sum(axis=1),
         stands=partial(_is_abutment_friction_as_assumed, first),
         others=tuple(
             Footing(
@@ -289,11 +289,12 @@ def wear_setup_by_foundation_model(
     surfaces: list[WornLining] = []
     for group in groups:
         system = foundation.contact_problem_of_shoe_group(brake, group, sections, names)
-        areas, gaps, placed = [], [], []
+        areas, gaps, placed, torques = [], [], [], []
         for i, post in zip(group, system.posts, strict=True):
             shoe = brake.shoes[i]
             gaps.append(post.gap)
             areas.append(shoe.lining.width * brake.size * post.sector)
+            torques.append(brake.friction_of_shoe(shoe) * areas[-1])
             placed.append(
                 _PlacedLining(
                     i,
@@ -313,7 +314,7 @@ def wear_setup_by_foundation_model(
                 weight=np.eye(len(area)),
                 pressure=1 / area,
                 area=area,
-                torque=brake.friction * brake.size * area,
+                torque=brake.size * np.concatenate(torques),
             )
         )
     return _make_wear_setup(brake, "foundation", interfaces, surfaces)

@@ -159,6 +159,12 @@ def meshes_of_shoes_for_peer_program(
         raise BadInput(
             "friction = 0: the peers are given a drum that slips; must be greater than 0"
         )
+    for i, shoe in enumerate(brake.shoes):
+        if brake.friction_of_shoe(shoe) == 0:
+            raise BadInput(
+                f"shoe[{i}].lining.friction = 0: the peers are given a drum that slips; "
+                "must be greater than 0"
+            )
     heated = reason_if_any_shoe_is_heated(brake, "a peer")
     if heated is not None:
         raise BadInput(heated)

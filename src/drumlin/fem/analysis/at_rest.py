@@ -201,19 +201,23 @@ class FeetOnRoughAbutments(NamedTuple):
         return cls(group, on, tuple(senses), 1 / np.array(stiffness))
 
     def brake_with_smooth_abutments(self, friction: float) -> Brake:
-        """The brake at a friction coefficient of the drum, with frictionless abutments."""
+        """The brake at a friction coefficient of the drum, with frictionless abutments.
+
+        Frictions that linings have of their own change in proportion.
+        """
         shoes = []
         for shoe in self.group.brake.shoes:
             abutment = shoe.abutment and shoe.abutment.model_copy(update={"friction": 0.0})
             shoes.append(shoe.model_copy(update={"abutment": abutment}))
-        return self.group.brake.model_copy(update={"friction": friction, "shoes": tuple(shoes)})
+        smooth = self.group.brake.model_copy(update={"shoes": tuple(shoes)})
+        return smooth.brake_with_scaled_friction(friction)
 
     def friction_coefficients_of_all_nodes(self) -> Floats:
         """The friction coefficients (n,) of all nodes, those of linings before those of feet."""
-        n = self.group.contact_node_slices_of_shoes[-1].stop
         abutments = [self.group.shoes[k].abutment for k in self.shoe_numbers]
         of_feet = [abutment.friction for abutment in abutments if abutment is not None]
-        return np.array([self.group.brake.friction] * n + of_feet)
+        of_linings = self.group.brake.friction * self.group.relative_friction_of_nodes
+        return np.append(of_linings, of_feet)
 
     def stick_slip_problem_with_foot_nodes(
         self, problem: FrictionalProblem, still: ShoeGroup

@@ -186,7 +186,8 @@ def stress_and_displacement_fields_of_ring(
     if ring is None or section is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
     u = ring.displacement_of_ring_nodes(
-        nodal_contact_pressures_of_each_lining(brake, response), brake.drag
+        nodal_contact_pressures_of_each_lining(brake, response),
+        list(map(brake.signed_friction_per_pressure, brake.shoes)),
     )
     no_pressure = np.zeros(ring.basis.N)
     solved = _SolvedBody(ring.mesh, ring.basis, elastic_layers_of_ring(section), u, no_pressure)

@@ -80,9 +80,14 @@ class ShoeGroup(GroupProblems):
     def group_with_drum_friction(self, friction: float) -> "ShoeGroup":
         """A copy of the group with another friction coefficient of the drum.
 
-        The senses of friction at the abutments stay.
+        Frictions that linings have of their own change in proportion. The senses of friction at the
+        abutments stay.
         """
-        return replace(self, brake=self.brake.model_copy(update={"friction": friction}))
+        return replace(
+            self,
+            brake=self.brake.brake_with_scaled_friction(friction),
+            relative_frictions=self.relative_friction_of_each_shoe,
+        )
 
     # These methods solve the contact under given senses of friction at the abutments.
 
@@ -103,7 +108,7 @@ class ShoeGroup(GroupProblems):
                 self.gaps_of_unloaded_linings[k],
                 self.actuation_of_each_shoe_by_one_newton[k].moment_about_pin,
             )
-        law = min(map(self.locking_friction_of_rigid_shoe, self.members))
+        law = min(map(self.friction_at_which_rigid_shoe_locks, range(len(self.members))))
         try:
             contact = self_locking.solve_contact_reached_from_zero_friction(
                 self.contact_problem_of_group_at_friction,
@@ -131,8 +136,14 @@ class ShoeGroup(GroupProblems):
             )
         return contact
 
+    def friction_at_which_rigid_shoe_locks(self, k: int) -> float:
+        """The friction coefficient of the brake at which shoe `k` locks by the rigid-shoe law."""
+        ratio = self.relative_friction_of_each_shoe[k]
+        own = self.locking_friction_of_rigid_shoe(self.members[k])
+        return own / ratio if ratio else math.inf
+
     def locking_friction_of_rigid_shoe(self, i: int) -> float:
-        """The friction coefficient at which shoe `i` of the brake locks by the rigid-shoe law.
+        """The friction coefficient of shoe `i` of the brake at which it locks by that law.
 
         If the shoe is hinged and the drum drags it the same way as in the prepared model, the value
         is taken from the model.
@@ -272,7 +283,7 @@ class ShoeGroup(GroupProblems):
             return ""
         if not end.limit.friction < friction:
             return ""
-        law = min(map(self.locking_friction_of_rigid_shoe, self.members))
+        law = min(map(self.friction_at_which_rigid_shoe_locks, range(len(self.members))))
         locked = self_locking.self_locking_error_text(
             friction, end.limit.friction, rigid_law_limit=law, brake_words=ELASTIC_BRAKE_WORDS
         )

@@ -6,7 +6,6 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.lapack import block_diag
-from drumlin.brake.brake import Shoe
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.self_locking import FrictionDependentProblem
@@ -80,14 +79,15 @@ class GroupProblems(GroupState):
         compliance = block_diag(*A)
         if self.factors_of_ring_flexibility is not None:
             pressed, dragged = self.factors_of_ring_flexibility
-            compliance += pressed.T @ (pressed + friction * self.brake.sign_of_motion * dragged)
+            drags = friction * self.brake.sign_of_motion * self.relative_friction_of_nodes
+            compliance += pressed.T @ (pressed + drags * dragged)
         return ContactProblem(
             compliance, np.concatenate(q), block_diag(*B), block_diag(*C), np.concatenate(h)
         )
 
     def _contact_problem_of_single_shoe(self, k: int, friction: float) -> ContactProblem:
         """The contact problem of shoe `k` alone on a rigid drum, at a friction coefficient."""
-        drag = self._friction_coefficient_signed_by_drag_on_shoe(self.shoes[k], friction)
+        drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
         terms, closures = self.terms_independent_of_friction[k], self.gap_closures_of_test_modes[k]
         A = _shoe_compliance_with_penalty(
             self.substructures_of_shoes[k], drag, self.contact_stiffness_per_area_of_shoes[k]
@@ -95,9 +95,13 @@ class GroupProblems(GroupState):
         C = (drag * closures.tangential - closures.normal).T
         return ContactProblem(A, terms.q, terms.B, C, terms.h)
 
-    def _friction_coefficient_signed_by_drag_on_shoe(self, shoe: Shoe, friction: float) -> float:
-        """The friction coefficient, positive or negative by the sense of drag in a shoe's frame."""
-        return friction * self.brake.sign_of_motion * shoe.frame.sense
+    def _friction_coefficient_signed_by_drag_on_shoe(self, k: int, friction: float) -> float:
+        """The friction coefficient of shoe `k`, signed by the sense of drag in the shoe's frame.
+
+        `friction` is the friction coefficient of the brake.
+        """
+        own = friction * self.relative_friction_of_each_shoe[k]
+        return own * self.brake.sign_of_motion * self.shoes[k].frame.sense
 
     # The following methods treat forces that the shoes share.
 
@@ -140,7 +144,7 @@ class GroupProblems(GroupState):
             self.rigid_body_modes_of_shoes[k],
         )
         load = self.actuation_of_each_shoe_by_one_newton[k].load_factors
-        drag = self._friction_coefficient_signed_by_drag_on_shoe(shoe, friction)
+        drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
         tip = -(load @ body.closure_by_load.T)
         # A model that is prepared without friction does not know how friction moves the tip.
         if body.load_motion_by_friction is not None:

@@ -86,6 +86,8 @@ class GroupState:
     friction_senses : sense of the friction at each shoe's abutment, see `Held.freedoms`; empty
         until `ShoeGroup.solve_contact_and_abutment_friction` has found the senses. A group with a
         rough abutment has no contact problem before the senses are known.
+    relative_frictions : (shoes,) friction coefficient of each shoe over that of the brake; empty to
+        take them from the brake, which does not know them once its friction is scaled to 0
     worn_depth : (n,) [m], depth by which wear has opened the gap at the contact nodes of the group;
         None for unworn linings
     """
@@ -95,6 +97,7 @@ class GroupState:
     members: tuple[int, ...]
     penalty: float = math.inf
     friction_senses: tuple[int, ...] = ()
+    relative_frictions: tuple[float, ...] = ()
     worn_depth: Floats | None = None
 
     # These are the members of the group.
@@ -131,6 +134,18 @@ class GroupState:
                 "ask for `solve_contact_and_abutment_friction`"
             )
         return self.friction_senses or (1,) * len(self.members)
+
+    @cached_property
+    def relative_friction_of_each_shoe(self) -> tuple[float, ...]:
+        """The friction coefficient of each shoe's lining over that of the brake."""
+        return self.relative_frictions or tuple(
+            map(self.brake.relative_friction_of_shoe, self.shoes)
+        )
+
+    @property
+    def drag_at_nodes(self) -> Floats:
+        """The friction stress (n,) per pressure at each contact node, along growing theta."""
+        return self.brake.friction * self.brake.sign_of_motion * self.relative_friction_of_nodes
 
     # These properties tell where the unknowns of each shoe stand among those of the group.
 
@@ -246,10 +261,18 @@ class GroupState:
 
     @cached_property
     def torque_of_each_shoe_per_nodal_pressure(self) -> Floats:
-        """The torque (n, shoes) [m^3] of each shoe per nodal pressure, at a friction of 1."""
-        return np.asarray(
-            block_diag(*map(attrgetter("coupling.lever"), self.substructures_of_shoes)).T
-        )
+        """The torque (n, shoes) [m^3] of each shoe per nodal pressure, at a brake's friction of 1.
+
+        Linings with a friction of their own have it in proportion.
+        """
+        levers = block_diag(*map(attrgetter("coupling.lever"), self.substructures_of_shoes)).T
+        return np.asarray(levers * self.relative_friction_of_each_shoe)
+
+    @cached_property
+    def relative_friction_of_nodes(self) -> Floats:
+        """The friction coefficient (n,) at each contact node over that of the brake."""
+        counts = [len(body.line.nodes) for body in self.substructures_of_shoes]
+        return np.repeat(self.relative_friction_of_each_shoe, counts)
 
     @cached_property
     def contact_node_areas(self) -> Floats:
