@@ -16,7 +16,11 @@ from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.mesh.arc import element_kind_of_mesh
-from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_under_actuation_force
+from drumlin.fem.preparation.bodies import (
+    ShoeSubstructure,
+    load_factors_of_push_on_shoe,
+    load_factors_under_actuation_force,
+)
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.elasticity import (
     elastic_layers_of_ring,
@@ -216,6 +220,8 @@ def nodal_displacements_of_shoe(
     p : pressures (n,) [Pa] on the lining of the shoe, in the order of the shoe's own frame
     """
     load = load_factors_under_actuation_force(body, shoe, shoe.actuation.force)
+    for support in answer.supports:
+        load = load + load_factors_of_push_on_shoe(body, shoe, support.push, brake.size)
     # These forces (2n,) [N] of pressure and friction act on the contact nodes.
     nodal = (
         brake.signed_friction_per_pressure_in_shoe_frame(shoe) * (body.coupling.T.T @ p)
