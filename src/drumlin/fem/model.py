@@ -739,11 +739,14 @@ def _response_of_shoe_in_brake_frame(
 def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
     """Whether the work of the friction on the first test mode of a shoe helps the actuation.
 
-    The works are per unit of the mode.
+    The works are per unit of the mode. For a shoe on anchors they are those in its own motion.
     """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     drag = group.brake.signed_friction_per_pressure_in_shoe_frame(group.shoes[k])
     closures = group.gap_closures_of_test_modes[k]
+    if group.shoes[k].anchors:
+        work = [float(p @ part @ solution.coordinates) for part in closures]
+        return drag * work[1] > NEITHER * abs(work[0])
     closed, rubbed = float(closures.normal[:, 0] @ p), float(closures.tangential[:, 0] @ p)
     sense = math.copysign(1.0, group.rigid_body_modes_of_shoes[k].actuation_work[0])
     return sense * drag * rubbed > NEITHER * abs(closed)

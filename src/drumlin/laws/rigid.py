@@ -260,9 +260,10 @@ def response_of_rigid_shoe(
     reaction_moment = -about_pin.pressure - about_pin.friction - of_actuation
     # Friction is self-energising if its moment about the pin has the actuation moment's sense.
     helping = about_pin.friction * of_actuation
-    # A shoe on a guide does not turn, so the work of the friction decides there.
-    if guided:
-        helping = _friction_work_on_guide_above_round_off(brake, found)
+    # A shoe on a guide does not turn, and one on anchors turns about no given point. There the work
+    # of the friction in the motion of the shoe decides.
+    if has_moment:
+        helping = _friction_work_in_motion_above_round_off(brake, found)
     return ShoeResponse(
         name=shoe.name,
         torque=0.0 if flat else abs(contact.moment),
@@ -278,8 +279,8 @@ def response_of_rigid_shoe(
     )
 
 
-def _friction_work_on_guide_above_round_off(brake: Brake, found: RigidShoeContact) -> float:
-    """Work of the friction as a shoe moves along its guide, less NEITHER of the pressure's work.
+def _friction_work_in_motion_above_round_off(brake: Brake, found: RigidShoeContact) -> float:
+    """Work of the friction as a shoe moves, less NEITHER of the pressure's work.
 
     The result is positive if friction is self-energising. It is not positive if the guide is square
     to the surface, where the friction does no work but round-off.
