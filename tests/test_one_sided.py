@@ -166,7 +166,7 @@ def test_a_shoe_that_no_support_holds_is_refused() -> None:
     brake = vary(brake, {"shoe.anchor": brake.shoes[0].anchors[:1]})
     for model in ("rigid", "fem"):
         options = {"elements": 12} if model == "fem" else {}
-        with pytest.raises(NoAnswer, match="no choice of its one-sided supports holds it"):
+        with pytest.raises(NoAnswer, match="on no choice of its one-sided supports do pushes"):
             drumlin.solve(brake, model, **options)
 
 
@@ -238,3 +238,13 @@ def test_a_brake_file_with_anchors_is_written_and_read_again(tmp_path) -> None:
     path = tmp_path / "duo.toml"
     drumlin.write_brake(brake, path)
     assert drumlin.read_brake(path).model_dump() == brake.model_dump()
+
+
+@pytest.mark.slow
+def test_a_worn_in_duo_servo_is_its_law() -> None:
+    """Rigid shoes under steady wear press as rigid shoes on springs do."""
+    brake = duo_servo(1, 0.2, FULL)
+    worn = drumlin.solve(brake, worn_in=True, elements=40)
+    law = drumlin.solve(brake, "rigid")
+    assert worn.torque == pytest.approx(law.torque, rel=1e-3)
+    assert abs(solve(brake, elements=40).torque / law.torque - 1) > 0.02

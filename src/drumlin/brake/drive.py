@@ -150,7 +150,7 @@ def _strut_actuations_by_shoe_index(
     return lines
 
 
-STRAIGHT = 1e-9
+LARGEST_BEND_OF_STRUT = 1e-9
 """Largest angle [rad] between the two ends of a strut that counts as round-off.
 
 The distance of each end from the line of the other, relative to the length, counts alike. Angles of
@@ -184,7 +184,11 @@ def _check_strut_between_feet(
     between = first.point.xy - second.point.xy
     along = source.unit_vector_of_abutment_force_on_foot
     off = abs(float(between[0] * along[1] - between[1] * along[0]))
-    if abs(turn) > STRAIGHT or off > STRAIGHT * math.hypot(*between) or between @ along <= 0:
+    if (
+        abs(turn) > LARGEST_BEND_OF_STRUT
+        or off > LARGEST_BEND_OF_STRUT * math.hypot(*between)
+        or between @ along <= 0
+    ):
         raise ValueError(
             f"{key}: a strut pushes the feet of both shoes apart along one line; the abutments of "
             f"{link.source!r} and {link.to!r} must lie on it, with opposite directions along it"

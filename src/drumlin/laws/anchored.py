@@ -51,6 +51,10 @@ MOST_HALVED_FRICTIONS = 30
 A brake above its limit of self-locking has no solution that tells them. Thirty halvings end at
 1e-9 of the friction, where the brake is as good as frictionless; the number changes no result.
 """
+NOT_HELD_TEXT = (
+    "no equilibrium, on no choice of its one-sided supports do pushes balance the actuation"
+)
+"""Text of the refusal of a shoe that its anchors, abutments and struts cannot hold by pushing."""
 SAME_FORCES = 1e-6
 """Relative difference of the supports' forces below which two equilibria count as the same.
 
@@ -308,9 +312,7 @@ def _equilibrium(brake: Brake, members: tuple[int, ...]) -> SolvedShoesOnAnchors
             f"{names}: self-locking, friction {brake.friction:g} is not below mu_lock = "
             f"{limit:.6g} of the rigid-shoe law"
         )
-    raise NoAnswer(
-        f"{names}: no equilibrium, no choice of its one-sided supports holds it without a pull"
-    )
+    raise NoAnswer(f"{names}: {NOT_HELD_TEXT}")
 
 
 def _locking_friction(brake: Brake, members: tuple[int, ...]) -> float:

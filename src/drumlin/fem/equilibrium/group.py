@@ -24,12 +24,10 @@ from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WO
 from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
-from drumlin.laws.anchored import bearing_of_rigid_shoes
+from drumlin.laws.anchored import NOT_HELD_TEXT, bearing_of_rigid_shoes
 
 FOOT_LEAVES_TEXT = "no equilibrium, a foot leaves its abutment"
 """Text of the refusal of a brake in which the foot of a shoe would lift off its abutment."""
-NOT_HELD_TEXT = "no equilibrium, no choice of its one-sided supports holds it without a pull"
-"""Text of the refusal of a shoe that its anchors, abutments and struts cannot hold by pushing."""
 ELASTIC_BRAKE_WORDS = "elastic as it is"
 """Words for the elastic model in the message that a brake locks itself.
 
