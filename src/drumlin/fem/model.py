@@ -17,6 +17,7 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, LostDigits, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
+from drumlin.brake.heat import note_on_heat
 from drumlin.brake.one_sided import SupportForce
 from drumlin.brake.units import mm_text
 from drumlin.contact.active_set import Contact
@@ -159,6 +160,7 @@ def solve_prepared_model(
             *notes_on_forces_of_supports([answer.response for answer in in_order]),
             *_notes_on_supports_of_shoe_bodies(brake),
             *notes_on_cam_force_of_unlike_linings(brake),
+            *filter(None, [note_on_heat(brake)]),
         ),
     )
 

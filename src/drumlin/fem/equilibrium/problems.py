@@ -23,7 +23,10 @@ from drumlin.fem.equilibrium.sharing import (
     make_contact_problem_with_shared_forces,
 )
 from drumlin.fem.equilibrium.state import GroupState
-from drumlin.fem.preparation.bodies import ShoeSubstructure
+from drumlin.fem.preparation.bodies import (
+    ShoeSubstructure,
+    load_factors_under_actuation_force,
+)
 
 ROWS_AT_A_TIME = 64
 """Number of rows of a shoe's compliance matrix that are assembled at a time.
@@ -209,11 +212,10 @@ class GroupProblems(GroupState):
             for side in support.sides:
                 k, load = side.shoe, loads[j][side.shoe]
                 nodes, body = self.contact_node_slices_of_shoes[k], self.substructures_of_shoes[k]
-                acting = (
-                    abs(self.relative_actuation_forces_of_file[k])
-                    * self.actuation_of_each_shoe_by_one_newton[k].load_factors
-                )
-                opening[j] += load @ body.load_motion_by_load @ acting
+                force = self.shoes[k].actuation.force
+                acting = load_factors_under_actuation_force(body, self.shoes[k], force)
+                travel = load @ body.load_motion_by_load @ acting
+                opening[j] += travel / self.largest_actuation_force
                 by_pressure[j, nodes] = self._travel_of_load_by_pressure(k, load, friction)
                 modes = self.rigid_body_mode_slices_of_shoes[k]
                 by_motion[j, modes] = self.work_of_push_on_modes(k, side.push)
