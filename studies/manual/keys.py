@@ -16,7 +16,7 @@ from drumlin.brake.drive import Drive, Link
 from drumlin.brake.drum_brake import DrumBrake, DrumShoe
 from drumlin.brake.fields import Material, Orthotropic, Part, Point
 from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatMisfit, FlatShoe, Plane
-from drumlin.brake.support import Abutment, Guide, MeshGroups
+from drumlin.brake.support import Abutment, Anchor, Guide, MeshGroups
 from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedNormal, Uniform
 from drumlin.sweeps.options import FemOptions, FoundationOptions, SolidOptions
 
@@ -42,6 +42,8 @@ _HELD = {
     "pivot": "the pin by which the shoe hangs on a lever; `hinge` is then the pin of the lever",
     "abutment": "the table `[shoe.abutment]`, in place of a hinge",
     "guide": "the table `[shoe.guide]`, in place of a hinge",
+    "anchor": "the tables `[[shoe.anchor]]`: faces that push and cannot pull; the shoe rests on "
+    "those that the solution finds, and can then leave its abutment too",
     "lining": "the table `[shoe.lining]`",
     "backing": "the table `[shoe.backing]`",
     "body": "the table `[shoe.body]`; without it the shoe is rigid",
@@ -102,6 +104,10 @@ BRAKE: tuple[Table, ...] = (
         "point": "point at which the foot of the shoe bears",
         "direction": "normal of the face: direction of the force on the foot without friction",
         "friction": "friction coefficient between foot and face; friction opposes the slide"}),
+    ("`[[shoe.anchor]]`", Anchor, {
+        "point": "point at which the shoe bears",
+        "direction": "direction of the force of the face on the shoe",
+        "clearance": "distance between face and shoe while nothing acts"}),
     ("`[shoe.guide]`", Guide, {"direction": "direction in which the shoe moves without turning"}),
     ("`[shoe.lining]`", DrumLining, {
         **_ARC, "thickness": "radial thickness", "width": "width of the lining",

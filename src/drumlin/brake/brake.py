@@ -451,6 +451,15 @@ class Brake(Part):
         """
         return reason_why_forces_are_shared(self.actuation, self.links)
 
+    @property
+    def names_of_shoes_pushed_by_struts(self) -> set[str]:
+        """The names of the shoes whose whole actuation is the force of a strut.
+
+        A strut between the feet of two shoes on anchors is a support and no actuation.
+        """
+        on_anchors = {shoe.name for shoe in self.shoes if shoe.anchors}
+        return {link.to for link in self.links} - on_anchors
+
     def reason_why_not_meshable(self) -> str | None:
         """Why the shoes cannot be meshed by finite elements (missing data); None if they can."""
         for shoe in self.shoes:

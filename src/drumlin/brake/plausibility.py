@@ -179,6 +179,7 @@ def _lines_on_far_points(brake: Brake, size: float) -> Iterator[str]:
             "abutment.point": abutment,
             "actuation.point": shoe.actuation.point,
         }
+        points |= {f"anchor[{j}].point": anchor.point for j, anchor in enumerate(shoe.anchors)}
         for name, point in points.items():
             away = 0.0 if point is None else _distance_from_surface_centre(brake, point)
             if away > FAR_AWAY * size:

@@ -216,9 +216,10 @@ def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> t
         if active is None:
             raise
         settled, contact = worn.solve_contact_and_abutment_friction(active)
-    # The senses of the friction at the abutments tell to which of the `ways` the solution belongs.
-    senses = list(map(attrgetter("known_abutment_friction_directions"), ways))
-    return senses.index(settled.known_abutment_friction_directions), contact.active
+    # The senses of friction at the abutments and the supports that bear tell to which of the `ways`
+    # the solution belongs.
+    choices = attrgetter("known_abutment_friction_directions", "bearing")
+    return list(map(choices, ways)).index(choices(settled)), contact.active
 
 
 def brake_with_added_worn_depths(
@@ -256,7 +257,7 @@ def _is_abutment_friction_as_assumed(group: ShoeGroup, contact: Contact) -> bool
         p=contact.p / group.largest_actuation_force,
         y=contact.y / group.largest_actuation_force,
     )
-    return all(group.is_foot_friction_as_assumed(unit, k) for k in range(len(group.members)))
+    return group.is_contact_as_assumed(unit)
 
 
 def wear_setup_by_foundation_model(

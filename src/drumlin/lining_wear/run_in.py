@@ -22,7 +22,7 @@ from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.units import mm_text
 from drumlin.laws import rigid
-from drumlin.laws.rigid import RigidShoeContact
+from drumlin.laws.shoe_contact import RigidShoeContact
 from drumlin.lining_wear import archard
 from drumlin.lining_wear.archard import WearLaw, WearState, solve_steady_wear
 from drumlin.lining_wear.linings import WearSetup, WornLining, brake_with_added_worn_depths

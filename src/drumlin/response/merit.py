@@ -141,7 +141,7 @@ def brake_factor(brake: Brake, response: Response) -> float | None:
     factor is the sum of the shoe factors. The force of a strut on a shoe does not count in the mean
     F. Without actuation the brake factor is None.
     """
-    pushed = {link.to for link in brake.links}
+    pushed = brake.names_of_shoes_pushed_by_struts
     shoes = brake_with_forces_of_response(brake, response).shoes
     forces = [abs(shoe.actuation.force) for shoe in shoes if shoe.name not in pushed]
     force = math.fsum(forces) / len(forces)

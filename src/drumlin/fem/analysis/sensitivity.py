@@ -35,6 +35,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
+from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.brake.orthotropic import names_of_orthotropic_parts
 from drumlin.brake.support import SupportChange, resultant_force_and_moment
 from drumlin.fem.analysis.adjoint import (
@@ -188,6 +189,7 @@ def compute_torque_sensitivity(
     """
     require_positive_penalty(penalty)
     _require_friction(scene, brake)
+    require_no_shoe_on_anchors(brake, "sensitivity")
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
     changed = function_for_bodies_with_changed_moduli(scene)
