@@ -9,11 +9,14 @@ import pytest
 from conftest import partly
 from drumlin.base.lapack import dtrtrs
 from drumlin.fem.analysis.fields import nodal_displacements_of_shoe
+from drumlin.fem.analysis.solid_fields import (
+    face_of_shoe_with_width,
+    unknowns_of_shoe_with_width,
+)
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.element import reference_element_of_degree
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solid.width_fields import face_of_shoe_with_width, unknowns_of_shoe_with_width
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
 from drumlin.fem.width.columns import (
     BackEdge,

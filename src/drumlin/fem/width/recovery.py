@@ -21,12 +21,8 @@ from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.element import reference_element_of_degree
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.hp.shoe import node_positions_of_element_row, unit_actuation_loads_on_end_face
-from drumlin.fem.substructure.body import (
-    InnerSystem,
-    InnerUnknowns,
-    rigid_body_displacements_of_nodes,
-)
-from drumlin.fem.substructure.elimination import SINGULAR_BODY, CondensedSystem
+from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
+from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.width.columns import (
     AssembledColumns,
     BackEdge,
@@ -45,9 +41,6 @@ from drumlin.fem.width.functions import (
 )
 from drumlin.fem.width.integrals import SectionIntegrals, section_integrals_of_any_shape
 from drumlin.fem.width.shoe import WidthLayers, layers_with_width_functions
-
-ONLY_DISPLACEMENTS = "a shoe with a width recovers displacements only"
-"""Text of the error for an operation on all equations of a shoe with a width."""
 
 
 class _LineFactor(NamedTuple):
@@ -127,18 +120,6 @@ class WidthUnknowns:
         functions = self.functions
         even, odd = functions.even_functions_across_width, functions.odd_functions_across_width
         return 2 * len(even) + len(odd)
-
-    def equations_of_body_before_condensation(self) -> InnerSystem:
-        """Raise NotImplementedError instead of returning the body's equations on all nodes."""
-        raise NotImplementedError(ONLY_DISPLACEMENTS)
-
-    def condense_loads_and_stiffness(self) -> CondensedSystem:
-        """Raise NotImplementedError instead of condensing the unit loads to contact and frame."""
-        raise NotImplementedError(ONLY_DISPLACEMENTS)
-
-    def body_system_with_further_loads(self, forces: Floats) -> InnerUnknowns:
-        """Raise NotImplementedError instead of adding unit loads to the unknowns."""
-        raise NotImplementedError(ONLY_DISPLACEMENTS)
 
     def nodal_displacements_in_load_cases(
         self, nodal: Floats, frame: Floats, loads: Floats
