@@ -12,7 +12,11 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
 from drumlin.fem.width.error import WIDTH_LEVEL
 from drumlin.fem.width.functions import WidthFunctions
-from drumlin.fem.width.prepare import prepare_brake_with_widths, reason_against_width_model
+from drumlin.fem.width.prepare import (
+    level_for_narrow_shoes,
+    prepare_brake_with_widths,
+    reason_against_width_model,
+)
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
 from drumlin_studies.random_kinds import draw_random_brake_of_kind
 from sections import widths, without_contraction
@@ -85,14 +89,16 @@ def test_rigid_body_modes_strain_nothing(kind):
 
 def test_as_the_width_goes_to_zero_the_difference_falls_in_proportion(brake):
     apart = []
-    for width in (40e-3, 8e-3, 2e-3):
+    for width in (40e-3, 8e-3, 2e-3, 5e-4):
         narrow = widths(brake, width)
-        own = wide(narrow, 2, LEVELS[1]), plane(narrow, LEVELS[1])
+        level = level_for_narrow_shoes(narrow, LEVELS[0])
+        own = wide(narrow, 2), plane(narrow, level)
         apart.append(abs(relative_error_of_number(own[0].torque, own[1].torque)))
-    first, second, third = apart
+    first, second, third, fourth = apart
     # 40 mm is wider than the lining is thick, where the difference has nearly saturated.
-    assert third / second == pytest.approx(1 / 4, rel=0.3)
     assert second < first / 2
+    assert third / second == pytest.approx(1 / 4, rel=0.05)
+    assert fourth / third == pytest.approx(1 / 4, rel=0.05)
 
 
 def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(brake):

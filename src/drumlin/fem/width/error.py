@@ -25,6 +25,7 @@ from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache, first_shoes_of_equal_shape
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.width.prepare import (
+    level_for_narrow_shoes,
     prepare_divided_brake_with_widths,
     reason_against_width_model,
 )
@@ -117,7 +118,7 @@ def plane_stress_solution_on_given_hp_elements(
     NoAnswer
         where plane stress has no answer on the level
     """
-    alike = first_shoes_of_equal_shape(brake)
+    alike, level = first_shoes_of_equal_shape(brake), level_for_narrow_shoes(brake, level)
     points = singular_points_of_all_linings(
         brake, response, alike, level.pressure_error_by_column_ratio
     )

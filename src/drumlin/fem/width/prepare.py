@@ -1,6 +1,7 @@
 """The prepared model of a brake whose shoes have a finite width (hierarchic model of the width)."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -32,7 +33,11 @@ from drumlin.fem.preparation.scene import (
 from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled as plane_why_not
 from drumlin.fem.width.columns import BackEdge
 from drumlin.fem.width.face import WidthFace
-from drumlin.fem.width.functions import WidthFunctions, functions_across_width_of_shoe
+from drumlin.fem.width.functions import (
+    WidthFunctions,
+    functions_across_width_of_shoe,
+    half_widths_of_parts,
+)
 from drumlin.fem.width.recovery import WidthUnknowns
 from drumlin.fem.width.shoe import condense_shoe_with_width, layers_with_width_functions
 
@@ -142,8 +147,24 @@ def prepare_brake_with_widths(
         raise BadInput(f"the model of the width does not apply to this brake: {reason}")
     if not callable(degree) and not 0 <= degree <= LARGEST_WIDTH_DEGREE:
         raise BadInput(f"--across = {degree}: must be from 0 to {LARGEST_WIDTH_DEGREE}")
+    level = level_for_narrow_shoes(brake, level)
     divisions = {i: division_of_shoe(i) for i in dict.fromkeys(alike)}
     return prepare_divided_brake_with_widths(brake, divisions, degree, cache=cache)
+
+
+def level_for_narrow_shoes(brake: Brake, level: Level) -> Level:
+    """The level, with layers of elements at bonds of at most half the width of each shoe.
+
+    Beside a bond the contractions of two materials across the width become equal over a distance of
+    half the width. Plane stress has no such distance. With thicker layers the answer of a narrow
+    shoe would keep a distance from that of plane stress, 0.02 % of the torque of the double-shoe
+    brake on the first level. With these layers the distance falls in proportion to the width.
+    """
+    size = level.back
+    for shoe in brake.shoes:
+        half = max(half_widths_of_parts(shoe).values())
+        size = min(size, half / shoe.lining.thickness)
+    return replace(level, back=size)
 
 
 def prepare_divided_brake_with_widths(
