@@ -10,6 +10,7 @@ import numpy as np
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
+from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.fem.hp.body import (
     condensed_body_with_cholesky_factor,
@@ -85,8 +86,11 @@ def reason_against_width_model(brake: Brake) -> str | None:
         reason = _reason_against_modelling_width_of_shoe(shoe)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
-    return reason_if_any_part_is_orthotropic(brake, "the model of the width") or plane_why_not(
-        brake
+    model = "the model of the width"
+    return (
+        reason_if_any_part_is_orthotropic(brake, model)
+        or reason_if_any_shoe_is_heated(brake, model)
+        or plane_why_not(brake)
     )
 
 
