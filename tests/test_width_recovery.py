@@ -201,7 +201,7 @@ def test_loads_on_the_end_of_a_t_section_are_even_over_the_width_of_table_and_we
         unknowns.layers.unknowns_across_body_thickness(division),
     )
     end, forces = unknowns.layers.unit_loads_on_end_face(
-        division, unknowns.grid.doflocs[:, nodes], 0.0
+        division, unknowns.grid.doflocs[:, nodes], np.zeros(1)
     )
     half = functions.breaks[-1]
     z = functions.node_distances_across_part(half)

@@ -191,7 +191,9 @@ class WidthUnknowns:
         The loads are those of `shoe.condense_shoe_with_width`.
         """
         div, nodes = self.division, self.grid.sets["actuation"]
-        loads = self.layers.unit_loads_on_end_face(div, self.grid.doflocs[:, nodes], 0.0).forces
+        loads = self.layers.unit_loads_on_end_face(
+            div, self.grid.doflocs[:, nodes], np.zeros(1)
+        ).forces
         line = self.layers.unknowns_across_body_thickness(div)
         at = self._numbers_of_displacements(nodes[line.row], line.function, line.component, line.z)
         return at, loads

@@ -104,7 +104,9 @@ class WidthLayers(NamedTuple):
         z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
         return BodyLine(z, component, row, function)
 
-    def unit_loads_on_end_face(self, div: ShoeDivision, xy: Floats, angle: float) -> "EndFaceLoads":
+    def unit_loads_on_end_face(
+        self, div: ShoeDivision, xy: Floats, angle: Floats
+    ) -> "EndFaceLoads":
         """The unit loads on the loaded end face of the body, even over the width of each layer.
 
         Parameters
