@@ -6,14 +6,14 @@ from functools import partial
 import pytest
 
 from command_line import drumlin
-from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
+from drumlin.fem import solid
 from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.solid import model as solid
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import distance_of_plane_stress_from_widths
 from drumlin.fem.width.functions import WidthFunctions
@@ -133,20 +133,6 @@ def test_the_command_line_takes_a_tolerance_for_solid_shoes(root, truth, tmp_pat
     surface = data["shoes"][0]["surface"]
     assert surface["z"][0] == -surface["z"][-1] == pytest.approx(-20e-3)
     assert "plane_stress_error" not in data
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"elements": 12}, "leave out --elements = 12"),
-        ({"across": 3}, "leave out --across = 3"),
-    ],
-)
-def test_options_of_hexahedra_do_not_go_with_a_tolerance(brake, options, said):
-    with pytest.raises(BadInput, match=f"chooses degree and division of the solid; {said}"):
-        solid.solve(brake, tolerance=1e-2, **options)
-    with pytest.raises(BadInput, match="--tolerance = 1: must be greater than 0"):
-        solid.solve(brake, tolerance=1.0)
 
 
 @pytest.mark.slow

@@ -16,10 +16,11 @@ from drumlin.brake.components import Beam
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import table_as_csv_text
 from drumlin.fem.analysis.fields import write_fields_to_vtu_file
+from drumlin.fem.analysis.solid_fields import recover_fields_in_solid_shoes
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solid import model as solid
-from drumlin.fem.solid.width_fields import recover_fields_in_shoes
+from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin.report.solid_picture import draw_solid_shoes_and_return_failure_reason
@@ -28,7 +29,7 @@ from drumlin_studies.plane_stress import (
     PlaneErrorMap,
     SolidAndPlane,
     TimeAndErrors,
-    TorqueOnThreeMeshes,
+    TorqueOnLevels,
     WornSolid,
 )
 from drumlin_studies.uncertainty import Validation
@@ -65,29 +66,25 @@ class Setting:
 
     Attributes
     ----------
-    elements, fine : int
-        Elements along a lining, in maps and in the study's own brake.
-    doubled : tuple of three int
-        Elements of three meshes that double.
+    levels : int
+        Number of levels of the section on which the study's own brake is solved.
     every : int
         One in so many points of the maps is solved.
     truth : int
-        Elements of the solid that serves as truth of the ladder.
+        Degree across the width of the solid that serves as truth of the ladder.
     meshes, solids : tuple of int
-        Elements of the ladder in plane stress and of its solids.
+        Elements of the ladder in plane stress, and degrees of its solids.
     """
 
-    elements: int
-    fine: int
-    doubled: tuple[int, int, int]
+    levels: int
     every: int
     truth: int
     meshes: tuple[int, ...]
     solids: tuple[int, ...]
 
 
-FULL = Setting(24, 40, (14, 28, 56), 1, 60, (8, 16, 32, 64, 128), (8, 12, 16, 24, 32, 40))
-SHORT = Setting(10, 12, (6, 12, 24), 4, 20, (8, 16), (6, 12))
+FULL = Setting(3, 1, 6, (8, 16, 32, 64, 128), (1, 2, 3, 4, 5))
+SHORT = Setting(2, 4, 4, (8, 16), (1, 2))
 
 
 @dataclass(frozen=True)
@@ -97,7 +94,7 @@ class Result:
     three: SolidAndPlane
     scene: Any
     table: list[dict[str, Any]]
-    certain: tuple[TorqueOnThreeMeshes, TorqueOnThreeMeshes]
+    certain: tuple[TorqueOnLevels, TorqueOnLevels]
     validation: Validation
     maps: tuple[PlaneErrorMap, PlaneErrorMap]
     curves: dict[str, list[tuple[float, list[dict[str, Any]]]]]
@@ -115,28 +112,21 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     setting = SHORT if short else FULL
     brake = read_brake(HERE / "brake.toml")
     say("the brake itself")
-    scene = solid.prepare_model_of_solid_shoes(brake, elements=setting.fine)
-    three = rows.solve_by_solid_and_plane_stress(brake, setting.fine)
-    # Three meshes give the uncertainty of the torque in both models.
-    say("meshes that double")
-    true = rows.solve_torque_on_three_meshes(
-        lambda n: (
-            solve_prepared_model(
-                solid.prepare_model_of_solid_shoes(brake, elements=n), brake
-            ).torque
-        ),
-        setting.doubled,
+    scene = prepare_brake_with_widths(brake, LEVELS[0], rows.STUDY_DEGREE)
+    three = rows.solve_by_solid_and_plane_stress(brake)
+    # Finer divisions of the section give the uncertainty of the torque in both models.
+    say("levels of the section")
+    levels = LEVELS[: setting.levels]
+    true = rows.solve_torque_on_levels(
+        lambda level: rows.solve_with_solid_shoes(brake, level=level).torque, levels
     )
-    plane = rows.solve_torque_on_three_meshes(
-        lambda n: solve_prepared_model(make_prepared_model(brake, elements=n), brake).torque,
-        setting.doubled,
+    plane = rows.solve_torque_on_levels(
+        lambda level: solve_prepared_model(make_prepared_model(brake, level), brake).torque, levels
     )
     maps = _map_errors(brake, setting, say)
     curves = _error_curves(brake, setting, say)
     say("wear")
-    worn = rows.wear_solid_linings(
-        brake, setting.elements, DISTANCES if not short else DISTANCES[::3]
-    )
+    worn = rows.wear_solid_linings(brake, DISTANCES if not short else DISTANCES[::3])
     # Time and error of each model, on the car brake and on the post brake.
     ladder = {}
     for each in (brake, post_brake_on_rigid_drum()):
@@ -181,7 +171,6 @@ def _map_errors(
         with_lining,
         WIDTHS[::every],
         MODULI[::every],
-        setting.elements,
         say,
     )
     table_and_web = rows.map_plane_stress_errors(
@@ -190,7 +179,6 @@ def _map_errors(
         with_section,
         WEBS[::every],
         TABLES[::every],
-        setting.elements,
         say,
     )
     return one_width, table_and_web
@@ -212,7 +200,7 @@ def _error_curves(
         points = []
         for value in values[:: setting.every]:
             changed = vary(brake, {key: unit * value})
-            three = rows.solve_by_solid_and_plane_stress(changed, setting.elements)
+            three = rows.solve_by_solid_and_plane_stress(changed)
             points.append((value, rows.plane_stress_error_rows_of_shoes(three)))
         curves[name] = points
     return curves
@@ -252,7 +240,7 @@ def report(result: Result, folder: Path) -> Path:
             drawing.save_figure(figure, folder / f"{name}.{ending}")
     brake, response = result.three.brake, result.three.solid
     write_fields_to_vtu_file(
-        folder / "solid.vtu", recover_fields_in_shoes(result.scene, brake, response)
+        folder / "solid.vtu", recover_fields_in_solid_shoes(result.scene, brake, response)
     )
     not_drawn = draw_solid_shoes_and_return_failure_reason(
         folder / "solid.vtu", folder / "solid.png", brake.title

@@ -31,7 +31,7 @@ move. With elements for the ends of plane stress, the first two levels of one ra
 2000 of `drumlin_studies.solid_error`) differ by 3.7 % of the pressure, and else by 0.23 %.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -46,8 +46,7 @@ from drumlin.fem.error_control.levels import (
     SolvedLevel,
     solve_on_finer_and_finer_levels,
 )
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
-from drumlin.fem.hp.division import Level
+from drumlin.fem.hp.division import Level, ShoeDivision
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.columns import PointsByShape
@@ -62,6 +61,7 @@ from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
     MakeFunctions,
     prepare_brake_with_widths,
+    prepare_divided_brake_with_widths,
 )
 from drumlin.response.response import Response
 
@@ -120,6 +120,8 @@ SECTION_SHARE = 0.5
 """Largest part of the tolerance for the section's error; the width's error may take the rest."""
 LOOKED_AHEAD = 2
 """Number of further degrees across the width that give the error of a degree: one even, one odd."""
+LARGEST_STATED_DEGREE = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD
+"""Largest degree across the width whose error can be stated."""
 
 
 class SolidErrors(NamedTuple):
@@ -172,12 +174,12 @@ class SectionError(NamedTuple):
 class ComparedSection(NamedTuple):
     """The section on which degrees across the width are compared.
 
-    `level` is its division into hp elements, and `points` are the singular points of each shape of
-    shoe.
+    `divisions` are its divisions into hp elements by the position of the first shoe of each shape,
+    and `answers` are answers on them that are known already, by degree.
     """
 
-    level: Level
-    points: PointsByShape
+    divisions: Mapping[int, ShoeDivision]
+    answers: Mapping[int, Response]
 
 
 class LevelClimb(NamedTuple):
@@ -220,6 +222,7 @@ def solve_and_keep_brake_with_widths(
     tolerance: Tolerance,
     *,
     must: bool = True,
+    across: int | None = None,
     penalty: float = PENALTY,
     cache: Cache | None = None,
 ) -> SolvedLevel:
@@ -232,6 +235,7 @@ def solve_and_keep_brake_with_widths(
         torque
     must : whether a tolerance that is not reached is an error; otherwise the best answer is
         returned
+    across : degree across the width; None: the smallest one that meets the tolerance
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
 
@@ -248,7 +252,7 @@ def solve_and_keep_brake_with_widths(
     answer = partial(solve_prepared_model, penalty=penalty)
     climb = climb_levels_to_tolerance(brake, share, answer, cache)
     plane, factor = climb.response, 1.0
-    largest_degree = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD
+    largest_degree = LARGEST_STATED_DEGREE
     if has_several_widths_on_any_shoe(brake):
         factor = SECTION_SAFETY
         asked = Tolerance(share.pressure / factor, share.torque / factor)
@@ -262,8 +266,9 @@ def solve_and_keep_brake_with_widths(
         max(tolerance.pressure - section.error.largest_pressure_error, share.pressure),
         max(tolerance.torque - section.error.torque, share.torque),
     )
+    degrees = range(WIDTH_DEGREE, largest_degree + 1) if across is None else (across,)
     width = smallest_width_degree_within_tolerance(
-        brake, plane, compared, left, largest_degree, penalty=penalty, cache=cache
+        brake, plane, compared, left, degrees, penalty=penalty, cache=cache
     )
     if not width.error.is_within_error_tolerance(left):
         # A section that is finer than the degree across the width deserves would be lost work.
@@ -465,14 +470,11 @@ def section_to_compare_width_degrees(
         coarse = plane_stress_solution_on_coarse_division(
             brake, plane, penalty=penalty, cache=cache
         )
-        return ComparedSection(coarse.level, coarse.points)
+        return ComparedSection(coarse.divisions, {})
     wide = solve_level_of_section_with_width_degree(
         brake, LEVELS[0], WIDTH_DEGREE, plane, penalty=penalty, cache=cache
     )
-    points = singular_points_of_all_linings(
-        brake, wide.response, error=LEVELS[0].pressure_error_by_column_ratio
-    )
-    return ComparedSection(LEVELS[0], points)
+    return ComparedSection(wide.scene.divisions, {WIDTH_DEGREE: wide.response})
 
 
 def smallest_width_degree_within_tolerance(
@@ -480,14 +482,14 @@ def smallest_width_degree_within_tolerance(
     plane: Response,
     section: ComparedSection,
     tolerance: Tolerance,
-    largest_degree: int = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD,
+    degrees: Sequence[int] = range(WIDTH_DEGREE, LARGEST_STATED_DEGREE + 1),
     *,
     penalty: float = PENALTY,
     cache: Cache | None = None,
 ) -> DegreeError:
     """The smallest degree across the width that meets a tolerance, with its error.
 
-    If no degree meets the tolerance, the largest degree whose error can be estimated is returned.
+    If no degree meets the tolerance, the last degree whose error can be estimated is returned.
 
     Parameters
     ----------
@@ -496,23 +498,21 @@ def smallest_width_degree_within_tolerance(
     section : the section of the brake on which degrees are compared, see
         `section_to_compare_width_degrees`
     tolerance : relative errors that are allowed for the width's part
-    largest_degree : largest degree that is tried
+    degrees : degrees that are tried, in this order
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
     """
-    answers: dict[int, Response] = {}
+    answers = dict(section.answers)
 
     def solve_with_degree_across_width(degree: int) -> Response:
         """The answer of a degree across the width on the section."""
         if degree not in answers:
-            scene = prepare_brake_with_widths(
-                brake, section.level, degree, section.points, cache=cache
-            )
+            scene = prepare_divided_brake_with_widths(brake, section.divisions, degree, cache=cache)
             answers[degree] = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
         return answers[degree]
 
     found: DegreeError | None = None
-    for degree in range(WIDTH_DEGREE, largest_degree + 1):
+    for degree in degrees:
         try:
             ahead = range(degree + 1, degree + LOOKED_AHEAD + 1)
             further = [solve_with_degree_across_width(each) for each in ahead]
