@@ -71,6 +71,9 @@ truths: .venv/ready
 calibrate: .venv/ready
 	$(BIN)/drumlin study calibration
 	cp reports/calibration/factors.json src/drumlin/fem/error_control/factors.json
+	cp reports/calibration/width_factors.json src/drumlin/fem/width/factors.json
+	mkdir -p reports/reference/calibration
+	cp reports/calibration/width_rows.csv reports/reference/calibration/width_rows.csv
 
 # What the eight numbers of the levels' rule do to errors and times: fifteen minutes. make levels ARGS="fall=6".
 levels: .venv/ready

@@ -18,7 +18,8 @@ from drumlin.fem.solve import solve
 from drumlin.fem.width.error import distance_of_plane_stress_from_widths
 from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.ladder import (
-    SECTION_SAFETY,
+    SOLID_FACTORS,
+    ErrorFactors,
     climb_levels_to_tolerance,
     coarsest_level_within_tolerance,
     section_to_compare_width_degrees,
@@ -167,7 +168,8 @@ def test_the_error_of_the_section_beside_a_web_covers_that_of_a_higher_degree():
     brake, loose = DRAWN["built"](3111), Tolerance(0.1, 0.1)
     plane, answer = solve(brake), partial(solve_prepared_model, penalty=PENALTY)
     climb = climb_levels_to_tolerance(brake, loose, answer, Cache(), LEVELS[:2], plane)
-    section = coarsest_level_within_tolerance(brake, climb, loose, SECTION_SAFETY)
+    factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
+    section = coarsest_level_within_tolerance(brake, climb, loose, factors)
     first, second = (
         solve_level_of_section_with_width_degree(brake, level, 3, plane).response
         for level in LEVELS[:2]
