@@ -63,4 +63,4 @@ def test_the_time_of_a_solve_is_that_of_one_call():
     timed = measure_cold_solve(solve_once)
     assert timed.response is Response
     assert 0 <= timed.seconds < 1e-3
-    assert len(calls) > 10
+    assert len(calls) > 1

@@ -27,6 +27,7 @@ from drumlin.models import model_with_name_that_applies_to_brake, reasons_why_mo
 from drumlin.peers.solid_deck import solve_solid_by_calculix
 from drumlin.response.response import Response
 from drumlin_studies.solid_error import GRADED_DEGREE, response_with_graded_width_functions
+from drumlin_studies.work_precision import LEAST_SAMPLE
 
 FINE_PLANE_LEVEL = 5
 """Number of the section's level of the truth in plane stress; no compared level is as fine."""
@@ -34,8 +35,6 @@ FAST = 1.0
 """Processor time [s] up to which a solve is repeated, and its median is taken."""
 REPEATS = 3
 """Number of repeats of a fast solve, after a first one that is not counted."""
-LEAST_SAMPLE = 0.02
-"""Shortest processor time [s] of one repeat, which runs a fast solve several times."""
 
 
 class SolidTruth(NamedTuple):

@@ -36,7 +36,7 @@ FAMILIES = {
     "degree 3": ("solid, degree 3", RED, "^", "-"),
     "degree 4": ("solid, degree 4", BROWN, "v", "-"),
     "error stated": ("solid, error stated", INK, "*", ""),
-    "CalculiX": ("CalculiX, C3D20", SKY, "D", "--"),
+    "CalculiX": ("CalculiX, C3D20R", SKY, "D", "--"),
 }
 """Name in the key, colour, marker and line of each family of models."""
 PANELS = {"plane": "compared with plane stress", "solid": "compared with the solid shoe"}
@@ -98,7 +98,8 @@ def draw_error_against_solid(
         figure = Figure(figsize=(3.35, 5.3), layout="constrained")
         grid = figure.subplots(2, 1, sharex=True, sharey=True)
         for axes, (truth, title) in zip(grid, PANELS.items(), strict=True):
-            _draw_errors_against_truth(axes, rows, f"{truth}_{key}", 100 * uncertain[key])
+            lowest = 100 * LOWEST * uncertain[key] if truth == "solid" else 0.0
+            _draw_errors_against_truth(axes, rows, f"{truth}_{key}", lowest)
             axes.set_title(title)
             axes.set_ylabel("error of mean p, L2 [%]" if key == "pressure" else "of torque [%]")
         grid[1].axhspan(
@@ -111,15 +112,15 @@ def draw_error_against_solid(
 
 
 def _draw_errors_against_truth(
-    axes: Axes, rows: Sequence[Mapping[str, Any]], key: str, uncertain: float
+    axes: Axes, rows: Sequence[Mapping[str, Any]], key: str, lowest: float
 ) -> None:
-    """Draw the errors `key` of each family; `uncertain` is the uncertainty of the truth [%]."""
+    """Draw the errors `key` of each family; errors below `lowest` [%] are drawn there."""
     for family, (name, color, marker, line) in FAMILIES.items():
         own = [row for row in rows if row["family"] == family]
         if not own:
             continue
         x = [1e3 * row["seconds"] for row in own]
-        y = [max(100 * row[key], LOWEST * uncertain) for row in own]
+        y = [max(100 * row[key], lowest) for row in own]
         axes.plot(x, y, marker=marker, ls=line, color=color, ms=4, lw=1.1, label=name)
     axes.set_xscale("log")
     axes.set_yscale("log")
