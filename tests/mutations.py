@@ -76,12 +76,7 @@ TUNED: dict[str, dict[str, Guard]] = {
             slow=True,
         ),
         "section_force": Guard("down", (FITTED_WIDTHS,)),
-        "pressure": Guard(
-            "down",
-            (
-                "tests/test_width_ladder.py::test_stated_errors_are_above_the_true_ones_and_below_the_tolerance",
-            ),
-        ),
+        "pressure": Guard("down", (FITTED_WIDTHS,)),
         "force": Guard("down", (FITTED_WIDTHS,)),
     },
     "fem/error_control/adapt.py": {
