@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from drumlin.base.errors import DrumlinError
 from drumlin.brake.brake import Brake
+from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.solve import solve
@@ -58,14 +59,14 @@ def brake_with_width_over_thickness(brake: Brake, ratio: float) -> Brake:
     width = ratio * shoe.lining.thickness
     changes = {"shoe.lining.width": width}
     if shoe.body is not None:
-        changes["shoe.body.width"] = width * shoe.body.width / shoe.lining.width
+        changes["shoe.body.width"] = width * web_over_lining_width(brake)
     return vary(brake, changes)
 
 
 def web_over_lining_width(brake: Brake) -> float:
     """The width of the first web over that of its lining."""
     shoe = brake.shoes[0]
-    assert shoe.body is not None
+    assert shoe.body is not None and shoe.body.width is not None
     return shoe.body.width / shoe.lining.width
 
 
@@ -77,8 +78,9 @@ def brake_with_web_over_lining_width(brake: Brake, ratio: float) -> Brake:
 def overhang_over_table_thickness(brake: Brake) -> float:
     """The distance from the web's side to the lining's side, over the thickness of the table."""
     shoe = brake.shoes[0]
-    assert shoe.body is not None and shoe.backing is not None
-    return (shoe.lining.width - shoe.body.width) / 2 / shoe.backing.thickness
+    assert shoe.backing is not None
+    overhang = (1 - web_over_lining_width(brake)) * shoe.lining.width / 2
+    return overhang / shoe.backing.thickness
 
 
 def brake_with_overhang_over_table(brake: Brake, ratio: float) -> Brake:
@@ -87,6 +89,13 @@ def brake_with_overhang_over_table(brake: Brake, ratio: float) -> Brake:
     assert shoe.backing is not None
     thickness = shoe.backing.thickness * overhang_over_table_thickness(brake) / ratio
     return vary(brake, {"shoe.backing.thickness": thickness})
+
+
+def isotropic_lining_material(brake: Brake) -> Material:
+    """The material of the first lining, which must be isotropic."""
+    material = brake.shoes[0].lining.material
+    assert isinstance(material, Material)
+    return material
 
 
 VARIATIONS = (
@@ -113,13 +122,13 @@ VARIATIONS = (
     Variation(
         "Poisson's ratio of the lining",
         (0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.45),
-        lambda brake: brake.shoes[0].lining.material.nu,
+        lambda brake: isotropic_lining_material(brake).nu,
         lambda brake, nu: vary(brake, {"shoe.lining.material.nu": nu}),
     ),
     Variation(
         "modulus of the lining [MPa]",
         (30.0, 100.0, 300.0, 1000.0, 3000.0),
-        lambda brake: 1e-6 * brake.shoes[0].lining.material.E,
+        lambda brake: 1e-6 * isotropic_lining_material(brake).E,
         lambda brake, modulus: vary(brake, {"shoe.lining.material.E": 1e6 * modulus}),
     ),
     Variation(

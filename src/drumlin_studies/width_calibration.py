@@ -274,7 +274,15 @@ def read_width_rows(path: Path) -> list[WidthRow]:
     rows = []
     with path.open(encoding="utf-8", newline="") as file:
         for one in csv.DictReader(file):
-            numbers = {name: float(one[name]) for name in ("estimate", "true")}
-            whole = {name: int(one[name]) for name in ("seed", "degree")}
-            rows.append(WidthRow(**{**one, **numbers, **whole}))
+            rows.append(
+                WidthRow(
+                    kind=one["kind"],
+                    seed=int(one["seed"]),
+                    part=one["part"],
+                    degree=int(one["degree"]),
+                    quantity=one["quantity"],
+                    estimate=float(one["estimate"]),
+                    true=float(one["true"]),
+                )
+            )
     return rows

@@ -163,13 +163,12 @@ def report(result: Result, folder: Path) -> Path:
     write_text(
         folder / "factors.json", safety_factors_as_json_text(result.factors, result.provenance)
     )
-    rows, factors = result.width_rows, result.width_factors
     provenance = result.provenance
-    write_text(
-        folder / "width_factors.json",
-        width_factors_as_json_text(factors, rows, provenance.commit, provenance.date),
+    text = width_factors_as_json_text(
+        result.width_factors, result.width_rows, provenance.commit, provenance.date
     )
-    write_text(folder / "width_rows.csv", width_rows_as_csv_text(rows))
+    write_text(folder / "width_factors.json", text)
+    write_text(folder / "width_rows.csv", width_rows_as_csv_text(result.width_rows))
     levels = levels_of(result.rows)
     # Factor of each quantity, and weight of the change by random signs.
     force = result.factors.force
