@@ -67,7 +67,7 @@ newest:
 truths: .venv/ready
 	$(BIN)/python -m drumlin_studies.stored_truth tests/truths
 
-# The factors of the error estimate, fitted anew on random brakes: twenty minutes on two cores.
+# The factors of the error estimates, fitted anew on random brakes: some forty minutes on two cores.
 calibrate: .venv/ready
 	$(BIN)/drumlin study calibration
 	cp reports/calibration/factors.json src/drumlin/fem/error_control/factors.json

@@ -64,6 +64,7 @@ def quoted_values() -> dict[str, str]:
         "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
         "solid_tolerance": f"{100 * DEFAULT_SOLID_TOLERANCE:g} %",
         "section_safety": f"{SOLID_FACTORS.section_pressure:g}",
+        "section_force_safety": f"{SOLID_FACTORS.section_force:g}",
         "analysis_degree": str(ANALYSIS_DEGREE),
         "wear_coefficient": f"{1e9 * DEFAULT_WEAR_COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",
