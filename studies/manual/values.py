@@ -27,7 +27,7 @@ from drumlin.fem.model import (
 )
 from drumlin.fem.solid import DEFAULT_SOLID_TOLERANCE
 from drumlin.fem.width.correction import REMAINING_SHARE
-from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE, SECTION_SAFETY
+from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE, SOLID_FACTORS
 from drumlin.fem.width.prepare import LARGEST_WIDTH_NU
 from drumlin.lining_wear.run_in import DEFAULT_WEAR_COEFFICIENT, WEAR_SETTLED, WORN_OUT_FRACTION
 from drumlin.response.response import EDGE_ZONE
@@ -64,7 +64,8 @@ def quoted_values() -> dict[str, str]:
         "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
         "solid_tolerance": f"{100 * DEFAULT_SOLID_TOLERANCE:g} %",
         "solid_degree": str(LARGEST_STATED_DEGREE),
-        "section_safety": f"{SECTION_SAFETY:g}",
+        "section_safety": f"{SOLID_FACTORS.section_pressure:g}",
+        "section_force_safety": f"{SOLID_FACTORS.section_force:g}",
         "analysis_degree": str(ANALYSIS_DEGREE),
         "wear_coefficient": f"{1e9 * DEFAULT_WEAR_COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from studies.plane_stress import figures
+from studies.plane_stress.limits import draw_plane_stress_limits, marked_values
 
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
@@ -32,6 +33,7 @@ from drumlin_studies.plane_stress import (
     TorqueOnLevels,
     WornSolid,
 )
+from drumlin_studies.plane_stress_limits import ranges_within_limits, rows_of_plane_stress_limits
 from drumlin_studies.uncertainty import Validation
 
 HERE = Path(__file__).parent
@@ -100,6 +102,8 @@ class Result:
     curves: dict[str, list[tuple[float, list[dict[str, Any]]]]]
     worn: WornSolid
     ladder: dict[str, list[TimeAndErrors]]
+    limits: list[dict[str, Any]]
+    marked: dict[str, dict[str, float]]
     seconds: float
 
 
@@ -134,6 +138,9 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         ladder[each.title] = rows.measure_time_and_errors_of_models(
             each, setting.truth, setting.meshes, setting.solids
         )
+    varied = {"one width": read_brake(HERE.parent / "double_shoe" / "flexible.toml")}
+    varied["T-section"] = brake
+    limits = rows_of_plane_stress_limits(varied, setting.every, say)
     return Result(
         three=three,
         scene=scene,
@@ -144,6 +151,8 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         curves=curves,
         worn=worn,
         ladder=ladder,
+        limits=limits,
+        marked=marked_values(varied),
         seconds=time.perf_counter() - start,
     )
 
@@ -222,13 +231,19 @@ def post_brake_on_rigid_drum() -> Brake:
     return vary(brake, changes)
 
 
-ENDINGS = {"map": ("svg", "png"), "ladder": ("svg", "png"), "face": ("png",)}
+ENDINGS = {
+    "limits": ("svg", "png"),
+    "map": ("svg", "png"),
+    "ladder": ("svg", "png"),
+    "face": ("png",),
+}
 """File formats of figures that are not only SVG."""
 
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures, tables and fields, and return the path of the page."""
     made = {
+        "limits": draw_plane_stress_limits(result.limits, result.marked),
         "map": figures.draw_error_maps(result.maps),
         "face": figures.draw_face_pressures(result.three, result.worn),
         "curves": figures.draw_error_curves(result.curves),
@@ -246,6 +261,7 @@ def report(result: Result, folder: Path) -> Path:
         folder / "solid.vtu", folder / "solid.png", brake.title
     )
     write_text(folder / "errors.csv", table_as_csv_text(result.table))
+    write_text(folder / "limits.csv", table_as_csv_text(result.limits))
     rungs = [
         {"brake": name} | rung._asdict()
         for name, ladder in result.ladder.items()
@@ -273,6 +289,7 @@ def report(result: Result, folder: Path) -> Path:
         folder / "index.html",
         result=result,
         not_drawn=not_drawn,
+        ranges=[each._asdict() for each in ranges_within_limits(result.limits)],
         within=partial(_share_within, result.maps),
         largest=largest,
         shares=rows.rows_of_shares_within_error_limits(result.maps),
