@@ -8,6 +8,7 @@ same force along the same line.
 """
 
 import math
+from collections.abc import Collection
 from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
@@ -76,9 +77,7 @@ class Link(Part):
     to: Name
 
 
-def shoes_with_forces_of_drive(
-    shoes: tuple[Any, ...], drive: Drive | None, links: tuple[Link, ...], *, file: bool
-) -> tuple[Any, ...]:
+def shoes_with_forces_of_drive(brake: Any, *, file: bool) -> tuple[Any, ...]:
     """Return the shoes of a brake with the forces that its drive and its struts give them.
 
     Each shoe of a cylinder gets the force of the cylinder, each shoe of a cam half the force of the
@@ -87,9 +86,7 @@ def shoes_with_forces_of_drive(
 
     Parameters
     ----------
-    shoes : the shoes as the brake file describes them
-    drive : drive of all shoes; None if each shoe has a force of its own
-    links : struts and straps between shoes
+    brake : the brake as its file describes it: shoes, drive, struts and springs
     file : whether the data come from a file, which must not give forces that a drive gives
 
     Raises
@@ -97,6 +94,8 @@ def shoes_with_forces_of_drive(
     ValueError
         if shoes, drive and struts do not fit together
     """
+    shoes, drive, links = brake.shoes, brake.actuation, brake.links
+    sprung = {name for spring in brake.springs for name in (spring.shoe, spring.to)}
     # The drive pushes the shoes that no strut pushes.
     lines = _strut_actuations_by_shoe_index(shoes, links)
     pushed = [i for i in range(len(shoes)) if i not in lines]
@@ -108,10 +107,23 @@ def shoes_with_forces_of_drive(
             if file and "actuation" in shoe.model_fields_set:
                 raise ValueError(f"shoe[{i}].actuation: a strut pushes this shoe; leave it out")
             actuation = lines[i]
+        elif drive is None and _has_other_loads_in_place_of_actuation(shoe, sprung):
+            actuation = shoe.actuation
         else:
             actuation = _actuation_of_shoe_without_strut(f"shoe[{i}].actuation", shoe, drive, file)
         found.append(shoe.model_copy(update={"actuation": actuation}))
     return tuple(found)
+
+
+def _has_other_loads_in_place_of_actuation(shoe: Any, sprung: Collection[str | None]) -> bool:
+    """Whether a shoe has no actuation in the file, and another load presses it.
+
+    The load is a force, a mass on which weight or rotation acts, or a spring; `sprung` are the
+    names of the shoes with springs. A shoe on a guide has its pin at the point of the actuation and
+    thus needs an actuation.
+    """
+    loaded = bool(shoe.forces) or shoe.mass is not None or shoe.name in sprung
+    return loaded and shoe.guide is None and "actuation" not in shoe.model_fields_set
 
 
 def _strut_actuations_by_shoe_index(

@@ -34,7 +34,8 @@ from drumlin.brake.components import (
     hint_about_angles_of_arc,
 )
 from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive
-from drumlin.brake.fields import Point, Title, check_shoe_names_differ
+from drumlin.brake.fields import AngularSpeed, Point, Title, check_shoe_names_differ
+from drumlin.brake.further_loads import Gravity, Spring, brake_with_spring_pulls
 from drumlin.brake.off_circle import gap_of_lining_ground_to_circle, radial_deviation_of_drum
 from drumlin.brake.support import Held, check_motions_close_gap_differently
 from drumlin.brake.surface import DRUM
@@ -139,6 +140,9 @@ class DrumBrake(Brake):
     shoes: Annotated[tuple[DrumShoe, ...], Field(alias="shoe", min_length=1)]
     actuation: Drive | None = None
     links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
+    springs: Annotated[tuple[Spring, ...], Field(alias="spring")] = ()
+    gravity: Gravity | None = None
+    shoe_speed: AngularSpeed | None = None
 
     @property
     def direction(self) -> str:
@@ -172,6 +176,9 @@ class DrumBrake(Brake):
             "rotation": self.directions[0],
             "friction": float(self.friction > 0),
             "drum": drum,
+            "springs": (),
+            "gravity": None,
+            "shoe_speed": None,
         }
         return self.model_copy(update=changes)
 
@@ -204,13 +211,13 @@ class DrumBrake(Brake):
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
         # Only data of a file must have units: this tells them from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
-        shoes = shoes_with_forces_of_drive(self.shoes, self.actuation, self.links, file=from_file)
+        shoes = shoes_with_forces_of_drive(self, file=from_file)
         _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)
         _check_drum_is_round_enough(self.drum)
         for i, shoe in enumerate(shoes):
             _check_shoe_fits_drum(f"shoe[{i}]", shoe, self.drum.radius)
             _check_lining_misfit_is_small(f"shoe[{i}].lining.misfit", shoe.lining, self.drum.radius)
-        return self.model_copy(update={"shoes": shoes})
+        return brake_with_spring_pulls(self.model_copy(update={"shoes": shoes}))
 
 
 def _check_drum_is_round_enough(drum: Drum) -> None:

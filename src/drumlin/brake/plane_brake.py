@@ -45,6 +45,7 @@ from drumlin.brake.file import (
     parse_text_of_brake_file,
     read_data_of_brake_file,
 )
+from drumlin.brake.further_loads import Gravity, Spring, brake_with_spring_pulls
 from drumlin.brake.off_circle import gap_of_pad_ground_to_circle
 from drumlin.brake.support import check_motions_close_gap_differently
 from drumlin.brake.surface import PLANE
@@ -253,6 +254,13 @@ class FlatBrake(Brake):
     shoes: Annotated[tuple[FlatShoe, ...], Field(alias="shoe", min_length=1)]
     actuation: Drive | None = None
     links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
+    springs: Annotated[tuple[Spring, ...], Field(alias="spring")] = ()
+    gravity: Gravity | None = None
+
+    @property
+    def shoe_speed(self) -> float | None:
+        """Always None: shoes on a plane do not turn about a drum's centre."""
+        return None
 
     @property
     def direction(self) -> str:
@@ -278,6 +286,8 @@ class FlatBrake(Brake):
             "title": "-",
             "friction": float(self.friction > 0),
             "plane": Plane(sliding="+x"),
+            "springs": (),
+            "gravity": None,
         }
         return self.model_copy(update=changes)
 
@@ -290,7 +300,7 @@ class FlatBrake(Brake):
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
         # Only data of a file must have units: this tells them from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
-        shoes = shoes_with_forces_of_drive(self.shoes, self.actuation, self.links, file=from_file)
+        shoes = shoes_with_forces_of_drive(self, file=from_file)
         # The length of the first lining is the size of the brake, which all its shoes must know.
         size = shoes[0].lining.end - shoes[0].lining.start
         shoes = tuple(shoe.shoe_in_brake_of_size(size) for shoe in shoes)
@@ -301,7 +311,7 @@ class FlatBrake(Brake):
             if shoe.guide is not None and abs(math.sin(shoe.guide.direction)) < 1e-6:
                 shown = f"shoe[{i}].guide.direction = {deg_text(shoe.guide.direction)}"
                 raise ValueError(f"{shown}: must lead to the plane, not along it")
-        return self.model_copy(update={"shoes": shoes})
+        return brake_with_spring_pulls(self.model_copy(update={"shoes": shoes}))
 
 
 def make_brake_from_data(

@@ -55,6 +55,10 @@ EXAMPLES = {
     "N m": "400 N m",
     "N m^2": "12 MN m^2",
     "1/Pa": "1e-5 mm^3/(N m)",
+    "N/m": "20 N/mm",
+    "kg": "1.5 kg",
+    "m/s^2": "9.81 m/s^2",
+    "rad/s": "1500 rpm",
 }
 # Error messages call a quantity by these names, by its SI unit.
 QUANTITY_NAMES = {
@@ -65,6 +69,10 @@ QUANTITY_NAMES = {
     "N m": "a torque",
     "N m^2": "a bending stiffness",
     "1/Pa": "a wear coefficient",
+    "N/m": "a spring rate",
+    "kg": "a mass",
+    "m/s^2": "an acceleration",
+    "rad/s": "an angular speed",
 }
 # These factors convert the usual units to SI, so that most files are read without loading pint. The
 # tests compare them with the factors of pint.
@@ -74,6 +82,10 @@ COMMON = {
     "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9, "N/mm^2": 1e6, "bar": 1e5, "psi": 6894.757293168361},
     "rad": {"rad": 1.0, "deg": math.pi / 180, "°": math.pi / 180},
     "N m": {"N m": 1.0, "Nm": 1.0},
+    "N/m": {"N/m": 1.0, "N/mm": 1e3},
+    "kg": {"kg": 1.0, "g": 1e-3},
+    "m/s^2": {"m/s^2": 1.0},
+    "rad/s": {"rad/s": 1.0, "rpm": math.pi / 30},
 }
 
 # Units that pint does not know, or takes for something else: in pint Nm is a unit of textile

@@ -321,7 +321,7 @@ def _contact_force_on_lining(brake: Brake, index: int, response: ShoeResponse) -
     pushed = (
         shoe if response.force is None else shoe.shoe_with_changed_actuation_force(response.force)
     )
-    return -response.hinge_reaction - pushed.actuation.force_vector
+    return -response.hinge_reaction - pushed.force_of_all_loads
 
 
 def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses) -> ShoeReference:
