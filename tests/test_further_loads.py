@@ -66,6 +66,7 @@ def test_rigid_shoe_on_hinge_has_torque_in_proportion_to_moment() -> None:
         assert a.torque / b.torque == pytest.approx(ratio, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spin", [1, -1])
 def test_force_beside_a_pivot_acts_on_the_shoe_and_not_on_its_lever(spin: int) -> None:
     """The lever's moment about its pin is that of the actuation and of the shoe alone."""
@@ -97,6 +98,7 @@ def test_force_that_lifts_the_shoe_off_leaves_no_contact() -> None:
         assert any("no contact" in note for note in response.notes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", list(SUPPORTS))
 def test_slopes_beside_a_further_force_are_those_of_differences(kind: str) -> None:
     """Exact slopes by friction, force, moduli and supports against differences of solves."""
@@ -130,6 +132,7 @@ def assert_slopes(brake: Brake) -> None:
         assert exact == pytest.approx(near, rel=1e-5, abs=1e-7 * abs(up) / abs(value or 1)), key
 
 
+@pytest.mark.slow
 def test_hold_at_full_slip_has_the_torque_of_the_sliding_drum() -> None:
     """A holding brake with a return spring ends in the moment of `solve`."""
     brake = two_shoes(spring=[PULL])
@@ -137,6 +140,7 @@ def test_hold_at_full_slip_has_the_torque_of_the_sliding_drum() -> None:
     assert held.states[-1].torque == pytest.approx(solve(brake, elements=ELEMENTS).torque, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("loads", ["force", "spring"])
 def test_triangles_agree(loads: str) -> None:
     """The second solver, which takes its loads another way, has the same torque and reaction."""
@@ -154,6 +158,7 @@ def test_triangles_agree(loads: str) -> None:
 # Springs
 
 
+@pytest.mark.slow
 def test_spring_of_constant_pull_is_a_pair_of_forces() -> None:
     """A spring between two shoes pulls each towards the other with its preload."""
     sprung = two_shoes(spring=[PULL], body=True)
@@ -192,6 +197,7 @@ def test_spring_with_rate_has_the_closed_form_of_a_rigid_shoe(rate: float) -> No
     assert any("spring[0]: its pull is" in note for note in response.notes)
 
 
+@pytest.mark.slow
 def test_elastic_shoes_stretch_their_spring_by_their_motion() -> None:
     """The pull exceeds the preload by the rate times the stretch in the displacement field.
 
@@ -229,6 +235,7 @@ def test_elastic_shoes_stretch_their_spring_by_their_motion() -> None:
     assert pull - 100.0 == pytest.approx(1e6 * stretch, rel=0.01)
 
 
+@pytest.mark.slow
 def test_spring_is_mirrored_and_its_ends_change_places() -> None:
     """Reversed rotation, the two ends of a spring, or the order of the shoes: the same brake."""
     spring = PULL | {"rate": 1e6}
@@ -260,6 +267,7 @@ def test_spring_that_goes_slack_is_refused() -> None:
         solve(vary(brake, {"shoe.lining.clearance": "0.5 mm"}), elements=ELEMENTS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spin", [1, -1])
 @pytest.mark.parametrize("body", [False, True])
 def test_cam_shares_its_force_beside_return_springs(spin: int, body: bool) -> None:
@@ -313,6 +321,7 @@ def test_loads_that_cannot_be_meant_are_refused(name: str) -> None:
         two_shoes(**keys)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["wear", "sensitivity", "hold", "self_locking"])
 def test_analyses_refuse_springs_with_a_rate(what: str) -> None:
     """These analyses take springs of constant pull, and name the key otherwise."""

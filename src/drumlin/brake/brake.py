@@ -20,7 +20,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.components import Backing, Bar, Beam, Lining, Lobes, Ring
 from drumlin.brake.drive import Drive, Link, reason_why_forces_are_shared
 from drumlin.brake.fields import Part, Point
-from drumlin.brake.further_loads import Gravity, Spring
+from drumlin.brake.further_loads import Gravity, Lever, Spring
 from drumlin.brake.support import MOVES, Meshed
 from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
 
@@ -262,6 +262,8 @@ class Brake(Part):
         def links(self) -> tuple[Link, ...]: ...
         @property
         def springs(self) -> tuple[Spring, ...]: ...
+        @property
+        def levers(self) -> tuple[Lever, ...]: ...
         @property
         def gravity(self) -> Gravity | None: ...
         @property

@@ -35,8 +35,9 @@ from drumlin.brake.components import (
 )
 from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive
 from drumlin.brake.fields import AngularSpeed, Point, Title, check_shoe_names_differ
-from drumlin.brake.further_loads import Gravity, Spring, brake_with_spring_pulls
+from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_spring_pulls
 from drumlin.brake.off_circle import gap_of_lining_ground_to_circle, radial_deviation_of_drum
+from drumlin.brake.pattern import DrumPattern, data_with_repeated_shoes, move_around_drum
 from drumlin.brake.support import Held, check_motions_close_gap_differently
 from drumlin.brake.surface import DRUM
 from drumlin.brake.units import deg_text, mm_text
@@ -50,6 +51,7 @@ class DrumShoe(Shoe):
     lining: DrumLining
     backing: Backing | None = None
     body: AnyBody | None = None
+    pattern: DrumPattern | None = None
 
     @cached_property
     def frame(self) -> ShoeFrame:
@@ -141,6 +143,7 @@ class DrumBrake(Brake):
     actuation: Drive | None = None
     links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
     springs: Annotated[tuple[Spring, ...], Field(alias="spring")] = ()
+    levers: Annotated[tuple[Lever, ...], Field(alias="lever")] = ()
     gravity: Gravity | None = None
     shoe_speed: AngularSpeed | None = None
 
@@ -177,6 +180,7 @@ class DrumBrake(Brake):
             "friction": float(self.friction > 0),
             "drum": drum,
             "springs": (),
+            "levers": (),
             "gravity": None,
             "shoe_speed": None,
         }
@@ -201,6 +205,12 @@ class DrumBrake(Brake):
         It is positive where the surface lies outside its circle, and None for a round drum.
         """
         return radial_deviation_of_drum(self.drum, theta) if self.drum.out_of_round else None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _repeat_shoes_with_pattern(cls, data: object, info: ValidationInfo) -> object:
+        """Return the data with several shoes in place of each shoe that has a pattern."""
+        return data_with_repeated_shoes(data, DrumShoe, move_around_drum, info)
 
     @model_validator(mode="after")
     def _check_shoes_and_set_drive_forces(self, info: ValidationInfo) -> Self:

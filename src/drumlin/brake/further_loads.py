@@ -98,13 +98,73 @@ class Spring(Part):
         return np.zeros(3)
 
 
+class Lever(Part):
+    """A lever on a shoe that pushes another shoe by a strut, as the lever of a parking brake.
+
+    Attributes
+    ----------
+    shoe : name of the shoe on which the lever turns
+    pivot : pin [m] of the lever on this shoe
+    to : name of the shoe that the strut pushes
+    strut, end : points [m] at which the strut bears on the lever, and on the shoe `to`
+    force, direction, point : pull of the cable [N], its direction [rad] and a point of its line [m]
+    """
+
+    shoe: Name
+    pivot: Place
+    to: Name
+    strut: Place
+    end: Place
+    force: Force
+    direction: Angle
+    point: Place
+
+    @model_validator(mode="after")
+    def _check_strut_pushes(self) -> Self:
+        """Raise ValueError for a lever on its own shoe, or one whose strut would have to pull."""
+        if self.to == self.shoe:
+            raise ValueError(f"to = {self.to!r}: must be another shoe")
+        if math.dist(self.strut.xy, self.end.xy) == 0:
+            raise ValueError("end: must not be the strut's point on the lever")
+        if not self.strut_force > 0:
+            raise ValueError("force: turns the lever away from its strut, which can only push")
+        return self
+
+    @property
+    def _cable_and_strut_force(self) -> tuple[Floats, Floats]:
+        """Force (2,) [N] of the cable on the lever, and of the strut on the shoe it pushes."""
+        cable = self.force * np.array([math.cos(self.direction), math.sin(self.direction)])
+        along = self.end.xy - self.strut.xy
+        along = along / np.linalg.norm(along)
+        arm, lever = self.strut.xy - self.pivot.xy, self.point.xy - self.pivot.xy
+        # The moments of the cable and of the strut about the lever's pin balance.
+        about_pin = float(lever[0] * cable[1] - lever[1] * cable[0])
+        per_newton = float(arm[0] * along[1] - arm[1] * along[0])
+        return cable, along * (about_pin / per_newton if per_newton else math.nan)
+
+    @property
+    def strut_force(self) -> float:
+        """Force [N] by which the strut pushes; negative if it would have to pull."""
+        _, strut = self._cable_and_strut_force
+        return float(strut @ (self.end.xy - self.strut.xy) / math.dist(self.end.xy, self.strut.xy))
+
+    def resultant_on_shoe(self, name: str) -> Floats:
+        """Resultant (3,) of the lever on the shoe with this name."""
+        cable, strut = self._cable_and_strut_force
+        if name == self.shoe:
+            return resultant_of_force_at_point(cable - strut, self.pivot.xy)
+        if name == self.to:
+            return resultant_of_force_at_point(strut, self.end.xy)
+        return np.zeros(3)
+
+
 def resultant_of_force_at_point(force: Floats, point: Floats) -> Floats:
     """Resultant (3,) about the origin of a force (2,) [N] at a point (2,) [m]."""
     return np.array([*force, point[0] * force[1] - point[1] * force[0]])
 
 
 def brake_with_spring_pulls(brake: Any, pulls: Sequence[float] | None = None) -> Any:
-    """Return the brake whose shoes know the loads of its springs, its gravity and its rotation.
+    """Return the brake whose shoes know the loads of its springs, levers, weight and rotation.
 
     Parameters
     ----------
@@ -124,6 +184,8 @@ def brake_with_spring_pulls(brake: Any, pulls: Sequence[float] | None = None) ->
         total = np.zeros(3)
         for spring, pull in zip(brake.springs, pulls, strict=True):
             total += pull * spring.resultant_per_pull_on_shoe(shoe.name)
+        for lever in brake.levers:
+            total += lever.resultant_on_shoe(shoe.name)
         if shoe.mass is not None:
             force = shoe.mass.mass * acceleration_of_mass(brake, shoe.mass.point.xy)
             total += resultant_of_force_at_point(force, shoe.mass.point.xy)
@@ -145,12 +207,14 @@ def acceleration_of_mass(brake: Any, point: Floats) -> Floats:
 def _check_keys_of_brake_loads(brake: Any) -> None:
     """Raise ValueError for a spring at an unknown shoe, or for gravity or speed without a mass."""
     names = [shoe.name for shoe in brake.shoes]
-    for i, spring in enumerate(brake.springs):
-        for key, name in (("shoe", spring.shoe), ("to", spring.to)):
-            if name is not None and name not in names:
-                raise ValueError(
-                    f"spring[{i}].{key} = {name!r}: must be the name of a shoe: {', '.join(names)}"
-                )
+    for part, each in (("spring", brake.springs), ("lever", brake.levers)):
+        for i, joined in enumerate(each):
+            for key, name in (("shoe", joined.shoe), ("to", joined.to)):
+                if name is not None and name not in names:
+                    known = ", ".join(names)
+                    raise ValueError(
+                        f"{part}[{i}].{key} = {name!r}: must be the name of a shoe: {known}"
+                    )
     for key in ("gravity", "shoe_speed"):
         if getattr(brake, key) is not None and all(shoe.mass is None for shoe in brake.shoes):
             raise ValueError(f"{key}: acts on masses; give shoe.mass, or leave it out")
@@ -176,8 +240,8 @@ def first_key_of_further_loads(brake: Any) -> str | None:
     for i, shoe in enumerate(brake.shoes):
         if shoe.forces:
             return f"shoe[{i}].force"
-    if brake.springs:
-        return "spring[0]"
+    if brake.springs or brake.levers:
+        return "spring[0]" if brake.springs else "lever[0]"
     return next((key for key in ("gravity", "shoe_speed") if getattr(brake, key) is not None), None)
 
 

@@ -45,8 +45,9 @@ from drumlin.brake.file import (
     parse_text_of_brake_file,
     read_data_of_brake_file,
 )
-from drumlin.brake.further_loads import Gravity, Spring, brake_with_spring_pulls
+from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_spring_pulls
 from drumlin.brake.off_circle import gap_of_pad_ground_to_circle
+from drumlin.brake.pattern import FlatPattern, data_with_repeated_shoes, move_along_plane
 from drumlin.brake.support import check_motions_close_gap_differently
 from drumlin.brake.surface import PLANE
 from drumlin.brake.units import deg_text, mm_text
@@ -155,6 +156,7 @@ class FlatShoe(Shoe):
     lining: FlatLining
     backing: Backing | None = None
     body: FlatBody | None = None
+    pattern: FlatPattern | None = None
 
     @model_validator(mode="after")
     def _check_lining_lies_on_body(self) -> Self:
@@ -255,6 +257,7 @@ class FlatBrake(Brake):
     actuation: Drive | None = None
     links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
     springs: Annotated[tuple[Spring, ...], Field(alias="spring")] = ()
+    levers: Annotated[tuple[Lever, ...], Field(alias="lever")] = ()
     gravity: Gravity | None = None
 
     @property
@@ -287,9 +290,16 @@ class FlatBrake(Brake):
             "friction": float(self.friction > 0),
             "plane": Plane(sliding="+x"),
             "springs": (),
+            "levers": (),
             "gravity": None,
         }
         return self.model_copy(update=changes)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _repeat_shoes_with_pattern(cls, data: object, info: ValidationInfo) -> object:
+        """Return the data with several shoes in place of each shoe that has a pattern."""
+        return data_with_repeated_shoes(data, FlatShoe, move_along_plane, info)
 
     @model_validator(mode="after")
     def _check_shoes_and_set_drive_forces(self, info: ValidationInfo) -> Self:

@@ -30,6 +30,7 @@ READABLE = {
     "rad": ("deg",),
     "Pa": ("GPa", "MPa"),
     "N": ("kN", "N"),
+    "m^2": ("cm^2",),
     "N/m": ("N/mm",),
 }
 """Units for a written file, by SI unit. The first unit with a short and exact number is used."""

@@ -166,7 +166,9 @@ def _solve_under_known_spring_pulls(
         for i in set(range(len(brake.shoes))) - set(answers):
             answers[i] = _result_of_unpressed_shoe(brake.shoes[i])
     in_order = [answers[i] for i in sorted(answers)]
-    approach = sum((answer.spring_motion for answer in in_order), np.zeros(len(brake.springs)))
+    approach = np.zeros(len(brake.springs))
+    for answer in in_order:
+        approach += answer.spring_motion
     response = Response(
         model=scene.model,
         shoes=tuple(answer.response for answer in in_order),
