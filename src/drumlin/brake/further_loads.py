@@ -193,6 +193,20 @@ def brake_with_spring_pulls(brake: Any, pulls: Sequence[float] | None = None) ->
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
+def brake_with_springs_of_constant_pull(brake: Any, pulls: Sequence[float]) -> Any:
+    """The brake whose springs have no rate and these pulls [N], or the brake itself for no pulls.
+
+    The pulls are those of an answer, in which springs with a rate have settled.
+    """
+    if not pulls:
+        return brake
+    springs = tuple(
+        spring.model_copy(update={"preload": pull, "rate": 0.0})
+        for spring, pull in zip(brake.springs, pulls, strict=True)
+    )
+    return brake_with_spring_pulls(brake.model_copy(update={"springs": springs}))
+
+
 def acceleration_of_mass(brake: Any, point: Floats) -> Floats:
     """Force (2,) per mass [m/s^2] of gravity and rotation on a mass at a point (2,) [m]."""
     found = np.zeros(2)

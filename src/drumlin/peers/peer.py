@@ -18,6 +18,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.further_loads import require_springs_of_constant_pull
 from drumlin.fem.equilibrium.modes import pin_motions_by_rigid_body_motions
 from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import (
@@ -161,6 +162,7 @@ def meshes_of_shoes_for_peer_program(
         raise BadInput(
             "friction = 0: the peers are given a drum that slips; must be greater than 0"
         )
+    require_springs_of_constant_pull(brake, "a peer")
     mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
     # Shoes of equal shape share one mesh.
     by_shape: dict[tuple[object, ...], MeshedShoe] = {}

@@ -755,7 +755,11 @@ def _text_lines_on_torque_slopes_of_shoe(
     T : the whole torque [N m]
     elasticity : the words "d ln T/d ln"
     """
-    by_force = "" if own.force is None else f"{elasticity} force {own.force * force / T:+.4g}; "
+    by_force = (
+        ""
+        if own.force is None or force == 0
+        else f"{elasticity} force {own.force * force / T:+.4g}; "
+    )
     moduli = ", ".join(f"{name} {value / T:+.4g}" for name, value in own.moduli.items())
     bent = ""
     if own.bending_stiffness is not None:

@@ -11,7 +11,10 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.brake.further_loads import reason_if_shoe_has_further_loads
+from drumlin.brake.further_loads import (
+    reason_if_shoe_has_further_loads,
+    require_springs_of_constant_pull,
+)
 from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
 from drumlin.verification.triangles.contact import (
     ContactForces,
@@ -123,6 +126,7 @@ def solve_brake_on_one_triangle_mesh(
         refusal = reason_if_shoe_has_further_loads(brake, "a cam or strut on triangles")
     if refusal is not None:
         raise BadInput(refusal)
+    require_springs_of_constant_pull(brake, "the verification by triangles")
     shoes = list(brake.shoes)
     if len(indices_of_shoes_pressed_on_drum(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")
