@@ -60,6 +60,8 @@ EXAMPLES = {
     "kg": "1.5 kg",
     "m/s^2": "9.81 m/s^2",
     "rad/s": "1500 rpm",
+    "K": "180 K",
+    "1/K": "12e-6 1/K",
 }
 # Error messages call a quantity by these names, by its SI unit.
 QUANTITY_NAMES = {
@@ -75,6 +77,8 @@ QUANTITY_NAMES = {
     "kg": "a mass",
     "m/s^2": "an acceleration",
     "rad/s": "an angular speed",
+    "K": "a temperature rise",
+    "1/K": "a coefficient of thermal expansion",
 }
 # These factors convert the usual units to SI, so that most files are read without loading pint. The
 # tests compare them with the factors of pint.
@@ -89,6 +93,9 @@ COMMON = {
     "kg": {"kg": 1.0, "g": 1e-3},
     "m/s^2": {"m/s^2": 1.0},
     "rad/s": {"rad/s": 1.0, "rpm": math.pi / 30},
+    # Every temperature of a brake file is a difference, so that 180 degC is a rise by 180 K.
+    "K": {"K": 1.0, "degC": 1.0, "°C": 1.0, "degF": 5 / 9, "°F": 5 / 9},
+    "1/K": {"1/K": 1.0, "1/degC": 1.0, "1/°C": 1.0, "um/(m K)": 1e-6},
 }
 
 # Units that pint does not know, or takes for something else: in pint Nm is a unit of textile

@@ -32,6 +32,7 @@ READABLE = {
     "N": ("kN", "N"),
     "m^2": ("cm^2",),
     "N/m": ("N/mm",),
+    "K": ("K",),
 }
 """Units for a written file, by SI unit. The first unit with a short and exact number is used."""
 
