@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 import drumlin
-from drumlin import BadInput, NoAnswer, vary
+from drumlin import BadInput, NoAnswer, peers, vary
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.laws.rigid import solve_brake_by_rigid_shoe_law
+from drumlin.peers.getfem import solve_brake_in_getfem_process
 from drumlin.verification.triangles.levels import TRIANGLE_LEVELS, solve_brake_on_one_triangle_mesh
 from further_loads import BODY, FORCE, SUPPORTS, R, brake_with, moment, single_force, two_shoes
 
@@ -153,6 +154,26 @@ def test_triangles_agree(loads: str) -> None:
     for a, b in zip(solve(brake).shoes, fine, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=1e-3)
         assert a.hinge_reaction == pytest.approx(b.hinge_reaction, rel=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(
+    peers.install_hint_if_missing("getfem") is not None,
+    reason=peers.install_hint_if_missing("getfem") or "",
+)
+@pytest.mark.parametrize("loads", ["force", "lever and spring"])
+def test_getfem_agrees(loads: str) -> None:
+    """GetFEM on the same mesh has the same torques and reactions."""
+    brake = (
+        brake_with(force=[FORCE], body=BODY)
+        if loads == "force"
+        else drumlin.example("parking_lever")
+    )
+    ours = solve(brake, elements=24, kind="quad2")
+    found = solve_brake_in_getfem_process(brake, elements=24, kind="quad2").response
+    for a, b in zip(ours.shoes, found.shoes, strict=True):
+        assert a.torque == pytest.approx(b.torque, rel=3e-6)
+        assert a.hinge_reaction == pytest.approx(b.hinge_reaction, rel=2e-5)
 
 
 # Springs
