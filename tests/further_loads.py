@@ -39,7 +39,7 @@ def two_shoes(body: bool = False, spin: int = 1, **brake: Any) -> Brake:
     shoes = []
     for name, hand in (("right", 1), ("left", -1)):
         middle = 0.0 if hand > 0 else math.pi
-        shoe = {
+        shoe: dict[str, Any] = {
             "name": name,
             "side": "internal",
             "hinge": {"x": hand * 0.03, "y": -0.085},

@@ -11,6 +11,9 @@ from drumlin import BadInput, NoAnswer, peers, vary
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
+from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.model import refine_group_solution
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.laws.rigid import solve_brake_by_rigid_shoe_law
@@ -174,6 +177,19 @@ def test_getfem_agrees(loads: str) -> None:
     for a, b in zip(ours.shoes, found.shoes, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=3e-6)
         assert a.hinge_reaction == pytest.approx(b.hinge_reaction, rel=2e-5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", list(SUPPORTS))
+def test_refined_full_system_takes_the_further_force(kind: str) -> None:
+    """The full system in long double has the pressures of the condensed one."""
+    brake = brake_with(kind, force=[FORCE], body=BODY)
+    (group,) = divide_pressed_shoes_into_groups(make_prepared_model(brake, LEVELS[1]), brake, 1e6)
+    group, found = group.solve_contact_and_abutment_friction()
+    refined = refine_group_solution(group, found.active)
+    np.testing.assert_allclose(refined.p[0], found.p, atol=1e-8 * found.p.max())
+    size = abs(found.y).max()
+    np.testing.assert_allclose(refined.coordinates[0], found.y, rtol=1e-6, atol=1e-9 * size)
 
 
 # Springs

@@ -22,6 +22,11 @@ from drumlin.brake.units import mm_text
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
+from drumlin.fem.equilibrium.springs import (
+    approach_of_spring_points_by_shoe,
+    notes_on_spring_pulls,
+    settle_spring_pulls,
+)
 from drumlin.fem.mesh.from_file import notes_on_mesh_file
 from drumlin.fem.preparation.bodies import (
     load_factors_under_actuation_force,
@@ -30,11 +35,6 @@ from drumlin.fem.preparation.bodies import (
 )
 from drumlin.fem.preparation.cache import shape_key_of_shoe
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
-from drumlin.fem.springs import (
-    approach_of_spring_points_by_shoe,
-    notes_on_spring_pulls,
-    settle_spring_pulls,
-)
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws.rigid import notes_on_cam_force_of_unlike_linings
 from drumlin.response.balance import (
