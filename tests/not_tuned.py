@@ -186,6 +186,10 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_LINEAR_LAYERS": MEMORY,
     },
     "fem/mesh/vtu.py": {"MOST_UNPACKED": MEMORY, "MOST_ARRAYS": MEMORY, "_HEADER_WIDTHS": FORMAT},
+    "fem/equilibrium/springs.py": {
+        "SETTLED_PULL": ROUND_OFF,
+        "MOST_SPRING_STEPS": PASSES,
+    },
     "fem/model.py": {
         "DOUBLE_SPACING": DEFINITION,
         "LARGEST_SILENT_OVERLAP": SAID,

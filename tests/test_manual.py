@@ -49,6 +49,7 @@ def test_every_key_of_every_file_is_described():
         "Brake",
         "Lining",
         "Meshed",
+        "Pattern",
         "Shoe",
     }
     assert set(picked(here - set(listed), "__name__")) == in_no_file

@@ -12,9 +12,11 @@ from drumlin.brake.components import (
     Ring,
 )
 from drumlin.brake.components import Table as SectionTable
-from drumlin.brake.drive import Drive, Link
+from drumlin.brake.drive import Chamber, Drive, Link
 from drumlin.brake.drum_brake import DrumBrake, DrumShoe
 from drumlin.brake.fields import Material, Orthotropic, Part, Point
+from drumlin.brake.further_loads import Gravity, Lever, ShoeForce, ShoeMass, Spring
+from drumlin.brake.pattern import DrumPattern, FlatPattern
 from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatMisfit, FlatShoe, Plane
 from drumlin.brake.support import Abutment, Anchor, Guide, MeshGroups
 from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedNormal, Uniform
@@ -48,6 +50,9 @@ _HELD = {
     "backing": "the table `[shoe.backing]`",
     "body": "the table `[shoe.body]`; without it the shoe is rigid",
     "actuation": "the table `[shoe.actuation]`; left out if a strut pushes the shoe",
+    "force": "the tables `[[shoe.force]]`: further forces on the shoe",
+    "mass": "the mass of shoe and lining, on which weight and rotation act",
+    "pattern": "repeats the shoe at equal steps, see below",
     "mesh": "a mesh file in place of the parametric mesh",
     "mesh_unit": "unit of the coordinates in the mesh file",
     "mesh_frame": "whether the mesh has the coordinates of the brake or the shoe's own coordinates",
@@ -59,6 +64,9 @@ _HELD = {
 _SHARED = {
     "actuation": "the table `[actuation]`: one cylinder or cam for all shoes",
     "link": "the tables `[[link]]`: struts between shoes",
+    "spring": "the tables `[[spring]]`: springs between shoes, or from a shoe to the frame",
+    "lever": "the tables `[[lever]]`: levers on one shoe that push another by a strut",
+    "gravity": "the table `[gravity]`: weight acts on the masses of the shoes",
 }
 _GRIP = (
     "length of the body's back that a pivot or a guide holds, by default the body's thickness; "
@@ -78,7 +86,9 @@ BRAKE: tuple[Table, ...] = (
         "rotation": "sense in which the drum turns",
         "friction": "friction coefficient μ of the linings that have none of their own",
         "drum": "the table `[drum]`",
-        "shoe": "the tables `[[shoe]]`, one for each shoe", **_SHARED}),
+        "shoe": "the tables `[[shoe]]`, one for each shoe", **_SHARED,
+        "shoe_speed": "speed at which the shoes turn about the drum's centre, as those of a "
+            "centrifugal clutch; it acts on the masses of the shoes"}),
     ("`[drum]`", Drum, {
         "radius": "radius R of the friction surface",
         "ring": "the table `[drum.ring]`; without it the drum is rigid",
@@ -142,13 +152,58 @@ BRAKE: tuple[Table, ...] = (
         "force": "force on the shoe or its lever; left out if `[actuation]` gives the force",
         "direction": "angle of the force",
         "point": "any point of the line of action; for a beam its loaded end"}),
-    ("`[actuation]`: a cylinder, or a cam or wedge", Drive, {
+    ("`[[shoe.force]]`: a further force", ShoeForce, {
+        "force": "force on the shoe, beside its actuation",
+        "direction": "angle of the force",
+        "point": "any point of the line of action"}),
+    ("`mass` of a shoe", ShoeMass, {
+        "mass": "mass of shoe and lining together",
+        "point": "centre of mass, while the shoe is at the drum"}),
+    ("`pattern` of a shoe", DrumPattern, {
+        "count": "number of shoes, with the first one; they are called NAME 1, NAME 2 and so on",
+        "linked": "whether the abutment of each shoe bears on a strap to the next shoe; then only "
+            "the first shoe has an actuation",
+        "step": "angle from each shoe to the next"}),
+    ("`pattern` of a shoe on a plane", FlatPattern, {
+        "count": "number of shoes, with the first one",
+        "linked": "whether the abutment of each shoe bears on a strap to the next shoe",
+        "step": "length from each shoe to the next"}),
+    ("`[[spring]]`: a spring", Spring, {
+        "shoe": "name of the shoe at which the spring begins",
+        "point": "point of the spring at this shoe",
+        "to": "name of the shoe at which the spring ends; left out for the frame",
+        "end": "point of the spring at that shoe or at the frame",
+        "preload": "force while the shoes stand as in the file: positive if the spring pulls, "
+            "negative if it pushes",
+        "rate": "increase of the pull per length by which the points move apart"}),
+    ("`[[lever]]`: a lever with a strut", Lever, {
+        "shoe": "name of the shoe on which the lever turns",
+        "pivot": "pin of the lever on this shoe",
+        "to": "name of the shoe that the strut pushes",
+        "strut": "point at which the strut bears on the lever",
+        "end": "point at which the strut bears on the other shoe",
+        "force": "pull of the cable on the lever",
+        "direction": "direction of the pull",
+        "point": "point of the lever at which the cable pulls"}),
+    ("`[gravity]`", Gravity, {
+        "direction": "direction in which weight acts",
+        "acceleration": "acceleration of free fall"}),
+    ("`[actuation]`: a cylinder, a cam or a wedge", Drive, {
         "pressure": "pressure in a wheel cylinder",
         "diameter": "diameter of the piston; each shoe has one piston",
+        "threshold": "pressure up to which the cylinder does not push: seals and springs in it",
+        "chamber": "the table `[actuation.chamber]`: a brake chamber that turns a cam of this "
+            "`radius`, or pushes a wedge of this `wedge_angle`",
+        "wedge_angle": "angle between the two faces of a wedge",
         "force": "sum of the forces of a cam on both shoes",
         "torque": "torque on a cam, together with `radius`, in place of `force`",
         "radius": "radius of the base circle of the cam",
         "efficiency": "share of the force that arrives at the shoes"}),
+    ("`[actuation.chamber]`: a brake chamber", Chamber, {
+        "area": "effective area of the membrane; a chamber of type 30 has 30 square inches",
+        "pressure": "pressure of the air",
+        "return_force": "force of the return spring on the rod",
+        "lever": "length of the slack adjuster, square to the rod; a wedge has none"}),
     ("`[[link]]`: a strut", Link, {
         "from": "name of the shoe that bears on the strut",
         "to": "name of the shoe that the strut pushes"}),

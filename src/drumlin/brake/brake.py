@@ -20,6 +20,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.components import Backing, Bar, Beam, Lining, Lobes, Ring
 from drumlin.brake.drive import Drive, Link, reason_why_forces_are_shared
 from drumlin.brake.fields import Part, Point
+from drumlin.brake.further_loads import Gravity, Lever, Spring
 from drumlin.brake.support import MOVES, Meshed
 from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
 
@@ -259,6 +260,14 @@ class Brake(Part):
         def actuation(self) -> Drive | None: ...
         @property
         def links(self) -> tuple[Link, ...]: ...
+        @property
+        def springs(self) -> tuple[Spring, ...]: ...
+        @property
+        def levers(self) -> tuple[Lever, ...]: ...
+        @property
+        def gravity(self) -> Gravity | None: ...
+        @property
+        def shoe_speed(self) -> float | None: ...
 
     @staticmethod
     def brake_class_for_file_data(data: object) -> "type[Brake]":

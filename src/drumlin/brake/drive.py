@@ -8,28 +8,76 @@ same force along the same line.
 """
 
 import math
+from collections.abc import Collection
 from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
 from drumlin.brake.components import Actuation
-from drumlin.brake.fields import PURE_NUMBER, Force, Modulus, Name, Part, Thickness, Torque
+from drumlin.brake.fields import (
+    PURE_NUMBER,
+    Angle,
+    Area,
+    Force,
+    Modulus,
+    Name,
+    Part,
+    Thickness,
+    Torque,
+)
 from drumlin.brake.support import Held
 
 Efficiency = Annotated[float, Field(gt=0, le=1, strict=True), PURE_NUMBER]
 """The type of the efficiency of a drive, a number above 0 and up to 1."""
 
 
-class Drive(Part):
-    """The drive of all shoes: a wheel cylinder or a cam.
+class Chamber(Part):
+    """A brake chamber: air pressure on a membrane pushes a rod against a return spring.
 
-    A cylinder has a `pressure` [Pa] and a `diameter` [m]. A cam has the sum `force` [N] of its
-    forces on both shoes, or a `torque` [N m] and a base `radius` [m]. `efficiency` is the part of
-    the force that arrives at the shoes; friction in the drive takes the rest.
+    Attributes
+    ----------
+    area : effective area [m^2] of the membrane
+    pressure : pressure [Pa] of the air
+    return_force : force [N] of the return spring on the rod
+    lever : length [m] of the slack adjuster, square to the rod, that turns a cam; None for a wedge
+    """
+
+    area: Area
+    pressure: Modulus
+    return_force: Annotated[Force, Field(ge=0)] = 0.0
+    lever: Thickness | None = None
+
+    @model_validator(mode="after")
+    def _check_rod_pushes(self) -> Self:
+        """Raise ValueError if the return spring holds the rod back against the pressure."""
+        if self.rod_force <= 0:
+            raise ValueError(
+                f"return_force = {self.return_force:g} N: must be less than pressure times area, "
+                f"{self.pressure * self.area:g} N"
+            )
+        return self
+
+    @property
+    def rod_force(self) -> float:
+        """The force [N] of the rod: pressure times area, less the return spring."""
+        return self.pressure * self.area - self.return_force
+
+
+class Drive(Part):
+    """The drive of all shoes: a wheel cylinder, a cam or a wedge.
+
+    A cylinder has a `pressure` [Pa] and a `diameter` [m]; below the `threshold` [Pa] it does not
+    push. A cam has the sum `force` [N] of its forces on both shoes, or a `torque` [N m] and a base
+    `radius` [m]. A `chamber` turns a cam of a base `radius` by its lever, or pushes a wedge whose
+    faces include the `wedge_angle` [rad]. `efficiency` is the part of the force that arrives at the
+    shoes; friction in the drive takes the rest.
     """
 
     pressure: Modulus | None = None
     diameter: Thickness | None = None
+    threshold: Modulus | None = None
+    chamber: Chamber | None = None
+    wedge_angle: Annotated[Angle, Field(gt=0, lt=math.pi)] | None = None
     force: Force | None = None
     torque: Torque | None = None
     radius: Thickness | None = None
@@ -38,13 +86,26 @@ class Drive(Part):
     @model_validator(mode="after")
     def _check_keys_of_cylinder_or_cam(self) -> Self:
         """Raise ValueError unless the given keys are those of a cylinder or of a cam."""
-        keys = ("pressure", "diameter", "force", "torque", "radius")
+        keys = ("pressure", "diameter", "force", "torque", "radius", "chamber", "wedge_angle")
         given = {key for key in keys if getattr(self, key) is not None}
-        # Each of the three sets of keys determines the force. With more keys they could disagree.
-        if given not in ({"pressure", "diameter"}, {"force"}, {"torque", "radius"}):
+        # Each of these sets of keys determines the force. With more keys they could disagree.
+        cylinder, by_chamber = {"pressure", "diameter"}, {"chamber", "radius"}
+        wedge = {"chamber", "wedge_angle"}
+        if given not in (cylinder, {"force"}, {"torque", "radius"}, by_chamber, wedge):
             raise ValueError(
                 "needs pressure and diameter of a cylinder, "
-                "or of a cam force (of both shoes) or torque and radius"
+                "or of a cam force (of both shoes), torque and radius, or chamber and radius, "
+                "or of a wedge chamber and wedge_angle"
+            )
+        if self.chamber is not None and (self.chamber.lever is None) != (given == wedge):
+            raise ValueError(
+                "chamber.lever: is the slack adjuster of a cam; a cam needs it, a wedge has none"
+            )
+        threshold, pressure = self.threshold, self.pressure
+        if threshold is not None and (pressure is None or threshold >= pressure):
+            raise ValueError(
+                f"threshold = {threshold * 1e-5:g} bar: "
+                "must be less than the pressure of a cylinder"
             )
         return self
 
@@ -58,7 +119,13 @@ class Drive(Part):
         """Sum of a cam's forces on both shoes [N], or a cylinder's force on each shoe [N]."""
         # The force of a cylinder is the pressure times the area of the piston.
         if self.pressure is not None and self.diameter is not None:
-            return self.efficiency * self.pressure * math.pi * self.diameter**2 / 4
+            acting = self.pressure - (self.threshold or 0.0)
+            return self.efficiency * acting * math.pi * self.diameter**2 / 4
+        if self.chamber is not None and self.chamber.lever is not None and self.radius is not None:
+            return self.efficiency * self.chamber.rod_force * self.chamber.lever / self.radius
+        # Each face of a wedge pushes by the rod's force over twice the tangent of half its angle.
+        if self.chamber is not None and self.wedge_angle is not None:
+            return self.efficiency * self.chamber.rod_force / math.tan(0.5 * self.wedge_angle)
         if self.torque is not None and self.radius is not None:
             return self.efficiency * self.torque / self.radius
         return self.efficiency * (self.force or 0.0)
@@ -76,9 +143,7 @@ class Link(Part):
     to: Name
 
 
-def shoes_with_forces_of_drive(
-    shoes: tuple[Any, ...], drive: Drive | None, links: tuple[Link, ...], *, file: bool
-) -> tuple[Any, ...]:
+def shoes_with_forces_of_drive(brake: Any, *, file: bool) -> tuple[Any, ...]:
     """Return the shoes of a brake with the forces that its drive and its struts give them.
 
     Each shoe of a cylinder gets the force of the cylinder, each shoe of a cam half the force of the
@@ -87,9 +152,7 @@ def shoes_with_forces_of_drive(
 
     Parameters
     ----------
-    shoes : the shoes as the brake file describes them
-    drive : drive of all shoes; None if each shoe has a force of its own
-    links : struts and straps between shoes
+    brake : the brake as its file describes it: shoes, drive, struts and springs
     file : whether the data come from a file, which must not give forces that a drive gives
 
     Raises
@@ -97,6 +160,9 @@ def shoes_with_forces_of_drive(
     ValueError
         if shoes, drive and struts do not fit together
     """
+    shoes, drive, links = brake.shoes, brake.actuation, brake.links
+    joined = (*brake.springs, *brake.levers)
+    joined_names = {name for each in joined for name in (each.shoe, each.to)}
     # The drive pushes the shoes that no strut pushes.
     lines = _strut_actuations_by_shoe_index(shoes, links)
     pushed = [i for i in range(len(shoes)) if i not in lines]
@@ -115,10 +181,23 @@ def shoes_with_forces_of_drive(
             if file and "actuation" in shoe.model_fields_set:
                 raise ValueError(f"shoe[{i}].actuation: a strut pushes this shoe; leave it out")
             actuation = lines[i]
+        elif drive is None and _has_other_loads_in_place_of_actuation(shoe, joined_names):
+            actuation = shoe.actuation
         else:
             actuation = _actuation_of_shoe_without_strut(f"shoe[{i}].actuation", shoe, drive, file)
         found.append(shoe.model_copy(update={"actuation": actuation}))
     return tuple(found)
+
+
+def _has_other_loads_in_place_of_actuation(shoe: Any, joined_names: Collection[str | None]) -> bool:
+    """Whether a shoe has no actuation in the file, and another load presses it.
+
+    The load is a force, a mass on which weight or rotation acts, a spring or a lever.
+    `joined_names` are the names of the shoes with springs or levers. A shoe on a guide has its pin
+    at the point of the actuation and thus needs an actuation.
+    """
+    loaded = bool(shoe.forces) or shoe.mass is not None or shoe.name in joined_names
+    return loaded and shoe.guide is None and "actuation" not in shoe.model_fields_set
 
 
 def _strut_actuations_by_shoe_index(

@@ -34,13 +34,15 @@ from drumlin.brake.components import (
     hint_about_angles_of_arc,
 )
 from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive
-from drumlin.brake.fields import Point, Title, check_shoe_names_differ
+from drumlin.brake.fields import AngularSpeed, Point, Title, check_shoe_names_differ
+from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_spring_pulls
 from drumlin.brake.heat import (
     check_heated_drum_can_expand,
     check_heated_shoes_can_expand,
     radial_growth_of_heated_drum,
 )
 from drumlin.brake.off_circle import gap_of_lining_ground_to_circle, radial_deviation_of_drum
+from drumlin.brake.pattern import DrumPattern, data_with_repeated_shoes, move_around_drum
 from drumlin.brake.support import Held, check_motions_close_gap_differently
 from drumlin.brake.surface import DRUM
 from drumlin.brake.units import deg_text, mm_text
@@ -54,6 +56,7 @@ class DrumShoe(Shoe):
     lining: DrumLining
     backing: Backing | None = None
     body: AnyBody | None = None
+    pattern: DrumPattern | None = None
 
     @cached_property
     def frame(self) -> ShoeFrame:
@@ -144,6 +147,10 @@ class DrumBrake(Brake):
     shoes: Annotated[tuple[DrumShoe, ...], Field(alias="shoe", min_length=1)]
     actuation: Drive | None = None
     links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
+    springs: Annotated[tuple[Spring, ...], Field(alias="spring")] = ()
+    levers: Annotated[tuple[Lever, ...], Field(alias="lever")] = ()
+    gravity: Gravity | None = None
+    shoe_speed: AngularSpeed | None = None
 
     @property
     def direction(self) -> str:
@@ -178,6 +185,10 @@ class DrumBrake(Brake):
             "rotation": self.directions[0],
             "friction": float(self.friction > 0),
             "drum": drum,
+            "springs": (),
+            "levers": (),
+            "gravity": None,
+            "shoe_speed": None,
         }
         return self.model_copy(update=changes)
 
@@ -207,6 +218,12 @@ class DrumBrake(Brake):
         harmonics = self.out_of_round_harmonics
         return radial_deviation_of_drum(harmonics, self.drum.angle, theta) if harmonics else None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _repeat_shoes_with_pattern(cls, data: object, info: ValidationInfo) -> object:
+        """Return the data with several shoes in place of each shoe that has a pattern."""
+        return data_with_repeated_shoes(data, DrumShoe, move_around_drum, info)
+
     @model_validator(mode="after")
     def _check_shoes_and_set_drive_forces(self, info: ValidationInfo) -> Self:
         """Check drum and shoes, and give the shoes the forces of the drive and of the struts.
@@ -217,7 +234,7 @@ class DrumBrake(Brake):
         self.check_friction_of_brake_scales_linings()
         # Only data of a file must have units: this tells them from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
-        shoes = shoes_with_forces_of_drive(self.shoes, self.actuation, self.links, file=from_file)
+        shoes = shoes_with_forces_of_drive(self, file=from_file)
         _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)
         check_heated_drum_can_expand(self.drum)
         check_heated_shoes_can_expand(shoes)
@@ -225,7 +242,7 @@ class DrumBrake(Brake):
         for i, shoe in enumerate(shoes):
             _check_shoe_fits_drum(f"shoe[{i}]", shoe, self.drum.radius)
             _check_lining_misfit_is_small(f"shoe[{i}].lining.misfit", shoe.lining, self.drum.radius)
-        return self.model_copy(update={"shoes": shoes})
+        return brake_with_spring_pulls(self.model_copy(update={"shoes": shoes}))
 
 
 def _check_drum_is_round_enough(drum: Drum) -> None:

@@ -46,8 +46,10 @@ from drumlin.brake.file import (
     parse_text_of_brake_file,
     read_data_of_brake_file,
 )
+from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_spring_pulls
 from drumlin.brake.heat import check_heated_shoes_can_expand
 from drumlin.brake.off_circle import gap_of_pad_ground_to_circle
+from drumlin.brake.pattern import FlatPattern, data_with_repeated_shoes, move_along_plane
 from drumlin.brake.support import check_motions_close_gap_differently
 from drumlin.brake.surface import PLANE
 from drumlin.brake.units import deg_text, mm_text
@@ -160,6 +162,7 @@ class FlatShoe(Shoe):
     lining: FlatLining
     backing: Backing | None = None
     body: FlatBody | None = None
+    pattern: FlatPattern | None = None
 
     @model_validator(mode="after")
     def _check_lining_lies_on_body(self) -> Self:
@@ -259,6 +262,14 @@ class FlatBrake(Brake):
     shoes: Annotated[tuple[FlatShoe, ...], Field(alias="shoe", min_length=1)]
     actuation: Drive | None = None
     links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
+    springs: Annotated[tuple[Spring, ...], Field(alias="spring")] = ()
+    levers: Annotated[tuple[Lever, ...], Field(alias="lever")] = ()
+    gravity: Gravity | None = None
+
+    @property
+    def shoe_speed(self) -> float | None:
+        """Always None: shoes on a plane do not turn about a drum's centre."""
+        return None
 
     @property
     def direction(self) -> str:
@@ -284,8 +295,17 @@ class FlatBrake(Brake):
             "title": "-",
             "friction": float(self.friction > 0),
             "plane": Plane(sliding="+x"),
+            "springs": (),
+            "levers": (),
+            "gravity": None,
         }
         return self.model_copy(update=changes)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _repeat_shoes_with_pattern(cls, data: object, info: ValidationInfo) -> object:
+        """Return the data with several shoes in place of each shoe that has a pattern."""
+        return data_with_repeated_shoes(data, FlatShoe, move_along_plane, info)
 
     @model_validator(mode="after")
     def _check_shoes_and_set_drive_forces(self, info: ValidationInfo) -> Self:
@@ -297,7 +317,7 @@ class FlatBrake(Brake):
         self.check_friction_of_brake_scales_linings()
         # Only data of a file must have units: this tells them from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
-        shoes = shoes_with_forces_of_drive(self.shoes, self.actuation, self.links, file=from_file)
+        shoes = shoes_with_forces_of_drive(self, file=from_file)
         # The length of the first lining is the size of the brake, which all its shoes must know.
         size = shoes[0].lining.end - shoes[0].lining.start
         shoes = tuple(shoe.shoe_in_brake_of_size(size) for shoe in shoes)
@@ -309,7 +329,7 @@ class FlatBrake(Brake):
             if shoe.guide is not None and abs(math.sin(shoe.guide.direction)) < 1e-6:
                 shown = f"shoe[{i}].guide.direction = {deg_text(shoe.guide.direction)}"
                 raise ValueError(f"{shown}: must lead to the plane, not along it")
-        return self.model_copy(update={"shoes": shoes})
+        return brake_with_spring_pulls(self.model_copy(update={"shoes": shoes}))
 
 
 def make_brake_from_data(

@@ -18,6 +18,7 @@ import numpy as np
 from pydantic import (
     AfterValidator,
     Field,
+    PrivateAttr,
     StrictInt,
     ValidationError,
     ValidationInfo,
@@ -30,6 +31,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.files import register_protected_input_file
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import PURE_NUMBER, Angle, Length, Name, Part, Place, Point
+from drumlin.brake.further_loads import NO_LOAD, ShoeForce, ShoeMass, resultant_of_force_at_point
 
 MAIN_SUPPORTS = ("hinge", "abutment", "guide")
 """Keys of the supports; a shoe has exactly one of them. A pivot needs a hinge besides."""
@@ -92,6 +94,7 @@ class Freedoms(NamedTuple):
     motions : (k, 3), dx, dy and turn of each unit mode
     tests : (k, 3), test modes, on which the support reactions do no work
     work : (k,), work of the actuation on each test mode [N m for a turn, N for a slide]
+    further_work : (k,), work of all further loads on each test mode [N m or N]
     tip : (k,), displacement of the point of actuation along its force in each mode [m]
     names : (k,), "turn" (about the pin), "tilt" (about a pivot), "slide" or "off" (the face), "x"
         or "y" (translations of a shoe on anchors)
@@ -100,8 +103,14 @@ class Freedoms(NamedTuple):
     motions: Floats
     tests: Floats
     work: Floats
+    further_work: Floats
     tip: Floats
     names: tuple[str, ...]
+
+    @property
+    def work_of_all_loads(self) -> Floats:
+        """Work (k,) of the actuation and of all further loads on each test mode [N m or N]."""
+        return self.work + self.further_work
 
 
 def motion_of_turn_about_point(point: Point) -> Floats:
@@ -167,6 +176,10 @@ class Held(Part):
     anchors: Annotated[tuple[Anchor, ...], Field(alias="anchor")] = ()
     # A shoe that a strut pushes has this actuation until the strut gives it its line of action.
     actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
+    forces: Annotated[tuple[ShoeForce, ...], Field(alias="force")] = ()
+    mass: ShoeMass | None = None
+    # The resultant of springs, weight and centrifugal force, which the brake tells its shoes.
+    _load_of_brake: tuple[float, float, float] = PrivateAttr(NO_LOAD)
 
     @model_validator(mode="after")
     def _check_has_one_support(self) -> Self:
@@ -232,6 +245,57 @@ class Held(Part):
         """A copy of the shoe whose actuation has another force [N]."""
         actuation = self.actuation.model_copy(update={"force": force})
         return self.model_copy(update={"actuation": actuation})
+
+    def shoe_with_loads_of_brake(self, load: Floats) -> Self:
+        """A copy of the shoe under a resultant (3,) of springs, weight and centrifugal force."""
+        shoe = self.model_copy()
+        shoe._load_of_brake = (float(load[0]), float(load[1]), float(load[2]))
+        return shoe
+
+    @property
+    def has_further_loads(self) -> bool:
+        """Whether forces act on the shoe besides its actuation and its support."""
+        return bool(self.forces) or any(self._load_of_brake)
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether an actuation force or another load acts on the shoe."""
+        return self.actuation.force != 0 or self.has_further_loads
+
+    @property
+    def largest_load(self) -> float:
+        """Largest force [N] among the actuation, the further forces and the loads of the brake."""
+        forces = [abs(each.force) for each in (self.actuation, *self.forces)]
+        return max(*forces, math.hypot(*self._load_of_brake[:2]))
+
+    @property
+    def further_load(self) -> Floats:
+        """Resultant (3,) of all loads besides the actuation: force x, y [N], moment [N m].
+
+        The moment is about the origin of the brake.
+        """
+        total = np.array(self._load_of_brake)
+        for each in self.forces:
+            total += resultant_of_force_at_point(each.force_vector, each.point.xy)
+        return total
+
+    @property
+    def force_of_all_loads(self) -> Floats:
+        """Sum (2,) [N] of the actuation force and of all further loads on the shoe."""
+        actuation = self.actuation.force_vector
+        return actuation + self.further_load[:2] if self.has_further_loads else actuation
+
+    def moment_of_further_loads_about_point(self, point: Point) -> float:
+        """Moment [N m] of all loads besides the actuation about a point, counter-clockwise."""
+        fx, fy, moment = self.further_load.tolist()
+        return float(moment - (point.x * fy - point.y * fx))
+
+    def moment_of_all_loads_about_point(self, point: Point) -> float:
+        """Moment [N m] of actuation and further loads about a point, counter-clockwise positive."""
+        moment = self.actuation.moment_of_force_about_point(point)
+        if self.has_further_loads:
+            moment += self.moment_of_further_loads_about_point(point)
+        return moment
 
     @property
     def unit_vector_of_abutment_force_on_foot(self) -> Floats:
@@ -318,7 +382,7 @@ class Held(Part):
         # With a pivot the actuation acts on the lever. It does no work as the shoe tilts about it.
         if self.pivot is not None:
             work[1] = tip[1] = 0.0
-        return Freedoms(moved, tested, work, tip, tuple(names))
+        return Freedoms(moved, tested, work, tested @ self.further_load, tip, tuple(names))
 
     def changes(self, sense: int = 1) -> dict[str, tuple[SupportChange, ...]]:
         """Exact derivatives of the rigid-body modes with respect to the data of the support.

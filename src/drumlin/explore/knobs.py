@@ -49,6 +49,7 @@ CYLINDER_AND_CAM_KNOBS = {
     "pressure": _DriveKnob("pressure of the cylinder", "MPa", 1e6),
     "force": _DriveKnob("force of the cam", "kN", 1e3),
     "torque": _DriveKnob("torque of the cam", "N m", 1.0),
+    "chamber.pressure": _DriveKnob("pressure in the chamber", "bar", 1e5),
 }
 """Label and unit of the knob of a cylinder or cam, by the key that the brake file gives."""
 
@@ -247,13 +248,17 @@ def _actuation_force_knob(brake: Brake) -> Knob | None:
 
 def _cylinder_or_cam_knob(drive: Drive) -> Knob:
     """The knob of an actuation of all shoes: pressure of a cylinder, force or torque of a cam."""
-    # A brake file gives one of the keys pressure, force and torque.
-    key = next(key for key in CYLINDER_AND_CAM_KNOBS if getattr(drive, key) is not None)
-    value = getattr(drive, key)
+    # A brake file gives one of the keys pressure, force and torque, or the pressure of a chamber.
+    if drive.chamber is not None:
+        key, value = "chamber.pressure", drive.chamber.pressure
+    else:
+        keys = ("pressure", "force", "torque")
+        key = next(key for key in keys if getattr(drive, key) is not None)
+        value = getattr(drive, key)
     label, unit, factor = CYLINDER_AND_CAM_KNOBS[key]
     start = value / factor
     # A cylinder must have a pressure above 0, so that its knob begins at 1 % of the file's value.
-    low, high = sorted([0.0 if key != "pressure" else 0.01 * start, 3 * start])
+    low, high = sorted([least_part_of_drive_pressure(drive, key) * start, 3 * start])
 
     def new_pressure_force_or_torque(value: float) -> Changes:
         """A new pressure of the cylinder, or force or torque of the cam: `value` [unit]."""
@@ -269,6 +274,19 @@ def _cylinder_or_cam_knob(drive: Drive) -> Knob:
         start,
         new_pressure_force_or_torque,
     )
+
+
+def least_part_of_drive_pressure(drive: Drive, key: str) -> float:
+    """The least value of a drive's knob as a part of the file's value: 1 % above no push.
+
+    A pressure must exceed the threshold of a cylinder, or what the return spring of a chamber
+    takes. Other drives begin at 0.
+    """
+    if key == "pressure" and drive.pressure is not None:
+        return 0.01 + (drive.threshold or 0.0) / drive.pressure
+    if drive.chamber is not None:
+        return 0.01 + 1 - drive.chamber.rod_force / (drive.chamber.pressure * drive.chamber.area)
+    return 0.0
 
 
 def _line_of_action_shift_knob(brake: Brake, R: float) -> Knob:

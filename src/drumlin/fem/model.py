@@ -8,7 +8,7 @@ the same prepared model.
 import math
 import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -23,9 +23,15 @@ from drumlin.brake.units import mm_text
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
+from drumlin.fem.equilibrium.springs import (
+    approach_of_spring_points_by_shoe,
+    notes_on_spring_pulls,
+    settle_spring_pulls,
+)
 from drumlin.fem.mesh.from_file import notes_on_mesh_file
 from drumlin.fem.preparation.bodies import (
     load_factors_under_actuation_force,
+    moment_of_further_loads_about_pin,
     support_reaction_of_shoe,
 )
 from drumlin.fem.preparation.cache import shape_key_of_shoe
@@ -137,6 +143,23 @@ def solve_prepared_model(
     require_positive_penalty(penalty)
     if brake is not scene.brake:
         _check_brake_matches_model(scene, brake)
+    if not any(spring.rate for spring in brake.springs):
+        return _solve_under_known_spring_pulls(scene, brake, penalty, start)[0]
+    response, pulls = settle_spring_pulls(
+        brake, lambda under: _solve_under_known_spring_pulls(scene, under, penalty, start)
+    )
+    notes = (*response.notes, *notes_on_spring_pulls(brake, pulls))
+    return replace(response, spring_pulls=pulls, notes=notes)
+
+
+def _solve_under_known_spring_pulls(
+    scene: PreparedModel, brake: Brake, penalty: float, start: Response | None
+) -> tuple[Response, Floats]:
+    """Solve a brake whose springs have known pulls; parameters as of `solve_prepared_model`.
+
+    Returns the response, and the motion (springs,) [m] by which the two points of each spring come
+    nearer to each other.
+    """
     seconds = dict(scene.seconds)
     with add_elapsed_time(seconds, "contact"):
         answers: dict[int, _ShoeResult] = {}
@@ -146,7 +169,10 @@ def solve_prepared_model(
         for i in set(range(len(brake.shoes))) - set(answers):
             answers[i] = _result_of_unpressed_shoe(brake.shoes[i])
     in_order = [answers[i] for i in sorted(answers)]
-    return Response(
+    approach = np.zeros(len(brake.springs))
+    for answer in in_order:
+        approach += answer.spring_motion
+    response = Response(
         model=scene.model,
         shoes=tuple(answer.response for answer in in_order),
         balance=largest_imbalance_among_shoes([answer.balance for answer in answers.values()]),
@@ -163,6 +189,7 @@ def solve_prepared_model(
             *filter(None, [note_on_heat(brake)]),
         ),
     )
+    return response, approach
 
 
 def _check_brake_matches_model(scene: PreparedModel, brake: Brake) -> None:
@@ -264,12 +291,14 @@ class _ShoeResult:
     balance : relative imbalance of the forces and moments on the shoe
     steps : number of steps of the contact algorithm
     note : line of text on the contact of the shoe
+    spring_motion : (springs,) [m], motion of the shoe's points along the pulls of springs at them
     """
 
     response: ShoeResponse
     balance: Balance
     steps: int
     note: str
+    spring_motion: Floats | float = 0.0
 
 
 class _GroupSolution(NamedTuple):
@@ -318,7 +347,7 @@ def _result_of_unpressed_shoe(shoe: Shoe) -> _ShoeResult:
     word = shoe.surface.word
     note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {word}"
     return _ShoeResult(
-        response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector),
+        response_of_shoe_without_contact(shoe, -shoe.force_of_all_loads),
         Balance(0.0, 0.0),
         0,
         note,
@@ -532,7 +561,23 @@ def _result_of_one_shoe_in_solved_group(solution: _ShoeSolution, steps: int) -> 
         balance=_force_and_moment_imbalance_of_shoe(solution, acting),
         steps=steps,
         note=_note_on_accuracy_of_shoe_contact(solution, errors),
+        spring_motion=_motion_of_shoe_along_spring_pulls(solution),
     )
+
+
+def _motion_of_shoe_along_spring_pulls(solution: _ShoeSolution) -> Floats:
+    """The motion (springs,) [m] of a shoe's points along the pulls of the springs at them."""
+    group, k, p = solution.group, solution.shoe_number, solution.pressures
+    brake, shoe, body = group.brake, group.shoes[k], group.substructures_of_shoes[k]
+    if not any(spring.rate for spring in brake.springs):
+        return np.zeros(len(brake.springs))
+    load = load_factors_under_actuation_force(body, shoe, solution.force)
+    elastic = body.load_motion_by_load @ load - body.closure_by_load.T @ p
+    if body.load_motion_by_friction is not None:
+        drag = brake.signed_friction_per_pressure_in_shoe_frame(shoe)
+        elastic = elastic + drag * (body.load_motion_by_friction @ p)
+    pin_motion = group.rigid_body_modes_of_shoes[k].pin_motion @ solution.coordinates
+    return approach_of_spring_points_by_shoe(brake, shoe, body, elastic, pin_motion)
 
 
 class _ForcesOnShoe(NamedTuple):
@@ -566,6 +611,8 @@ def _forces_on_shoe_by_pressure_and_actuation(solution: _ShoeSolution) -> _Force
     shoe, body = group.shoes[k], group.substructures_of_shoes[k]
     load = load_factors_under_actuation_force(body, shoe, solution.force)
     moment = abs(solution.force) * group.actuation_of_each_shoe_by_one_newton[k].moment_about_pin
+    if shoe.has_further_loads:
+        moment += moment_of_further_loads_about_pin(shoe)
     push = body.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, load)[:2]
     drag = group.brake.signed_friction_per_pressure_in_shoe_frame(shoe)
     normal, dragged = body.resultants_of_contact_node_forces @ p
@@ -613,7 +660,7 @@ def _force_and_moment_imbalance_of_shoe(solution: _ShoeSolution, acting: _Forces
         length = group.brake.scale_factor * (shoe.lining.end - shoe.lining.start)
         moments += [
             acting.guide_moment,
-            *moments_that_scale_imbalance_on_guide(solution.force, length),
+            *moments_that_scale_imbalance_on_guide(max(solution.force, shoe.largest_load), length),
         ]
     elif shoe.anchors:
         moments.append(acting.guide_moment)
@@ -634,7 +681,7 @@ def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
     coupling, modes = group.substructures_of_shoes[k].coupling, group.rigid_body_modes_of_shoes[k]
     drag = group.brake.signed_friction_per_pressure_in_shoe_frame(group.shoes[k])
     nodal = drag * (coupling.T.T @ p) - coupling.N.T @ p
-    by_actuation = abs(solution.force) * modes.actuation_work
+    by_actuation = abs(solution.force) * modes.actuation_work + modes.further_work
     for support in solution.support_forces:
         by_actuation += group.work_of_push_on_modes(k, support.push)
     by_contact = nodal[:, None] * modes.test_modes
@@ -728,7 +775,7 @@ def _response_of_shoe_in_brake_frame(
         force=None if group.force_sharing_by_struts_and_cam is None else solution.force,
         pivot_reaction=None
         if shoe.pivot is None
-        else -frame.convert_to_brake_frame(acting.force_of_drum[:2]),
+        else -frame.convert_to_brake_frame(acting.force_of_drum[:2]) - shoe.further_load[:2],
         reaction_moment=frame.sense * acting.guide_moment,
         supports=solution.support_forces,
         motion=None if shoe.kind_of_support == "hinge" else tuple(pin_motion.tolist()),
@@ -750,7 +797,11 @@ def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
         work = [float(p @ part @ solution.coordinates) for part in closures]
         return drag * work[1] > NEITHER * abs(work[0])
     closed, rubbed = float(closures.normal[:, 0] @ p), float(closures.tangential[:, 0] @ p)
-    sense = math.copysign(1.0, group.rigid_body_modes_of_shoes[k].actuation_work[0])
+    modes = group.rigid_body_modes_of_shoes[k]
+    pushing = modes.actuation_work[0]
+    if group.shoes[k].has_further_loads:
+        pushing = abs(solution.force) * pushing + modes.further_work[0]
+    sense = math.copysign(1.0, pushing)
     return sense * drag * rubbed > NEITHER * abs(closed)
 
 

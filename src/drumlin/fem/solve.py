@@ -10,6 +10,7 @@ from functools import partial
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
+from drumlin.brake.further_loads import brake_with_spring_pulls
 from drumlin.fem.equilibrium.locking import distance_of_friction_from_self_locking
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCE,
@@ -109,7 +110,9 @@ def solve(
     if self_locking:
         # An answer that was found is kept where the limit of the elastic brake is not found.
         with add_elapsed_time(seconds, "self-locking"), suppress(NoAnswer):
-            found = distance_of_friction_from_self_locking(scene, brake, penalty)
+            # Near the limit the springs of the answer keep their pulls.
+            under = brake_with_spring_pulls(brake, response.spring_pulls or None)
+            found = distance_of_friction_from_self_locking(scene, under, penalty)
             response = replace(response, self_locking=found)
     if model_error and not finite_width:
         with add_elapsed_time(seconds, "error of plane stress"):

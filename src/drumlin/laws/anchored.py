@@ -245,7 +245,7 @@ def _solve_on_bearing_supports(
     motions = _motions_held_and_free(on, bearing)
     if motions is None:
         return None
-    work = np.concatenate([modes.work for modes in on.freedoms])
+    work = np.concatenate([modes.work + modes.further_work for modes in on.freedoms])
     settled = _contact_on_free_motions(brake, on, motions.free, work)
     if settled is None:
         return None
@@ -281,7 +281,7 @@ def _is_bearing_as_assumed(
     forces : (m,) forces of the supports [N]
     """
     bears = np.array(bearing, dtype=bool)
-    actuation = max(float(np.abs(free.work).max()) for free in on.freedoms)
+    actuation = max(float(np.abs(free.work + free.further_work).max()) for free in on.freedoms)
     largest = max(float(np.abs(forces).max()), actuation * float(on.sizes[0]))
     parts = on.opening * y
     pulls = (forces[bears] < -LARGEST_PULL * largest).any()

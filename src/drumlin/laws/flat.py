@@ -214,10 +214,10 @@ def _flat_shoe_response_by_law(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeRe
     """The response of one shoe on a plane by a law. Raises NoAnswer if the shoe locks itself."""
     pad, w = lengths_of_flat_shoe(brake, shoe), shoe.lining.width
     mu = brake.friction_of_shoe(shoe)
-    moment = -shoe.frame.sense * shoe.actuation.moment_of_force_about_point(shoe.pin)
+    moment = -shoe.frame.sense * shoe.moment_of_all_loads_about_point(shoe.pin)
     # Without a force, or under a force that lifts the lining off the plane, nothing touches.
     if moment <= 0:
-        return response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
+        return response_of_shoe_without_contact(shoe, -shoe.force_of_all_loads)
     if law.resisting_moment_per_amplitude(mu, pad) <= 0:
         raise NoAnswer(
             f"shoe {shoe.name!r}: self-locking, friction {mu:g} is not below "
@@ -234,8 +234,7 @@ def _flat_shoe_response_by_law(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeRe
         normal_force=N,
         self_energising=bool(mu * pad.s * pad.h < 0),
         peak_pressure=amplitude,
-        hinge_reaction=-shoe.actuation.force_vector
-        - N * np.array([mu * brake.sign_of_motion, 1.0]),
+        hinge_reaction=-shoe.force_of_all_loads - N * np.array([mu * brake.sign_of_motion, 1.0]),
         contact_arcs=((shoe.lining.start, shoe.lining.end),),
         theta=x,
         pressure=amplitude * law.pressure(shoe.frame.distance(x), pad),

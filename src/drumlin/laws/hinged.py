@@ -141,7 +141,7 @@ def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResp
     moment = actuation_moment_towards_drum(shoe)
     # Without a force, or under a force that turns the shoe away from the drum, nothing touches.
     if moment <= 0:
-        return response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
+        return response_of_shoe_without_contact(shoe, -shoe.force_of_all_loads)
     if law.resisting_moment_per_amplitude(mu, arc) <= 0:
         raise NoAnswer(
             f"shoe {shoe.name!r}: self-locking, friction {mu:g} is not below "
@@ -171,9 +171,7 @@ def torque_of_brake_with_guided_shoes(brake: Brake) -> float:
     total = 0.0
     for shoe in brake.shoes:
         middle = 0.5 * (shoe.lining.start + shoe.lining.end)
-        force = shoe.sign * float(
-            shoe.actuation.force_vector @ [math.cos(middle), math.sin(middle)]
-        )
+        force = shoe.sign * float(shoe.force_of_all_loads @ [math.cos(middle), math.sin(middle)])
         lumped = brake.friction_of_shoe(shoe) * float(
             ratio_of_equivalent_friction(
                 angles_and_radii_of_hinged_shoe(brake, shoe).half_of_lining_arc
@@ -185,7 +183,7 @@ def torque_of_brake_with_guided_shoes(brake: Brake) -> float:
 
 def actuation_moment_towards_drum(shoe: Shoe) -> float:
     """Moment of the actuation about the hinge [N m], positive if it turns the shoe to the drum."""
-    return -shoe.sign * shoe.frame.sense * shoe.actuation.moment_of_force_about_point(shoe.pin)
+    return -shoe.sign * shoe.frame.sense * shoe.moment_of_all_loads_about_point(shoe.pin)
 
 
 def resultant_of_hinged_shoe_pressure(
@@ -237,9 +235,9 @@ def response_of_hinged_shoe_in_contact(
         name=shoe.name,
         torque=abs(contact.moment),
         normal_force=float(np.linalg.norm(contact.normal)),
-        self_energising=helping * shoe.actuation.moment_of_force_about_point(shoe.pin) > 0,
+        self_energising=helping * shoe.moment_of_all_loads_about_point(shoe.pin) > 0,
         peak_pressure=float(pressure(np.array(peak_at))),
-        hinge_reaction=-shoe.actuation.force_vector - contact.force,
+        hinge_reaction=-shoe.force_of_all_loads - contact.force,
         contact_arcs=((shoe.lining.start, shoe.lining.end),),
         theta=shoe.frame.theta(phi),
         # Round-off may make the pressure negative at an end, as sin(pi) is 1e-16.

@@ -116,7 +116,7 @@ def find_contact_of_rigid_shoe(
     if shoe.anchors:
         return contact_of_shoe_on_anchors(brake, brake.shoes.index(shoe))
     face = friction_surface_of_shoe(brake, shoe)
-    if shoe.actuation.force == 0:
+    if not shoe.is_loaded:
         return None
     # A force that only tension on the lining could balance lifts the shoe off.
     if sign_of_pressure_that_balances_actuation(brake, shoe) < 0:
@@ -131,8 +131,7 @@ def find_contact_of_rigid_shoe(
             failure = failure or error
             continue
         reaction = (
-            -shoe.actuation.force_vector
-            - _contact_resultant_of_rigid_shoe(brake, shoe, found).force
+            -shoe.force_of_all_loads - _contact_resultant_of_rigid_shoe(brake, shoe, found).force
         )
         if shoe.can_abutment_exert_reaction_on_foot(reaction, sense, float(found.amounts[-1])):
             return found
@@ -150,10 +149,14 @@ def sign_of_pressure_that_balances_actuation(brake: Brake, shoe: Shoe) -> int:
     shapes = face.gap_closing_by_motions(free.tests)
     if len(shapes) == 1:
         # With one mode, a pressure at some place of the lining must work against the actuation.
-        works = shapes[0] @ face.shape_function_values(np.linspace(*ends, 65))[:2] * free.work[0]
+        works = (
+            shapes[0]
+            @ face.shape_function_values(np.linspace(*ends, 65))[:2]
+            * free.work_of_all_loads[0]
+        )
         return 1 if works.max() > 1e-12 * np.abs(works).max() else -1
     try:
-        resultant = np.asarray(np.linalg.solve(shapes, free.work), dtype=float)
+        resultant = np.asarray(np.linalg.solve(shapes, free.work_of_all_loads), dtype=float)
         return face.sign_of_pressure_with_given_resultant(resultant, *ends)
     except np.linalg.LinAlgError:
         return 0
@@ -188,7 +191,9 @@ def _find_contact_for_friction_sense(
     locked = f"self-locking, friction {mu:g} is not below mu_lock = {{:.6g}} of the rigid-shoe law"
     # With one mode the sign of the actuation's work alone tells which arcs are in contact.
     if len(shapes) == 1:
-        arcs = face.arcs_of_positive_pressure(shapes[0] * math.copysign(1.0, free.work[0]), *ends)
+        arcs = face.arcs_of_positive_pressure(
+            shapes[0] * math.copysign(1.0, free.work_of_all_loads[0]), *ends
+        )
         mu_lock = locking_friction_on(arcs)
         if mu >= mu_lock:
             raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
@@ -232,7 +237,7 @@ def _motions_in_equilibrium(
     """
     N, F = matrices
     try:
-        return np.linalg.solve(N - drag * F, free.work).astype(float)
+        return np.linalg.solve(N - drag * F, free.work_of_all_loads).astype(float)
     except np.linalg.LinAlgError:
         return None
 
@@ -250,7 +255,7 @@ def response_of_rigid_shoe(
 ) -> ShoeResponse:
     """The response of a rigid shoe from its contact; of a shoe that does not touch for None."""
     if found is None:
-        return response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
+        return response_of_shoe_without_contact(shoe, -shoe.force_of_all_loads)
     contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.flat
     ends = (shoe.lining.start, shoe.lining.end)
     # The pressure on a plane is linear in x, so that two steps between nodes are enough.
@@ -258,7 +263,7 @@ def response_of_rigid_shoe(
         ends, found.arcs, 2 if flat else PRESSURE_NODES - 1
     )
     about_pin = _pressure_and_friction_moments_about_pin(shoe, contact)
-    of_actuation = shoe.actuation.moment_of_force_about_point(shoe.pin)
+    of_actuation = shoe.moment_of_all_loads_about_point(shoe.pin)
     guided = shoe.guide is not None
     # A guide turns the shoe back, and several anchors have no common point.
     has_moment = guided or bool(shoe.anchors)
@@ -276,11 +281,11 @@ def response_of_rigid_shoe(
         normal_force=float(np.linalg.norm(contact.normal)),
         self_energising=bool(helping > 0),
         peak_pressure=found.face.peak(found.c, found.arcs),
-        hinge_reaction=-shoe.actuation.force_vector - contact.force,
+        hinge_reaction=-shoe.force_of_all_loads - contact.force,
         contact_arcs=found.arcs,
         theta=place,
         pressure=pressure_of_rigid_shoe_at_places(found, place),
-        pivot_reaction=-contact.force if shoe.pivot is not None else None,
+        pivot_reaction=None if shoe.pivot is None else -contact.force - shoe.further_load[:2],
         reaction_moment=reaction_moment if has_moment else 0.0,
     )
 
@@ -388,6 +393,11 @@ def _share_cam_force_among_shoes(
     # A shoe behind a strut is pushed by the strut and not by the cam.
     behind = brake.names_of_shoes_pushed_by_struts
     on_cam = [i for i, shoe in enumerate(shoes) if shoe.name not in behind]
+    if any(shoes[i].has_further_loads for i in on_cam):
+        first = _first_cam_force_beside_further_loads(brake, shoes, on_cam, total, whole)
+        for i, force in zip(on_cam, (first, total - first), strict=True):
+            shoes[i] = shoes[i].shoe_with_changed_actuation_force(force)
+        return
     motions_per_force = []
     for i in on_cam:
         found = find_contact_of_rigid_shoe(brake, shoes[i], whole=whole)
@@ -398,6 +408,43 @@ def _share_cam_force_among_shoes(
     stiffness = math.fsum(1 / motion for motion in motions_per_force)
     for i, motion in zip(on_cam, motions_per_force, strict=True):
         shoes[i] = shoes[i].shoe_with_changed_actuation_force(total / (motion * stiffness))
+
+
+def _first_cam_force_beside_further_loads(
+    brake: Brake, shoes: list[Shoe], on_cam: list[int], total: float, whole: bool
+) -> float:
+    """The force [N] of a cam on the first of its two shoes, on which further loads act as well.
+
+    Both tips move equally. The difference of their motions grows with the force on the first shoe,
+    so that its zero is bracketed by 0 and `total`. The parameters are those of
+    `_share_cam_force_among_shoes`, and `on_cam` the numbers of the two shoes. Raises NoAnswer if
+    the cam does not press both shoes.
+    """
+    # The import of scipy takes time, and few brakes come here.
+    from scipy.optimize import brentq  # noqa: PLC0415
+
+    def tip_motion(i: int, force: float) -> float:
+        """The motion of a shoe's tip over the lining's compliance [Pa]; 0 without contact."""
+        shoe = shoes[i].shoe_with_changed_actuation_force(force)
+        found = find_contact_of_rigid_shoe(brake, shoe, whole=whole)
+        return 0.0 if found is None else found.tip_motion_over_compliance
+
+    one, other = on_cam
+
+    def difference_of_tip_motions(force: float) -> float:
+        """The motion of the first tip minus that of the other, under a force on the first shoe."""
+        return tip_motion(one, force) - tip_motion(other, total - force)
+
+    low, high = difference_of_tip_motions(0.0), difference_of_tip_motions(total)
+    if not low < 0 < high:
+        # A shoe that its further loads alone press too far moves away from the cam.
+        lacking = on_cam[0] if low >= 0 else on_cam[1]
+        raise NoAnswer(f"shoe {shoes[lacking].name!r}: the cam does not press it")
+    force = float(brentq(difference_of_tip_motions, 0.0, total, xtol=1e-13 * total, rtol=1e-15))
+    for i, part in ((one, force), (other, total - force)):
+        if tip_motion(i, part) <= 0:
+            raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
+    return force
 
 
 def solve_brake_by_rigid_shoe_law(

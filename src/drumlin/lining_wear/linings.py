@@ -18,6 +18,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import table_rows_from_coordinates_and_values
 from drumlin.brake.file import vary
+from drumlin.brake.further_loads import require_springs_of_constant_pull
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
@@ -139,6 +140,7 @@ def wear_setup_by_finite_elements(
     NoAnswer
         if no shoe touches the drum
     """
+    require_springs_of_constant_pull(brake, "wear")
     interfaces: list[WearInterface] = []
     surfaces: list[WornLining] = []
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):

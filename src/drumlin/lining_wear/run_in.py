@@ -20,6 +20,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
+from drumlin.brake.further_loads import first_key_of_further_loads
 from drumlin.brake.units import mm_text
 from drumlin.laws import rigid
 from drumlin.laws.shoe_contact import RigidShoeContact
@@ -258,6 +259,11 @@ def wear_brake_linings_until_worn_in(
     _require_three_elements_per_lining(setup)
     law = law or WearLaw(DEFAULT_WEAR_COEFFICIENT)
     torque = options.get("torque")
+    key = first_key_of_further_loads(setup.brake)
+    if torque is not None and key is not None:
+        raise BadInput(
+            f"{key}: a torque that is kept scales all forces alike; leave out the torque"
+        )
     if until is None and "distance" not in options:
         if backward is not None:
             raise BadInput(

@@ -24,6 +24,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.further_loads import reason_if_shoe_has_further_loads
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.mesh.edges import nodes_along_element_edges
@@ -257,6 +258,9 @@ def _solve_shoes_and_return_results_by_name(brake: Brake, solver: _Solver) -> di
     pushed_by = {link.to: link.source for link in brake.links}
     answers: dict[str, ShoeAnswer] = {}
     if brake.actuation is not None and brake.actuation.is_cam:
+        refusal = reason_if_shoe_has_further_loads(brake, "a cam in GetFEM")
+        if refusal is not None:
+            raise BadInput(refusal)
         both = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed_by}
         answers |= _shoe_results_under_cam(
             brake.actuation.force_of_cylinder_or_sum_of_cam_forces, both, solver
@@ -563,5 +567,5 @@ def _shoe_result_in_si_units(brake: Brake, loaded: LoadedShoe, found: dict[str, 
     answer = shoe_response_from_peer_forces(loaded, phi[order], pressure, degree, forces, amounts)
     tip = float(loaded.tip @ amounts)
     if loaded.is_force_on_body:
-        tip = size * R * found["load_work"] / abs(shoe.actuation.force)
+        tip = size * R * found["load_work"] / (abs(shoe.actuation.force) or 1.0)
     return ShoeAnswer(*answer, tip)

@@ -18,11 +18,16 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.further_loads import require_springs_of_constant_pull
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.fem.equilibrium.modes import pin_motions_by_rigid_body_motions
 from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
-from drumlin.fem.preparation.bodies import load_factors_and_pin_moment_per_newton
+from drumlin.fem.preparation.bodies import (
+    load_factors_and_pin_moment_per_newton,
+    load_factors_of_further_loads,
+    moment_of_further_loads_about_pin,
+)
 from drumlin.fem.preparation.cache import shape_key_of_shoe
 from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, mesh_and_assemble_shoe
 from drumlin.fem.substructure.loads import ACTUATION
@@ -167,6 +172,7 @@ def meshes_of_shoes_for_peer_program(
                 f"shoe[{i}].lining.friction = 0: the peers are given a drum that slips; "
                 "must be greater than 0"
             )
+    require_springs_of_constant_pull(brake, "a peer")
     heated = reason_if_any_shoe_is_heated(brake, "a peer")
     if heated is not None:
         raise BadInput(heated)
@@ -198,25 +204,31 @@ def meshed_shoe_with_actuation_and_support(
     """
     parts = meshed.parts
     factors, moment = load_factors_and_pin_moment_per_newton(parts, shoe)
-    load = parts.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, factors)
     size, free = abs(shoe.actuation.force), shoe.freedoms(sense)
+    acting, moment = size * factors, size * moment
+    if shoe.has_further_loads:
+        acting = acting + load_factors_of_further_loads(parts, shoe)
+        moment += moment_of_further_loads_about_pin(shoe)
+    load = parts.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, acting)
     if shoe.kind_of_support == "hinge" and not shoe.flat:
         # A rotation of 1 about the pin at (a, 0) closes the gap at (x, y) by -sign a y / r.
         closing = -moment * shoe.sign * parts.line.xy[1]
-        approaches = size > 0 and bool((closing > 0).any())
+        approaches = shoe.is_loaded and bool((closing > 0).any())
     else:
-        approaches = size > 0 and rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
+        approaches = (
+            shoe.is_loaded and rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
+        )
     return LoadedShoe(
         shoe=shoe,
         parts=parts,
         body=meshed.body,
-        force=size * load[:2],
-        couple=size * float(load[2]),
+        force=load[:2],
+        couple=float(load[2]),
         drag=brake.signed_friction_per_pressure_in_shoe_frame(shoe),
         approaches=approaches,
         motions=pin_motions_by_rigid_body_motions(shoe, free.motions).T,
         tests=pin_motions_by_rigid_body_motions(shoe, free.tests).T,
-        work=free.work,
+        work=free.work_of_all_loads,
         tip=free.tip,
     )
 
@@ -353,9 +365,9 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
 
 def zero_response_of_shoe_turned_away_from_drum(loaded: LoadedShoe) -> tuple[ShoeResponse, Balance]:
     """The response, without pressure, of a shoe that its actuation turns away from the drum."""
-    return response_of_shoe_without_contact(
-        loaded.shoe, -loaded.shoe.actuation.force_vector
-    ), Balance(0.0, 0.0)
+    return response_of_shoe_without_contact(loaded.shoe, -loaded.shoe.force_of_all_loads), Balance(
+        0.0, 0.0
+    )
 
 
 class EndedProcess(NamedTuple):

@@ -11,6 +11,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
+from drumlin.brake.further_loads import brake_with_spring_pulls
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import (
     Resultant,
@@ -43,10 +44,12 @@ def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeRespons
 
 
 def brake_with_forces_of_response(brake: BrakeType, response: Response) -> BrakeType:
-    """The brake with the actuation forces that a model has found for its shoes.
+    """The brake with the actuation forces and spring pulls that a model has found for its shoes.
 
     Where a cam or a strut shares a force among shoes, the response states the part of each shoe.
     """
+    if response.spring_pulls:
+        brake = brake_with_spring_pulls(brake, response.spring_pulls)
     shoes = list(brake.shoes)
     for i, answer in enumerate(response.shoes):
         # The force is None for a shoe that keeps the force of the brake file.
@@ -66,16 +69,16 @@ def relative_imbalance_of_shoe(brake: Brake, index: int, response: ShoeResponse)
         return Balance(0.0, 0.0)
     shoe = brake.shoes[index]
     contact = resultant_of_contact_on_shoe(brake, index, response)
-    forces = [contact.force, response.hinge_reaction, shoe.actuation.force_vector]
+    forces = [contact.force, response.hinge_reaction, shoe.force_of_all_loads]
     hinge = shoe.pin.xy
     moments = [
         contact.moment - float(planar_cross_product(hinge, contact.force)),
-        shoe.actuation.moment_of_force_about_point(shoe.pin),
+        shoe.moment_of_all_loads_about_point(shoe.pin),
         response.reaction_moment,
     ]
     if shoe.guide is not None:
         length = brake.scale_factor * (shoe.lining.end - shoe.lining.start)
-        moments += moments_that_scale_imbalance_on_guide(shoe.actuation.force, length)
+        moments += moments_that_scale_imbalance_on_guide(shoe.largest_load, length)
     return relative_sums_of_forces_and_moments(forces, moments)
 
 

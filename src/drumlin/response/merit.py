@@ -41,7 +41,7 @@ def sign_of_friction_moment_about_hinge(brake: Brake, shoe: Shoe) -> int:
     sign is the opposite one.
     """
     # If the lining reaches beyond half a turn, the actuation moment tells on which side it presses.
-    M = shoe.actuation.moment_of_force_about_point(shoe.pin)
+    M = shoe.moment_of_all_loads_about_point(shoe.pin)
     beyond = shoe.arc[1] > math.pi and M * -shoe.sign * shoe.frame.sense < 0
     return shoe.sign * brake.sign_of_motion * shoe.frame.sense * (1 if beyond else -1)
 
@@ -62,7 +62,7 @@ def figures_of_merit_of_shoe_on_drum(
     R, b = brake.size, shoe.lining.width
     # Moments about the hinge: of the actuation, of the normal pressure and of the friction.
     to_centre = -shoe.pin.xy
-    M = shoe.actuation.moment_of_force_about_point(shoe.pin)
+    M = shoe.moment_of_all_loads_about_point(shoe.pin)
     M_N = float(planar_cross_product(to_centre, contact.normal))
     M_F = contact.moment + float(planar_cross_product(to_centre, contact.friction))
     N, T = float(np.linalg.norm(contact.normal)), response.torque
@@ -122,7 +122,7 @@ def figures_of_merit_of_shoe_on_plane(
 ) -> FlatMerit:
     """The figures of merit of shoe `index` of a brake on a plane."""
     shoe, N = brake.shoes[index], response.normal_force
-    M = shoe.actuation.moment_of_force_about_point(shoe.pin)
+    M = shoe.moment_of_all_loads_about_point(shoe.pin)
     friction = brake.friction_of_shoe(shoe)
     force = friction * N
     # The moment of the friction about the hinge, positive if it helps the actuation.

@@ -433,6 +433,7 @@ class Response:
         for
     self_locking : the friction beside the friction at which the brake locks itself; None if it was
         not asked for
+    spring_pulls : pull [N] of each spring of the brake; empty if all of them have their preloads
     """
 
     model: str
@@ -449,6 +450,7 @@ class Response:
     surface: FrictionSurface = DRUM
     plane_stress_error: ModelError | None = None
     self_locking: SelfLocking | None = None
+    spring_pulls: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         """Raise NoAnswer if a result of a shoe is infinite or not a number."""

@@ -22,6 +22,7 @@ import drumlin
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.further_loads import brake_with_springs_of_constant_pull
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.comparison import length_of_uncompared_zone_at_lining_end
@@ -154,7 +155,9 @@ def _brake_response_by_curved_triangle_elements(
     if not refinement.triangles or brake.surface.is_plane_and_not_drum:
         return None
     try:
-        *_, solutions = triangles.solve_on_triangle_level_sequence(brake, refinement.triangles)
+        # Triangles find no pulls of springs: they take those of `like`.
+        under = brake_with_springs_of_constant_pull(brake, like.spring_pulls)
+        *_, solutions = triangles.solve_on_triangle_level_sequence(under, refinement.triangles)
     except BadInput:
         return None
     shoes = []
@@ -323,7 +326,7 @@ def _contact_force_on_lining(brake: Brake, index: int, response: ShoeResponse) -
     pushed = (
         shoe if response.force is None else shoe.shoe_with_changed_actuation_force(response.force)
     )
-    return -response.hinge_reaction - pushed.actuation.force_vector
+    return -response.hinge_reaction - pushed.force_of_all_loads
 
 
 def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses) -> ShoeReference:

@@ -7,6 +7,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
+from drumlin.brake.further_loads import require_springs_of_constant_pull
 from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION, FrictionLimit
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.preparation.scene import PreparedModel
@@ -36,6 +37,7 @@ def self_locking_friction_of_shoe_groups(
     NoAnswer
         where a group has no equilibrium, see `ShoeGroup.follow_contact_to_friction_limit`
     """
+    require_springs_of_constant_pull(brake, "self-locking")
     return {
         group.members: group.follow_contact_to_friction_limit(most).limit
         for group in divide_pressed_shoes_into_groups(scene, brake, penalty)
@@ -49,6 +51,7 @@ def shoe_torques_at_friction_coefficients(
 
     Raises NoAnswer at the friction limit of self-locking and beyond this limit.
     """
+    require_springs_of_constant_pull(brake, "self-locking")
     values = np.zeros((len(frictions), len(brake.shoes)))
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
         at, active = group, None

@@ -34,6 +34,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
+from drumlin.brake.further_loads import require_springs_of_constant_pull
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.brake.orthotropic import names_of_orthotropic_parts
@@ -62,7 +63,11 @@ from drumlin.fem.analysis.wide_moduli import (
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
 from drumlin.fem.model import PENALTY, require_positive_penalty
-from drumlin.fem.preparation.bodies import ShoeSubstructure, couple_shoe_with_drum_or_plane
+from drumlin.fem.preparation.bodies import (
+    ShoeSubstructure,
+    couple_shoe_with_drum_or_plane,
+    load_factors_under_actuation_force,
+)
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
@@ -190,6 +195,7 @@ def compute_torque_sensitivity(
     require_positive_penalty(penalty)
     _require_friction(scene, brake)
     require_no_shoe_on_anchors(brake, "sensitivity")
+    require_springs_of_constant_pull(brake, "sensitivity")
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
     changed = function_for_bodies_with_changed_moduli(scene)
@@ -379,7 +385,7 @@ class _TorqueSlopesOfShoe:
             [self.drag * (T.T @ own.pressures) - N.T @ own.pressures, N.T @ own.gap_multipliers]
         )
         adjoint_force = -own.force_multiplier if self.under_cam else 0.0
-        loads = np.column_stack([own.force * load, adjoint_force * load])
+        loads = np.column_stack([self._load_factors_of_shoe(), adjoint_force * load])
         u, v = self.body.condensed.nodal_displacements_in_load_cases(
             nodal, np.zeros((FRAME, 2)), loads
         ).T
@@ -417,7 +423,7 @@ class _TorqueSlopesOfShoe:
         loads = VirtualLoads(
             own.pressures,
             self.drag,
-            own.force * load,
+            self._load_factors_of_shoe(),
             own.gap_multipliers,
             adjoint_force * load,
         )
@@ -426,6 +432,10 @@ class _TorqueSlopesOfShoe:
         )
         slopes = found.slopes | {"lining": found.slopes["lining"] + by_penalty}
         return _SlopesByModuli(slopes, None, found.error)
+
+    def _load_factors_of_shoe(self) -> Floats:
+        """The factors (l,) of the load columns under the actuation force and all further loads."""
+        return load_factors_under_actuation_force(self.body, self.shoe, self.own.force)
 
     # Slopes by supports
 
@@ -463,10 +473,13 @@ class _TorqueSlopesOfShoe:
     def _has_slope_by_point(self, key: str) -> bool:
         """Whether the slope by a point of the shoe is known.
 
-        It is not known for a solid shoe whose body moves with the point.
+        It is not known for a solid shoe whose body moves with the point, nor under further loads
+        that act on nodes which move with the point. A pivot moves no nodes under loads.
         """
+        loads_move = self.shoe.has_further_loads and key != "pivot"
         return not (
-            self.is_solid and has_nodes_that_move_with_point(self.group.scene, self.shoe, key)
+            (self.is_solid or loads_move)
+            and has_nodes_that_move_with_point(self.group.scene, self.shoe, key)
         )
 
     def _torque_slope_by_rigid_body_mode_change(self, change: SupportChange) -> float:
@@ -494,6 +507,8 @@ class _TorqueSlopesOfShoe:
         )
         y, b = self.mode_signs * own.coordinates, self.mode_signs * own.equilibrium_multipliers
         by_equilibria = change.tests @ of_drum + own.force * works * (change.tests @ push)
+        if shoe.has_further_loads:
+            by_equilibria = by_equilibria + change.tests @ shoe.further_load
         by_tip = self.tip_multiplier * (y * works) @ (change.motions @ push)
         return float(y @ (change.motions @ of_gaps) - b @ by_equilibria - by_tip)
 
@@ -749,7 +764,11 @@ def _text_lines_on_torque_slopes_of_shoe(
     T : the whole torque [N m]
     elasticity : the words "d ln T/d ln"
     """
-    by_force = "" if own.force is None else f"{elasticity} force {own.force * force / T:+.4g}; "
+    by_force = (
+        ""
+        if own.force is None or force == 0
+        else f"{elasticity} force {own.force * force / T:+.4g}; "
+    )
     moduli = ", ".join(f"{name} {value / T:+.4g}" for name, value in own.moduli.items())
     bent = ""
     if own.bending_stiffness is not None:

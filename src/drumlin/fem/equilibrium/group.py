@@ -21,7 +21,11 @@ from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
 from drumlin.fem.equilibrium.problems import GroupProblems
 from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
-from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_and_pin_moment_per_newton
+from drumlin.fem.preparation.bodies import (
+    ShoeSubstructure,
+    load_factors_and_pin_moment_per_newton,
+    moment_of_further_loads_about_pin,
+)
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
 from drumlin.laws.anchored import NOT_HELD_TEXT, bearing_of_rigid_shoes
@@ -108,7 +112,7 @@ class ShoeGroup(GroupProblems):
                 shoe,
                 xy,
                 self.gaps_of_unloaded_linings[k],
-                self.actuation_of_each_shoe_by_one_newton[k].moment_about_pin,
+                self.moment_of_loads_about_pin(k),
             )
         law = min(map(self.friction_at_which_rigid_shoe_locks, range(len(self.members))))
         try:
@@ -143,6 +147,17 @@ class ShoeGroup(GroupProblems):
         ratio = self.relative_friction_of_each_shoe[k]
         own = self.locking_friction_of_rigid_shoe(self.members[k])
         return own / ratio if ratio else math.inf
+
+    def moment_of_loads_about_pin(self, k: int) -> float:
+        """The moment of all loads on shoe `k` about its pin, in the sense of its frame.
+
+        It is per newton of the actuation [m], or in N m if the shoe has further loads.
+        """
+        shoe = self.shoes[k]
+        per_newton = self.actuation_of_each_shoe_by_one_newton[k].moment_about_pin
+        if not shoe.has_further_loads:
+            return per_newton
+        return abs(shoe.actuation.force) * per_newton + moment_of_further_loads_about_pin(shoe)
 
     def locking_friction_of_rigid_shoe(self, i: int) -> float:
         """The friction coefficient of shoe `i` of the brake at which it locks by that law.
@@ -301,6 +316,8 @@ class ShoeGroup(GroupProblems):
             self.actuation_forces_under_contact_pressures(contact.p)[k]
             * shoe.actuation.unit_vector_of_force
         )
+        if shoe.has_further_loads:
+            push = push + shoe.further_load[:2] / self.largest_actuation_force
         return np.asarray(-shoe.frame.convert_to_brake_frame((drag * dragged - normal)[:2]) - push)
 
     def _error_text_if_shoe_on_abutment_locks(self) -> str:
@@ -535,16 +552,19 @@ def _abutment_friction_direction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
 
 
 def is_shoe_pressed_on_drum(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> bool:
-    """Whether the actuation force presses at least one point of the shoe's lining on the drum."""
+    """Whether its loads press at least one point of the shoe's lining on the drum."""
     # A strut between two feet may press a shoe that has no force of its own.
     if shoe.anchors:
         on_strut = any(shoe.name in {link.source, link.to} for link in brake.links)
-        return shoe.actuation.force != 0 or on_strut
-    if shoe.actuation.force == 0:
+        return shoe.is_loaded or on_strut
+    if not shoe.is_loaded:
         return False
     if shoe.kind_of_support != "hinge":
         return rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
     _, moment = load_factors_and_pin_moment_per_newton(body, shoe)
+    if shoe.has_further_loads:
+        pushed = abs(shoe.actuation.force) * moment + moment_of_further_loads_about_pin(shoe)
+        moment = pushed / shoe.largest_load
     approach, _ = body.gap_closure_and_slip_by_turn_about_pin
     # The moment per newton is a lever arm. Below 1e-14 of the lining's distance from the drum's
     # centre it is round-off.

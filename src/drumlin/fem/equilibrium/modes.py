@@ -8,7 +8,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 from drumlin.brake.support import displacements_in_rigid_body_motions
-from drumlin.fem.preparation.bodies import ShoeSubstructure
+from drumlin.fem.preparation.bodies import ShoeSubstructure, moment_of_further_loads_about_pin
 
 
 class RigidBodyModes(NamedTuple):
@@ -23,6 +23,7 @@ class RigidBodyModes(NamedTuple):
     contact_modes : displacements (2n, k) of the n contact nodes in the contact modes
     test_modes : displacements (2n, k) of the contact nodes in the test modes
     actuation_work : work (k,) of the actuation on the test modes, per newton of its force
+    further_work : work (k,) of all further loads on the test modes [N m for a turn, N for a slide]
     tip_travel : travel (k,) of the actuation's point along the force
     pin_motion : displacements x and y of the pin, and turn of the shoe (3, k)
     """
@@ -30,6 +31,7 @@ class RigidBodyModes(NamedTuple):
     contact_modes: Floats
     test_modes: Floats
     actuation_work: Floats
+    further_work: Floats
     tip_travel: Floats
     pin_motion: Floats
 
@@ -59,7 +61,7 @@ def make_rigid_body_modes(
     sense : sense of the friction at an abutment, +1, -1 or 0, see `Held.freedoms`
     """
     if shoe.kind_of_support == "hinge":
-        return _rigid_body_mode_of_turn_about_pin(body, moment)
+        return _rigid_body_mode_of_turn_about_pin(body, shoe, moment)
     # A shoe that gets its force from a strut has the modes of a shoe under a unit force.
     loaded = shoe if shoe.actuation.force else shoe.shoe_with_changed_actuation_force(1.0)
     free = loaded.freedoms(sense)
@@ -68,6 +70,7 @@ def make_rigid_body_modes(
         contact_modes=_contact_node_displacements_by_motions(body, shoe, free.motions),
         test_modes=_contact_node_displacements_by_motions(body, shoe, free.tests),
         actuation_work=free.work / size,
+        further_work=free.further_work,
         tip_travel=free.tip * math.copysign(1.0, shoe.actuation.force),
         pin_motion=pin_motions_by_rigid_body_motions(shoe, free.motions),
     )
@@ -75,7 +78,7 @@ def make_rigid_body_modes(
         # The first mode is a turn about the pin. It is overwritten by the same turn without the
         # round-off of a turn about the drum's centre.
         for whole, exact in zip(
-            modes, _rigid_body_mode_of_turn_about_pin(body, moment), strict=True
+            modes, _rigid_body_mode_of_turn_about_pin(body, shoe, moment), strict=True
         ):
             whole[..., :1] = exact
     return modes
@@ -95,11 +98,13 @@ def _contact_node_displacements_by_motions(
     return np.asarray(u.transpose(0, 2, 1).reshape(-1, len(motions)))
 
 
-def _rigid_body_mode_of_turn_about_pin(body: ShoeSubstructure, moment: float) -> RigidBodyModes:
+def _rigid_body_mode_of_turn_about_pin(
+    body: ShoeSubstructure, shoe: Shoe, moment: float
+) -> RigidBodyModes:
     """The turn of a shoe about its pin as a single rigid-body mode.
 
     `moment` [m] is the moment of the actuation about the pin, per newton of its force.
     """
     turned = body.rotation_mode[:, None]
-    work = np.array([moment])
-    return RigidBodyModes(turned, turned, work, work, np.array([[0.0], [0.0], [1.0]]))
+    work, further = np.array([moment]), np.array([moment_of_further_loads_about_pin(shoe)])
+    return RigidBodyModes(turned, turned, work, further, work, np.array([[0.0], [0.0], [1.0]]))

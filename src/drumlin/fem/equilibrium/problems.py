@@ -25,6 +25,7 @@ from drumlin.fem.equilibrium.sharing import (
 from drumlin.fem.equilibrium.state import GroupState
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
+    load_factors_of_further_loads,
     load_factors_under_actuation_force,
 )
 
@@ -165,7 +166,10 @@ class GroupProblems(GroupState):
             drag * body.resultants_of_contact_node_forces[1]
             - body.resultants_of_contact_node_forces[0]
         )[:2].T  # (n, 2)
-        bearing, direct = np.zeros(len(tip)), 0.0
+        bearing, direct, borne = np.zeros(len(tip)), 0.0, 0.0
+        further = np.zeros(len(load))
+        if shoe.has_further_loads:
+            further = load_factors_of_further_loads(body, shoe) / self.largest_actuation_force
         if shoe.abutment is not None:
             bearing = (
                 -shoe.frame.convert_to_brake_frame(contact)
@@ -174,16 +178,20 @@ class GroupProblems(GroupState):
             direct = -float(
                 shoe.unit_vector_of_abutment_force_on_foot @ shoe.actuation.unit_vector_of_force
             )
+            of_loads = shoe.unit_vector_of_abutment_force_on_foot @ shoe.further_load[:2]
+            borne = -float(of_loads) / self.largest_actuation_force
         return ForceEffects(
             nodes=self.contact_node_slices_of_shoes[k],
             modes=self.rigid_body_mode_slices_of_shoes[k],
             gap_by_force=-(body.closure_by_load @ load),
             tip_travel_by_pressure=tip,
             tip_travel_by_force=float(load @ body.load_motion_by_load @ load),
+            tip_travel_by_further_loads=float(load @ body.load_motion_by_load @ further),
             work=modes.actuation_work,
             tip_travel_by_modes=modes.tip_travel,
             foot_force_by_pressure=bearing,
             foot_force_by_force=direct,
+            foot_force_by_further_loads=borne,
         )
 
     def _travel_of_load_by_pressure(self, k: int, load: Floats, friction: float) -> Floats:

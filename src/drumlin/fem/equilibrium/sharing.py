@@ -45,10 +45,12 @@ class ForceEffects(NamedTuple):
     gap_by_force : opening (n,) of the weighted gaps by the force
     tip_travel_by_pressure : elastic travel (n,) of the tip along the force, by the pressures
     tip_travel_by_force : elastic travel of the tip along the force, by the force
+    tip_travel_by_further_loads : elastic travel of the tip by the further loads on the shoe
     work : work (k,) of the force on the test modes
     tip_travel_by_modes : travel (k,) of the tip along the force, by the rigid-body modes
     foot_force_by_pressure : force (n,) that the foot bears along a strut, by the pressures
     foot_force_by_force : force that the foot bears along a strut, by the force
+    foot_force_by_further_loads : force that the foot bears by the further loads on the shoe
     """
 
     nodes: slice | Ints
@@ -56,10 +58,12 @@ class ForceEffects(NamedTuple):
     gap_by_force: Floats
     tip_travel_by_pressure: Floats
     tip_travel_by_force: float
+    tip_travel_by_further_loads: float
     work: Floats
     tip_travel_by_modes: Floats
     foot_force_by_pressure: Floats
     foot_force_by_force: float
+    foot_force_by_further_loads: float
 
 
 @dataclass(frozen=True)
@@ -74,6 +78,7 @@ class ForceSharing:
     forces_by_pressure : actuation forces (m, n) per pressure
     coordinates_by_unknown : generalised coordinates (k, k') of all shoes per unknown y'
     coordinates_by_pressure : generalised coordinates (k, n) of all shoes per pressure
+    coordinates_of_loads : part (k,) of the generalised coordinates that no unknown changes
     """
 
     problem: ContactProblem
@@ -81,6 +86,7 @@ class ForceSharing:
     forces_by_pressure: Floats
     coordinates_by_unknown: Floats
     coordinates_by_pressure: Floats
+    coordinates_of_loads: Floats
 
     def actuation_forces_under_contact_pressures(self, p: Floats) -> Floats:
         """The actuation forces (m,) under the pressures p (n,)."""
@@ -91,7 +97,8 @@ class ForceSharing:
 
         y are the motions of the contact problem with shared forces.
         """
-        return self.coordinates_by_unknown @ y + self.coordinates_by_pressure @ p
+        by_unknowns = self.coordinates_by_unknown @ y + self.coordinates_by_pressure @ p
+        return by_unknowns + self.coordinates_of_loads
 
 
 class _LinearForces(NamedTuple):
@@ -130,7 +137,7 @@ def make_contact_problem_with_shared_forces(
     with_forces = _contact_problem_with_forces_replaced(problem, effects, own_forces, forces)
     n, k = problem.B.shape
     if not cam_shoes:
-        return ForceSharing(with_forces, *forces, np.eye(k), np.zeros((k, n)))
+        return ForceSharing(with_forces, *forces, np.eye(k), np.zeros((k, n)), np.zeros(k))
     return _contact_problem_with_cam_travel_as_unknown(
         problem, with_forces, effects, forces, cam_shoes, cam_force_sum
     )
@@ -154,13 +161,16 @@ def _actuation_forces_linear_in_pressures(
         shoe = effects[i]
         main = _index_of_main_rigid_body_mode(problem, shoe)
         by_pressure[i] = -problem.C[shoe.modes][main] / shoe.work[main]
-        fixed[i] = 0.0
+        # Further loads on the shoe leave a part of the equilibrium to the force of the cam.
+        of_loads = problem.h[shoe.modes][main] + own_forces[i] * shoe.work[main]
+        fixed[i] = of_loads / shoe.work[main]
     # A strut passes on the force that the foot of the pushing shoe bears.
     for source, to in struts:
         pushing = effects[source]
         by_pressure[to, pushing.nodes] = pushing.foot_force_by_pressure
         by_pressure[to] += pushing.foot_force_by_force * by_pressure[source]
         fixed[to] = pushing.foot_force_by_force * fixed[source]
+        fixed[to] += pushing.foot_force_by_further_loads
     return _LinearForces(fixed, by_pressure)
 
 
@@ -208,6 +218,7 @@ def _contact_problem_with_cam_travel_as_unknown(
     n, k = B.shape
     of_coordinates = np.eye(k)
     by_pressure = np.zeros((k, n))
+    of_loads = np.zeros(k)
     # These are the changes of the generalised coordinates per travel of the tips.
     per_travel = np.zeros(k)
     mains = []
@@ -220,6 +231,8 @@ def _contact_problem_with_cam_travel_as_unknown(
         # The main mode moves the tip by the travel, less the elastic travel and the travel by all
         # other modes.
         by_pressure[main] = -_elastic_tip_travel_by_pressures(shoe, forces.by_pressure[i]) / size
+        elastic = shoe.tip_travel_by_force * forces.without_pressure[i]
+        of_loads[main] = -(elastic + shoe.tip_travel_by_further_loads) / size
         # The entry of the main mode itself becomes zero.
         of_coordinates[main, shoe.modes] -= shoe.tip_travel_by_modes / size
         per_travel[main] = 1 / size
@@ -229,12 +242,12 @@ def _contact_problem_with_cam_travel_as_unknown(
     sum_of_forces = -forces.by_pressure[cam_shoes].sum(axis=0)
     problem = ContactProblem(
         A=A + B @ by_pressure,
-        q=q,
+        q=q + B @ of_loads,
         B=B @ of_coordinates,
         C=np.vstack([sum_of_forces, C[kept]]),
-        h=np.append(-cam_force_sum, h[kept]),
+        h=np.append(forces.without_pressure[cam_shoes].sum() - cam_force_sum, h[kept]),
     )
-    return ForceSharing(problem, *forces, of_coordinates, by_pressure)
+    return ForceSharing(problem, *forces, of_coordinates, by_pressure, of_loads)
 
 
 def _elastic_tip_travel_by_pressures(shoe: ForceEffects, force_by_pressure: Floats) -> Floats:

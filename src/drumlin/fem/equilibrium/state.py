@@ -179,8 +179,8 @@ class GroupState:
 
     @cached_property
     def largest_actuation_force(self) -> float:
-        """The largest actuation force [N], to which the group's contact problems are scaled."""
-        return max(abs(shoe.actuation.force) for shoe in self.shoes)
+        """The largest force [N] on a shoe, to which the group's contact problems are scaled."""
+        return max(shoe.largest_load for shoe in self.shoes)
 
     @cached_property
     def relative_actuation_forces_of_file(self) -> Floats:
@@ -267,7 +267,10 @@ class GroupState:
             closure = self.gap_closures_of_test_modes[k].normal
         else:
             closure = body.coupling.N @ modes.contact_modes
-        return FrictionlessTerms(q, -closure, -force * modes.actuation_work)
+        h = -force * modes.actuation_work
+        if self.shoes[k].has_further_loads:
+            h = h - modes.further_work / self.largest_actuation_force
+        return FrictionlessTerms(q, -closure, h)
 
     # These properties describe supports that push and cannot pull.
 

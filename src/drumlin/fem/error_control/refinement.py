@@ -350,7 +350,9 @@ def _actuation_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Flo
         acting / group.largest_actuation_force
     )
     work = group.rigid_body_modes_of_shoes[k].actuation_work.astype(LONG_DOUBLE)
-    return np.append(load[:inside], share * work)
+    modes = group.rigid_body_modes_of_shoes[k]
+    further = modes.further_work.astype(LONG_DOUBLE) / group.largest_actuation_force
+    return np.append(load[:inside], share * work + further)
 
 
 def _part_of_ring_in_full_system(scene: PreparedModel, brake: Brake) -> _RingBlock:

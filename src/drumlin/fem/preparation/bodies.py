@@ -268,17 +268,46 @@ def heat_load_of_shoe(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats
 
 
 def load_factors_under_actuation_force(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
-    """The factors (l,) of all load columns of a body under an actuation force [N].
+    """The factors (l,) of a body's load columns under an actuation force [N] and further loads.
 
     A load column is the load vector of a unit load. The load on the body is the sum of all columns
     times their factors. Contact, reactions, fields and refinement take the loads of a shoe from
     this function. The heat of the shoe does not depend on the force; its factor is one.
     """
     factors, _ = load_factors_and_pin_moment_per_newton(body, shoe)
+    if shoe.has_further_loads:
+        acting = abs(force) * factors + load_factors_of_further_loads(body, shoe)
+    else:
+        acting = abs(force) * factors
     columns = body.unit_load_vectors_by_name
     if HEAT not in columns.column_slice_of_each_load:
-        return abs(force) * factors
-    return abs(force) * factors + columns.factors_of_all_load_columns({HEAT: np.ones(1)})
+        return acting
+    return acting + columns.factors_of_all_load_columns({HEAT: np.ones(1)})
+
+
+def load_factors_of_further_loads(body: ActuatedBody, shoe: Shoe) -> Floats:
+    """The factors (l,) of a body's load columns under the loads besides its actuation.
+
+    These loads act where the actuation acts: on the loaded end of the body, or on its frame.
+    """
+    return load_factors_of_resultant(body, shoe, shoe.further_load)
+
+
+def load_factors_of_resultant(body: ActuatedBody, shoe: Shoe, resultant: Floats) -> Floats:
+    """The factors (l,) of a body's load columns under a load that acts where the actuation acts.
+
+    `resultant` (3,) has the force x, force y [N] and the moment about the brake's origin [N m].
+    """
+    centre_x, centre_y = shoe.points(body.load_centre[:, None])[:, 0].tolist()
+    fx, fy, moment = resultant.tolist()
+    couple = shoe.frame.sense * (moment - (centre_x * fy - centre_y * fx))
+    own = np.array([*shoe.frame.convert_to_shoe_frame(np.array([fx, fy])), couple])
+    return body.unit_load_vectors_by_name.factors_of_all_load_columns({ACTUATION: own})
+
+
+def moment_of_further_loads_about_pin(shoe: Shoe) -> float:
+    """Moment [N m] about the pin, in the sense of the shoe's frame, of loads besides actuation."""
+    return shoe.frame.sense * shoe.moment_of_further_loads_about_point(shoe.pin)
 
 
 def load_factors_and_pin_moment_per_newton(body: ActuatedBody, shoe: Shoe) -> tuple[Floats, float]:

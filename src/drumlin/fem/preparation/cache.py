@@ -133,8 +133,8 @@ def brake_without_loads_and_clearances(brake: Brake) -> Brake:
 def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
     """A copy of a shoe without the data on which its condensed body does not depend.
 
-    These are the force with its direction and, in most shoes, its point, the clearance, the misfit
-    and the friction; see `brake_without_loads_and_clearances`.
+    These are the force with its direction and, in most shoes, its point, all further loads, the
+    clearance, the misfit and the friction; see `brake_without_loads_and_clearances`.
     """
     actuation: dict[str, Any] = {"force": 1.0, "direction": 0.0}
     # A beam ends at the point of its force, and a guide has its pin there.
@@ -146,9 +146,10 @@ def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
         "misfit": type(shoe.lining.misfit)(),
         "friction": None,
     }
-    return shoe.model_copy(
-        update={
-            "lining": shoe.lining.model_copy(update=lining),
-            "actuation": shoe.actuation.model_copy(update=actuation),
-        }
-    )
+    changes = {
+        "lining": shoe.lining.model_copy(update=lining),
+        "actuation": shoe.actuation.model_copy(update=actuation),
+        "forces": (),
+        "mass": None,
+    }
+    return shoe.model_copy(update=changes).shoe_with_loads_of_brake(np.zeros(3))

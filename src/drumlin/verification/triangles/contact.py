@@ -197,7 +197,7 @@ def _is_foot_on_abutment(
     """Whether the foot of a shoe stays on its abutment with the assumed sense of friction there."""
     # `drum` is the force of the drum on the lining per unit of normal force, at each node.
     drum = brake.signed_friction_per_pressure(shoe) * one.tangent - one.normal
-    reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.actuation.force_vector
+    reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.force_of_all_loads
     return shoe.can_abutment_exert_reaction_on_foot(reaction, sense, float(found.motions[-1]))
 
 
@@ -246,7 +246,7 @@ def _contact_matrices_of_shoe(
         q=one.gap - normal @ one.loaded,
         B=-normal @ by_motion,
         C=tested.T @ pull,
-        h=-freedoms.work,
+        h=-freedoms.work_of_all_loads,
         weight=one.mass.sum(axis=1),
         normal=normal,
         pull=pull,

@@ -156,6 +156,11 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         loads = _nodal_forces_on_loaded_end(
             body, shoe.actuation.force_vector, shoe.actuation.point.xy
         )[:, None]
+        # Two opposite forces on an arm of one metre make the moment of the further loads.
+        fx, fy, moment = shoe.further_load
+        for force, point in (([fx, fy - moment], [0, 0]), ([0, moment], [1, 0])):
+            if shoe.has_further_loads:
+                loads[:, 0] += _nodal_forces_on_loaded_end(body, np.array(force), np.array(point))
     heat = lagrange.nodal_forces_of_heated_triangles(body.mesh, nodes, shape.layers, body.degree)
     loads = np.column_stack([loads, heat])
     # The nodes of the face are put in the order of growing theta.

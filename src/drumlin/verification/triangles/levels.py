@@ -10,6 +10,10 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.further_loads import (
+    reason_if_shoe_has_further_loads,
+    require_springs_of_constant_pull,
+)
 from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
 from drumlin.verification.triangles.contact import (
     ContactForces,
@@ -84,7 +88,7 @@ def indices_of_shoes_pressed_on_drum(brake: Brake) -> list[int]:
         e = np.stack([np.cos(theta), np.sin(theta)], axis=1)
         arm = brake.size * e - shoe.pin.xy
         closing = shoe.sign * (-arm[:, 1] * e[:, 0] + arm[:, 0] * e[:, 1])
-        if (closing * shoe.actuation.moment_of_force_about_point(shoe.pin) > 0).any():
+        if (closing * shoe.moment_of_all_loads_about_point(shoe.pin) > 0).any():
             found.append(i)
     return found
 
@@ -117,8 +121,11 @@ def solve_brake_on_one_triangle_mesh(
         If a shoe does not touch the drum or no contact set solves the equations.
     """
     refusal = reason_if_ring_support_is_not_plain(brake, "the verification by triangles")
+    if refusal is None and brake.shares:
+        refusal = reason_if_shoe_has_further_loads(brake, "a cam or strut on triangles")
     if refusal is not None:
         raise BadInput(refusal)
+    require_springs_of_constant_pull(brake, "the verification by triangles")
     shoes = list(brake.shoes)
     if len(indices_of_shoes_pressed_on_drum(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")

@@ -132,5 +132,5 @@ def _force_of_foot_on_strut(brake: Brake, face: CondensedFace, solved: _SolvedSh
     """The force [N] by which the foot of a solved shoe presses on the strut behind it."""
     drum = brake.signed_friction_per_pressure(solved.shoe) * face.tangent - face.normal
     reaction = -(solved.forces.force[:, None] * drum).sum(axis=0)
-    reaction = reaction - solved.shoe.actuation.force_vector
+    reaction = reaction - solved.shoe.force_of_all_loads
     return float(np.hypot(*reaction))

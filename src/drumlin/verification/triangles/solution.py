@@ -87,7 +87,7 @@ def solution_from_contact_forces(
         order=one.degree,
         torque=abs(drag) * brake.size * float(found.force.sum()),
         normal_force=float(np.hypot(*on_normal)),
-        hinge_reaction=-(on_normal + on_tangent + shoe.actuation.force_vector),
+        hinge_reaction=-(on_normal + on_tangent + shoe.force_of_all_loads),
         arcs=_first_and_last_angles_of_contacts(one.theta, p, found.active, one.degree),
         unknowns=one.unknowns,
     )

@@ -1,0 +1,269 @@
+"""Loads on a shoe besides its actuation: plain forces, springs, weight and centrifugal forces.
+
+A load is written as its resultant (3,) about the origin of the brake: force x, force y [N] and
+moment [N m], counter-clockwise positive. The brake file gives plain forces and masses for each
+shoe. Springs, gravity and the speed of rotating shoes are keys of the whole brake.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
+from drumlin.brake.components import Actuation
+from drumlin.brake.fields import (
+    Acceleration,
+    Angle,
+    Force,
+    Mass,
+    Name,
+    Part,
+    Place,
+    SpringRate,
+)
+
+STANDARD_GRAVITY = 9.80665
+"""Standard acceleration of free fall [m/s^2], by definition of the CGPM of 1901."""
+
+NO_LOAD = (0.0, 0.0, 0.0)
+"""Resultant of a shoe on which the brake as a whole exerts no further load."""
+
+
+class ShoeForce(Actuation):
+    """A further force [N] on a shoe, its direction [rad] and a point on its line of action."""
+
+    force: Force
+
+
+class ShoeMass(Part):
+    """The mass [kg] of a shoe with its lining, and its centre of mass."""
+
+    mass: Mass
+    point: Place
+
+
+class Gravity(Part):
+    """The direction [rad] in which weight acts, and the acceleration of free fall [m/s^2]."""
+
+    direction: Angle
+    acceleration: Acceleration = STANDARD_GRAVITY
+
+
+class Spring(Part):
+    """A spring between a point of a shoe and a point of another shoe, or of the frame.
+
+    Attributes
+    ----------
+    shoe : name of the shoe at which the spring begins
+    point : point [m] of this shoe
+    to : name of the shoe at which the spring ends; None for the frame of the brake
+    end : point [m] of that shoe or of the frame
+    preload : force [N] of the spring while the shoes stand as the file has them; a positive force
+        pulls the two points together, a negative force pushes them apart
+    rate : increase [N/m] of the pull per distance by which the points move apart
+    """
+
+    shoe: Name
+    point: Place
+    to: Name | None = None
+    end: Place
+    preload: Force
+    rate: Annotated[SpringRate, Field(ge=0)] = 0.0
+
+    @model_validator(mode="after")
+    def _check_ends_differ(self) -> Self:
+        """Raise ValueError for a spring without length, or from a shoe to the same shoe."""
+        if self.to == self.shoe:
+            raise ValueError(f"to = {self.to!r}: must be another shoe; leave it out for the frame")
+        if math.dist(self.point.xy, self.end.xy) == 0:
+            raise ValueError("end: must not be the spring's point, it gives the direction")
+        return self
+
+    @property
+    def direction_from_point_to_end(self) -> Floats:
+        """Unit vector (2,) from the point to the end, the direction of a pull on `shoe`."""
+        along = self.end.xy - self.point.xy
+        return np.asarray(along / np.linalg.norm(along))
+
+    def resultant_per_pull_on_shoe(self, name: str) -> Floats:
+        """Resultant (3,) on the shoe with this name, per newton of the spring's pull."""
+        if name == self.shoe:
+            return resultant_of_force_at_point(self.direction_from_point_to_end, self.point.xy)
+        if name == self.to:
+            return resultant_of_force_at_point(-self.direction_from_point_to_end, self.end.xy)
+        return np.zeros(3)
+
+
+class Lever(Part):
+    """A lever on a shoe that pushes another shoe by a strut, as the lever of a parking brake.
+
+    Attributes
+    ----------
+    shoe : name of the shoe on which the lever turns
+    pivot : pin [m] of the lever on this shoe
+    to : name of the shoe that the strut pushes
+    strut, end : points [m] at which the strut bears on the lever, and on the shoe `to`
+    force, direction, point : pull of the cable [N], its direction [rad] and a point of its line [m]
+    """
+
+    shoe: Name
+    pivot: Place
+    to: Name
+    strut: Place
+    end: Place
+    force: Force
+    direction: Angle
+    point: Place
+
+    @model_validator(mode="after")
+    def _check_strut_pushes(self) -> Self:
+        """Raise ValueError for a lever on its own shoe, or one whose strut would have to pull."""
+        if self.to == self.shoe:
+            raise ValueError(f"to = {self.to!r}: must be another shoe")
+        if math.dist(self.strut.xy, self.end.xy) == 0:
+            raise ValueError("end: must not be the strut's point on the lever")
+        if not self.strut_force > 0:
+            raise ValueError("force: turns the lever away from its strut, which can only push")
+        return self
+
+    @property
+    def _cable_and_strut_force(self) -> tuple[Floats, Floats]:
+        """Force (2,) [N] of the cable on the lever, and of the strut on the shoe it pushes."""
+        cable = self.force * np.array([math.cos(self.direction), math.sin(self.direction)])
+        along = self.end.xy - self.strut.xy
+        along = along / np.linalg.norm(along)
+        arm, lever = self.strut.xy - self.pivot.xy, self.point.xy - self.pivot.xy
+        # The moments of the cable and of the strut about the lever's pin balance.
+        about_pin = float(lever[0] * cable[1] - lever[1] * cable[0])
+        per_newton = float(arm[0] * along[1] - arm[1] * along[0])
+        return cable, along * (about_pin / per_newton if per_newton else math.nan)
+
+    @property
+    def strut_force(self) -> float:
+        """Force [N] by which the strut pushes; negative if it would have to pull."""
+        _, strut = self._cable_and_strut_force
+        return float(strut @ (self.end.xy - self.strut.xy) / math.dist(self.end.xy, self.strut.xy))
+
+    def resultant_on_shoe(self, name: str) -> Floats:
+        """Resultant (3,) of the lever on the shoe with this name."""
+        cable, strut = self._cable_and_strut_force
+        if name == self.shoe:
+            return resultant_of_force_at_point(cable - strut, self.pivot.xy)
+        if name == self.to:
+            return resultant_of_force_at_point(strut, self.end.xy)
+        return np.zeros(3)
+
+
+def resultant_of_force_at_point(force: Floats, point: Floats) -> Floats:
+    """Resultant (3,) about the origin of a force (2,) [N] at a point (2,) [m]."""
+    return np.array([*force, point[0] * force[1] - point[1] * force[0]])
+
+
+def brake_with_spring_pulls(brake: Any, pulls: Sequence[float] | None = None) -> Any:
+    """Return the brake whose shoes know the loads of its springs, levers, weight and rotation.
+
+    Parameters
+    ----------
+    brake : the brake
+    pulls : pull [N] of each spring; None for the preloads
+
+    Raises
+    ------
+    ValueError
+        for a spring at a shoe that does not exist, or for a weight or a speed without masses
+    """
+    _check_keys_of_brake_loads(brake)
+    if pulls is None:
+        pulls = [spring.preload for spring in brake.springs]
+    shoes = []
+    for shoe in brake.shoes:
+        total = np.zeros(3)
+        for spring, pull in zip(brake.springs, pulls, strict=True):
+            total += pull * spring.resultant_per_pull_on_shoe(shoe.name)
+        for lever in brake.levers:
+            total += lever.resultant_on_shoe(shoe.name)
+        if shoe.mass is not None:
+            force = shoe.mass.mass * acceleration_of_mass(brake, shoe.mass.point.xy)
+            total += resultant_of_force_at_point(force, shoe.mass.point.xy)
+        shoes.append(shoe.shoe_with_loads_of_brake(total))
+    return brake.model_copy(update={"shoes": tuple(shoes)})
+
+
+def brake_with_springs_of_constant_pull(brake: Any, pulls: Sequence[float]) -> Any:
+    """The brake whose springs have no rate and these pulls [N], or the brake itself for no pulls.
+
+    The pulls are those of an answer, in which springs with a rate have settled.
+    """
+    if not pulls:
+        return brake
+    springs = tuple(
+        spring.model_copy(update={"preload": pull, "rate": 0.0})
+        for spring, pull in zip(brake.springs, pulls, strict=True)
+    )
+    return brake_with_spring_pulls(brake.model_copy(update={"springs": springs}))
+
+
+def acceleration_of_mass(brake: Any, point: Floats) -> Floats:
+    """Force (2,) per mass [m/s^2] of gravity and rotation on a mass at a point (2,) [m]."""
+    found = np.zeros(2)
+    if brake.gravity is not None:
+        angle = brake.gravity.direction
+        found += brake.gravity.acceleration * np.array([math.cos(angle), math.sin(angle)])
+    if brake.shoe_speed is not None:
+        found += brake.shoe_speed**2 * point
+    return found
+
+
+def _check_keys_of_brake_loads(brake: Any) -> None:
+    """Raise ValueError for a spring at an unknown shoe, or for gravity or speed without a mass."""
+    names = [shoe.name for shoe in brake.shoes]
+    for part, each in (("spring", brake.springs), ("lever", brake.levers)):
+        for i, joined in enumerate(each):
+            for key, name in (("shoe", joined.shoe), ("to", joined.to)):
+                if name is not None and name not in names:
+                    known = ", ".join(names)
+                    raise ValueError(
+                        f"{part}[{i}].{key} = {name!r}: must be the name of a shoe: {known}"
+                    )
+    for key in ("gravity", "shoe_speed"):
+        if getattr(brake, key) is not None and all(shoe.mass is None for shoe in brake.shoes):
+            raise ValueError(f"{key}: acts on masses; give shoe.mass, or leave it out")
+    if brake.gravity is None and brake.shoe_speed is None:
+        for i, shoe in enumerate(brake.shoes):
+            if shoe.mass is not None:
+                raise ValueError(
+                    f"shoe[{i}].mass: has no effect without [gravity] or shoe_speed; give one"
+                )
+
+
+def reason_if_shoe_has_further_loads(brake: Any, what: str) -> str | None:
+    """Why a computation that takes actuation forces only does not apply; None if it applies.
+
+    `what` names the computation in the text, which names the first key of a further load.
+    """
+    key = first_key_of_further_loads(brake)
+    return None if key is None else f"{key}: {what} takes forces of the actuation only"
+
+
+def first_key_of_further_loads(brake: Any) -> str | None:
+    """The first key by which a brake has loads besides its actuation; None for no such load."""
+    for i, shoe in enumerate(brake.shoes):
+        if shoe.forces:
+            return f"shoe[{i}].force"
+    if brake.springs or brake.levers:
+        return "spring[0]" if brake.springs else "lever[0]"
+    return next((key for key in ("gravity", "shoe_speed") if getattr(brake, key) is not None), None)
+
+
+def require_springs_of_constant_pull(brake: Any, what: str) -> None:
+    """Raise BadInput if a spring of the brake has a rate; `what` names the computation."""
+    for i, spring in enumerate(brake.springs):
+        if spring.rate > 0:
+            raise BadInput(
+                f"spring[{i}].rate = {spring.rate * 1e-3:g} N/mm: {what} takes springs of constant "
+                "pull; leave out rate and give the pull as preload"
+            )

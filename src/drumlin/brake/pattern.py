@@ -1,0 +1,217 @@
+"""Shoes that repeat at equal steps, such as the blocks of a band, from one table of a brake file.
+
+A shoe with a pattern is read as several shoes: copies that are turned about the drum's centre, or
+moved along the plane, by one step after the other. Links between them can repeat with them, and
+springs from the shoe to the frame do.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from itertools import pairwise
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field, ValidationError, ValidationInfo
+
+from drumlin.brake.fields import Angle, Length, Part, Point
+from drumlin.brake.further_loads import Spring
+
+ALONG_SURFACE = ("start", "end")
+"""Keys of coordinates along the surface."""
+ROWS_ALONG_SURFACE = ("clearance", "blocks")
+"""Keys whose rows begin with a coordinate along the surface, where they are tables of rows."""
+
+
+class Pattern(Part):
+    """How often a shoe repeats, and whether each shoe pushes the next by a strut or strap.
+
+    `count` is the number of shoes, with the first one. With `linked` the abutment of each shoe
+    bears on a link to the next shoe, and only the first shoe has an actuation.
+    """
+
+    count: Annotated[int, Field(ge=2, le=200)]
+    linked: bool = False
+
+
+class DrumPattern(Pattern):
+    """A pattern of shoes on a drum; `step` [rad] is the angle from each shoe to the next."""
+
+    step: Angle
+
+
+class FlatPattern(Pattern):
+    """A pattern of shoes on a plane; `step` [m] is the length from each shoe to the next."""
+
+    step: Length
+
+
+class Move(NamedTuple):
+    """A motion of a shoe as a rigid body, with its drum or along its plane.
+
+    Attributes
+    ----------
+    turn : angle [rad] that is added to directions
+    along : amount that is added to coordinates along the surface
+    point : function of a point of the shoe that returns the moved point
+    """
+
+    turn: float
+    along: float
+    point: Callable[[Point], Point]
+
+
+def move_around_drum(angle: float) -> Move:
+    """The motion of a shoe that turns about the drum's centre by an angle [rad]."""
+    c, s = math.cos(angle), math.sin(angle)
+    return Move(angle, angle, lambda p: Point(x=c * p.x - s * p.y, y=s * p.x + c * p.y))
+
+
+def move_along_plane(length: float) -> Move:
+    """The motion of a shoe that moves along the plane by a length [m]."""
+    return Move(0.0, length, lambda p: Point(x=p.x + length, y=p.y))
+
+
+def moved_part(part: Any, move: Move) -> Any:
+    """A copy of a shoe or of a part of it, with all its places and directions moved.
+
+    The offset of a misfit is a vector: it turns with a drum's shoe and stays on a plane.
+    """
+    changes: dict[str, Any] = {}
+    for name in part.model_fields_set:
+        value = getattr(part, name)
+        if isinstance(value, Point):
+            is_vector = name == "offset" and move.turn == 0
+            changes[name] = value if is_vector else move.point(value)
+        elif name == "direction":
+            changes[name] = value + move.turn
+        elif name in ALONG_SURFACE:
+            changes[name] = value + move.along
+        elif name in ROWS_ALONG_SURFACE and isinstance(value, tuple):
+            changes[name] = tuple((place + move.along, size) for place, size in value)
+        elif isinstance(value, Part):
+            changes[name] = moved_part(value, move)
+        elif isinstance(value, tuple) and all(isinstance(item, Part) for item in value):
+            changes[name] = tuple(moved_part(item, move) for item in value)
+    return part.model_copy(update=changes)
+
+
+def data_with_repeated_shoes(
+    data: object, kind: type[Any], move: Callable[[float], Move], info: ValidationInfo
+) -> object:
+    """The data of a brake in which each shoe with a pattern stands for several shoes.
+
+    Data without a pattern are returned as they are. A shoe with wrong data stays, so that its error
+    is reported as that of any shoe.
+
+    Parameters
+    ----------
+    data : data of a brake file, or anything else that is not a brake
+    kind : class of the shoes
+    move : function of a number of steps times the step, which returns the motion of the shoe
+    info : pydantic's state of the validation
+
+    Raises
+    ------
+    ValueError
+        for a pattern of shoes that cannot be repeated
+    """
+    shoes = data.get("shoe") if isinstance(data, Mapping) else None
+    if not isinstance(data, Mapping) or not isinstance(shoes, list | tuple):
+        return data
+    if not any(isinstance(shoe, Mapping) and shoe.get("pattern") is not None for shoe in shoes):
+        return data
+    found: list[Any] = []
+    links: list[Any] = []
+    springs = data.get("spring", ())
+    for i, own in enumerate(shoes):
+        repeats = isinstance(own, Mapping) and own.get("pattern") is not None
+        try:
+            first = kind.model_validate(own, context=info.context) if repeats else None
+        except ValidationError:
+            first = None
+        if first is None:
+            found.append(own)
+            continue
+        copies = _repeated_shoes(f"shoe[{i}]", first, move)
+        found += copies
+        springs = _springs_of_repeated_shoe(springs, first, move, info)
+        if first.pattern.linked:
+            names = [shoe.name for shoe in copies]
+            links += [{"from": a, "to": b} for a, b in pairwise(names)]
+    changed: dict[str, Any] = {"shoe": found}
+    given = data.get("link", ())
+    if links and isinstance(given, list | tuple):
+        changed["link"] = _links_from_first_to_last([*given, *links])
+    if springs:
+        changed["spring"] = springs
+    return {**data, **changed}
+
+
+def _springs_of_repeated_shoe(
+    springs: Any, first: Any, move: Callable[[float], Move], info: ValidationInfo
+) -> Any:
+    """The springs of a brake, in which those from a repeated shoe to the frame repeat with it.
+
+    Data that are no list of springs stay. A spring to another shoe stays as well: it must name one
+    of the repeated shoes. The parameters are those of `data_with_repeated_shoes`, and `first` is
+    the shoe with the pattern.
+    """
+    if not isinstance(springs, list | tuple):
+        return springs
+    found: list[Any] = []
+    for own in springs:
+        to_frame = isinstance(own, Mapping) and own.get("to") is None
+        try:
+            of_shoe = to_frame and own.get("shoe") == first.name
+            spring = Spring.model_validate(own, context=info.context) if of_shoe else None
+        except ValidationError:
+            spring = None
+        if spring is None:
+            found.append(own)
+            continue
+        for number in range(first.pattern.count):
+            moved = moved_part(spring, move(number * first.pattern.step))
+            found.append(moved.model_copy(update={"shoe": f"{first.name} {number + 1}"}))
+    return found
+
+
+def _repeated_shoes(key: str, first: Any, move: Callable[[float], Move]) -> list[Any]:
+    """The shoes that a shoe with a pattern stands for; `key` is its key in messages.
+
+    Raises ValueError for a mesh file in the brake's coordinates, which would not move with a shoe,
+    and for linked shoes without an abutment.
+    """
+    pattern = first.pattern
+    if first.mesh is not None and first.mesh_frame == "brake":
+        raise ValueError(f"{key}.pattern: a mesh file must have mesh_frame = 'shoe' to be repeated")
+    if pattern.linked and first.abutment is None:
+        raise ValueError(f"{key}.pattern.linked: each shoe bears on the next by an abutment")
+    shoes = []
+    for number in range(pattern.count):
+        shoe = moved_part(first, move(number * pattern.step))
+        changes = {"name": f"{first.name} {number + 1}", "pattern": None}
+        if pattern.linked and number > 0:
+            changes["actuation"] = type(first).model_fields["actuation"].default
+        shoe = shoe.model_copy(update=changes)
+        if pattern.linked and number > 0:
+            shoe.model_fields_set.discard("actuation")
+        shoes.append(shoe)
+    return shoes
+
+
+def _links_from_first_to_last(links: list[Any]) -> list[Any]:
+    """The links in an order in which every shoe is pushed before it pushes another.
+
+    Links that are no tables, or that form a ring, keep their places at the end.
+    """
+    left = list(links)
+    found: list[Any] = []
+    while left:
+        pushed = {link.get("to") for link in left if isinstance(link, Mapping)}
+        ready = [
+            link for link in left if isinstance(link, Mapping) and link.get("from") not in pushed
+        ]
+        if not ready:
+            return [*found, *left]
+        found += ready
+        left = [link for link in left if link not in ready]
+    return found

@@ -1,0 +1,115 @@
+"""The pulls of springs whose points move: the pull depends on the answer, and the answer on it.
+
+A spring of the rate k pulls by T = T_0 - k d. Here d is the motion by which its two points come
+nearer to each other: the rigid-body motions of the shoes, and the elastic motion of the places
+where the loads act. On one contact set d is a linear function of all pulls, so that
+Broyden's method ends after a few contact solves on the same condensed bodies.
+"""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.further_loads import brake_with_spring_pulls
+from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_of_resultant
+
+SETTLED_PULL = 1e-12
+"""Largest error of a spring's pull, relative to the largest force, that counts as settled.
+
+It is far below the 1e-9 to which forces balance, and above the round-off of the motions times the
+rate. A spring that is stiffer than the brake has a larger round-off and is refused. Judgement.
+"""
+MOST_SPRING_STEPS = 40
+"""Contact solves after which the pulls of springs count as not settled. Usual brakes take four."""
+
+Answer = TypeVar("Answer")
+
+
+def settle_spring_pulls(
+    brake: Brake, solve: Callable[[Brake], tuple[Answer, Floats]]
+) -> tuple[Answer, tuple[float, ...]]:
+    """Find the pulls of all springs that agree with the motions which the pulls themselves cause.
+
+    Parameters
+    ----------
+    brake : the brake
+    solve : function of a brake with known pulls, which returns the answer and the motion (springs,)
+        [m] by which the two points of each spring come nearer to each other
+
+    Returns
+    -------
+    the answer, and the pull of each spring [N]
+
+    Raises
+    ------
+    NoAnswer
+        as `solve` does, and if no pulls agree with the motions, or a spring would go slack
+    """
+    preloads = np.array([spring.preload for spring in brake.springs])
+    rates = np.array([spring.rate for spring in brake.springs])
+    largest = max(*np.abs(preloads), *(shoe.largest_load for shoe in brake.shoes))
+    pulls, inverse = preloads.copy(), -np.eye(len(preloads))
+    step = excess = np.zeros(len(preloads))
+    for count in range(MOST_SPRING_STEPS):
+        answer, approach = solve(brake_with_spring_pulls(brake, pulls.tolist()))
+        before, excess = excess, preloads - rates * approach - pulls
+        if np.abs(excess).max() <= SETTLED_PULL * largest:
+            _check_springs_are_not_slack(preloads, pulls)
+            return answer, tuple(pulls.tolist())
+        if count > 0:
+            # Broyden's update of the inverse Jacobian matrix, by the formula of Sherman-Morrison.
+            moved = inverse @ (excess - before)
+            inverse += np.outer(step - moved, step @ inverse) / float(step @ moved)
+        step = -inverse @ excess
+        pulls = pulls + step
+    i = int(np.abs(excess).argmax())
+    raise NoAnswer(
+        f"spring[{i}]: no pull agrees with the motion of its points; "
+        "the spring may hold its shoe off before the lining touches"
+    )
+
+
+def _check_springs_are_not_slack(preloads: Floats, pulls: Floats) -> None:
+    """Raise NoAnswer for a spring that pulls by its preload and would push in the answer."""
+    for i, (preload, pull) in enumerate(zip(preloads.tolist(), pulls.tolist(), strict=True)):
+        if pull * preload < 0:
+            verb = ("pushes", "pull") if preload < 0 else ("pulls", "push")
+            raise NoAnswer(
+                f"spring[{i}]: goes slack: it {verb[0]} by its preload and would have to {verb[1]}"
+            )
+
+
+def approach_of_spring_points_by_shoe(
+    brake: Brake, shoe: Shoe, body: ShoeSubstructure, elastic: Floats, pin_motion: Floats
+) -> Floats:
+    """The motion (springs,) [m] of a shoe's points along the pulls of the springs at this shoe.
+
+    Parameters
+    ----------
+    brake : the brake with its springs
+    shoe : the shoe
+    body : its substructure
+    elastic : (l,) displacements of the points of the unit loads by the strain of the body [m, rad]
+    pin_motion : (3,) displacement x, y [m] of the pin and turn [rad], in the frame of the shoe
+    """
+    found = np.zeros(len(brake.springs))
+    for j, spring in enumerate(brake.springs):
+        pull = spring.resultant_per_pull_on_shoe(shoe.name)
+        fx, fy, moment = pull.tolist()
+        about_pin = shoe.frame.sense * (moment - (shoe.pin.x * fy - shoe.pin.y * fx))
+        at_pin = np.array([*shoe.frame.convert_to_shoe_frame(pull[:2]), about_pin])
+        found[j] = load_factors_of_resultant(body, shoe, pull) @ elastic + at_pin @ pin_motion
+    return found
+
+
+def notes_on_spring_pulls(brake: Brake, pulls: tuple[float, ...]) -> list[str]:
+    """A line of text for each spring with a rate: its pull in the answer and its preload."""
+    return [
+        f"spring[{i}]: its pull is {pull:.6g} N, its preload {spring.preload:.6g} N"
+        for i, (spring, pull) in enumerate(zip(brake.springs, pulls, strict=False))
+        if spring.rate > 0
+    ]
