@@ -3,10 +3,11 @@
     make degrees              60 meshes
     make degrees ARGS="8 100" 8 meshes, from seed 100 on
 
-Gmsh meshes random shoes with elements of a tenth to a fortieth of the drum's radius: triangles or
-recombined quadrilaterals, of first or second order, with straight or curved sides. drumlin solves
-each mesh file, and the shoe itself in hp elements to a tolerance of 1e-4. The difference is the
-true error. The command prints a line for each mesh and the ratios of stated to true errors.
+Gmsh meshes random shoes with elements of a tenth to a hundredth of the drum's radius: triangles or
+recombined quadrilaterals, of first to third order, with straight or curved sides, graded or not,
+with all digits of the coordinates or rounded. drumlin solves each mesh file, and the shoe itself in
+hp elements to a tolerance of 1e-4. The difference is the true error. The command prints a line for
+each mesh and the ratios of stated to true errors.
 """
 
 import math
@@ -27,7 +28,7 @@ from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 
 MESHES = 60
-"""Number of meshes without further words on the command line: twelve of each form of elements."""
+"""Number of meshes without further words on the command line: eight or nine of each form."""
 FINE = 1e-4
 """Tolerance of the solution in hp elements from which true errors are taken."""
 UNSURE = 3.0
