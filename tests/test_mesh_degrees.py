@@ -30,6 +30,7 @@ from drumlin.fem.solve import solve
 from drumlin.report import render
 from drumlin.report.comparison import write_and_draw_stress_fields
 from drumlin.response.resultants import gauss_lobatto_points
+from drumlin_studies import mesh_degrees
 from drumlin_studies.mesh_degrees import (
     JudgedMesh,
     MeshForm,
@@ -216,10 +217,11 @@ def test_the_report_counts_stated_errors_that_are_too_small():
 
 
 @pytest.mark.slow
-def test_stated_errors_of_meshes_by_gmsh_are_above_the_true_ones():
-    """Of the meshes of `make degrees` those whose stated errors are nearest to the true ones."""
+def test_stated_errors_of_meshes_by_gmsh_are_above_the_true_ones(monkeypatch):
+    """Of the meshes of `make degrees` some whose stated errors are near to the true ones."""
     pytest.importorskip("gmsh")
-    judged = [judge_mesh_of_random_shoe(seed) for seed in (26, 31, 42, 73, 74)]
+    monkeypatch.setattr(mesh_degrees, "SIZES", (10.0, 35.0))
+    judged = [judge_mesh_of_random_shoe(seed) for seed in (40000, 40005, 40010, 40017, 40021)]
     for name in QUANTITIES:
         ratios = [mesh.stated[name] / mesh.true[name] for mesh in judged]
         assert np.nanmin(ratios) > 1, name
@@ -339,16 +341,22 @@ def test_hold_and_slopes_of_a_mesh_file_are_those_of_the_shoe(brake, shoe, own):
     assert held == pytest.approx(right, rel=5e-3)
 
 
-@pytest.mark.parametrize("recombined", [False, True])
-def test_nodes_made_of_rounded_third_order_sides_are_on_the_drum(tmp_path, recombined):
-    """The rounding of 1 um changed the pressure by 22 % where the added nodes kept it."""
+@pytest.mark.parametrize(
+    "form",
+    [
+        MeshForm(3, straight=False, recombined=False, decimals=3),
+        MeshForm(3, straight=False, recombined=True, decimals=3),
+        MeshForm(2, straight=True, recombined=False, decimals=2, graded=True),
+    ],
+)
+def test_rounded_nodes_inside_sides_are_put_on_the_drum(tmp_path, form):
+    """The rounding changed p by 22 % on third-order sides, by 10 % on short straight sides."""
     pytest.importorskip("gmsh")
     brake = draw_random_shoe(np.random.default_rng([103, 3]))
-    form = MeshForm(3, straight=False, recombined=recombined, decimals=3)
     write_gmsh_mesh_of_shoe(brake, form, brake.size / 14, tmp_path / "shoe.msh")
     filed = vary(brake, {"shoe.mesh": str(tmp_path / "shoe.msh"), "shoe.mesh_unit": "mm"})
     (shoe,) = filed.shoes
     read = read_shoe_mesh_with_notes(shoe.mesh, shoe, filed.size)
     assert read.contact.rounded > 20
-    assert 1e-7 < read.contact.rounded_by < 1e-6
+    assert read.contact.rounded_by > 1e-7
     assert np.abs(read.off).max() < 1e-12

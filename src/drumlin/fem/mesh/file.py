@@ -45,6 +45,7 @@ from drumlin.fem.mesh.of_meshio import content_of_meshio_mesh
 from drumlin.fem.mesh.plane_cells import (
     BESIDE,
     CUBIC_MIDDLE,
+    LOWER,
     PlaneCells,
     convert_plane_cells_to_one_kind,
 )
@@ -183,11 +184,12 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
     if shoe.mesh_frame == "brake":
         points = shoe.convert_points_to_shoe_frame(points)
     plane = convert_plane_cells_to_one_kind(content, points, fault)
-    # Nodes that were added lie between other nodes, whose rounding errors add up in their places.
-    added = np.broadcast_to(
-        np.abs(CUBIC_MIDDLE).sum() * rounding.max(axis=0), (len(plane.points) - len(points), 2)
-    )
-    slack = np.vstack([rounding, added]) * unit
+    # Nodes that were added lie between other nodes and have no rounding of their own. Those in
+    # the middle of third-order sides have the rounding errors of the nodes of their side.
+    slack = np.zeros((len(plane.points), 2))
+    if set(content.cells) & set(LOWER):
+        slack[:] = np.abs(CUBIC_MIDDLE).sum() * rounding.max(axis=0) * unit
+    slack[: len(points)] = rounding * unit
     mesh, vertex = _mesh_of_cells_and_vertex_numbers(plane.cell, plane.cells, plane.points, fault)
     nodal, _ = _mesh_of_cells_and_vertex_numbers(plane.cell, plane.cells, slack, fault)
     mesh = _mesh_with_named_groups_of_file(content, shoe, plane, mesh, vertex, fault)
