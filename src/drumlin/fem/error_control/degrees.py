@@ -180,7 +180,7 @@ def prepared_model_of_mesh_files(
         raise NoAnswer(f"at degree {level.degree}: {refusal}") from refusal
 
 
-def _errors_of_last_level(brake: Brake, responses: list[Response], shape: Floats) -> Errors:
+def _errors_of_last_level(brake: Brake, responses: list[Response], shape: Floats | float) -> Errors:
     """The estimated errors of the last of at least two responses.
 
     `shape` are the errors (1 + 4 shoes,) of straight sides and of rounded coordinates.

@@ -167,4 +167,5 @@ def _angles_inside_corners(mesh: Any) -> Floats:
     along, back = (np.roll(corners, shift, axis=1) - corners for shift in (-1, 1))
     cross = along[0] * back[1] - along[1] * back[0]
     angles = np.abs(np.arctan2(cross, (along * back).sum(axis=0)))
-    return np.bincount(mesh.t.ravel(), angles.ravel(), mesh.nvertices)
+    summed = np.bincount(mesh.t.ravel(), angles.ravel(), mesh.nvertices)
+    return summed.astype(float, copy=False)

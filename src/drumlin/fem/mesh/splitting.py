@@ -151,7 +151,7 @@ def _bisected_parts(shape: NodalBasis, parts: ElementParts, marked: Bools) -> El
     # A triangle with a bisected side is bisected across its own side first.
     while True:
         halved = np.unique(sides[marked, 0])
-        touched = np.isin(sides, halved).any(axis=1)
+        touched = np.asarray(np.isin(sides, halved).any(axis=1))
         if (touched <= marked).all():
             break
         marked = touched
