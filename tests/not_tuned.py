@@ -167,7 +167,10 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MESH_LEVELS": "levels up to which the time of a solve is bearable",
         "NEGLIGIBLE_MOVE": "judgement; saves time where the sides' error is below all others",
     },
-    "fem/mesh/splitting.py": {"SIDE_PER_DISTANCE": "judgement; a smaller one makes more triangles"},
+    "fem/mesh/splitting.py": {
+        "SIDE_PER_DISTANCE": "judgement; a smaller one makes more triangles",
+        "ROUND_OFF_OF_LENGTHS": ROUND_OFF,
+    },
     "fem/mesh/file.py": {
         "LONGEST_REASON": "length of a message",
         "MOST_FILE_NODES": MEMORY,
