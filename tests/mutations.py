@@ -86,7 +86,7 @@ TUNED: dict[str, dict[str, Guard]] = {
         ),
     },
     "fem/error_control/degrees.py": dict.fromkeys(
-        ("DEGREE_FACTORS", "OUTLINE_FACTOR"),
+        ("DEGREE_FACTORS", "OUTLINE_FACTOR", "ROUNDING_FACTOR"),
         Guard(
             "down",
             (

@@ -41,7 +41,11 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "STATE_ROUND_OFF": ROUND_OFF,
     },
     "fem/preparation/cache.py": {"CACHE_BYTES": MEMORY},
-    "fem/preparation/meshes.py": {"MOST_LINING_ELEMENTS": MEMORY},
+    "fem/preparation/meshes.py": {
+        "MOST_LINING_ELEMENTS": MEMORY,
+        "MOST_RAISED_NODES": MEMORY,
+        "SHAPE_DEGREE": "degree above which no shape changes",
+    },
     "fem/substructure/body.py": {"FRAME": DEFINITION},
     "fem/substructure/elimination.py": {"LEAF_HALVINGS": SPEED},
     "fem/width/correction.py": {
@@ -164,13 +168,17 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         ("TRIANGLE_CORNERS", "SQUARE_CORNERS", "TRIANGLE_SIDES", "SQUARE_SIDES"), DEFINITION
     ),
     "fem/mesh/smooth_outline.py": {
-        "LARGEST_SMOOTH_TURN": "judgement; a larger one makes stated errors larger where corners are"
+        "LARGEST_SMOOTH_TURN": "judgement; larger ones make stated errors larger where corners are",
+        "CONVEX_ANGLE": "judgement; slightly re-entrant corners change nothing that is seen",
     },
     "fem/error_control/degrees.py": {
-        "FORMER_SHARE": "any share from 0.05 on states the accidental agreements of 250 meshes",
-        "DEGREES": "degrees up to which the time of a solve is bearable",
+        "FORMER_SHARE": "judgement; a larger share makes stated errors larger",
+        "MESH_LEVELS": "levels up to which the time of a solve is bearable",
         "NEGLIGIBLE_MOVE": "judgement; saves time where the sides' error is below all others",
-        "MOST_RAISED_NODES": MEMORY,
+    },
+    "fem/mesh/splitting.py": {
+        "SIDE_PER_DISTANCE": "judgement; a smaller one makes more triangles",
+        "ROUND_OFF_OF_LENGTHS": ROUND_OFF,
     },
     "fem/mesh/file.py": {
         "LONGEST_REASON": "length of a message",

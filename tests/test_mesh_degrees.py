@@ -8,26 +8,36 @@ import pytest
 import skfem
 
 from conftest import partly
-from drumlin import vary
+from drumlin import hold, sensitivity, vary
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control import degrees
 from drumlin.fem.error_control.estimate import QUANTITIES
 from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
 from drumlin.fem.mesh.degree import NodalElement, nodal_basis_of_shoe_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
-from drumlin.fem.mesh.file import write_shoe_mesh_to_file
-from drumlin.fem.mesh.smooth_outline import moves_onto_smooth_outline
+from drumlin.fem.mesh.file import read_shoe_mesh_with_notes, write_shoe_mesh_to_file
+from drumlin.fem.mesh.smooth_outline import moves_onto_smooth_outline, singular_corners_of_mesh
+from drumlin.fem.mesh.splitting import (
+    FinestSides,
+    nodal_basis_on_parts,
+    split_mesh_towards_points,
+)
 from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation import meshes
 from drumlin.fem.preparation.meshes import RaisedDegree
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.report import render
 from drumlin.report.comparison import write_and_draw_stress_fields
 from drumlin.response.resultants import gauss_lobatto_points
+from drumlin_studies import mesh_degrees
 from drumlin_studies.mesh_degrees import (
     JudgedMesh,
+    MeshForm,
+    draw_random_shoe,
     judge_mesh_of_random_shoe,
     report_lines_on_judged_meshes,
+    write_gmsh_mesh_of_shoe,
 )
 from drumlin_studies.stated_true import true_errors_of_response
 from flat_pads import BODY, pad
@@ -161,7 +171,7 @@ def test_a_tolerance_raises_the_degree_until_it_is_met_or_says_what_is_reached(o
     loose, tight = solve(fine, tolerance=0.3), solve(fine, tolerance=1e-7)
     assert loose.shoes[0].order == 3
     assert not saying(loose.notes, "warning:")
-    assert tight.shoes[0].order == 4
+    assert tight.shoes[0].order == degrees.MESH_LEVELS[-1].degree
     (warning,) = saying(tight.notes, "tolerance 1e-07 not reached")
     assert f"error of p {tight.error['pressure']:.1e}" in warning
     # The default tolerance is met as well as possible, without a warning.
@@ -170,11 +180,11 @@ def test_a_tolerance_raises_the_degree_until_it_is_met_or_says_what_is_reached(o
 
 def test_a_mesh_too_fine_for_a_higher_degree_is_solved_as_it_is(own, monkeypatch):
     filed = own("tri2")
-    monkeypatch.setattr(degrees, "MOST_RAISED_NODES", 10)
+    monkeypatch.setattr(meshes, "MOST_RAISED_NODES", 10)
     found = solve(filed)
     assert found.torque == solve_on_elements_of_files(filed).torque
     assert found.error is None
-    assert saying(found.notes, "warning: no error stated: not even degree 3")
+    assert saying(found.notes, "warning: no error stated: at degree 2: its mesh has")
 
 
 @pytest.mark.slow
@@ -207,10 +217,11 @@ def test_the_report_counts_stated_errors_that_are_too_small():
 
 
 @pytest.mark.slow
-def test_stated_errors_of_meshes_by_gmsh_are_above_the_true_ones():
-    """Of the meshes of `make degrees` those whose stated errors are nearest to the true ones."""
+def test_stated_errors_of_meshes_by_gmsh_are_above_the_true_ones(monkeypatch):
+    """Of the meshes of `make degrees` some whose stated errors are near to the true ones."""
     pytest.importorskip("gmsh")
-    judged = [judge_mesh_of_random_shoe(seed) for seed in (26, 31, 42, 73, 74)]
+    monkeypatch.setattr(mesh_degrees, "SIZES", (10.0, 35.0))
+    judged = [judge_mesh_of_random_shoe(seed) for seed in (40000, 40005, 40010, 40017, 40021)]
     for name in QUANTITIES:
         ratios = [mesh.stated[name] / mesh.true[name] for mesh in judged]
         assert np.nanmin(ratios) > 1, name
@@ -221,22 +232,131 @@ def test_a_comparison_draws_the_fields_of_a_mesh_file(own, tmp_path, monkeypatch
     monkeypatch.setattr(render, "draw_fields_and_return_failure_reason", lambda *_: "not drawn")
     brake = own("tri2")
     response = solve(brake)
-    # The response has more nodes along the lining than the mesh of the file, on which fields are.
+    # The fields are on the split elements of the response.
     assert write_and_draw_stress_fields(brake, response, tmp_path, "fields") == "not drawn"
     assert (tmp_path / "fields.vtu").exists()
 
 
 def test_a_degree_without_an_answer_is_said_beside_the_stated_error(own, monkeypatch):
-    def refuse_degree_four(model, brake, *, start=None):
-        if model.bodies[0].line.interpolation_degree_along_contact_line == 4:
+    def refuse_degree_four_and_five(model, brake, *, start=None):
+        if model.bodies[0].line.interpolation_degree_along_contact_line >= 4:
             raise NoAnswer("no equilibrium")
         return solve_prepared_model(model, brake, start=start)
 
-    solved = degrees.solve_meshes_of_files(own("tri2"), refuse_degree_four, 1e-6)
-    assert saying(solved.response.notes, "no higher degree: at degree 4: no equilibrium")
+    solved = degrees.solve_meshes_of_files(own("tri2"), refuse_degree_four_and_five, 1e-6)
+    assert saying(solved.response.notes, "no higher degree: no equilibrium")
     assert solved.response.error["torque"] > 0
     assert solved.scene.bodies[0].line.interpolation_degree_along_contact_line == 3
 
 
 def test_meshes_without_judged_errors_have_a_line():
     assert all("no error to judge" in line for line in report_lines_on_judged_meshes([]))
+
+
+@pytest.mark.parametrize("kind", ["tri1", "quad2"])
+def test_split_elements_fit_together_and_keep_the_shape_of_the_mesh(shoe, brake, kind):
+    mesh = parametric_mesh_of_shoe(shoe, brake.size, 6, kind)
+    basis = nodal_basis_of_shoe_mesh(mesh, 6, shoe, brake.size)
+    corners = singular_corners_of_mesh(mesh)
+    side = 2e-4
+    inside = shoe.arc[0] + 0.37 * (shoe.arc[1] - shoe.arc[0])
+    point = brake.size * np.array([[math.cos(inside)], [math.sin(inside)]])
+    finest = FinestSides(np.hstack([mesh.p[:, corners], point]), np.full(len(corners) + 1, side))
+    split = nodal_basis_on_parts(basis, split_mesh_towards_points(basis, finest, 10_000), 3)
+    parts = split.mesh
+    # No element overlaps another, no node hangs in a side, and no side is open in between.
+    assert split.dx.sum() == pytest.approx(basis.dx.sum(), rel=1e-6)
+    assert np.bincount(parts.t2f.ravel()).max() == 2
+    outer = split.doflocs[:, nodes_along_element_edges(split, parts.boundary_facets())]
+    length = np.hypot(*np.diff(outer, axis=1)).sum()
+    whole = basis.doflocs[:, nodes_along_element_edges(basis, mesh.boundary_facets())]
+    assert length == pytest.approx(np.hypot(*np.diff(whole, axis=1)).sum(), rel=1e-3)
+    # The groups hold the same lines and areas, and contact nodes stay on the drum.
+    for name in mesh.boundaries:
+        lengths = [
+            np.hypot(
+                *np.diff(b.doflocs[:, nodes_along_element_edges(b, m.boundaries[name])], axis=1)
+            )
+            for b, m in ((basis, mesh), (split, parts))
+        ]
+        assert lengths[1].sum() == pytest.approx(lengths[0].sum(), rel=1e-3), name
+    for name, members in mesh.subdomains.items():
+        area = split.dx[parts.subdomains[name]].sum()
+        assert area == pytest.approx(basis.dx[members].sum(), rel=1e-6), name
+    contact = nodes_along_element_edges(split, parts.boundaries["contact"])
+    assert np.abs(shoe.off(split.doflocs[:, contact], brake.size)).max() < 1e-7
+    # Elements at each point are small enough.
+    for xy in finest.xy.T:
+        nearest = np.hypot(*(parts.p - xy[:, None])).argsort()[1]
+        assert np.hypot(*(parts.p[:, nearest] - xy)) < side
+    with pytest.raises(NoAnswer, match="split into more than 100 triangles"):
+        split_mesh_towards_points(basis, finest, 100)
+    large = FinestSides(finest.xy, np.full(len(finest.sides), 1.0))
+    assert split_mesh_towards_points(basis, large, 100) is None
+
+
+def test_corners_of_a_mesh_are_those_of_the_shoe_and_not_of_its_circles(shoe, brake):
+    """A lining on a longer body: its four corners and the ends of the hinge, not the loaded end."""
+    for kind in MESH_KINDS:
+        mesh = parametric_mesh_of_shoe(shoe, brake.size, ELEMENTS, kind)
+        corners = mesh.p[:, singular_corners_of_mesh(mesh)]
+        angles = shoe.phi_of_points_in_shoe_frame(corners, brake.size)
+        start, end = shoe.arc
+        ends = np.sort([start, end, start, end])
+        on_hinge = (
+            np.abs(
+                angles
+                - shoe.phi_of_points_in_shoe_frame(
+                    mesh.p[:, mesh.facets[:, mesh.boundaries["hinge"]]], brake.size
+                ).min()
+            )
+            < 1e-9
+        )
+        assert on_hinge.sum() == 2, kind
+        np.testing.assert_allclose(np.sort(angles[~on_hinge]), ends, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_a_uniform_mesh_of_large_elements_meets_a_tolerance(brake, shoe, own):
+    """Without splitting, p and its peak are some per cent off at every degree."""
+    filed = own("tri2", 10)
+    found = solve(filed, tolerance=2e-3)
+    known = solve(vary(brake, {"shoe": [shoe.model_dump()]}), tolerance=1e-5)
+    true = true_errors_of_response(filed, found.shoes, known.shoes)
+    assert not saying(found.notes, "warning:")
+    for name in ("pressure", "peak", "torque"):
+        assert true[name] < found.error[name], name
+    assert found.error["pressure"] < 2e-3
+
+
+@pytest.mark.slow
+def test_hold_and_slopes_of_a_mesh_file_are_those_of_the_shoe(brake, shoe, own):
+    alone = vary(brake, {"shoe": [shoe.model_dump()]})
+    slopes, known = (sensitivity(each) for each in (own("tri2"), alone))
+    assert slopes.friction == pytest.approx(known.friction, rel=1e-4)
+    for name in ("lining", "shoe"):
+        found, right = (each.shoes[0].moduli[name] for each in (slopes, known))
+        assert found == pytest.approx(right, rel=5e-3), name
+    held, right = (hold(each).states[0].torque for each in (own("tri2"), alone))
+    assert held == pytest.approx(right, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        MeshForm(3, straight=False, recombined=False, decimals=3),
+        MeshForm(3, straight=False, recombined=True, decimals=3),
+        MeshForm(2, straight=True, recombined=False, decimals=2, graded=True),
+    ],
+)
+def test_rounded_nodes_inside_sides_are_put_on_the_drum(tmp_path, form):
+    """The rounding changed p by 22 % on third-order sides, by 10 % on short straight sides."""
+    pytest.importorskip("gmsh")
+    brake = draw_random_shoe(np.random.default_rng([103, 3]))
+    write_gmsh_mesh_of_shoe(brake, form, brake.size / 14, tmp_path / "shoe.msh")
+    filed = vary(brake, {"shoe.mesh": str(tmp_path / "shoe.msh"), "shoe.mesh_unit": "mm"})
+    (shoe,) = filed.shoes
+    read = read_shoe_mesh_with_notes(shoe.mesh, shoe, filed.size)
+    assert read.contact.rounded > 20
+    assert read.contact.rounded_by > 1e-7
+    assert np.abs(read.off).max() < 1e-12

@@ -3,10 +3,11 @@
     make degrees              60 meshes
     make degrees ARGS="8 100" 8 meshes, from seed 100 on
 
-Gmsh meshes random shoes with elements of a tenth to a fortieth of the drum's radius: triangles or
-recombined quadrilaterals, of first or second order, with straight or curved sides. drumlin solves
-each mesh file, and the shoe itself in hp elements to a tolerance of 1e-4. The difference is the
-true error. The command prints a line for each mesh and the ratios of stated to true errors.
+Gmsh meshes random shoes with elements of a tenth to a hundredth of the drum's radius: triangles or
+recombined quadrilaterals, of first to third order, with straight or curved sides, graded or not,
+with all digits of the coordinates or rounded. drumlin solves each mesh file, and the shoe itself in
+hp elements to a tolerance of 1e-4. The difference is the true error. The command prints a line for
+each mesh and the ratios of stated to true errors.
 """
 
 import math
@@ -27,7 +28,7 @@ from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 
 MESHES = 60
-"""Number of meshes without further words on the command line: twelve of each form of elements."""
+"""Number of meshes without further words on the command line: eight or nine of each form."""
 FINE = 1e-4
 """Tolerance of the solution in hp elements from which true errors are taken."""
 UNSURE = 3.0
@@ -37,11 +38,22 @@ WIDTH = 0.04
 
 
 class MeshForm(NamedTuple):
-    """A form of elements: their order, whether Gmsh keeps sides straight, and quadrilaterals."""
+    """A form of a mesh by Gmsh.
+
+    Attributes
+    ----------
+    order : order of the elements
+    straight : whether Gmsh keeps sides straight
+    recombined : whether triangles are recombined to quadrilaterals
+    decimals : number of decimals to which coordinates in mm are rounded; None for all digits
+    graded : whether elements at the lining's ends are smaller than others
+    """
 
     order: int
     straight: bool
     recombined: bool
+    decimals: int | None = None
+    graded: bool = False
 
 
 FORMS = (
@@ -50,8 +62,16 @@ FORMS = (
     MeshForm(2, straight=True, recombined=False),
     MeshForm(1, straight=True, recombined=True),
     MeshForm(2, straight=False, recombined=True),
+    MeshForm(3, straight=False, recombined=False),
+    MeshForm(3, straight=False, recombined=True),
 )
 """The forms of elements, in the order of the seeds."""
+DECIMALS = (None, 2, 3, 4, 5, 6)
+"""The numbers of decimals, in mm, of which each mesh has one by chance."""
+SIZES = (10.0, 100.0)
+"""The smallest and the largest ratio of the drum's radius to the size of the elements."""
+FINER_AT_ENDS = 0.25
+"""Size of the elements at the lining's ends of a graded mesh, relative to the size elsewhere."""
 
 
 class JudgedMesh(NamedTuple):
@@ -109,7 +129,7 @@ def draw_random_shoe(rng: np.random.Generator) -> Brake:
 
 
 def write_gmsh_mesh_of_shoe(brake: Brake, form: MeshForm, size: float, path: Path) -> None:
-    """Mesh the only shoe of a brake on a drum with Gmsh, and write the mesh with its groups.
+    """Mesh the only shoe of a brake on a drum with Gmsh, and write the mesh in mm with its groups.
 
     Parameters
     ----------
@@ -126,16 +146,23 @@ def write_gmsh_mesh_of_shoe(brake: Brake, form: MeshForm, size: float, path: Pat
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.option.setNumber("Mesh.RecombineAll", form.recombined)
         gmsh.option.setNumber("Mesh.SecondOrderLinear", form.straight)
-        _draw_outline_of_shoe(gmsh.model, brake)
+        _draw_outline_of_shoe(gmsh.model, brake, size * (FINER_AT_ENDS if form.graded else 1.0))
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(form.order)
+        tags, xyz, _ = gmsh.model.mesh.getNodes()
+        for tag, place in zip(tags, 1e3 * xyz.reshape(-1, 3), strict=True):
+            rounded = place if form.decimals is None else place.round(form.decimals)
+            gmsh.model.mesh.setNode(tag, rounded, [])
         gmsh.write(str(path))
     finally:
         gmsh.finalize()
 
 
-def _draw_outline_of_shoe(model: Any, brake: Brake) -> None:
-    """Draw lining and body of a shoe in Gmsh's `model`, with the groups that drumlin needs."""
+def _draw_outline_of_shoe(model: Any, brake: Brake, size_at_ends: float) -> None:
+    """Draw lining and body of a shoe in Gmsh's `model`, with the groups that drumlin needs.
+
+    `size_at_ends` is the largest size [m] of elements at the ends of the contact.
+    """
     (shoe,) = brake.shoes
     lining, body = shoe.lining, shoe.body
     assert isinstance(body, Bar)
@@ -147,7 +174,8 @@ def _draw_outline_of_shoe(model: Any, brake: Brake) -> None:
         """The point at a depth [m] behind the friction surface and an angle [rad]."""
         r = brake.size - shoe.sign * depth
         if (depth, angle) not in points:
-            points[depth, angle] = geo.addPoint(r * math.cos(angle), r * math.sin(angle), 0)
+            size = size_at_ends if depth == 0 else 0
+            points[depth, angle] = geo.addPoint(r * math.cos(angle), r * math.sin(angle), 0, size)
         return points[depth, angle]
 
     def arc(depth: float, first: float, last: float) -> int:
@@ -175,18 +203,25 @@ def _draw_outline_of_shoe(model: Any, brake: Brake) -> None:
         model.setPhysicalName(1, model.addPhysicalGroup(1, [line]), name)
 
 
+def draw_random_mesh_form(rng: np.random.Generator, form: MeshForm) -> tuple[float, MeshForm]:
+    """Draw a size, R over the size of elements, and the decimals and grading of a form."""
+    coarsest, finest = SIZES
+    size = coarsest * (finest / coarsest) ** rng.random()
+    decimals = DECIMALS[rng.integers(len(DECIMALS))]
+    return float(size), form._replace(decimals=decimals, graded=bool(rng.random() < 0.5))
+
+
 def judge_mesh_of_random_shoe(seed: int) -> JudgedMesh | str:
     """The stated and true errors of the mesh of a seed, or the reason why it has no answer."""
     rng = np.random.default_rng([seed, 3])
-    form = FORMS[seed % len(FORMS)]
-    size = float(10 * 4 ** rng.random())
+    size, form = draw_random_mesh_form(rng, FORMS[seed % len(FORMS)])
     try:
         brake = draw_random_shoe(rng)
         known = solve(brake, tolerance=FINE)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "shoe.msh"
             write_gmsh_mesh_of_shoe(brake, form, brake.size / size, path)
-            response = solve(vary(brake, {"shoe.mesh": str(path)}))
+            response = solve(vary(brake, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"}))
     except (BadInput, NoAnswer) as error:
         return f"{type(error).__name__}: {error}"
     return JudgedMesh(

@@ -16,7 +16,7 @@ from studies.manual.solve_path import solve_path_picture
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.analysis.prepared import ANALYSIS_DEGREE
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
-from drumlin.fem.error_control.degrees import MOST_RAISED_NODES
+from drumlin.fem.error_control.degrees import MESH_LEVELS
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.smooth_outline import LARGEST_SMOOTH_TURN
 from drumlin.fem.model import (
@@ -25,6 +25,7 @@ from drumlin.fem.model import (
     LARGEST_UNREFINED_ROUND_OFF,
     PENALTY,
 )
+from drumlin.fem.preparation.meshes import MOST_RAISED_NODES
 from drumlin.fem.solid import DEFAULT_SOLID_TOLERANCE
 from drumlin.fem.width.correction import REMAINING_SHARE
 from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE, SOLID_FACTORS
@@ -60,6 +61,7 @@ def quoted_values() -> dict[str, str]:
         "most_loss": _power_of_ten_text(LARGEST_REFINED_ROUND_OFF),
         **_width_shares(),
         "largest_smooth_turn": f"{math.degrees(LARGEST_SMOOTH_TURN):g} deg",
+        "mesh_degree": str(MESH_LEVELS[-1].degree),
         "most_raised_nodes": f"{MOST_RAISED_NODES:,}".replace(",", " "),
         "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
         "solid_tolerance": f"{100 * DEFAULT_SOLID_TOLERANCE:g} %",

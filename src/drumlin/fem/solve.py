@@ -18,7 +18,11 @@ from drumlin.fem.error_control.adapt import (
     require_tolerance_between_zero_and_one,
     solve_brake_to_tolerance,
 )
-from drumlin.fem.error_control.degrees import solve_meshes_of_files
+from drumlin.fem.error_control.degrees import (
+    MESH_LEVELS,
+    prepared_model_of_mesh_files,
+    solve_meshes_of_files,
+)
 from drumlin.fem.error_control.levels import LEVELS, SolvedLevel
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
@@ -171,8 +175,8 @@ def prepared_model_with_finest_elements(
 ) -> PreparedModel:
     """The prepared model of the finest division that `solve` uses, for further analyses.
 
-    The elements of a mesh file have the degree of the file. A brake that has no solution in sliding
-    is divided as on the second level.
+    The elements of a mesh file are split and raised as in `solve`. A brake that has no solution in
+    sliding is divided as on the second level.
 
     Parameters
     ----------
@@ -186,6 +190,11 @@ def prepared_model_with_finest_elements(
         for `elements` or a `kind` that `require_element_options_have_effect` refuses
     """
     require_element_options_have_effect(brake, elements=elements, kind=kind)
+    if elements is None and kind is None and any(shoe.mesh for shoe in brake.shoes):
+        try:
+            return solve_meshes_of_files(brake, solve_prepared_model, None, cache).scene
+        except NoAnswer:
+            return prepared_model_of_mesh_files(brake, MESH_LEVELS[1], cache=cache)
     if not _is_solved_on_finer_and_finer_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return make_prepared_model(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)

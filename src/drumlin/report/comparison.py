@@ -87,15 +87,11 @@ def write_and_draw_stress_fields(
         stress_and_displacement_fields_of_bodies,
         write_fields_to_vtu_file,
     )
-    from drumlin.fem.model import solve_prepared_model  # noqa: PLC0415
     from drumlin.fem.solve import prepared_model_with_finest_elements  # noqa: PLC0415
     from drumlin.report.render import draw_fields_and_return_failure_reason  # noqa: PLC0415
 
     brake.check_shoes_can_be_meshed()
     scene = prepared_model_with_finest_elements(brake, **options)
-    if any(shoe.mesh for shoe in brake.shoes):
-        # The response has a higher degree than the meshes of the files, on which fields are drawn.
-        response = solve_prepared_model(scene, brake)
     write_fields_to_vtu_file(
         folder / f"{name}.vtu", stress_and_displacement_fields_of_bodies(scene, brake, response)
     )

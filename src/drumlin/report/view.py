@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from drumlin.base.arrays import Ints
 from drumlin.brake.brake import Brake
 from drumlin.fem.hp.grid import ColumnGrid
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.models import reasons_why_models_do_not_apply
 from drumlin.report.drawing import draw_brake
@@ -29,9 +30,12 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
     axes.set_title(f"{brake.title}, {brake.motion}")
     if "fem" in reasons_why_models_do_not_apply(brake):
         return figure
-    for shoe, body in zip(
-        brake.shoes, prepared_model_with_finest_elements(brake, **options).bodies, strict=True
-    ):
+    if options or not any(shoe.mesh for shoe in brake.shoes):
+        scene = prepared_model_with_finest_elements(brake, **options)
+    else:
+        # Meshes of files are drawn as the files have them, not split as for a solve.
+        scene = make_prepared_model(brake)
+    for shoe, body in zip(brake.shoes, scene.bodies, strict=True):
         # Each element is drawn as the polygon of the nodes around it.
         xy = shoe.points(body.basis.doflocs).T * 1e3  # mm
         around = (

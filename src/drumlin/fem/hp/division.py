@@ -560,7 +560,7 @@ def _grading_points_along_lining(
     inner = []
     for point in points:
         distance = min(point.at - start, end - point.at)
-        inner.append(_grading_point_at_singular_point(point, level, contact.thickness, distance))
+        inner.append(grading_point_at_singular_point(point, level, contact.thickness, distance))
     grading_points = _grading_points_without_close_ones(first, last, inner)
     grip = shoe.grip(radius)
     if grip is None:
@@ -620,7 +620,7 @@ def _element_column_ends_beyond_lining(
     return before, after
 
 
-def _grading_point_at_singular_point(
+def grading_point_at_singular_point(
     point: SingularPoint, level: Level, thickness: float, distance: float
 ) -> GradingPoint:
     """The grading point at a singular point: its position, and the size of the columns beside it.

@@ -93,20 +93,22 @@ def move_contact_nodes_onto_drum_or_plane(
     # The array `target` has the offset from the surface that each node gets.
     line = _contact_nodes_in_order_of_angle(mesh, rounding, shoe, radius)
     straight = _is_middle_node_of_straight_edge(mesh, line, shoe, radius)
+    largest = _largest_offsets_on_unseen_arcs(mesh, line, shoe, radius)
     target = line.off.copy()
-    free = ~(straight & line.middle)
+    free = ~(straight & line.middle) & (largest == 0)
     target[free] = _contact_offsets_without_rounding(line, free, shoe, radius)
     # The middle node of a straight edge is moved onto the smooth line through the corner nodes.
-    if straight.any():
+    if straight.any() or largest.any():
         corners = ~line.middle
-        smooth = PchipInterpolator(line.phi[corners], target[corners])
-        target[straight] = smooth(line.phi[straight])
+        smooth = PchipInterpolator(line.phi[corners], target[corners])(line.phi)
+        moved = straight | (np.abs(line.off - smooth) < largest)
+        target[moved] = smooth[moved]
     target[np.abs(target) < COORDINATE_ROUND_OFF * radius] = 0.0
     moves = target - line.off
     moves[np.abs(moves) <= COORDINATE_ROUND_OFF * radius] = 0.0
     if not moves.any():
         return ContactOnSurface(mesh)
-    by_rounding = free & (moves != 0)
+    by_rounding = ~straight & (moves != 0)
     return ContactOnSurface(
         _mesh_with_moved_contact_nodes(mesh, line, moves, shoe),
         rounded=int(np.count_nonzero(by_rounding)),
@@ -180,18 +182,43 @@ def _is_middle_node_of_straight_edge(
     if shoe.flat or not len(at) or at[0] == 0 or at[-1] == len(found) - 1:
         return found
     xy = mesh.doflocs[:, line.nodes]
-    first, last = xy[:, at - 1], xy[:, at + 1]
-    chord = np.hypot(*(last - first))
-    height = chord**2 / (8 * radius)
-    beside = np.hypot(*(xy[:, at] - (first + last) / 2))
+    height = _heights_of_arcs_over_edges(mesh, line, at, radius)
+    beside = np.hypot(*(xy[:, at] - (xy[:, at - 1] + xy[:, at + 1]) / 2))
     # If the arc over an edge is lower than the rounding, a straight edge cannot be told from a
-    # curved one, and does no harm.
+    # curved one.
     seen = height > 2 * line.slack[at] + COORDINATE_ROUND_OFF * radius
     straight = seen & (beside <= STRAIGHT * height + 2 * line.slack[at])
     counted = max(int(np.count_nonzero(seen)), 1)
     if np.count_nonzero(straight) >= STRAIGHT_SIDES * counted:
         found[at[straight]] = True
     return found
+
+
+def _heights_of_arcs_over_edges(mesh: Any, line: _ContactNodes, at: Ints, radius: float) -> Floats:
+    """The heights (k,) [m] of the drum's arc over the chords of the edges with middle nodes `at`.
+
+    `at` (k,) are positions in the contact line.
+    """
+    xy = mesh.doflocs[:, line.nodes]
+    return np.asarray(((xy[:, at + 1] - xy[:, at - 1]) ** 2).sum(axis=0) / (8 * radius))
+
+
+def _largest_offsets_on_unseen_arcs(
+    mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float
+) -> Floats:
+    """The largest offsets (n,) [m] of middle nodes on edges that may be straight; 0 at other nodes.
+
+    If the arc over an edge is lower than twice the rounding, the edge may be straight without
+    showing it. Its middle node then lies off the drum by the height of the arc and the rounding.
+    """
+    largest = np.zeros(len(line.nodes))
+    at = np.flatnonzero(line.middle)
+    if shoe.flat or not len(at) or at[0] == 0 or at[-1] == len(line.nodes) - 1:
+        return largest
+    height = _heights_of_arcs_over_edges(mesh, line, at, radius)
+    unseen = (height <= 2 * line.slack[at]) & (line.slack[at] > COORDINATE_ROUND_OFF * radius)
+    largest[at] = np.where(unseen, height + line.slack[at], 0.0)
+    return largest
 
 
 def _contact_offsets_without_rounding(

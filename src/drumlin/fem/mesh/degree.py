@@ -96,6 +96,10 @@ class NodalElement:
         by_y = j * x**i * y ** np.maximum(j - 1, 0)
         return x**i * y**j, np.array([by_x, by_y])
 
+    def shape_function_values(self, X: Floats) -> Floats:
+        """All shape functions (points, nodes) at reference points X (2, points)."""
+        return np.asarray(self._monomials(X)[0] @ self._coefficients.astype(float))
+
     def lbasis(self, X: Any, i: int) -> tuple[Any, Any]:
         """Shape function i (points,) and its slopes (2, points), at reference points X (2, points).
 
@@ -162,6 +166,12 @@ class NodalBasis:
         """The areas (elements, points) [m^2] that the points of the quadrature stand for."""
         return self._gradients_and_areas[1]
 
+    def places_in_elements(self, elements: Ints, at: Floats) -> Floats:
+        """The places (2, m, q) [m] of the reference points at (m, q, 2) in m elements."""
+        shapes = self.elem.shape_function_values(at.reshape(-1, 2).T).reshape(*at.shape[:2], -1)
+        nodes = self.doflocs[:, self.element_dofs[:, elements].T]
+        return np.einsum("cma,mqa->cmq", nodes, shapes)
+
     def basis_with_moved_nodes(self, moves: Floats) -> "NodalBasis":
         """The same basis with its nodes moved by (2, N) [m]."""
         return NodalBasis(
@@ -200,7 +210,22 @@ def nodal_basis_of_shoe_mesh(mesh: Any, degree: int, shoe: Shoe, radius: float) 
 def _nodal_basis_of_mesh(mesh: Any, degree: int) -> NodalBasis:
     """The basis of a degree on a mesh, whose elements keep the shape that the mesh gives them."""
     elem = NodalElement(degree, len(mesh.t))
-    vertices, facets, inner = mesh.nvertices, mesh.nfacets, degree - 1
+    # The mapping of the mesh gives the places of the nodes.
+    shape = (2, mesh.nelements, len(elem.doflocs))
+    places = np.broadcast_to(mesh.mapping().F(elem.doflocs.T), shape)
+    return nodal_basis_with_places(mesh, elem, places)
+
+
+def nodal_basis_with_places(mesh: Any, elem: NodalElement, places: Floats) -> NodalBasis:
+    """The basis of an element on a mesh, with its nodes at given places.
+
+    Parameters
+    ----------
+    mesh : scikit-fem's mesh, of which only the vertices of elements and sides are used
+    elem : the element
+    places : (2, elements, nodes of an element) places of the nodes [m]
+    """
+    vertices, facets, inner = mesh.nvertices, mesh.nfacets, elem.degree - 1
     facet_dofs = vertices + np.arange(inner * facets).reshape(inner, facets)
     rows = [mesh.t]
     # The nodes of a side run from its corner of smaller number to its corner of larger number.
@@ -208,16 +233,13 @@ def _nodal_basis_of_mesh(mesh: Any, degree: int) -> NodalBasis:
         along = facet_dofs[:, mesh.t2f[side]]
         rows.append(np.where(mesh.t[a] < mesh.t[b], along, along[::-1]))
     first = vertices + inner * facets
-    inside = len(elem.doflocs) - elem.corners * degree
+    inside = len(elem.doflocs) - elem.corners * elem.degree
     rows.append(first + np.arange(inside * mesh.nelements).reshape(inside, mesh.nelements))
     element_dofs = np.concatenate(rows)
-    # The mapping of the mesh gives the places of the nodes.
-    doflocs = np.empty((2, number_of_nodes_at_degree(mesh, degree)))
-    shape = (2, mesh.nelements, len(elem.doflocs))
-    places = np.broadcast_to(mesh.mapping().F(elem.doflocs.T), shape)
+    doflocs = np.empty((2, number_of_nodes_at_degree(mesh, elem.degree)))
     doflocs[:, element_dofs] = places.transpose(0, 2, 1)
     form = skfem.refdom.RefTri if elem.corners == 3 else skfem.refdom.RefQuad
-    X, W = skfem.quadrature.get_quadrature(form, 2 * degree)
+    X, W = skfem.quadrature.get_quadrature(form, 2 * elem.degree)
     return NodalBasis(
         mesh, elem, doflocs, element_dofs, np.arange(vertices)[None], facet_dofs, X, W
     )

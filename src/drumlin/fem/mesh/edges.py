@@ -15,3 +15,18 @@ def nodes_along_element_edges(basis: Any, facets: Ints) -> Ints:
     """
     ends = basis.nodal_dofs[0][basis.mesh.facets[:, facets]]
     return np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])
+
+
+def element_edges_between_vertices(mesh: Any, ends: Ints) -> tuple[Ints, int]:
+    """The numbers of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
+
+    The second result is the number of pairs that are no edge of the mesh.
+    """
+    # An edge is looked up by one number that is made of the numbers of its two vertices.
+    key = mesh.facets[0].astype(np.int64) * mesh.nvertices + mesh.facets[1]
+    order = np.argsort(key)
+    low, high = np.sort(ends, axis=1).T
+    wanted = np.unique(low * mesh.nvertices + high)
+    place = order[np.minimum(np.searchsorted(key, wanted, sorter=order), len(key) - 1)]
+    is_edge = key[place] == wanted
+    return np.sort(place[is_edge]), int(np.count_nonzero(~is_edge))

@@ -37,13 +37,15 @@ from drumlin.fem.mesh.contact_surface import (
 )
 from drumlin.fem.mesh.content import read_bytes_of_mesh_file
 from drumlin.fem.mesh.content_of_file import FileContent, largest_rounding_errors_of_coordinates
-from drumlin.fem.mesh.edges import nodes_along_element_edges
+from drumlin.fem.mesh.edges import element_edges_between_vertices, nodes_along_element_edges
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.mesh.inp import read_mesh_from_inp_text
 from drumlin.fem.mesh.msh4 import is_text_in_gmsh_format_4, read_mesh_in_gmsh_format_4
 from drumlin.fem.mesh.of_meshio import content_of_meshio_mesh
 from drumlin.fem.mesh.plane_cells import (
     BESIDE,
+    CUBIC_MIDDLE,
+    LOWER,
     PlaneCells,
     convert_plane_cells_to_one_kind,
 )
@@ -182,8 +184,11 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
     if shoe.mesh_frame == "brake":
         points = shoe.convert_points_to_shoe_frame(points)
     plane = convert_plane_cells_to_one_kind(content, points, fault)
-    # Nodes that were added have positions between other nodes, and no rounding of their own.
+    # Nodes that were added lie between other nodes and have no rounding of their own. Those in
+    # the middle of third-order sides have the rounding errors of the nodes of their side.
     slack = np.zeros((len(plane.points), 2))
+    if set(content.cells) & set(LOWER):
+        slack[:] = np.abs(CUBIC_MIDDLE).sum() * rounding.max(axis=0) * unit
     slack[: len(points)] = rounding * unit
     mesh, vertex = _mesh_of_cells_and_vertex_numbers(plane.cell, plane.cells, plane.points, fault)
     nodal, _ = _mesh_of_cells_and_vertex_numbers(plane.cell, plane.cells, slack, fault)
@@ -455,8 +460,10 @@ def _find_element_edges_in_named_groups(
         ends += [content.edge_groups[name]] if name in content.edge_groups else []
         outer_ends += [content.outer_groups[name]] if name in content.outer_groups else []
     # A set of nodes is used only if the file has no edges of the same name.
-    found = _element_edges_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
-    outlined = _element_edges_between_vertices(mesh, vertex[np.concatenate(outer_ends)], fault)
+    found = _named_element_edges_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
+    outlined = _named_element_edges_between_vertices(
+        mesh, vertex[np.concatenate(outer_ends)], fault
+    )
     outer = mesh.boundary_facets()
     found = np.union1d(found, np.intersect1d(outlined, outer))
     nodes = [content.node_groups[name] for name in names if name in content.node_groups]
@@ -485,21 +492,16 @@ def _element_edges_with_all_nodes_in_set(
     middles = plane.cells[:, corners : 2 * corners]
     if middles.size and inside[middles].any():
         whole &= inside[middles] | plane.added[middles]
-    return _element_edges_between_vertices(mesh, vertex[pairs[whole]], fault)
+    return _named_element_edges_between_vertices(mesh, vertex[pairs[whole]], fault)
 
 
-def _element_edges_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
+def _named_element_edges_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
     """The numbers of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
 
     BadInput is raised for pairs that are no edge of the mesh; its message begins with `fault`.
     """
-    # An edge is looked up by one number that is made of the numbers of its two vertices.
-    key = mesh.facets[0].astype(np.int64) * mesh.nvertices + mesh.facets[1]
-    order = np.argsort(key)
-    low, high = np.sort(ends, axis=1).T
-    wanted = np.unique(low * mesh.nvertices + high)
-    place = order[np.minimum(np.searchsorted(key, wanted, sorter=order), len(key) - 1)]
-    strange = np.count_nonzero(key[place] != wanted)
+    found, strange = element_edges_between_vertices(mesh, ends)
     if strange:
-        raise BadInput(f"{fault}: {strange} of its {len(wanted)} edges are not edges of the cells")
-    return np.sort(place)
+        wanted = len(np.unique(np.sort(ends, axis=1), axis=0))
+        raise BadInput(f"{fault}: {strange} of its {wanted} edges are not edges of the cells")
+    return found

@@ -4,15 +4,23 @@ A mesh of straight sides has no curves: an arc of the shoe is a polygon. Whether
 cannot be seen in the mesh. The difference that arcs instead of chords make is therefore an error.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import skfem
 
 from drumlin.base.arrays import Floats, Ints
+from drumlin.fem.mesh.arc import element_kind_of_mesh
 from drumlin.fem.mesh.degree import NodalBasis, moves_of_nodes_that_follow_sides
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.response.resultants import gauss_lobatto_points
 
+CONVEX_ANGLE = np.radians(185.0)
+"""Largest angle inside a corner of one layer, with free faces, that is no singular point.
+
+Stresses are singular at larger angles than 180 degrees. Slightly larger angles are left out, since
+stresses grow without bound very slowly there.
+"""
 LARGEST_SMOOTH_TURN = np.radians(35.0)
 """Largest turn between two neighbouring sides that may be chords of one curve; larger is a corner.
 
@@ -30,6 +38,7 @@ class _Bends(NamedTuple):
     ends_before : (n,) whether the side before ends there with its second corner
     starts_after : (n,) whether the side after starts there with its first corner
     curvature : (n,) curvature [1/m] of the circle through the three corners; positive to the left
+    vertices : (n,) vertices of the mesh at the places
     """
 
     before: Ints
@@ -37,6 +46,7 @@ class _Bends(NamedTuple):
     ends_before: Ints
     starts_after: Ints
     curvature: Floats
+    vertices: Ints
 
 
 def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
@@ -45,8 +55,10 @@ def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
     The lines are the outline of the shoe and the interfaces of its layers. Sides on the contact
     line do not move.
     """
-    facets, kinds = _sides_on_outline_and_interfaces(basis)
-    bends = _bends_between_neighbouring_sides(basis, facets, kinds)
+    facets, kinds = _sides_on_outline_and_interfaces(basis.mesh)
+    moving = ~np.isin(facets, basis.mesh.boundaries["contact"])
+    facets, kinds = facets[moving], kinds[moving]
+    bends = _bends_between_neighbouring_sides(basis.mesh, facets, kinds)
     # A side has the mean curvature of the bends at its two ends.
     total, count = np.zeros(len(facets)), np.zeros(len(facets))
     for side, forward in ((bends.before, bends.ends_before), (bends.after, bends.starts_after)):
@@ -63,34 +75,34 @@ def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
     return moves_of_nodes_that_follow_sides(basis, facets, moves)
 
 
-def _sides_on_outline_and_interfaces(basis: NodalBasis) -> tuple[Ints, Ints]:
+def _layers_of_elements(mesh: Any) -> Ints:
+    """The number of the layer of each element, from 1 on, and then 0 for the space beyond."""
+    layer = np.zeros(mesh.nelements + 1, dtype=np.int64)
+    for number, members in enumerate(mesh.subdomains.values(), start=1):
+        layer[members] = number
+    return layer
+
+
+def _sides_on_outline_and_interfaces(mesh: Any) -> tuple[Ints, Ints]:
     """The sides (m,) on the outline and on interfaces of layers, and a number (m,) of their line.
 
     Sides between the same two layers have the same number.
     """
-    mesh = basis.mesh
-    layers = len(mesh.subdomains) + 1
-    layer = np.zeros(mesh.nelements + 1, dtype=np.int64)
-    for number, members in enumerate(mesh.subdomains.values(), start=1):
-        layer[members] = number
     # The last layer, 0, is the space beyond the outline, which the element -1 stands for.
-    both = np.sort(layer[mesh.f2t], axis=0)
-    on_line = both[0] != both[1]
-    on_line[mesh.boundaries["contact"]] = False
-    facets = np.flatnonzero(on_line)
-    return facets, both[0, facets] * layers + both[1, facets]
+    both = np.sort(_layers_of_elements(mesh)[mesh.f2t], axis=0)
+    facets = np.flatnonzero(both[0] != both[1])
+    return facets, both[0, facets] * (len(mesh.subdomains) + 1) + both[1, facets]
 
 
-def _bends_between_neighbouring_sides(basis: NodalBasis, facets: Ints, kinds: Ints) -> _Bends:
+def _bends_between_neighbouring_sides(mesh: Any, facets: Ints, kinds: Ints) -> _Bends:
     """The bends of all lines, where exactly two sides of a line meet in a corner of the mesh.
 
     Parameters
     ----------
-    basis : the basis
+    mesh : scikit-fem's mesh
     facets : (m,) numbers of the sides
     kinds : (m,) number of the line of each side
     """
-    mesh = basis.mesh
     ends = mesh.facets[:, facets]
     vertex = ends.ravel()
     side = np.tile(np.arange(len(facets)), 2)
@@ -105,8 +117,55 @@ def _bends_between_neighbouring_sides(basis: NodalBasis, facets: Ints, kinds: In
     end = mesh.p[:, ends[:, after].sum(axis=0) - at]
     u, v = middle - start, end - middle
     cross = u[0] * v[1] - u[1] * v[0]
-    turn = np.arctan2(cross, (u * v).sum(axis=0))
     curvature = 2 * cross / (np.hypot(*u) * np.hypot(*v) * np.hypot(*(u + v)))
-    found = _Bends(before, after, ends[1, before] == at, ends[0, after] == at, curvature)
+    control = _control_points_of_sides(mesh, facets)
+    u, v = middle - control[:, before], control[:, after] - middle
+    turn = np.arctan2(u[0] * v[1] - u[1] * v[0], (u * v).sum(axis=0))
+    found = _Bends(before, after, ends[1, before] == at, ends[0, after] == at, curvature, at)
     smooth = np.abs(turn) <= LARGEST_SMOOTH_TURN
     return _Bends(*(values[smooth] for values in found))
+
+
+def _control_points_of_sides(mesh: Any, facets: Ints) -> Floats:
+    """The points (2, m) at which the tangents at both ends of each side meet.
+
+    They are the middles of straight sides.
+    """
+    basis = skfem.Basis(mesh, element_kind_of_mesh(mesh).scikit_fem_element_class(), intorder=1)
+    xy = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
+    chord = (xy[:, 0] + xy[:, -1]) / 2
+    return 2 * xy[:, 1] - chord if xy.shape[1] == 3 else chord
+
+
+def singular_corners_of_mesh(mesh: Any) -> Ints:
+    """The vertices (n,) of a shoe's mesh at which stresses are singular, whatever presses the shoe.
+
+    They are the ends of the contact line and of the hinge, the re-entrant corners of the outline,
+    and the corners and ends of the interfaces of layers.
+    """
+    facets, kinds = _sides_on_outline_and_interfaces(mesh)
+    vertices, sides = np.unique(mesh.facets[:, facets], return_counts=True)
+    bends = _bends_between_neighbouring_sides(mesh, facets, kinds)
+    corners = np.union1d(vertices[sides > 2], np.setdiff1d(vertices, bends.vertices))
+    # Corners of one layer are singular only if they are re-entrant.
+    layer = np.broadcast_to(_layers_of_elements(mesh)[:-1], mesh.t.shape)
+    lowest = np.full(mesh.nvertices, len(mesh.subdomains))
+    highest = np.zeros(mesh.nvertices, dtype=np.int64)
+    np.minimum.at(lowest, mesh.t, layer)
+    np.maximum.at(highest, mesh.t, layer)
+    is_singular = (lowest < highest) | (_angles_inside_corners(mesh) > CONVEX_ANGLE)
+    corners = corners[is_singular[corners]]
+    for name in ("contact", "hinge"):
+        ends, count = np.unique(mesh.facets[:, mesh.boundaries[name]], return_counts=True)
+        corners = np.union1d(corners, ends[count == 1])
+    return corners
+
+
+def _angles_inside_corners(mesh: Any) -> Floats:
+    """The angle (vertices,) [rad] that elements fill around each vertex, their sides straight."""
+    corners = mesh.p[:, mesh.t]
+    along, back = (np.roll(corners, shift, axis=1) - corners for shift in (-1, 1))
+    cross = along[0] * back[1] - along[1] * back[0]
+    angles = np.abs(np.arctan2(cross, (along * back).sum(axis=0)))
+    summed = np.bincount(mesh.t.ravel(), angles.ravel(), mesh.nvertices)
+    return summed.astype(float, copy=False)

@@ -1,5 +1,6 @@
 """Bodies on meshes: a parametric mesh of each shoe, or the mesh of its file, condensed."""
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -8,9 +9,15 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.base.errors import BadInput
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import AnyMaterial
+from drumlin.fem.hp.division import (
+    SMALLEST_COLUMN,
+    Level,
+    SingularPoint,
+    grading_point_at_singular_point,
+)
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.preparation.bodies import (
@@ -69,14 +76,36 @@ Its arguments are the shoe and the drum's radius [m]. The mesh is in the frame o
 """
 
 
+MOST_RAISED_NODES = 150_000
+"""Largest number of nodes of a shoe at a raised degree.
+
+A solve with this number takes a minute. The degree of a larger mesh is not raised so far.
+"""
+
+
+SHAPE_DEGREE = 5
+"""Degree of the polynomials that give the nodes of split elements their places.
+
+Sides on the drum of a third of its radius then follow the drum to 1e-7 of the radius, which is far
+less than a lining's compression. A higher degree takes longer and changes nothing.
+"""
+
+
 class RaisedDegree(NamedTuple):
     """The degree of the displacements on the mesh of a file, instead of the mesh's own degree.
 
-    `smooth` is whether straight sides on curved lines become arcs, see `mesh.smooth_outline`.
+    Attributes
+    ----------
+    degree : the degree
+    smooth : whether straight sides on curved lines become arcs, see `mesh.smooth_outline`
+    level : sizes of the elements at singular points; None leaves all elements whole
+    points : singular points of the pressure on each shoe; empty for shoes of the shape of another
     """
 
     degree: int
     smooth: bool = False
+    level: Level | None = None
+    points: tuple[tuple[SingularPoint, ...], ...] = ()
 
 
 def make_mesh_bodies(
@@ -114,19 +143,18 @@ def make_mesh_bodies(
     # Shoes of one shape share a body within the brake, and equal bodies are shared between brakes.
     setting = (elements, kind, raised)
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
-    for shoe in brake.shoes:
+    for i, shoe in enumerate(brake.shoes):
         shape = shape_key_of_shoe(brake, shoe)
         if shape not in made:
+            own = raised and raised._replace(points=raised.points[i : i + 1])
             key = (
                 shoe_without_loads_and_clearances(shoe),
                 brake.size,
                 brake.friction > 0,
-                setting,
+                (elements, kind, own),
                 digest_of_mesh_file_of_shoe(shoe),
             )
-            make = partial(
-                _mesh_condense_and_couple_shoe, brake, shoe, mesher, seconds, raised, cache
-            )
+            make = partial(_mesh_condense_and_couple_shoe, brake, shoe, mesher, seconds, own, cache)
             made[shape] = cache.get(key, make, memory_of_condensed_body)
     bodies = tuple(made[shape_key_of_shoe(brake, shoe)] for shoe in brake.shoes)
     ring = None
@@ -149,8 +177,11 @@ def _mesh_nodes_of_changed_shoe(
     The changed shoe is meshed by the same rule; see `PreparedModel`. The mesh of a file stays the
     same in the frame of the shoe.
     """
-    mesh = mesher(shoe, radius) if shoe.mesh is None else bodies[i].mesh
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    if shoe.mesh is None:
+        mesh = mesher(shoe, radius)
+        basis = scalar_finite_element_basis_of_mesh(mesh)
+    else:
+        mesh, basis = bodies[i].mesh, bodies[i].basis
     if "actuation" not in mesh.boundaries or shoe.has_support_on_back_of_body:
         return BodyNodes(basis.doflocs, np.zeros(basis.doflocs.shape))
     unit_loads, centre = nodal_forces_of_unit_loads_on_loaded_end(
@@ -237,6 +268,7 @@ def mesh_and_assemble_shoe(
             basis = scalar_finite_element_basis_of_mesh(mesh)
         else:
             basis = _basis_of_raised_degree(mesh, raised, shoe, brake.size)
+            mesh = basis.mesh
     with add_elapsed_time(seconds, "assembly"):
         K = sparse_stiffness_of_body(basis, elastic_layers_of_shoe(shoe))
     with add_elapsed_time(seconds, "ties"):
@@ -263,18 +295,60 @@ def mesh_and_assemble_shoe(
 
 
 def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float) -> Any:
-    """The basis of a raised degree on the mesh of a file.
+    """The basis of a raised degree on the mesh of a file, whose elements may be split.
 
-    `radius` is the radius of the drum [m], on a plane the length of the pad.
+    `radius` is the radius of the drum [m], on a plane the length of the pad. Raises NoAnswer if the
+    basis has too many nodes.
     """
     # The modules load scikit-fem, which takes long.
-    from drumlin.fem.mesh.degree import nodal_basis_of_shoe_mesh  # noqa: PLC0415
-    from drumlin.fem.mesh.smooth_outline import moves_onto_smooth_outline  # noqa: PLC0415
+    from drumlin.fem.mesh import degree, smooth_outline, splitting  # noqa: PLC0415
 
-    basis = nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
-    return (
-        basis.basis_with_moved_nodes(moves_onto_smooth_outline(basis)) if raised.smooth else basis
-    )
+    nodes = degree.number_of_nodes_at_degree(mesh, raised.degree)
+    if nodes > MOST_RAISED_NODES:
+        raise NoAnswer(
+            f"its mesh has {nodes} nodes at degree {raised.degree}; at most {MOST_RAISED_NODES}"
+        )
+    basis = degree.nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
+    if raised.smooth:
+        basis = basis.basis_with_moved_nodes(smooth_outline.moves_onto_smooth_outline(basis))
+    if raised.level is None:
+        return basis
+    shape = degree.nodal_basis_of_shoe_mesh(mesh, SHAPE_DEGREE, shoe, radius)
+    finest = _longest_sides_at_singular_points(mesh, raised, shoe, radius)
+    # A triangle of degree p has some p^2 / 2 nodes of its own.
+    most = 2 * MOST_RAISED_NODES // raised.degree**2
+    parts = splitting.split_mesh_towards_points(shape, finest, most)
+    if parts is None:
+        return basis
+    return splitting.nodal_basis_on_parts(shape, parts, raised.degree)
+
+
+def _longest_sides_at_singular_points(
+    mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float
+) -> Any:
+    """The singular points of a shoe on the mesh of a file, and the longest sides there.
+
+    They are the corners of the mesh and the singular points of the pressure. The result is a
+    `splitting.FinestSides`. The parameters are those of `_basis_of_raised_degree`.
+    """
+    # The modules load scikit-fem, which takes long.
+    from drumlin.fem.mesh.smooth_outline import singular_corners_of_mesh  # noqa: PLC0415
+    from drumlin.fem.mesh.splitting import FinestSides  # noqa: PLC0415
+
+    level, (start, end) = raised.level, shoe.arc
+    assert level is not None
+    thickness = shoe.lining.thickness / radius
+    corners = singular_corners_of_mesh(mesh)
+    angles, sides = [], [level.edge * shoe.lining.thickness] * len(corners)
+    for point in itertools.chain.from_iterable(raised.points):
+        distance = min(point.at - start, end - point.at)
+        graded = grading_point_at_singular_point(point, level, thickness, distance)
+        angles.append(graded.at)
+        sides.append(max(graded.size, SMALLEST_COLUMN * thickness) * radius)
+    phi = np.array(angles)
+    circle = [phi, 0 * phi] if shoe.flat else [np.cos(phi), np.sin(phi)]
+    on_surface = radius * np.array(circle)
+    return FinestSides(np.hstack([mesh.p[:, corners], on_surface]), np.array(sides))
 
 
 def read_mesh_file_of_shoe(brake: Brake, shoe: Shoe, cache: Cache) -> ShoeMesh | None:

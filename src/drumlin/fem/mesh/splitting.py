@@ -1,0 +1,208 @@
+"""Elements of a mesh split into triangles that become smaller towards singular points.
+
+A mesh of a file has elements of some size everywhere, whereas stresses are singular at a few
+points. Triangles near these points are bisected again and again (newest-vertex bisection: Mitchell,
+ACM Trans. Math. Softw. 15, 1989). The first cut of a triangle is across its longest side, and a
+quadrilateral is cut into two triangles before. A cut also cuts the neighbour at the same side. The
+parts of an element keep the element's shape: its map takes the nodes of the parts from the
+reference triangle or square to their places. Curved sides thus stay as they are, and sides on the
+drum stay on the drum.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import skfem
+
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.base.errors import NoAnswer
+from drumlin.fem.mesh.degree import (
+    SQUARE_CORNERS,
+    TRIANGLE_CORNERS,
+    NodalBasis,
+    NodalElement,
+    nodal_basis_with_places,
+)
+from drumlin.fem.mesh.edges import element_edges_between_vertices
+
+SIDE_PER_DISTANCE = 1.0
+"""Largest side of a triangle relative to its distance from a singular point.
+
+The smallest triangles are at the point itself, see `FinestSides`. A smaller number makes more
+triangles. The value is a judgement: hp elements that grow by a factor of 2 to 3 are near the best
+(Gui & Babuska, Numer. Math. 49, 1986).
+"""
+ROUND_OFF_OF_LENGTHS = 1e-9
+"""Relative difference of two lengths in a mesh that counts as zero.
+
+Units and frames of a file change lengths by round-off, and must not change which side is longer.
+"""
+
+
+class FinestSides(NamedTuple):
+    """Singular points, and the largest side that a triangle at each point may have.
+
+    `xy` (2, k) are the points and `sides` (k,) the lengths of the sides, both in m.
+    """
+
+    xy: Floats
+    sides: Floats
+
+
+@dataclass(frozen=True)
+class ElementParts:
+    """The triangles into which the elements of a mesh are split.
+
+    Attributes
+    ----------
+    t : (m, 3) vertices of each triangle; the first two end the side that is bisected next
+    parent : (m,) element of the mesh that each triangle is a part of
+    at : (m, 3, 2) corners of each triangle in the reference triangle or square of its parent
+    xy : (2, n) places of the vertices [m]
+    lines : vertices (k, 2) at both ends of each side of the named groups, by the group's name
+    """
+
+    t: Ints
+    parent: Ints
+    at: Floats
+    xy: Floats
+    lines: Mapping[str, Ints]
+
+
+def split_mesh_towards_points(
+    shape: NodalBasis, finest: FinestSides, most: int
+) -> ElementParts | None:
+    """The parts of a mesh, small at singular points; None if no side of the mesh is too long.
+
+    Parameters
+    ----------
+    shape : basis of any degree on the mesh, which gives the shape of the elements
+    finest : singular points, and the longest sides there
+    most : largest number of triangles
+
+    Raises
+    ------
+    NoAnswer
+        if more triangles are needed
+    """
+    parts = _whole_triangles_of_mesh(shape.mesh)
+    marked = _has_too_long_side(parts, finest)
+    if not marked.any():
+        return None
+    while marked.any():
+        parts = _bisected_parts(shape, parts, marked)
+        if len(parts.t) > most:
+            raise NoAnswer(f"its mesh would be split into more than {most} triangles")
+        marked = _has_too_long_side(parts, finest)
+    return parts
+
+
+def _whole_triangles_of_mesh(mesh: Any) -> ElementParts:
+    """The elements of a mesh as triangles; quadrilaterals are cut along their shorter diagonal."""
+    t, corners = mesh.t.T, TRIANGLE_CORNERS
+    parent = np.arange(len(t))
+    rows = np.array([[0, 1, 2]])
+    if t.shape[1] == 4:
+        corners = SQUARE_CORNERS
+        a, b, c, d = mesh.p[:, mesh.t].transpose(1, 0, 2)
+        first_diagonal = np.hypot(*(a - c)) <= (1 + ROUND_OFF_OF_LENGTHS) * np.hypot(*(b - d))
+        halves = np.array([[[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]])
+        rows = halves[np.where(first_diagonal, 0, 1)].reshape(-1, 3)
+        parent = np.repeat(parent, 2)
+    rows = np.broadcast_to(rows, (len(parent), 3))
+    t = np.take_along_axis(t[parent], rows, axis=1)
+    # The longest side comes first.
+    length = np.hypot(*(mesh.p[:, np.roll(t, -1, axis=1)] - mesh.p[:, t]))
+    longest = length.max(axis=1, keepdims=True)
+    first = np.argmax(length > (1 - ROUND_OFF_OF_LENGTHS) * longest, axis=1)
+    turned = (first[:, None] + np.arange(3)) % 3
+    t = np.take_along_axis(t, turned, axis=1)
+    at = corners[np.take_along_axis(rows, turned, axis=1)]
+    lines = {name: mesh.facets[:, facets].T for name, facets in mesh.boundaries.items()}
+    return ElementParts(t, parent, at, mesh.p[:, : mesh.nvertices], lines)
+
+
+def _has_too_long_side(parts: ElementParts, finest: FinestSides) -> Bools:
+    """Whether each triangle (m,) has a side that is too long for its distance to a point."""
+    start = parts.xy[:, parts.t]
+    along = parts.xy[:, np.roll(parts.t, -1, axis=1)] - start
+    length = np.hypot(*along)
+    found = np.zeros(len(parts.t), dtype=bool)
+    for point, side in zip(finest.xy.T, finest.sides, strict=True):
+        to = point[:, None, None] - start
+        share = np.clip((to * along).sum(axis=0) / length**2, 0, 1)
+        distance = np.hypot(*(to - share * along)).min(axis=1)
+        limit = np.maximum(side, SIDE_PER_DISTANCE * distance)
+        found |= length.max(axis=1) > (1 + ROUND_OFF_OF_LENGTHS) * limit
+    return found
+
+
+def _bisected_parts(shape: NodalBasis, parts: ElementParts, marked: Bools) -> ElementParts:
+    """The parts after the marked triangles, and all that their new vertices touch, are bisected."""
+    count = parts.xy.shape[1]
+
+    def numbers_of_sides(ends: Ints) -> Ints:
+        """One number for each side of which the last axis of `ends` holds the two vertices."""
+        return np.asarray(ends.min(axis=-1) * count + ends.max(axis=-1))
+
+    sides = numbers_of_sides(np.stack([parts.t, np.roll(parts.t, -1, axis=1)], axis=-1))
+    # A triangle with a bisected side is bisected across its own side first.
+    while True:
+        halved = np.unique(sides[marked, 0])
+        touched = np.asarray(np.isin(sides, halved).any(axis=1))
+        if (touched <= marked).all():
+            break
+        marked = touched
+    xy = np.hstack([parts.xy, np.empty((2, len(halved)))])
+    lines = {}
+    for name, line in parts.lines.items():
+        number = numbers_of_sides(line)
+        is_halved = np.isin(number, halved)
+        middle = count + np.searchsorted(halved, number[is_halved])
+        a, b = line[is_halved].T
+        new = [np.column_stack([a, middle]), np.column_stack([middle, b])]
+        lines[name] = np.concatenate([line[~is_halved], *new])
+    t, parent, at = parts.t, parts.parent, parts.at
+    while True:
+        # A side that ends at a new vertex is not bisected in this round.
+        is_old = (t[:, :2] < count).all(axis=1)
+        split = is_old & np.isin(numbers_of_sides(t[:, :2]), halved)
+        if not split.any():
+            return ElementParts(t, parent, at, xy, lines)
+        (a, b, c), (pa, pb, pc) = t[split].T, at[split].transpose(1, 0, 2)
+        middle = count + np.searchsorted(halved, numbers_of_sides(t[split, :2]))
+        pm = (pa + pb) / 2
+        xy[:, middle] = shape.places_in_elements(parent[split], pm[:, None])[:, :, 0]
+        new_t = [np.column_stack([c, a, middle]), np.column_stack([b, c, middle])]
+        new_at = [np.stack([pc, pa, pm], axis=1), np.stack([pb, pc, pm], axis=1)]
+        t = np.concatenate([t[~split], *new_t])
+        at = np.concatenate([at[~split], *new_at])
+        parent = np.concatenate([parent[~split], parent[split], parent[split]])
+
+
+def nodal_basis_on_parts(shape: NodalBasis, parts: ElementParts, degree: int) -> NodalBasis:
+    """The basis of a degree on the parts of a mesh's elements.
+
+    `shape` is a basis on the whole elements, which gives the nodes their places.
+    """
+    # scikit-fem sorts the vertices of linear triangles.
+    order = np.argsort(parts.t, axis=1)
+    t = np.take_along_axis(parts.t, order, axis=1)
+    at = np.take_along_axis(parts.at, order[:, :, None], axis=1)
+    elem = NodalElement(degree, 3)
+    x, y = elem.doflocs.T
+    barycentric = np.column_stack([1 - x - y, x, y])
+    inside = barycentric @ at
+    places = shape.places_in_elements(parts.parent, inside)
+    groups = {
+        name: np.flatnonzero(np.isin(parts.parent, members))
+        for name, members in shape.mesh.subdomains.items()
+    }
+    mesh = skfem.MeshTri1(np.ascontiguousarray(parts.xy), np.ascontiguousarray(t.T))
+    boundaries = {
+        name: element_edges_between_vertices(mesh, line)[0] for name, line in parts.lines.items()
+    }
+    mesh = replace(mesh, _subdomains=groups, _boundaries=boundaries)
+    return nodal_basis_with_places(mesh, elem, places)
