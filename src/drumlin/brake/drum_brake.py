@@ -21,13 +21,14 @@ from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (
     LARGEST_MISFIT,
     AnyBody,
+    AnyDrumLining,
     ArcBody,
     Backing,
     Bar,
     Beam,
     Drum,
-    DrumLining,
     Friction,
+    Lining,
     Lobes,
     Ring,
     Table,
@@ -46,7 +47,7 @@ class DrumShoe(Shoe):
 
     surface = DRUM
     side: Literal["internal", "external"]
-    lining: DrumLining
+    lining: AnyDrumLining
     backing: Backing | None = None
     body: AnyBody | None = None
 
@@ -209,7 +210,10 @@ class DrumBrake(Brake):
         _check_drum_is_round_enough(self.drum)
         for i, shoe in enumerate(shoes):
             _check_shoe_fits_drum(f"shoe[{i}]", shoe, self.drum.radius)
-            _check_lining_misfit_is_small(f"shoe[{i}].lining.misfit", shoe.lining, self.drum.radius)
+            several = len(shoe.lining.linings) > 1
+            for k, part in enumerate(shoe.lining.linings):
+                key = f"shoe[{i}].lining[{k}].misfit" if several else f"shoe[{i}].lining.misfit"
+                _check_lining_misfit_is_small(key, part, self.drum.radius)
         return self.model_copy(update={"shoes": shoes})
 
 
@@ -225,7 +229,7 @@ def _check_drum_is_round_enough(drum: Drum) -> None:
         )
 
 
-def _check_lining_misfit_is_small(key: str, lining: DrumLining, radius: float) -> None:
+def _check_lining_misfit_is_small(key: str, lining: Lining, radius: float) -> None:
     """Raise ValueError if a lining's misfit is too large, or its blocks are not on the lining.
 
     `radius` [m] is that of the drum, to which the largest misfit is proportional. `key` is the key
@@ -249,7 +253,7 @@ A thinner layer is refused, because round-off would distort its finite elements.
 
 
 def _check_part_is_thick_enough(
-    key: str, part: "DrumLining | Backing | ArcBody | Beam | Ring | Table | None", radius: float
+    key: str, part: "Lining | Backing | ArcBody | Beam | Ring | Table | None", radius: float
 ) -> None:
     """Raise ValueError for a part thinner than THINNEST times the drum's radius [m]."""
     thickness = None if part is None else part.thickness
@@ -285,7 +289,7 @@ def _check_shoe_fits_drum(key: str, shoe: DrumShoe, radius: float) -> None:
         _check_arc_carries_lining(key, shoe.body, shoe.lining)
 
 
-def _check_arc_carries_lining(key: str, body: ArcBody, lining: DrumLining) -> None:
+def _check_arc_carries_lining(key: str, body: ArcBody, lining: Lining) -> None:
     """Raise ValueError if an arc body has no length, or if its lining extends beyond it."""
     if not 0 < body.end - body.start < 2 * math.pi:
         raise ValueError(

@@ -406,8 +406,11 @@ def corners_with_unbounded_pressure(
     if max(p[0], p[-1]) <= 0:
         return []
     # The corners do not count if the stated error of the pressure leaves out the lining's ends.
-    zone = length_of_uncompared_edge_zone(float(theta[-1] - theta[0]), brake.unit)
-    if edge_zone_that_does_not_count(theta, p, response.order, zone) > 0:
+    zone = length_of_uncompared_edge_zone(
+        brake.shoes[index].lining.length_of_shortest_lining, brake.unit
+    )
+    slots = brake.shoes[index].lining.slots
+    if edge_zone_that_does_not_count(theta, p, response.order, zone, slots) > 0:
         return []
     # The exponents are in the order of the shoe's own angle phi, which may be opposite to theta.
     exponents = pressure_exponents_at_both_lining_corners(brake, index)[

@@ -27,8 +27,10 @@ from drumlin.response.resultants import (
     GAUSS,
     WEIGHTS,
     LiningWithoutEndZones,
+    Slots,
     lagrange_shape_function_derivatives,
     lagrange_shape_function_values,
+    nodes_with_slots,
     shape_functions_at_gauss_points,
 )
 
@@ -50,6 +52,7 @@ class ContactLine:
     phi : (n,) angles of these nodes [rad]
     pieces : (order + 1, m) positions in `nodes` of the nodes of each edge, by growing angle
     edge : length [rad] of the zones at both ends of the lining in which no pressure peak is sought
+    further_linings : position in `nodes` of the first node of each lining behind the first one
     """
 
     nodes: Ints
@@ -57,6 +60,7 @@ class ContactLine:
     phi: Floats
     pieces: Ints
     edge: float = field(default=0.0, kw_only=True)
+    further_linings: tuple[int, ...] = field(default=(), kw_only=True)
 
     @property
     def interpolation_degree_along_contact_line(self) -> int:
@@ -70,11 +74,39 @@ class ContactLine:
     @cached_property
     def inner_part_for_pressure_peak(self) -> LiningWithoutEndZones:
         """The part of the contact line in which a peak of the pressure is sought."""
+        zeros = np.zeros(len(self.phi))
         return LiningWithoutEndZones(
-            self.angles_and_mean_pressures(np.zeros(len(self.phi)))[0],
+            self.angles_and_pressures_over_all_linings(zeros)[0],
             self.interpolation_degree_along_contact_line,
             self.edge,
+            self.slots,
         )
+
+    @property
+    def slots(self) -> Slots:
+        """First and last angle [rad] of each slot between two linings."""
+        return tuple(
+            (float(self.phi[first - 1]), float(self.phi[first])) for first in self.further_linings
+        )
+
+    def values_of_each_lining(self, values: Floats) -> list[Floats]:
+        """The values (n,) at the contact nodes, divided into those of each lining."""
+        return np.split(values, self.further_linings)
+
+    def angles_and_pressures_over_all_linings(self, p: Floats) -> tuple[Floats, Floats]:
+        """Angles (m,) [rad] and pressures (m,) [Pa] of a polynomial over linings and slots.
+
+        They are those of `angles_and_mean_pressures`, and zeros in the slots between linings, see
+        `resultants.nodes_with_slots`.
+        """
+        phi, mean = self.angles_and_mean_pressures(p)
+        if not self.further_linings:
+            return phi, mean
+        parts = self.values_of_each_lining(phi)
+        nodes, on_lining = nodes_with_slots(parts, self.interpolation_degree_along_contact_line)
+        found = np.zeros(len(nodes))
+        found[on_lining] = mean
+        return nodes, found
 
     @property
     def node_distances_from_mid_plane(self) -> Floats:

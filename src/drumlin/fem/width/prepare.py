@@ -93,7 +93,8 @@ def reason_against_any_model_with_widths(brake: Brake, model: str, on_ring: str)
         reason = _reason_against_modelling_width_of_shoe(shoe)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
-    return reason_if_any_part_is_orthotropic(brake, model) or plane_why_not(brake)
+    several = brake.reason_against_several_linings(model)
+    return several or reason_if_any_part_is_orthotropic(brake, model) or plane_why_not(brake)
 
 
 def _reason_against_modelling_width_of_shoe(shoe: Shoe) -> str | None:

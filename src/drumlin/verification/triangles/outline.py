@@ -99,7 +99,9 @@ class Outline:
     @property
     def triangle_length_before_first_halving(self) -> float:
         """Length of a triangle before its first halving towards a corner [m]."""
-        arc = (self.layers[0].end - self.layers[0].start) * self.length
+        face = self.layers[0]
+        ends = [face.start, *(end for slot in face.slots for end in slot), face.end]
+        arc = min(b - a for a, b in zip(ends[::2], ends[1::2], strict=True)) * self.length
         return min(float(self.thickness.min()), arc / 4)
 
 
@@ -111,13 +113,16 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
     if isinstance(shoe.body, Beam):
+        reason = shoe.reason_against_several_linings("the verification of a straight beam")
+        if reason is not None:
+            raise BadInput(f"shoe {shoe.name!r}: {reason}")
         return _outline_of_beam_shoe(shoe, R)
     lining, body = shoe.lining, shoe.body
     layers, thickness = _layers_of_arc_shoe(shoe)
     plates = 0 if body is None else len(body.plates)
     before_body = len(layers) - plates
     held = loaded = grip = None
-    s = [lining.start, lining.end]
+    s = [end for arc in lining.arcs for end in arc]
     corners = [(end, float(d)) for end in s for d in range(before_body + 1)]
     if body is not None:
         s += [body.start, body.end]
@@ -157,7 +162,7 @@ def _layers_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
     for part in (lining, backing):
         if part is not None:
             elastic = ElasticLayer.make_layer_in_plane_stress(part.material, lining.width)
-            layers.append(TriangleLayer(lining.start, lining.end, elastic))
+            layers.append(TriangleLayer(lining.start, lining.end, elastic, lining.slots))
             thickness.append(part.thickness)
     if body is not None:
         assert not isinstance(body, Beam)
