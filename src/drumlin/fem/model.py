@@ -679,7 +679,9 @@ def _response_of_shoe_in_brake_frame(
         body.line,
         brake.signed_friction_per_pressure_in_shoe_frame(shoe),
     )
-    phi, mean = line.angles_and_pressures_over_all_linings(p)
+    phi, on_lining = line.nodes_over_all_linings
+    mean = np.zeros(len(phi))
+    mean[on_lining] = line.angles_and_mean_pressures(p)[1]
     pin_motion = modes.pin_motion @ solution.coordinates
     return response_of_pressed_elastic_shoe(
         shoe,
@@ -687,6 +689,7 @@ def _response_of_shoe_in_brake_frame(
         frame.theta(phi),
         mean,
         order=line.interpolation_degree_along_contact_line,
+        on_lining=on_lining,
         peak=line.inner_part_for_pressure_peak.peak(mean),
         torque=abs(drag) * float(body.coupling.lever @ p),
         normal_force=math.hypot(*acting.resultant_of_pressure[:2]),

@@ -31,7 +31,12 @@ from drumlin.response.merit import (
     sign_of_friction_moment_about_hinge,
 )
 from drumlin.response.response import Response, ShoeResponse, response_of_shoe_without_contact
-from drumlin.response.resultants import Resultant, nodes_with_slots, planar_cross_product
+from drumlin.response.resultants import (
+    Resultant,
+    nodes_with_slots,
+    planar_cross_product,
+    slots_between_nodes,
+)
 
 ANGLE_ROUND_OFF = 1e-9
 """Angle [rad] by which round-off may let a lining exceed the range of angles that a law allows."""
@@ -251,6 +256,6 @@ def response_of_hinged_shoe_in_contact(
         contact_arcs=shoe.lining.arcs,
         theta=theta,
         pressure=pressures,
-        slots=shoe.lining.slots,
+        slots=slots_between_nodes(theta, on_lining),
         lumped=contact if lumped else None,
     )

@@ -33,7 +33,12 @@ from drumlin.response.response import (
     ShoeResponse,
     response_of_shoe_without_contact,
 )
-from drumlin.response.resultants import Resultant, nodes_with_slots, planar_cross_product
+from drumlin.response.resultants import (
+    Resultant,
+    nodes_with_slots,
+    planar_cross_product,
+    slots_between_nodes,
+)
 from drumlin.response.self_locking import LockedShoes, SelfLocking, first_shoes_to_lock
 
 RIGID_ASSUMES = (
@@ -355,7 +360,7 @@ def response_of_rigid_shoe(
         contact_arcs=found.arcs,
         theta=place,
         pressure=pressure_of_rigid_shoe_at_places(found, place) * on_lining,
-        slots=shoe.lining.slots,
+        slots=slots_between_nodes(place, on_lining),
         pivot_reaction=-contact.force if shoe.pivot is not None else None,
         reaction_moment=reaction_moment if guided else 0.0,
     )
@@ -555,7 +560,7 @@ def response_with_keys_left_out(brake: Brake, response: Response) -> Response:
     line = (UNUSED_KEYS + ", ".join(keys),) if keys else ()
     warnings = tuple(
         f"warning: shoe {shoe.name!r}: misfit.blocks are left out, the law takes the lining as "
-        "whole; --model fem has the blocks"
+        "whole; --model fem has the blocks, and linings apart are [[shoe.lining]], a table each"
         for shoe in brake.shoes
         if any(part.misfit.blocks for part in shoe.lining.linings)
     )

@@ -20,6 +20,7 @@ from drumlin.response.resultants import (
     contact_arcs_from_nodal_pressures,
     integral_of_piecewise_polynomial,
     nodes_with_slots,
+    slots_between_nodes,
 )
 from drumlin.response.self_locking import SelfLocking
 from drumlin.response.show import (
@@ -238,6 +239,14 @@ class ShoeResponse:
         """Length of the lining, or of the shortest of several, in the surface's coordinate."""
         edges = [self.theta[0], *(edge for slot in self.slots for edge in slot), self.theta[-1]]
         return min(float(b - a) for a, b in zip(edges[::2], edges[1::2], strict=True))
+
+    @property
+    def nodal_pressures_on_linings(self) -> Floats:
+        """The pressures [Pa] at the nodes on linings, without those in slots between linings."""
+        on_lining = np.ones(len(self.theta), dtype=bool)
+        for start, end in self.slots:
+            on_lining &= (self.theta <= start) | (self.theta >= end)
+        return self.pressure[on_lining]
 
     def pressure_at(self, theta: Floats) -> Floats:
         """The pressure [Pa] at angles `theta` [rad] of any shape; 0 beyond the lining.
@@ -535,7 +544,7 @@ def response_of_shoe_without_contact(shoe: Shoe, hinge_reaction: Floats) -> Shoe
 
     `hinge_reaction` (2,) [N] is the force of the support, which balances the actuation.
     """
-    theta, _ = nodes_with_slots([np.linspace(*ends, 3) for ends in shoe.lining.arcs], 2)
+    theta, on_lining = nodes_with_slots([np.linspace(*ends, 3) for ends in shoe.lining.arcs], 2)
     return ShoeResponse(
         name=shoe.name,
         torque=0.0,
@@ -546,7 +555,7 @@ def response_of_shoe_without_contact(shoe: Shoe, hinge_reaction: Floats) -> Shoe
         contact_arcs=(),
         theta=theta,
         pressure=np.zeros(len(theta)),
-        slots=shoe.lining.slots,
+        slots=slots_between_nodes(theta, on_lining),
         pivot_reaction=np.zeros(2) if shoe.pivot else None,
     )
 
@@ -559,6 +568,7 @@ def response_of_pressed_elastic_shoe(
     *,
     order: int,
     located: bool = True,
+    on_lining: Bools | None = None,
     peak: float | None = None,
     surface: PressureOverWidth | None = None,
     **results: Any,
@@ -576,6 +586,7 @@ def response_of_pressed_elastic_shoe(
     order : degree of the polynomial pieces of the pressure
     located : whether to locate the ends of the contact and the peak between the nodes; otherwise
         they are at nodes
+    on_lining : (n,) mask of the nodes on linings; None if no node lies in a slot between linings
     peak : peak pressure [Pa]; None if it is to be found from the nodal pressures
     surface : pressure over the width, whose rows belong to the angles `theta`
     results : values of the attributes torque, normal_force, self_energising and hinge_reaction of
@@ -589,9 +600,10 @@ def response_of_pressed_elastic_shoe(
     # Nodes at falling angles are put into the order of growing angles.
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure = theta[forward], pressure[forward]
+    slots = () if on_lining is None else slots_between_nodes(theta, on_lining[forward])
     if peak is None:
         zone = length_of_edge_zone_without_peak(shoe, scale_factor)
-        inner = LiningWithoutEndZones(theta, order, zone, shoe.lining.slots)
+        inner = LiningWithoutEndZones(theta, order, zone, slots)
         peak = _peak_pressure_outside_edge_zones(inner, pressure, located=located)
     arcs = contact_arcs_from_nodal_pressures(theta, pressure, order, located=located)
     # The sizes of the normal forces are summed. In their vector sum, forces on opposite sides of a
@@ -611,7 +623,7 @@ def response_of_pressed_elastic_shoe(
         theta=theta,
         pressure=pressure,
         order=order,
-        slots=shoe.lining.slots,
+        slots=slots,
         surface=surface,
         **results,
     )

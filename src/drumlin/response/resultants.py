@@ -171,6 +171,16 @@ def nodes_with_slots(parts: Sequence[Floats], order: int) -> tuple[Floats, Bools
     return np.concatenate(theta), np.concatenate(on_lining)
 
 
+def slots_between_nodes(theta: Floats, on_lining: Bools) -> Slots:
+    """The slots of a piecewise polynomial, from its nodes (n,) and `nodes_with_slots`' mask (n,).
+
+    A slot begins and ends at nodes of the linings beside it, exactly.
+    """
+    open_ends = np.flatnonzero(on_lining[1:] != on_lining[:-1])
+    before, behind = open_ends[::2], open_ends[1::2] + 1
+    return tuple(zip(theta[before].tolist(), theta[behind].tolist(), strict=True))
+
+
 class GaussValues(NamedTuple):
     """A piecewise polynomial at the points of a Gauss rule, with the same rule on every piece.
 
@@ -304,8 +314,9 @@ class LiningWithoutEndZones:
         start, end = ends[:-1], ends[1:]
         low, high = np.maximum(start, ends[0] + zone), np.minimum(end, ends[-1] - zone)
         for slot_start, slot_end in self.slots:
-            low = np.where(start >= slot_start, np.maximum(low, slot_end + zone), low)
-            high = np.where(end <= slot_start, np.minimum(high, slot_start - zone), high)
+            behind = start >= slot_start
+            low = np.where(behind, np.maximum(low, slot_end + zone), low)
+            high = np.where(behind, high, np.minimum(high, slot_start - zone))
         pieces = (low < high).nonzero()[0]
         cut = ((low > start) | (high < end))[pieces].nonzero()[0]
         # The points between low and high in the coordinate [-1, 1] of each cut piece.

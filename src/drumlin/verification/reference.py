@@ -119,6 +119,7 @@ def solve_brake_for_reference_values(
     Raises BadInput if finite elements cannot solve the brake or a shoe has a mesh file, and
     NoAnswer if the brake has no equilibrium.
     """
+    brake.check_shoes_have_one_lining("the reference")
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             raise BadInput(

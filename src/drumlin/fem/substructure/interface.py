@@ -20,18 +20,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Ints, polar_angles_near_given_angle
+from drumlin.base.arrays import Bools, Floats, Ints, polar_angles_near_given_angle
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.response.response import PressureOverWidth
 from drumlin.response.resultants import (
     GAUSS,
     WEIGHTS,
     LiningWithoutEndZones,
-    Slots,
     lagrange_shape_function_derivatives,
     lagrange_shape_function_values,
     nodes_with_slots,
     shape_functions_at_gauss_points,
+    slots_between_nodes,
 )
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]
@@ -74,39 +74,28 @@ class ContactLine:
     @cached_property
     def inner_part_for_pressure_peak(self) -> LiningWithoutEndZones:
         """The part of the contact line in which a peak of the pressure is sought."""
-        zeros = np.zeros(len(self.phi))
+        phi, on_lining = self.nodes_over_all_linings
         return LiningWithoutEndZones(
-            self.angles_and_pressures_over_all_linings(zeros)[0],
+            phi,
             self.interpolation_degree_along_contact_line,
             self.edge,
-            self.slots,
-        )
-
-    @property
-    def slots(self) -> Slots:
-        """First and last angle [rad] of each slot between two linings."""
-        return tuple(
-            (float(self.phi[first - 1]), float(self.phi[first])) for first in self.further_linings
+            slots_between_nodes(phi, on_lining),
         )
 
     def values_of_each_lining(self, values: Floats) -> list[Floats]:
         """The values (n,) at the contact nodes, divided into those of each lining."""
         return np.split(values, self.further_linings)
 
-    def angles_and_pressures_over_all_linings(self, p: Floats) -> tuple[Floats, Floats]:
-        """Angles (m,) [rad] and pressures (m,) [Pa] of a polynomial over linings and slots.
+    @cached_property
+    def nodes_over_all_linings(self) -> tuple[Floats, Bools]:
+        """The nodes (m,) [rad] of a polynomial over linings and slots, and which are on linings.
 
-        They are those of `angles_and_mean_pressures`, and zeros in the slots between linings, see
-        `resultants.nodes_with_slots`.
+        See `resultants.nodes_with_slots`. The nodes on linings are those of
+        `angles_and_mean_pressures`.
         """
-        phi, mean = self.angles_and_mean_pressures(p)
-        if not self.further_linings:
-            return phi, mean
+        phi, _ = self.angles_and_mean_pressures(np.zeros(len(self.phi)))
         parts = self.values_of_each_lining(phi)
-        nodes, on_lining = nodes_with_slots(parts, self.interpolation_degree_along_contact_line)
-        found = np.zeros(len(nodes))
-        found[on_lining] = mean
-        return nodes, found
+        return nodes_with_slots(parts, self.interpolation_degree_along_contact_line)
 
     @property
     def node_distances_from_mid_plane(self) -> Floats:

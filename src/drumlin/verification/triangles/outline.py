@@ -113,9 +113,6 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
     if isinstance(shoe.body, Beam):
-        reason = shoe.reason_against_several_linings("the verification of a straight beam")
-        if reason is not None:
-            raise BadInput(f"shoe {shoe.name!r}: {reason}")
         return _outline_of_beam_shoe(shoe, R)
     lining, body = shoe.lining, shoe.body
     layers, thickness = _layers_of_arc_shoe(shoe)
@@ -254,19 +251,22 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
     axis, first, last = size.axis, size.first, size.last
     low, high = size.low, size.high
     make_layer = ElasticLayer.make_layer_in_plane_stress
+    ends = np.sort(axis.angle(np.ravel(lining.arcs))).tolist()
+    slots = tuple(zip(ends[1:-1:2], ends[2:-1:2], strict=True))
+    block = make_layer(backing.material, lining.width, axis.along)
     layers = [
-        TriangleLayer(first, last, make_layer(lining.material, lining.width)),
-        TriangleLayer(first, last, make_layer(backing.material, lining.width, axis.along)),
+        TriangleLayer(first, last, make_layer(lining.material, lining.width), slots),
+        TriangleLayer(first, last, block, slots),
         TriangleLayer(low, high, make_layer(section.material, section.width, axis.along)),
     ]
-    corners = [(s, d) for s in (first, last) for d in (0.0, 1.0, 2.0)] + [
+    corners = [(s, d) for s in ends for d in (0.0, 1.0, 2.0)] + [
         (s, d) for s in (low, high) for d in (2.0, 3.0)
     ]
     return Outline(
         place=_point_map_of_beam_shoe(size, R),
         layers=layers,
         thickness=np.array([size.lining, size.block, size.beam]),
-        s=_sorted_distinct_values([low, first, last, high]),
+        s=_sorted_distinct_values([low, *ends, high]),
         corners=np.unique(corners, axis=0),
         held=low,
         loaded=high,
