@@ -20,6 +20,7 @@ from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (
     LARGEST_MISFIT,
+    SMALLEST_SLOT,
     AnyBody,
     AnyDrumLining,
     ArcBody,
@@ -275,6 +276,12 @@ def _check_shoe_fits_drum(key: str, shoe: DrumShoe, radius: float) -> None:
             f"{key}.hinge = (0, 0): must not be the drum's centre, "
             "about which the shoe would only slide"
         )
+    for first, last in shoe.lining.slots:
+        if last - first < SMALLEST_SLOT:
+            raise ValueError(
+                f"{key}.lining: the slot from {deg_text(first)} to {deg_text(last)} must be at "
+                f"least {deg_text(SMALLEST_SLOT)} wide; linings that touch are one lining"
+            )
     check_abutment_has_no_grip(key, shoe)
     _check_support_lets_shoe_press(key, shoe, radius)
     # The layers of an internal shoe must end before the drum's centre.
