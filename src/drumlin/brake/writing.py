@@ -80,7 +80,7 @@ def _toml_lines_of_part(part: Part, path: str) -> Iterator[str]:
     # TOML requires that the keys of a table precede the tables within it.
     below = []
     for key, given, field in _values_other_than_defaults(part):
-        value = given.parts if isinstance(given, DrumLiningRow) else given
+        value: Any = given.parts if isinstance(given, DrumLiningRow) else given
         parts = value if isinstance(value, tuple) else (value,)
         tables = [isinstance(item, Part) and not isinstance(item, INLINE) for item in parts]
         if value != () and all(tables):

@@ -221,8 +221,11 @@ class Law:
             return self.load(arc)
         # Models refuse a shoe with slots for a law that lumps the force at the lining's middle.
         assert self.load_on_part is not None
-        parts = [self.load_on_part(arc, part) for part in arc.linings]
-        return Load(*map(sum, zip(*parts, strict=True)))
+        first, *others = (self.load_on_part(arc, part) for part in arc.linings)
+        total, cos, sin = first
+        for part in others:
+            total, cos, sin = total + part.total, cos + part.cos, sin + part.sin
+        return Load(total, cos, sin)
 
     def angle_of_peak_pressure(self, arc: Layout) -> float:
         """The angle phi [rad] of the largest pressure on one lining or on several, as numbers.
