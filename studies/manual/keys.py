@@ -36,8 +36,8 @@ _HELD = {
     "pivot": "the pin by which the shoe hangs on a lever; `hinge` is then the pin of the lever",
     "abutment": "the table `[shoe.abutment]`, in place of a hinge",
     "guide": "the table `[shoe.guide]`, in place of a hinge",
-    "lining": "the table `[shoe.lining]`; on a drum also `[[shoe.lining]]`, a table for each of several "
-    "linings",
+    "lining": "the table `[shoe.lining]`; on a drum also `[[shoe.lining]]`, a table for each "
+    "of several linings",
     "backing": "the table `[shoe.backing]`",
     "body": "the table `[shoe.body]`; without it the shoe is rigid",
     "actuation": "the table `[shoe.actuation]`; left out if a strut pushes the shoe",
