@@ -139,20 +139,6 @@ def _rows_and_slope_changes_of_clearance(lining: Lining) -> list[tuple[float, fl
     return found
 
 
-def thermal_growth_of_drum_radius(R: float, expansion: float, warming: float) -> float:
-    """Growth [m] of a drum's radius as the drum warms.
-
-    It is the amplitude of a harmonic of order 0 in `Drum.out_of_round`.
-
-    Parameters
-    ----------
-    R : radius of the drum [m]
-    expansion : coefficient of thermal expansion [1/K]
-    warming : mean rise of the drum's temperature [K]
-    """
-    return expansion * warming * R
-
-
 def solve_at_drum_positions(
     brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float]
 ) -> list[T]:

@@ -26,6 +26,7 @@ from drumlin.brake.fields import (
     Angle,
     AnyMaterial,
     BendingStiffness,
+    Expansion,
     Force,
     Length,
     Material,
@@ -33,6 +34,7 @@ from drumlin.brake.fields import (
     Place,
     Point,
     Rows,
+    TemperatureRise,
     Thickness,
     interpolate_number_or_table,
     validator_of_number_or_table,
@@ -209,13 +211,18 @@ class Drum(Part):
 
     `out_of_round` has the harmonics of the deviation of the surface from its circle. They turn with
     the drum: `angle` [rad] is the angular position of the drum, and the harmonics are given for
-    `angle` = 0.
+    `angle` = 0. A heated drum grows: `temperature_rise` [K] is the rise at its friction surface,
+    `back_temperature_rise` [K] that at the far edge of its ring, and `expansion` [1/K] is its
+    coefficient of thermal expansion, see `drumlin.brake.heat`.
     """
 
     radius: Thickness
     ring: Ring | None = None
     out_of_round: tuple[Lobes, ...] = ()
     angle: Angle = 0.0
+    temperature_rise: TemperatureRise = 0.0
+    back_temperature_rise: TemperatureRise | None = None
+    expansion: Expansion | None = None
 
 
 # Types of quantities that are constant or given by a table: over the distance from the hinge for a
@@ -390,6 +397,8 @@ class DrumLining(Lining):
     material: AnyMaterial
     clearance: Clearance = 0.0
     misfit: Misfit = Misfit()
+    temperature_rise: TemperatureRise = 0.0
+    back_temperature_rise: TemperatureRise | None = None
 
     @property
     def step(self) -> float:
@@ -424,8 +433,8 @@ Angles that a file gives in degrees may differ by this round-off.
 class DrumLiningRow(Lining):
     """Several linings side by side on one shoe of a drum, by growing angle, with slots between.
 
-    The linings have the same thickness, width and material. Each has its own ends, clearance and
-    misfit. A brake file has them as `[[shoe.lining]]`, one table for each.
+    The linings have the same thickness, width, material and temperatures. Each has its own ends,
+    clearance and misfit. A brake file has them as `[[shoe.lining]]`, one table for each.
     """
 
     parts: Annotated[tuple[DrumLining, ...], Field(min_length=1)]
@@ -508,6 +517,16 @@ class DrumLiningRow(Lining):
         return self.parts[0].material
 
     @property
+    def temperature_rise(self) -> float:
+        """Rise of the temperature at the faces of all linings [K]."""
+        return self.parts[0].temperature_rise
+
+    @property
+    def back_temperature_rise(self) -> float | None:
+        """Rise of the temperature at the backs of the linings [K]; None if it is that of faces."""
+        return self.parts[0].back_temperature_rise
+
+    @property
     def step(self) -> float:
         """Angle [rad] over which a face rises smoothly from one block's height to the next."""
         return ROUNDED_STEP
@@ -539,8 +558,10 @@ def index_of_lining_at_coordinates(lining: Lining, theta: Floats) -> Ints:
 
 
 def _check_lining_is_like_first_one(key: str, part: DrumLining, first: DrumLining) -> None:
-    """Raise ValueError if a lining differs from the first one in thickness, width or material."""
-    for name, text in (("thickness", mm_text), ("width", mm_text), ("material", str)):
+    """Raise ValueError if a lining has another section, material or heat than the first one."""
+    kelvin = dict.fromkeys(("temperature_rise", "back_temperature_rise"), "{} K".format)
+    texts = {"thickness": mm_text, "width": mm_text, "material": str, **kelvin}
+    for name, text in texts.items():
         own, of_first = getattr(part, name), getattr(first, name)
         if own != of_first:
             raise ValueError(
@@ -573,6 +594,8 @@ class Backing(Part):
 
     thickness: Thickness
     material: AnyMaterial
+    temperature_rise: TemperatureRise = 0.0
+    back_temperature_rise: TemperatureRise | None = None
 
 
 class Table(Part):
@@ -602,6 +625,8 @@ class Bar(Part):
     table: Table | None = None
     bending_stiffness: BendingStiffness | None = None
     grip: Thickness | None = None
+    temperature_rise: TemperatureRise = 0.0
+    back_temperature_rise: TemperatureRise | None = None
 
     # `ArcBody` and `FlatBody` define these as fields: the ends are angles or lengths.
     if TYPE_CHECKING:
@@ -677,6 +702,8 @@ class Beam(Part):
     material: AnyMaterial | None = None
     bending_stiffness: StiffnessAlong | None = None
     offset: OffsetAlong = 0.0
+    temperature_rise: TemperatureRise = 0.0
+    back_temperature_rise: TemperatureRise | None = None
 
     @model_validator(mode="after")
     def _check_beam_section_and_tables(self) -> Self:

@@ -31,6 +31,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Beam
+from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
 from drumlin.brake.surface import DRUM
@@ -117,6 +118,7 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
     return (
         several
         or reason_if_any_part_is_orthotropic(brake, model)
+        or reason_if_any_shoe_is_heated(brake, model)
         or reason_if_ring_support_is_not_plain(brake, model)
     )
 

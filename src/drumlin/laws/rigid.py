@@ -23,6 +23,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.heat import warning_on_heat_left_out
 from drumlin.brake.support import Freedoms
 from drumlin.laws.face import Arcs, Face, friction_surface_of_shoe
 from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
@@ -558,12 +559,14 @@ def response_with_keys_left_out(brake: Brake, response: Response) -> Response:
         return response
     keys = _given_keys_that_laws_do_not_use(brake)
     line = (UNUSED_KEYS + ", ".join(keys),) if keys else ()
-    warnings = tuple(
+    heat = warning_on_heat_left_out(brake)
+    blocks = tuple(
         f"warning: shoe {shoe.name!r}: misfit.blocks are left out, the law takes the lining as "
         "whole; --model fem has the blocks, and linings apart are [[shoe.lining]], a table each"
         for shoe in brake.shoes
         if any(part.misfit.blocks for part in shoe.lining.linings)
     )
+    warnings = blocks if heat is None else (heat, *blocks)
     return replace(
         response, left_out=(*response.left_out, *line), notes=(*response.notes, *warnings)
     )
@@ -571,10 +574,9 @@ def response_with_keys_left_out(brake: Brake, response: Response) -> Response:
 
 def _given_keys_that_laws_do_not_use(brake: Brake) -> list[str]:
     """The keys of parts and gaps in a brake file that no rigid-shoe law uses, each once."""
-    parts: dict[str, object] = {
-        "drum.ring": brake.ring,
-        "drum.out_of_round": brake.out_of_round_harmonics,
-    }
+    # The harmonics of a brake also hold the growth of a heated drum, which has a line of its own.
+    out_of_round = getattr(getattr(brake, "drum", None), "out_of_round", ())
+    parts: dict[str, object] = {"drum.ring": brake.ring, "drum.out_of_round": out_of_round}
     for shoe in brake.shoes:
         of_shoe: dict[str, object] = {name: getattr(shoe, name) for name in ("body", "backing")}
         of_shoe["mesh"] = shoe.mesh

@@ -32,12 +32,15 @@ class TriangleLayer:
     start, end : first and last coordinate s of the layer
     elastic : elastic constants of the layer, with directions in the brake's frame
     slots : first and last s of each gap in the layer, such as those between two linings
+    free_strains : (2, 2) free strains of a heated layer, along and through it, at its near and at
+        its far face; None for a layer without heat
     """
 
     start: float
     end: float
     elastic: ElasticLayer
     slots: tuple[tuple[float, float], ...] = ()
+    free_strains: Floats | None = None
 
     def has_material_at(self, s: Floats) -> Bools:
         """Whether the layer reaches the coordinates s, same shape."""
