@@ -7,7 +7,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import (
@@ -560,7 +560,12 @@ def index_of_lining_at_coordinates(lining: Lining, theta: Floats) -> Ints:
 def _check_lining_is_like_first_one(key: str, part: DrumLining, first: DrumLining) -> None:
     """Raise ValueError if a lining has another section, material or heat than the first one."""
     kelvin = dict.fromkeys(("temperature_rise", "back_temperature_rise"), "{} K".format)
-    texts = {"thickness": mm_text, "width": mm_text, "material": str, **kelvin}
+    texts: dict[str, Callable[[Any], str]] = {
+        "thickness": mm_text,
+        "width": mm_text,
+        "material": str,
+        **kelvin,
+    }
     for name, text in texts.items():
         own, of_first = getattr(part, name), getattr(first, name)
         if own != of_first:
