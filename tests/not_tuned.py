@@ -238,6 +238,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "GAUSS": DEFINITION,
         "WEIGHTS": DEFINITION,
         "PEAK_SAMPLES": DEFINITION,
+        "JUMP": ROUND_OFF,
     },
     "response/self_locking.py": {"WARNED_SHARE": SAID},
     "response/show.py": {"POINTS_PER_PIECE": "points of a small picture"},

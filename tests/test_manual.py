@@ -45,6 +45,7 @@ def test_every_key_of_every_file_is_described():
         "Bar",
         "ContactOptions",
         "Distribution",
+        "DrumLiningRow",
         "Held",
         "Brake",
         "Lining",

@@ -46,7 +46,8 @@ _HELD = {
     "guide": "the table `[shoe.guide]`, in place of a hinge",
     "anchor": "the tables `[[shoe.anchor]]`: faces that push and cannot pull; the shoe rests on "
     "those that the solution finds, and can then leave its abutment too",
-    "lining": "the table `[shoe.lining]`",
+    "lining": "the table `[shoe.lining]`; on a drum also `[[shoe.lining]]`, a table for each "
+    "of several linings",
     "backing": "the table `[shoe.backing]`",
     "body": "the table `[shoe.body]`; without it the shoe is rigid",
     "actuation": "the table `[shoe.actuation]`; left out if a strut pushes the shoe",

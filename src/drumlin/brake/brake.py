@@ -11,6 +11,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, cast
 
 import numpy as np
@@ -109,6 +110,11 @@ class Shoe(Meshed):
             + (self.body.depth if self.body else 0.0)
         )
 
+    def reason_against_several_linings(self, what: str) -> str | None:
+        """Why `what` does not apply to the shoe if it has slots between linings; None without."""
+        count = len(self.lining.slots) + 1
+        return None if count == 1 else f"lining: {count} with slots between them; {what} takes one"
+
     @property
     def flat(self) -> bool:
         """Whether the shoe presses on a plane."""
@@ -125,6 +131,23 @@ class Shoe(Meshed):
         first, last = self.frame.phi_coordinates_as_list((self.lining.start, self.lining.end))
         # If phi falls with theta, the lining's end in theta has the smaller phi.
         return min(first, last), max(first, last)
+
+    @cached_property
+    def arcs(self) -> tuple[tuple[float, float], ...]:
+        """Coordinates (phi_1, phi_2) of the ends of each lining in the shoe's frame, growing.
+
+        Linings that touch are one, see `Lining.arcs`.
+        """
+        found = []
+        for ends in self.lining.arcs:
+            first, last = sorted(self.frame.phi_coordinates_as_list(ends))
+            found.append((first, last))
+        return tuple(sorted(found))
+
+    @property
+    def slots(self) -> tuple[tuple[float, float], ...]:
+        """Coordinates (phi_1, phi_2) of the ends of each slot between two linings, growing."""
+        return tuple((one[1], other[0]) for one, other in pairwise(self.arcs))
 
     @property
     @abstractmethod
@@ -421,7 +444,7 @@ class Brake(Part):
         for shoe in self.shoes:
             own = friction * self.relative_friction_of_shoe(shoe)
             changed = None if shoe.lining.friction is None else own
-            lining = shoe.lining.model_copy(update={"friction": changed})
+            lining = shoe.lining.copy_with({"friction": changed})
             shoes.append(shoe.model_copy(update={"lining": lining}))
         return self.model_copy(update={"friction": friction, "shoes": tuple(shoes)})
 
@@ -481,6 +504,20 @@ class Brake(Part):
         reason = self.reason_why_not_meshable()
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
+
+    def reason_against_several_linings(self, what: str) -> str | None:
+        """Why `what` does not apply to a brake with slots between linings of a shoe; else None."""
+        for shoe in self.shoes:
+            reason = shoe.reason_against_several_linings(what)
+            if reason is not None:
+                return f"shoe {shoe.name!r}: {reason}"
+        return None
+
+    def check_shoes_have_one_lining(self, what: str) -> None:
+        """Raise BadInput if a shoe has slots between linings, which `what` does not take."""
+        reason = self.reason_against_several_linings(what)
+        if reason is not None:
+            raise BadInput(reason)
 
     def reason_why_not_all_shoes_hinged(self) -> str | None:
         """Why not every shoe turns about a hinge under a known force; None if every shoe does."""

@@ -18,7 +18,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Lining
+from drumlin.brake.components import Lining, index_of_lining_at_coordinates
 from drumlin.brake.file import vary
 
 SLOPE_CHANGE_ROUND_OFF = 1e-9
@@ -35,7 +35,14 @@ def unloaded_gap_of_shoe(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
 
     `theta` are coordinates along the surface (angles on a drum); the result has their shape.
     """
-    lining, misfit = shoe.lining, shoe.lining.misfit
+    linings = shoe.lining.linings
+    if len(linings) > 1:
+        # Each lining of a row has a clearance and a misfit of its own.
+        alone = [shoe.model_copy(update={"lining": part}) for part in linings]
+        gaps = [unloaded_gap_of_shoe(brake, part, theta) for part in alone]
+        return np.choose(index_of_lining_at_coordinates(shoe.lining, theta), gaps)
+    (lining,) = linings
+    misfit = lining.misfit
     total = lining.clearance_at_surface_coordinates(theta)
     # Each part of the misfit is computed only if it is not zero.
     if misfit.radius is not None or misfit.offset.radius > 0:
@@ -78,15 +85,17 @@ def coordinates_of_gap_kinks(lining: Lining) -> list[float]:
 def coordinates_of_clearance_rows(lining: Lining) -> list[float]:
     """Coordinates (angles on a drum) of the rows of a lining's table of clearances.
 
-    The clearance is linear between them. The list is empty if the clearance is a number.
+    The clearance is linear between them. The list is empty if the clearance is a number. If the
+    shoe has several linings, the rows of each lining that lie on this lining follow each other.
     """
-    return [angle for angle, _ in lining.clearance] if isinstance(lining.clearance, tuple) else []
+    return [angle for angle, _ in _rows_and_slope_changes_of_clearance(lining)]
 
 
 def coordinates_of_block_step_ends(lining: Lining) -> list[float]:
     """Coordinates (angles on a drum) where the rounded steps between blocks begin and end."""
     half = lining.step / 2
-    return [begin + side for begin, _ in lining.misfit.blocks for side in (-half, half)]
+    blocks = [block for part in lining.linings for block in part.misfit.blocks]
+    return [begin + side for begin, _ in blocks for side in (-half, half)]
 
 
 def gap_kinks_that_point_to_drum(lining: Lining) -> list[tuple[float, float]]:
@@ -108,11 +117,26 @@ def clearance_slope_changes(lining: Lining) -> Floats:
     It is in metres per unit of the surface's coordinate (rad on a drum). The clearance is constant
     beyond the table. The array is empty if the clearance is a number.
     """
-    if not isinstance(lining.clearance, tuple):
-        return np.zeros(0)
-    angle, gap = np.array(lining.clearance).T
-    # The zeros are the slopes before the first row and after the last one.
-    return np.diff(np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]]))
+    return np.array([change for _, change in _rows_and_slope_changes_of_clearance(lining)])
+
+
+def _rows_and_slope_changes_of_clearance(lining: Lining) -> list[tuple[float, float]]:
+    """Coordinate of each row of a lining's clearance table, and the change of slope there.
+
+    See `coordinates_of_clearance_rows` and `clearance_slope_changes`.
+    """
+    found: list[tuple[float, float]] = []
+    for part in lining.linings:
+        if not isinstance(part.clearance, tuple):
+            continue
+        angle, gap = np.array(part.clearance).T
+        # The zeros are the slopes before the first row and after the last one.
+        slope = np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]])
+        rows = zip(angle.tolist(), np.diff(slope).tolist(), strict=True)
+        # Beyond a lining of a row its table means nothing: another lining may lie there.
+        alone = len(lining.linings) == 1
+        found += [row for row in rows if alone or part.start < row[0] < part.end]
+    return found
 
 
 def solve_at_drum_positions(

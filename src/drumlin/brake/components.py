@@ -7,18 +7,20 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import (
     AfterValidator,
     Discriminator,
     Field,
+    SerializerFunctionWrapHandler,
     Tag,
+    model_serializer,
     model_validator,
 )
 
-from drumlin.base.arrays import Floats
+from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.fields import (
     PURE_NUMBER,
     Angle,
@@ -326,6 +328,29 @@ class Lining(Part):
         def friction(self) -> float | None: ...
 
     @property
+    def linings(self) -> "tuple[Lining, ...]":
+        """The linings on the shoe by growing coordinate: only this one, or those of a row."""
+        return (self,)
+
+    @property
+    def arcs(self) -> tuple[tuple[float, float], ...]:
+        """Begin and end of each part of the friction surface, by growing coordinate.
+
+        Between two parts is a slot without lining. Linings that touch are one part.
+        """
+        return ((self.start, self.end),)
+
+    @property
+    def slots(self) -> tuple[tuple[float, float], ...]:
+        """Begin and end of each slot between two linings; empty for a single lining."""
+        return tuple((one[1], other[0]) for one, other in pairwise(self.arcs))
+
+    @property
+    def length_of_shortest_lining(self) -> float:
+        """Length of the shortest part of the friction surface, in the surface's coordinate."""
+        return min(end - start for start, end in self.arcs)
+
+    @property
     def middle(self) -> float:
         """Coordinate of the lining's middle along the surface (an angle on a drum)."""
         return 0.5 * (self.start + self.end)
@@ -334,6 +359,10 @@ class Lining(Part):
     @abstractmethod
     def step(self) -> float:
         """Length of the rounded step between two blocks, in the surface's coordinate."""
+
+    def copy_with(self, changes: Mapping[str, object]) -> Self:
+        """A copy in which fields of every lining have other values, by the name of the field."""
+        return self.model_copy(update=dict(changes))
 
     def clearance_at_surface_coordinates(self, theta: Floats) -> Floats:
         """Clearance [m] without the misfit at the surface coordinates `theta`, same shape."""
@@ -391,8 +420,187 @@ class DrumLining(Lining):
         return self
 
 
+SMALLEST_SLOT = 1e-3
+"""Smallest length [rad] of a slot between two linings.
+
+A shorter slot is refused: it is narrower than a saw cut, 0.15 mm on a drum of 150 mm, and the faces
+of its linings would touch under load, which no model computes. The value is a judgement.
+"""
+TOUCHING = 1e-9
+"""Distance [rad] of two linings that counts as none: the linings touch and are one lining.
+
+Angles that a file gives in degrees may differ by this round-off.
+"""
+
+
+class DrumLiningRow(Lining):
+    """Several linings side by side on one shoe of a drum, by growing angle, with slots between.
+
+    The linings have the same thickness, width, material and temperatures. Each has its own ends,
+    clearance and misfit. A brake file has them as `[[shoe.lining]]`, one table for each.
+    """
+
+    parts: Annotated[tuple[DrumLining, ...], Field(min_length=1)]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_the_list_of_tables(cls, data: object) -> object:
+        """The list of tables, as a brake file has it, under the key of the field."""
+        return {"parts": data} if isinstance(data, list | tuple) else data
+
+    @model_serializer(mode="wrap")
+    def _list_of_tables(self, handler: SerializerFunctionWrapHandler) -> object:
+        """The list of tables, as a brake file has it."""
+        return handler(self)["parts"]
+
+    @model_validator(mode="after")
+    def _check_linings_stand_side_by_side(self) -> Self:
+        """Raise ValueError for linings that overlap or are unlike each other."""
+        first = self.parts[0]
+        for k, (before, part) in enumerate(pairwise(self.parts), start=1):
+            _check_lining_is_like_first_one(f"lining[{k}]", part, first)
+            apart = part.start - before.end
+            if apart < -TOUCHING:
+                raise ValueError(
+                    f"lining[{k}].start = {deg_text(part.start)}: must not be less than "
+                    f"lining[{k - 1}].end = {deg_text(before.end)}; "
+                    "linings stand side by side in the order of growing angles"
+                )
+            fits = before.clearance == part.clearance and before.misfit == part.misfit == Misfit()
+            if apart <= TOUCHING and not fits:
+                raise ValueError(
+                    f"lining[{k}].start = {deg_text(part.start)}: linings that touch are one "
+                    "lining, and must have the same clearance and no misfit"
+                )
+        if not self.end - self.start < 2 * math.pi:
+            raise ValueError(
+                f"linings from {deg_text(self.start)} to {deg_text(self.end)}: "
+                "must cover less than 360 deg"
+            )
+        return self
+
+    @property
+    def linings(self) -> tuple[Lining, ...]:
+        """The linings by growing angle."""
+        return self.parts
+
+    @property
+    def arcs(self) -> tuple[tuple[float, float], ...]:
+        """First and last angle of each part of the friction surface; touching linings are one."""
+        found = [(self.parts[0].start, self.parts[0].end)]
+        for part in self.parts[1:]:
+            touches = part.start - found[-1][1] <= TOUCHING
+            start = found.pop()[0] if touches else part.start
+            found.append((start, part.end))
+        return tuple(found)
+
+    @property
+    def start(self) -> float:
+        """Angle at which the first lining begins [rad]."""
+        return self.parts[0].start
+
+    @property
+    def end(self) -> float:
+        """Angle at which the last lining ends [rad]."""
+        return self.parts[-1].end
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of all linings [m]."""
+        return self.parts[0].thickness
+
+    @property
+    def width(self) -> float:
+        """Width of all linings [m]."""
+        return self.parts[0].width
+
+    @property
+    def material(self) -> AnyMaterial:
+        """Material of all linings."""
+        return self.parts[0].material
+
+    @property
+    def friction(self) -> float | None:
+        """Friction coefficient of all linings; None for that of the brake."""
+        return self.parts[0].friction
+
+    @property
+    def temperature_rise(self) -> float:
+        """Rise of the temperature at the faces of all linings [K]."""
+        return self.parts[0].temperature_rise
+
+    @property
+    def back_temperature_rise(self) -> float | None:
+        """Rise of the temperature at the backs of the linings [K]; None if it is that of faces."""
+        return self.parts[0].back_temperature_rise
+
+    @property
+    def step(self) -> float:
+        """Angle [rad] over which a face rises smoothly from one block's height to the next."""
+        return ROUNDED_STEP
+
+    def copy_with(self, changes: Mapping[str, object]) -> Self:
+        """A copy in which fields of every lining have other values, by the name of the field."""
+        parts = tuple(part.model_copy(update=dict(changes)) for part in self.parts)
+        return self.model_copy(update={"parts": parts})
+
+    def clearance_at_surface_coordinates(self, theta: Floats) -> Floats:
+        """Clearance [m] without the misfit at the angles `theta`, same shape.
+
+        In a slot it is that of the lining before the slot.
+        """
+        which = index_of_lining_at_coordinates(self, theta)
+        gaps = [part.clearance_at_surface_coordinates(theta) for part in self.parts]
+        return np.choose(which, gaps)
+
+
+def index_of_lining_at_coordinates(lining: Lining, theta: Floats) -> Ints:
+    """Which lining of a row lies at coordinates `theta`, same shape; counted from 0.
+
+    A coordinate in a slot belongs to the lining before the slot, one before the first lining to the
+    first.
+    """
+    # A node on the edge of a lining may lie before its start by round-off.
+    starts = [part.start - TOUCHING for part in lining.linings[1:]]
+    return np.searchsorted(np.array(starts), theta, side="right")
+
+
+def _check_lining_is_like_first_one(key: str, part: DrumLining, first: DrumLining) -> None:
+    """Raise ValueError if a lining has another section, material or heat than the first one."""
+    kelvin = dict.fromkeys(("temperature_rise", "back_temperature_rise"), "{} K".format)
+    texts: dict[str, Callable[[Any], str]] = {
+        "thickness": mm_text,
+        "width": mm_text,
+        "material": str,
+        "friction": str,
+        **kelvin,
+    }
+    for name, text in texts.items():
+        own, of_first = getattr(part, name), getattr(first, name)
+        if own != of_first:
+            raise ValueError(
+                f"{key}.{name} = {text(own)}: must be {text(of_first)}, as of lining[0]; "
+                f"linings of one shoe with unlike {name} are not computed"
+            )
+
+
+def _kind_of_lining_data(data: object) -> str:
+    """Whether the data of a lining are one table or a list of tables."""
+    several = isinstance(data, list | tuple | DrumLiningRow)
+    return "several linings" if several else "one lining"
+
+
+# A list of tables, [[shoe.lining]], is a row of linings; a table, [shoe.lining], is one lining.
+AnyDrumLining = Annotated[
+    Annotated[DrumLining, Tag("one lining")] | Annotated[DrumLiningRow, Tag("several linings")],
+    Discriminator(_kind_of_lining_data),
+]
+
+
 class Backing(Part):
     """A layer between lining and shoe body, as long and as wide as the lining (a wooden block).
+
+    If the shoe has several linings, each of them has a backing of its own.
 
     If the shoe body is a straight beam, the mesh ignores the thickness: the backing fills the space
     between lining and beam.

@@ -20,14 +20,16 @@ from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (
     LARGEST_MISFIT,
+    SMALLEST_SLOT,
     AnyBody,
+    AnyDrumLining,
     ArcBody,
     Backing,
     Bar,
     Beam,
     Drum,
-    DrumLining,
     Friction,
+    Lining,
     Lobes,
     Ring,
     Table,
@@ -53,7 +55,7 @@ class DrumShoe(Shoe):
 
     surface = DRUM
     side: Literal["internal", "external"]
-    lining: DrumLining
+    lining: AnyDrumLining
     backing: Backing | None = None
     body: AnyBody | None = None
     pattern: DrumPattern | None = None
@@ -241,7 +243,10 @@ class DrumBrake(Brake):
         _check_drum_is_round_enough(self.drum)
         for i, shoe in enumerate(shoes):
             _check_shoe_fits_drum(f"shoe[{i}]", shoe, self.drum.radius)
-            _check_lining_misfit_is_small(f"shoe[{i}].lining.misfit", shoe.lining, self.drum.radius)
+            several = len(shoe.lining.linings) > 1
+            for k, part in enumerate(shoe.lining.linings):
+                key = f"shoe[{i}].lining[{k}].misfit" if several else f"shoe[{i}].lining.misfit"
+                _check_lining_misfit_is_small(key, part, self.drum.radius)
         return brake_with_spring_pulls(self.model_copy(update={"shoes": shoes}))
 
 
@@ -257,7 +262,7 @@ def _check_drum_is_round_enough(drum: Drum) -> None:
         )
 
 
-def _check_lining_misfit_is_small(key: str, lining: DrumLining, radius: float) -> None:
+def _check_lining_misfit_is_small(key: str, lining: Lining, radius: float) -> None:
     """Raise ValueError if a lining's misfit is too large, or its blocks are not on the lining.
 
     `radius` [m] is that of the drum, to which the largest misfit is proportional. `key` is the key
@@ -281,7 +286,7 @@ A thinner layer is refused, because round-off would distort its finite elements.
 
 
 def _check_part_is_thick_enough(
-    key: str, part: "DrumLining | Backing | ArcBody | Beam | Ring | Table | None", radius: float
+    key: str, part: "Lining | Backing | ArcBody | Beam | Ring | Table | None", radius: float
 ) -> None:
     """Raise ValueError for a part thinner than THINNEST times the drum's radius [m]."""
     thickness = None if part is None else part.thickness
@@ -303,6 +308,12 @@ def _check_shoe_fits_drum(key: str, shoe: DrumShoe, radius: float) -> None:
             f"{key}.hinge = (0, 0): must not be the drum's centre, "
             "about which the shoe would only slide"
         )
+    for first, last in shoe.lining.slots:
+        if last - first < SMALLEST_SLOT:
+            raise ValueError(
+                f"{key}.lining: the slot from {deg_text(first)} to {deg_text(last)} must be at "
+                f"least {deg_text(SMALLEST_SLOT)} wide; linings that touch are one lining"
+            )
     check_abutment_has_no_grip(key, shoe)
     _check_support_lets_shoe_press(key, shoe, radius)
     # The layers of an internal shoe must end before the drum's centre.
@@ -317,7 +328,7 @@ def _check_shoe_fits_drum(key: str, shoe: DrumShoe, radius: float) -> None:
         _check_arc_carries_lining(key, shoe.body, shoe.lining)
 
 
-def _check_arc_carries_lining(key: str, body: ArcBody, lining: DrumLining) -> None:
+def _check_arc_carries_lining(key: str, body: ArcBody, lining: Lining) -> None:
     """Raise ValueError if an arc body has no length, or if its lining extends beyond it."""
     if not 0 < body.end - body.start < 2 * math.pi:
         raise ValueError(

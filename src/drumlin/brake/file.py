@@ -17,6 +17,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import read_text
 from drumlin.base.texts import check_toml_parses_quickly
 from drumlin.brake.brake import Brake
+from drumlin.brake.components import Lining
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import Part, Point, si_unit_of_field_type
 from drumlin.brake.units import quantity_in_si
@@ -46,7 +47,10 @@ pydantic's own messages for these errors use words of Python, such as "tuple".
 """
 
 
-UNION_TAGS = {"arc", "beam", "isotropic", "orthotropic", "float", "str"}
+UNION_TAGS = {
+    *("arc", "beam", "isotropic", "orthotropic", "float", "str"),
+    *("one lining", "several linings", "parts"),
+}
 """Words in pydantic's path to a wrong value that are no keys of the brake file.
 
 pydantic adds them to say as which kind of body, material or value the data were read.
@@ -268,6 +272,7 @@ def _parts_and_field_of_key(brake: Part, key: str) -> tuple[list[Part], str]:
         below: list[Part] = []
         for part in found:
             value = getattr(part, _field_name_of_key(part, step, key))
+            value = value.linings if isinstance(value, Lining) else value
             below += value if isinstance(value, tuple) else [value]
         found = [part for part in below if part is not None]
         if not all(isinstance(part, Part) for part in found):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from drumlin.brake.components import Beam, Drum, Ring
+from drumlin.brake.components import Beam, Drum, Lining, Ring
 from drumlin.brake.fields import AnyMaterial, Orthotropic
 from drumlin.brake.units import mm_text
 
@@ -193,11 +193,14 @@ def brake_with_heat_in_parts(brake: "Brake", keys: Collection[str]) -> "Brake":
     cold = {"temperature_rise": 0.0, "back_temperature_rise": None}
     shoes = []
     for shoe in brake.shoes:
-        parts = {
-            layer.key: layer.part.model_copy(update=cold)
-            for layer in heated_layers_of_shoe(shoe)
-            if layer.key not in keys
-        }
+        parts = {}
+        for layer in heated_layers_of_shoe(shoe):
+            if layer.key not in keys:
+                # Several linings of a shoe all lose their heat.
+                part = layer.part
+                is_lining = isinstance(part, Lining)
+                changed = part.copy_with(cold) if is_lining else part.model_copy(update=cold)
+                parts[layer.key] = changed
         shoes.append(shoe.model_copy(update=parts))
     changes: dict[str, Any] = {"shoes": tuple(shoes)}
     drum = getattr(brake, "drum", None)

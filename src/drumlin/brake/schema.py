@@ -130,7 +130,7 @@ def schema_reduced_to_file_content(schema: Any) -> Any:
     return found
 
 
-IN_FILES = re.compile(r'"(#/\$defs/)?(?:Drum(Brake|Lining|Shoe)|Arc(Body))"')
+IN_FILES = re.compile(r'"(#/\$defs/)?(?:Drum(Brake|LiningRow|Lining|Shoe)|Arc(Body))"')
 """Pattern of the names of the classes that read a brake on a drum.
 
 The schema calls them Brake, Lining, Shoe and Body; editors of users may rely on these names.
@@ -140,6 +140,12 @@ The schema calls them Brake, Lining, Shoe and Body; editors of users may rely on
 def json_schema_of_brake_file() -> dict[str, Any]:
     """The JSON schema of a brake file, for brakes on a drum and on a plane."""
     made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
+    # A row of linings stands in a file as a list of tables.
+    row = made["$defs"]["DrumLiningRow"]
+    made["$defs"]["DrumLiningRow"] = {
+        "description": row["description"],
+        **row["properties"]["parts"],
+    }
     found = json.loads(IN_FILES.sub(r'"\1\2\3"', json.dumps(schema_reduced_to_file_content(made))))
     return {
         "$schema": DIALECT,

@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
-from drumlin.brake.components import Actuation, Lobes, Misfit, Table
+from drumlin.brake.components import Actuation, DrumLiningRow, Lobes, Misfit, Table
 from drumlin.brake.fields import (
     Material,
     Orthotropic,
@@ -87,7 +87,8 @@ def _toml_lines_of_part(part: Part, path: str) -> Iterator[str]:
     """
     # TOML requires that the keys of a table precede the tables within it.
     below = []
-    for key, value, field in _values_other_than_defaults(part):
+    for key, given, field in _values_other_than_defaults(part):
+        value: Any = given.parts if isinstance(given, DrumLiningRow) else given
         parts = value if isinstance(value, tuple) else (value,)
         tables = [isinstance(item, Part) and not isinstance(item, INLINE) for item in parts]
         if value != () and all(tables):

@@ -27,6 +27,8 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
     Lines on shoes that do not touch the drum are printed first. `verbose` is whether reactions,
     figures of merit, solution steps, times and neglected effects are printed, too.
     """
+    from drumlin.laws.rigid import UNUSED_KEYS
+
     notes = _Notes.response_notes_sorted_by_printing_place(response)
     print_folded_line(f"{brake.title}: {response.model}, {brake.motion}, {brake.friction_in_words}")
     for line in notes.apart:
@@ -41,6 +43,9 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
         print_folded_line(response.self_locking.line())
     for line in notes.warnings:
         print_folded_line(line)
+    for line in response.left_out:
+        if line.startswith(UNUSED_KEYS):
+            print_folded_line(line)
     if response.error is not None:
         print_folded_line(_estimated_errors_as_line(brake.surface.effect, response.error))
     if response.plane_stress_error is not None:
@@ -231,6 +236,8 @@ def _print_verbose_details(response: "Response", notes: list[str]) -> None:
     These are hinge reactions and figures of merit of each shoe, solution steps, balance of forces,
     computing times, the given notes and neglected effects.
     """
+    from drumlin.laws.rigid import UNUSED_KEYS
+
     # One line for each shoe: the force of its hinge and its figures of merit.
     for shoe, merit in zip(response.shoes, response.merits, strict=True):
         x, y = shoe.hinge_reaction
@@ -247,7 +254,8 @@ def _print_verbose_details(response: "Response", notes: list[str]) -> None:
         print_folded_line(line)
     # Effects that the model neglects.
     for line in response.left_out:
-        print_folded_line(f"left out: {line}")
+        if not line.startswith(UNUSED_KEYS):
+            print_folded_line(f"left out: {line}")
 
 
 def _figures_of_merit_as_line(merit: "Merit | FlatMerit") -> str:

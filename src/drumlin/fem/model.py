@@ -758,7 +758,9 @@ def _response_of_shoe_in_brake_frame(
         body.line,
         brake.signed_friction_per_pressure_in_shoe_frame(shoe),
     )
-    phi, mean = line.angles_and_mean_pressures(p)
+    phi, on_lining = line.nodes_over_all_linings
+    mean = np.zeros(len(phi))
+    mean[on_lining] = line.angles_and_mean_pressures(p)[1]
     pin_motion = modes.pin_motion @ solution.coordinates
     return response_of_pressed_elastic_shoe(
         shoe,
@@ -766,6 +768,7 @@ def _response_of_shoe_in_brake_frame(
         frame.theta(phi),
         mean,
         order=line.interpolation_degree_along_contact_line,
+        on_lining=on_lining,
         peak=line.inner_part_for_pressure_peak.peak(mean),
         torque=abs(drag) * float(body.coupling.lever @ p),
         normal_force=math.hypot(*acting.resultant_of_pressure[:2]),
@@ -875,7 +878,7 @@ def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -
 
 
 def _node_areas_outside_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
-    """The areas (n,) [m^2] of a shoe's contact nodes, 0 for nodes near the ends of the lining.
+    """The areas (n,) [m^2] of a shoe's contact nodes, 0 for nodes near the ends of a lining.
 
     Parameters
     ----------
@@ -883,9 +886,10 @@ def _node_areas_outside_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -> Flo
     phi : (n,) angles of the contact nodes [rad]
     area : (n,) areas of the contact nodes [m^2]
     """
-    start, end = shoe.arc
-    zone = length_of_uncompared_edge_zone(end - start)
-    inside = (phi > start + zone) & (phi < end - zone)
+    zone = length_of_uncompared_edge_zone(min(end - start for start, end in shoe.arcs))
+    inside = np.zeros(len(phi), dtype=bool)
+    for start, end in shoe.arcs:
+        inside |= (phi > start + zone) & (phi < end - zone)
     return np.where(inside, area, 0.0)
 
 

@@ -115,8 +115,10 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
         if not isinstance(shoe.body, Beam):
             return f'shoe {shoe.name!r}: not a straight beam, [shoe.body] with shape = "beam"'
     model = "the foundation model"
+    several = brake.reason_against_several_linings(model)
     return (
-        reason_if_shoe_has_further_loads(brake, model)
+        several
+        or reason_if_shoe_has_further_loads(brake, model)
         or reason_if_any_part_is_orthotropic(brake, model)
         or reason_if_any_shoe_is_heated(brake, model)
         or reason_if_ring_support_is_not_plain(brake, model)

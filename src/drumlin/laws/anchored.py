@@ -40,6 +40,7 @@ from drumlin.laws.face import Arcs, Face, friction_surface_of_shoe
 from drumlin.laws.shoe_contact import (
     MOST_CONTACT_STEPS,
     RigidShoeContact,
+    arcs_of_positive_pressure_on_linings,
     equilibrium_matrices_of_rigid_shoe,
     is_same_set_of_arcs,
     smallest_singular_friction,
@@ -208,7 +209,7 @@ def _contact_on_free_motions(
     is the work of the actuation on each motion.
     """
     linings = [brake.shoes[i].lining for i in on.members]
-    arcs: list[Arcs] = [((lining.start, lining.end),) for lining in linings]
+    arcs: list[Arcs] = [lining.arcs for lining in linings]
     before: list[list[Arcs]] = []
     shapes = [
         face.gap_closing_by_motions(modes.motions)
@@ -224,7 +225,7 @@ def _contact_on_free_motions(
             break
         c = [on.stiffness[k] * shape.T @ y[3 * k : 3 * k + 3] for k, shape in enumerate(shapes)]
         after = [
-            face.arcs_of_positive_pressure(each, lining.start, lining.end)
+            arcs_of_positive_pressure_on_linings(face, each, lining.arcs)
             for face, each, lining in zip(on.faces, c, linings, strict=True)
         ]
         if all(map(is_same_set_of_arcs, after, arcs)):

@@ -31,7 +31,12 @@ from drumlin.response.merit import (
     sign_of_friction_moment_about_hinge,
 )
 from drumlin.response.response import Response, ShoeResponse, response_of_shoe_without_contact
-from drumlin.response.resultants import Resultant, planar_cross_product
+from drumlin.response.resultants import (
+    Resultant,
+    nodes_with_slots,
+    planar_cross_product,
+    slots_between_nodes,
+)
 
 ANGLE_ROUND_OFF = 1e-9
 """Angle [rad] by which round-off may let a lining exceed the range of angles that a law allows."""
@@ -44,6 +49,7 @@ def angles_and_radii_of_hinged_shoe(brake: Brake, shoe: Shoe) -> Layout:
         R=brake.size,
         a=shoe.pin.radius,
         dD=sign_of_friction_moment_about_hinge(brake, shoe),
+        slots=shoe.slots,
     )
 
 
@@ -58,6 +64,8 @@ def self_locking_friction_of_hinged_shoe(brake: Brake, shoe: Shoe, law: Law = SI
 def reason_against_hinged_shoe_law(law: Law, brake: Brake) -> str | None:
     """The reason why a law of hinged shoes does not apply to a brake; None if it applies."""
     refusal = brake.shares or brake.surface.reason_why_not_on_surface(DRUM)
+    if refusal is None and law.load_on_part is None:
+        refusal = brake.reason_against_several_linings("a force lumped at the lining's middle")
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
@@ -150,13 +158,13 @@ def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResp
         )
     amplitude = float(law.pressure_amplitude(moment, shoe.lining.width, mu, arc))
     # The integrals of the pressure [Pa] are the amplitude times those of f.
-    load = Load(*(amplitude * integral for integral in law.load(arc)))
+    load = Load(*(amplitude * integral for integral in law.load_over_linings(arc)))
     return response_of_hinged_shoe_in_contact(
         brake,
         shoe,
         resultant_of_hinged_shoe_pressure(brake, shoe, load, float(law.friction(arc))),
         lambda phi: amplitude * law.pressure(phi, arc),
-        float(law.peak_at(arc)),
+        law.angle_of_peak_pressure(arc),
         lumped=law.lumped,
     )
 
@@ -228,7 +236,12 @@ def response_of_hinged_shoe_in_contact(
     peak_at : angle phi [rad] of the largest pressure
     lumped : whether the law lumps the resultant at the lining's middle
     """
-    phi = np.linspace(*shoe.arc, PRESSURE_NODES)[:: shoe.frame.sense]
+    sense = shoe.frame.sense
+    nodes = [np.linspace(*arc, PRESSURE_NODES)[::sense] for arc in shoe.arcs][::sense]
+    theta, on_lining = nodes_with_slots([shoe.frame.theta(phi) for phi in nodes], 2)
+    # Round-off may make the pressure negative at an end, as sin(pi) is 1e-16.
+    pressures = np.zeros(len(theta))
+    pressures[on_lining] = np.maximum(pressure(np.concatenate(nodes)), 0.0)
     # Friction is self-energising if its moment about the hinge has the actuation moment's sense.
     helping = contact.moment + float(planar_cross_product(-shoe.pin.xy, contact.friction))
     return ShoeResponse(
@@ -238,9 +251,9 @@ def response_of_hinged_shoe_in_contact(
         self_energising=helping * shoe.moment_of_all_loads_about_point(shoe.pin) > 0,
         peak_pressure=float(pressure(np.array(peak_at))),
         hinge_reaction=-shoe.force_of_all_loads - contact.force,
-        contact_arcs=((shoe.lining.start, shoe.lining.end),),
-        theta=shoe.frame.theta(phi),
-        # Round-off may make the pressure negative at an end, as sin(pi) is 1e-16.
-        pressure=np.maximum(pressure(phi), 0.0),
+        contact_arcs=shoe.lining.arcs,
+        theta=theta,
+        pressure=pressures,
+        slots=slots_between_nodes(theta, on_lining),
         lumped=contact if lumped else None,
     )

@@ -34,6 +34,7 @@ from drumlin.laws.face import Arcs, Face, friction_surface_of_shoe
 from drumlin.laws.shoe_contact import (
     MOST_CONTACT_STEPS,
     RigidShoeContact,
+    arcs_of_positive_pressure_on_linings,
     equilibrium_matrices_of_rigid_shoe,
     is_same_set_of_arcs,
     self_locking_friction_on_arcs,
@@ -47,7 +48,12 @@ from drumlin.response.response import (
     notes_on_forces_of_supports,
     response_of_shoe_without_contact,
 )
-from drumlin.response.resultants import Resultant, planar_cross_product
+from drumlin.response.resultants import (
+    Resultant,
+    nodes_with_slots,
+    planar_cross_product,
+    slots_between_nodes,
+)
 from drumlin.response.self_locking import LockedShoes, SelfLocking, first_shoes_to_lock
 
 RIGID_ASSUMES = (
@@ -76,7 +82,7 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
     """
     if shoe.anchors:
         return locking_friction_of_shoes_on_anchors(brake, brake.shoes.index(shoe))
-    face, arcs = friction_surface_of_shoe(brake, shoe), ((shoe.lining.start, shoe.lining.end),)
+    face, arcs = friction_surface_of_shoe(brake, shoe), shoe.lining.arcs
     width = shoe.lining.width
     limits = [
         self_locking_friction_on_arcs(face, shoe.freedoms(sense), width, arcs, brake.sign_of_motion)
@@ -149,11 +155,8 @@ def sign_of_pressure_that_balances_actuation(brake: Brake, shoe: Shoe) -> int:
     shapes = face.gap_closing_by_motions(free.tests)
     if len(shapes) == 1:
         # With one mode, a pressure at some place of the lining must work against the actuation.
-        works = (
-            shapes[0]
-            @ face.shape_function_values(np.linspace(*ends, 65))[:2]
-            * free.work_of_all_loads[0]
-        )
+        places = np.concatenate([np.linspace(*arc, 65) for arc in shoe.lining.arcs])
+        works = shapes[0] @ face.shape_function_values(places)[:2] * free.work_of_all_loads[0]
         return 1 if works.max() > 1e-12 * np.abs(works).max() else -1
     try:
         resultant = np.asarray(np.linalg.solve(shapes, free.work_of_all_loads), dtype=float)
@@ -180,19 +183,19 @@ def _find_contact_for_friction_sense(
     NoAnswer
         if the shoe locks itself, or no pressure on its lining balances the actuation
     """
-    free, ends = shoe.freedoms(sense), (shoe.lining.start, shoe.lining.end)
+    free, linings = shoe.freedoms(sense), shoe.lining.arcs
     mu = brake.friction_of_shoe(shoe)
     shapes = face.gap_closing_by_motions(free.motions)
     locking_friction_on = partial(
         self_locking_friction_on_arcs, face, free, shoe.lining.width, spin=brake.sign_of_motion
     )
-    arcs: Arcs = (ends,)
+    arcs: Arcs = linings
     mu_lock = locking_friction_on(arcs)
     locked = f"self-locking, friction {mu:g} is not below mu_lock = {{:.6g}} of the rigid-shoe law"
     # With one mode the sign of the actuation's work alone tells which arcs are in contact.
     if len(shapes) == 1:
-        arcs = face.arcs_of_positive_pressure(
-            shapes[0] * math.copysign(1.0, free.work_of_all_loads[0]), *ends
+        arcs = arcs_of_positive_pressure_on_linings(
+            face, shapes[0] * math.copysign(1.0, free.work_of_all_loads[0]), linings
         )
         mu_lock = locking_friction_on(arcs)
         if mu >= mu_lock:
@@ -204,7 +207,7 @@ def _find_contact_for_friction_sense(
             break
         # The next arcs are those where the pressure that follows from the present arcs is positive.
         c = shapes.T @ amounts
-        after = (ends,) if whole else face.arcs_of_positive_pressure(c, *ends)
+        after = linings if whole else arcs_of_positive_pressure_on_linings(face, c, linings)
         if after and is_same_set_of_arcs(after, arcs):
             mu_lock = locking_friction_on(arcs)
             if mu >= mu_lock:
@@ -257,11 +260,12 @@ def response_of_rigid_shoe(
     if found is None:
         return response_of_shoe_without_contact(shoe, -shoe.force_of_all_loads)
     contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.flat
-    ends = (shoe.lining.start, shoe.lining.end)
     # The pressure on a plane is linear in x, so that two steps between nodes are enough.
-    place = node_places_of_pressure_along_lining(
-        ends, found.arcs, 2 if flat else PRESSURE_NODES - 1
-    )
+    steps, linings = 2 if flat else PRESSURE_NODES - 1, []
+    for ends in shoe.lining.arcs:
+        own = tuple(arc for arc in found.arcs if ends[0] <= arc[0] and arc[1] <= ends[1])
+        linings.append(node_places_of_pressure_along_lining(ends, own, steps))
+    place, on_lining = nodes_with_slots(linings, 2)
     about_pin = _pressure_and_friction_moments_about_pin(shoe, contact)
     of_actuation = shoe.moment_of_all_loads_about_point(shoe.pin)
     guided = shoe.guide is not None
@@ -284,7 +288,8 @@ def response_of_rigid_shoe(
         hinge_reaction=-shoe.force_of_all_loads - contact.force,
         contact_arcs=found.arcs,
         theta=place,
-        pressure=pressure_of_rigid_shoe_at_places(found, place),
+        pressure=pressure_of_rigid_shoe_at_places(found, place) * on_lining,
+        slots=slots_between_nodes(place, on_lining),
         pivot_reaction=None if shoe.pivot is None else -contact.force - shoe.further_load[:2],
         reaction_moment=reaction_moment if has_moment else 0.0,
     )
@@ -523,22 +528,47 @@ def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
     )
 
 
-def warnings_on_keys_that_law_leaves_out(brake: Brake, response: Response) -> tuple[str, ...]:
-    """A line of text for each given key that a law leaves out: heat, and the blocks of linings.
+UNUSED_KEYS = "keys that the law does not use: "
+"""Beginning of the line that names the keys of a brake file that a law leaves out of its answer."""
+
+
+def response_with_keys_left_out(brake: Brake, response: Response) -> Response:
+    """The response of a law, which names the given keys that it does not use; others unchanged.
 
     Between blocks that stand back the lining does not press, so that torque and pressure of the law
-    are those of another lining. For responses of other models there is no line.
+    are those of another lining. A warning says so.
     """
     if response.left_out != NEGLECTED_BY_RIGID_LAWS[brake.surface.word]:
-        return ()
+        return response
+    keys = _given_keys_that_laws_do_not_use(brake)
+    line = (UNUSED_KEYS + ", ".join(keys),) if keys else ()
     heat = warning_on_heat_left_out(brake)
     blocks = tuple(
         f"warning: shoe {shoe.name!r}: misfit.blocks are left out, the law takes the lining as "
-        "whole; --model fem has the blocks"
+        "whole; --model fem has the blocks, and linings apart are [[shoe.lining]], a table each"
         for shoe in brake.shoes
-        if shoe.lining.misfit.blocks
+        if any(part.misfit.blocks for part in shoe.lining.linings)
     )
-    return blocks if heat is None else (heat, *blocks)
+    warnings = blocks if heat is None else (heat, *blocks)
+    return replace(
+        response, left_out=(*response.left_out, *line), notes=(*response.notes, *warnings)
+    )
+
+
+def _given_keys_that_laws_do_not_use(brake: Brake) -> list[str]:
+    """The keys of parts and gaps in a brake file that no rigid-shoe law uses, each once."""
+    # The harmonics of a brake also hold the growth of a heated drum, which has a line of its own.
+    out_of_round = getattr(getattr(brake, "drum", None), "out_of_round", ())
+    parts: dict[str, object] = {"drum.ring": brake.ring, "drum.out_of_round": out_of_round}
+    for shoe in brake.shoes:
+        of_shoe: dict[str, object] = {name: getattr(shoe, name) for name in ("body", "backing")}
+        of_shoe["mesh"] = shoe.mesh
+        for part in shoe.lining.linings:
+            given = part.misfit.model_fields_set
+            unlike = {f"lining.misfit.{name}": True for name in sorted(given)}
+            of_shoe |= {"lining.clearance": part.clearance, **unlike}
+            parts |= {f"shoe.{name}": value for name, value in of_shoe.items() if value}
+    return [key for key, value in parts.items() if value]
 
 
 def note_on_shoe_without_contact(name: str, body: str = "drum") -> str:

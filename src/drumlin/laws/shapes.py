@@ -49,6 +49,7 @@ class Layout(NamedTuple):
     dD : double delta of the UWA notes: +1 for an external shoe whose lining the drum drags away
         from the hinge, and for an internal shoe whose lining the drum drags towards the hinge;
         otherwise -1
+    slots : begin and end of each slot between two linings of the shoe, from the hinge [rad]
     """
 
     phi_1: Values
@@ -56,6 +57,14 @@ class Layout(NamedTuple):
     R: Values
     a: Values
     dD: Values
+    slots: tuple[tuple[Values, Values], ...] = ()
+
+    @property
+    def linings(self) -> "list[Layout]":
+        """The layout of each lining of the shoe on its own, in the order of their angles."""
+        ends = [self.phi_1, *(end for slot in self.slots for end in slot), self.phi_2]
+        pairs = zip(ends[::2], ends[1::2], strict=True)
+        return [self._replace(phi_1=first, phi_2=last, slots=()) for first, last in pairs]
 
     @property
     def middle(self) -> Floats:
@@ -156,6 +165,23 @@ def pivot_radius_for_cosine_pressure(R: Values, theta_0: Values) -> Floats:
     return np.asarray(R * ratio_of_equivalent_friction(theta_0))
 
 
+def _sine_pressure_on_part(whole: Layout, part: Layout) -> Load:
+    """Integrals of the pressure f = sin phi of a shoe over a part of its arc."""
+    return integrals_of_sine_pressure(part)
+
+
+def _cosine_pressure_on_part(whole: Layout, part: Layout) -> Load:
+    """Integrals of f = cos(phi - middle) over a part of the arc, with the middle of the whole."""
+    cos, sin = np.cos(whole.middle), np.sin(whole.middle)
+    of_cos, of_sin = integrals_of_cos_phi_pressure(part), integrals_of_sine_pressure(part)
+    return Load(*(cos * a + sin * b for a, b in zip(of_cos, of_sin, strict=True)))
+
+
+def _uniform_pressure_on_part(whole: Layout, part: Layout) -> Load:
+    """Integrals of the uniform pressure f = 1 of a shoe over a part of its arc."""
+    return integrals_of_uniform_pressure(part)
+
+
 def _friction_factor_one(arc: Layout) -> Floats:
     """The factor 1 on mu, in the shape of the arc's angles: the law does not change friction."""
     return np.ones(np.shape(arc.half_of_lining_arc))
@@ -175,6 +201,8 @@ class Law:
     lumped : whether the law lets the whole contact force act at the lining's middle
     friction : function that returns the factor on mu, which is 1 unless the law lumps the forces
     remark : note for the reader of the law's results
+    load_on_part : function of the whole arc and a part that returns the integrals of f over the
+        part; None for a law that takes one lining only
     """
 
     name: str
@@ -185,13 +213,40 @@ class Law:
     lumped: bool = False
     friction: Callable[[Layout], Floats] = _friction_factor_one
     remark: str = ""
+    load_on_part: Callable[[Layout, Layout], Load] | None = None
+
+    def load_over_linings(self, arc: Layout) -> Load:
+        """Integrals of f over the arc of a shoe, or over all linings of a shoe with slots."""
+        if not arc.slots:
+            return self.load(arc)
+        # Models refuse a shoe with slots for a law that lumps the force at the lining's middle.
+        assert self.load_on_part is not None
+        first, *others = (self.load_on_part(arc, part) for part in arc.linings)
+        total, cos, sin = first
+        for part in others:
+            total, cos, sin = total + part.total, cos + part.cos, sin + part.sin
+        return Load(total, cos, sin)
+
+    def angle_of_peak_pressure(self, arc: Layout) -> float:
+        """The angle phi [rad] of the largest pressure on one lining or on several, as numbers.
+
+        The pressure of every law has one peak. If it lies in a slot, an edge of the slot takes its
+        place.
+        """
+        top = float(self.peak_at(arc))
+        if not arc.slots:
+            return top
+        places = np.array([np.clip(top, part.phi_1, part.phi_2) for part in arc.linings])
+        return float(places[np.argmax(self.pressure(places, arc))])
 
     def normal_and_friction_moments_about_hinge(self, arc: Layout) -> tuple[Floats, Floats]:
         """Moments M_N of the pressure and M_F of the friction about the hinge, over b R p_0 [m].
 
         Their signs are those of `normal_and_friction_moments_about_point`.
         """
-        M_N, M_F = normal_and_friction_moments_about_point(self.load(arc), arc.R, arc.a)
+        M_N, M_F = normal_and_friction_moments_about_point(
+            self.load_over_linings(arc), arc.R, arc.a
+        )
         return M_N, self.friction(arc) * M_F
 
     def resisting_moment_per_amplitude(self, mu: Values, arc: Layout) -> Floats:
@@ -225,7 +280,7 @@ class Law:
         It is nan if the shoe locks itself.
         """
         resistance = self.resisting_moment_per_amplitude(mu, arc)
-        effect = mu * self.friction(arc) * arc.R * self.load(arc).total
+        effect = mu * self.friction(arc) * arc.R * self.load_over_linings(arc).total
         return effect / np.where(resistance > 0, resistance, np.nan)
 
     def sensitivity_of_braking_effect_to_friction(self, mu: Values, arc: Layout) -> Floats:
@@ -291,6 +346,7 @@ SINE = Law(
     integrals_of_sine_pressure,
     lambda phi, arc: np.sin(phi),
     lambda arc: np.clip(np.pi / 2, arc.phi_1, arc.phi_2),
+    load_on_part=_sine_pressure_on_part,
 )
 COSINE = Law(
     "cosine",
@@ -301,6 +357,7 @@ COSINE = Law(
     _angle_of_lining_middle,
     remark="friction is mu N at psi R, each element in its place; mu' N at the drum's surface "
     "is the law 'block'",
+    load_on_part=_cosine_pressure_on_part,
 )
 BLOCK = Law(
     "block",
@@ -318,6 +375,7 @@ UNIFORM = Law(
     integrals_of_uniform_pressure,
     _uniform_pressure_of_amplitude_one,
     _angle_of_lining_middle,
+    load_on_part=_uniform_pressure_on_part,
 )
 SHORT_LAW = Law(
     "short",

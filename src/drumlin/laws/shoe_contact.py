@@ -1,6 +1,7 @@
 """The contact of a rigid shoe: its equilibria on given arcs, and where friction makes it lock."""
 
 import math
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -103,6 +104,11 @@ def smallest_singular_friction(N: Floats, F: Floats, spin: int) -> float:
     # Complex and negative eigenvalues belong to no friction coefficient.
     real = found.real[np.abs(found.imag) <= 1e-9 * np.abs(found)]
     return min((1 / float(x) for x in real if x > 1e-14), default=math.inf)
+
+
+def arcs_of_positive_pressure_on_linings(face: Face, c: Floats, linings: Arcs) -> Arcs:
+    """The arcs of a shoe's linings on which the pressure with the factors c (2,) is positive."""
+    return tuple(chain(*(face.arcs_of_positive_pressure(c, *ends) for ends in linings)))
 
 
 def is_same_set_of_arcs(a: Arcs, b: Arcs) -> bool:

@@ -86,6 +86,7 @@ def solve_worn_in_brake(brake: Brake, *, penalty: float = PENALTY, **options: An
     penalty : factor alpha of the contact stiffness alpha E/t per area
     options : options of `prepared_model_with_finest_elements`
     """
+    brake.check_shoes_have_one_lining("the wear of linings")
     scene = prepared_model_with_finest_elements(brake, **options)
     worn = brake_with_worn_in_clearances(scene, brake)
     return response_with_figures_of_merit(brake, solve_prepared_model(scene, worn, penalty=penalty))
@@ -213,7 +214,7 @@ def brake_without_misfit(
     def shoe_without_misfit(i: int, shoe: Shoe) -> Shoe:
         """Shoe `i` of the brake without misfit, and with its clearance in `gaps` or none."""
         clearance = (gaps or {}).get(i, 0.0)
-        no_misfit = type(shoe.lining.misfit)()
+        no_misfit = type(shoe.lining.linings[0].misfit)()
         lining = shoe.lining.model_copy(update={"clearance": clearance, "misfit": no_misfit})
         return shoe.model_copy(update={"lining": lining})
 

@@ -168,9 +168,10 @@ def _draw_shoe_on_drum(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_stru
     """
     if shoe.body is None:
         _draw_rigid_shoe_on_drum(axes, shoe, R)
-    arc = math.degrees(shoe.lining.start), math.degrees(shoe.lining.end)
+    arcs = [(math.degrees(start), math.degrees(end)) for start, end in shoe.lining.arcs]
     depth = shoe.lining.thickness * MM_PER_M
-    _draw_layer_as_ring_segment(axes, shoe, R, _Layer(0.0, depth, arc, LINING_COLOR))
+    for arc in arcs:
+        _draw_layer_as_ring_segment(axes, shoe, R, _Layer(0.0, depth, arc, LINING_COLOR))
     # A shoe with a mesh file is drawn without body, since only the mesh knows its shape. `depth`
     # grows from the friction surface through the layers.
     if shoe.mesh is None:
@@ -178,7 +179,8 @@ def _draw_shoe_on_drum(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_stru
             _draw_straight_beam_of_shoe(axes, shoe, R, unit)
         elif shoe.backing is not None:
             backing = shoe.backing.thickness * MM_PER_M
-            _draw_layer_as_ring_segment(axes, shoe, R, _Layer(depth, backing, arc, BLOCK_COLOR))
+            for arc in arcs:
+                _draw_layer_as_ring_segment(axes, shoe, R, _Layer(depth, backing, arc, BLOCK_COLOR))
             depth += backing
         if isinstance(shoe.body, Bar):
             body_arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
@@ -215,8 +217,8 @@ def _draw_straight_beam_of_shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -
     axis = make_beam_axis(shoe.pin.xy * MM_PER_M, shoe.actuation.point.xy * MM_PER_M)
     half = 0.5 * (shoe.body.thickness * MM_PER_M if shoe.body.thickness else unit)
     # The block has an arc on the lining's side and a straight edge along the beam.
-    if shoe.backing is not None:
-        angle = axis.angle(np.linspace(shoe.lining.start, shoe.lining.end, 60))
+    for ends in shoe.lining.arcs if shoe.backing is not None else ():
+        angle = axis.angle(np.linspace(*ends, 60))
         back = R + shoe.lining.thickness * MM_PER_M
         x, y = axis.foot + back * np.sin(angle), axis.distance - back * np.cos(angle)
         block = axis.convert_to_brake_frame(np.append(x, x[[-1, 0]]), np.append(y, [half, half]))

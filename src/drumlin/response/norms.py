@@ -47,7 +47,10 @@ class PressureDifference:
         start, end, inner = b.theta[0], b.theta[-1], np.array(zones)
         # A knot is an end of a piece. Knots may coincide: a piece of no length adds nothing.
         ends_of_pieces = a.theta[:: a.order], b.theta[:: b.order]
-        knots = np.sort(np.concatenate([start + inner, end - inner, *ends_of_pieces]))
+        beside_slots = [np.concatenate([first - inner, last + inner]) for first, last in b.slots]
+        knots = np.sort(
+            np.concatenate([start + inner, end - inner, *beside_slots, *ends_of_pieces])
+        )
         knots = knots[(knots >= start) & (knots <= end)]
         half = 0.5 * np.diff(knots)[:, None]
         theta = knots[:-1, None] + half * (1 + GAUSS)
@@ -58,10 +61,14 @@ class PressureDifference:
     def is_piece_outside_end_zones(self, zone: float) -> Bools:
         """Whether each piece of the lining is farther than a zone [rad] from both its ends.
 
-        The result is a mask (pieces,).
+        Pieces in a slot between two linings, or in a zone beside it, are not outside. The result is
+        a mask (pieces,).
         """
         middle, ends = self.theta.mean(axis=1), self.b.theta
-        return np.asarray((middle > ends[0] + zone) & (middle < ends[-1] - zone))
+        inside = (middle > ends[0] + zone) & (middle < ends[-1] - zone)
+        for first, last in self.b.slots:
+            inside &= (middle < first - zone) | (middle > last + zone)
+        return np.asarray(inside)
 
     def relative_norm_outside_end_zones(self, zone: float) -> float:
         """The L2 norm of p_a - p_b relative to the L2 norm of p_b, outside the end zones [rad].
@@ -117,7 +124,7 @@ def relative_distance_of_pressures(
     lining's ends do not count, unless half of the force of p_b acts in the zones. If p_b vanishes,
     the distance is 0 if p_a vanishes, too, and infinite otherwise.
     """
-    edge = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, edge)
+    edge = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, edge, b.slots)
     return PressureDifference.pressure_difference_of_two_responses(
         a, b, edge
     ).relative_norm_outside_end_zones(edge)

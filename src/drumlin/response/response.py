@@ -16,10 +16,12 @@ from drumlin.response.limits import require_lining_strain_below_limit
 from drumlin.response.resultants import (
     LiningWithoutEndZones,
     Resultant,
+    Slots,
     arrange_nodal_values_by_piece,
     contact_arcs_from_nodal_pressures,
-    edge_zone_that_does_not_count,
     integral_of_piecewise_polynomial,
+    nodes_with_slots,
+    slots_between_nodes,
 )
 from drumlin.response.self_locking import SelfLocking
 from drumlin.response.show import (
@@ -192,6 +194,8 @@ class ShoeResponse:
         nodes the pressure is a piecewise polynomial, whose neighbouring pieces share an end node.
     pressure : (n,) [Pa], pressures at the nodes
     order : degree of the polynomial pieces
+    slots : begin and end of each slot between two linings [rad]. There the pressure is 0, and the
+        polynomial pieces beside a slot are JUMP long, see `resultants.nodes_with_slots`
     turn : rotation of the shoe about its pin [rad]; None if the model does not compute it
     lumped : resultant of the contact, if a law lumps the forces at one point or a model in sectors;
         None if the resultant is the integral of the pressure
@@ -221,6 +225,7 @@ class ShoeResponse:
     theta: Floats
     pressure: Floats
     order: int = 2
+    slots: Slots = ()
     turn: float | None = None
     lumped: Resultant | None = None
     pivot_reaction: Floats | None = None
@@ -233,6 +238,20 @@ class ShoeResponse:
     error: Mapping[str, float] | None = None
     softness: ShoeChange = NO_CHANGE
     lost: ShoeChange = NO_CHANGE
+
+    @property
+    def length_of_shortest_lining(self) -> float:
+        """Length of the lining, or of the shortest of several, in the surface's coordinate."""
+        edges = [self.theta[0], *(edge for slot in self.slots for edge in slot), self.theta[-1]]
+        return min(float(b - a) for a, b in zip(edges[::2], edges[1::2], strict=True))
+
+    @property
+    def nodal_pressures_on_linings(self) -> Floats:
+        """The pressures [Pa] at the nodes on linings, without those in slots between linings."""
+        on_lining = np.ones(len(self.theta), dtype=bool)
+        for start, end in self.slots:
+            on_lining &= (self.theta <= start) | (self.theta >= end)
+        return self.pressure[on_lining]
 
     def pressure_at(self, theta: Floats) -> Floats:
         """The pressure [Pa] at angles `theta` [rad] of any shape; 0 beyond the lining.
@@ -271,8 +290,32 @@ class ShoeResponse:
         """
         if self.order <= 2:
             return self.theta, self.pressure
+        if self.slots:
+            return self._curve_with_slots()
+        return self._curve_of_one_lining(self.theta)
+
+    def _curve_with_slots(self) -> tuple[Floats, Floats]:
+        """Points of the pressure curve on several linings; the pressure is 0 in the slots.
+
+        Beside each slot there is a point at SMALLEST_CURVE_PIECE from the lining's edge.
+        """
+        edges = [self.theta[0], *(edge for slot in self.slots for edge in slot), self.theta[-1]]
+        theta, pressure = [], []
+        for k, (start, end) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
+            if k > 0:
+                slot = [edges[2 * k - 1] + SMALLEST_CURVE_PIECE, start - SMALLEST_CURVE_PIECE]
+                theta.append(np.array(slot))
+                pressure.append(np.zeros(2))
+            nodes = self.theta[(self.theta >= start) & (self.theta <= end)]
+            points, values = self._curve_of_one_lining(nodes)
+            theta.append(points)
+            pressure.append(values)
+        return np.concatenate(theta), np.concatenate(pressure)
+
+    def _curve_of_one_lining(self, nodes: Floats) -> tuple[Floats, Floats]:
+        """Points of the pressure curve on the lining with the given nodes (n,) [rad]."""
         # Ends of pieces that are hardly apart from the lining's ends are left out.
-        ends = self.theta[:: self.order]
+        ends = nodes[:: self.order]
         apart = np.minimum(ends - ends[0], ends[-1] - ends) > SMALLEST_CURVE_PIECE
         ends = np.concatenate([ends[:1], ends[apart], ends[-1:]])
         half_steps = np.ceil(np.diff(ends) / (2 * CURVE_SPACING))
@@ -529,7 +572,7 @@ def response_of_shoe_without_contact(shoe: Shoe, hinge_reaction: Floats) -> Shoe
 
     `hinge_reaction` (2,) [N] is the force of the support, which balances the actuation.
     """
-    theta = np.linspace(shoe.lining.start, shoe.lining.end, 3)
+    theta, on_lining = nodes_with_slots([np.linspace(*ends, 3) for ends in shoe.lining.arcs], 2)
     return ShoeResponse(
         name=shoe.name,
         torque=0.0,
@@ -539,7 +582,8 @@ def response_of_shoe_without_contact(shoe: Shoe, hinge_reaction: Floats) -> Shoe
         hinge_reaction=hinge_reaction,
         contact_arcs=(),
         theta=theta,
-        pressure=np.zeros(3),
+        pressure=np.zeros(len(theta)),
+        slots=slots_between_nodes(theta, on_lining),
         pivot_reaction=np.zeros(2) if shoe.pivot else None,
     )
 
@@ -552,6 +596,7 @@ def response_of_pressed_elastic_shoe(
     *,
     order: int,
     located: bool = True,
+    on_lining: Bools | None = None,
     peak: float | None = None,
     surface: PressureOverWidth | None = None,
     **results: Any,
@@ -569,6 +614,7 @@ def response_of_pressed_elastic_shoe(
     order : degree of the polynomial pieces of the pressure
     located : whether to locate the ends of the contact and the peak between the nodes; otherwise
         they are at nodes
+    on_lining : (n,) mask of the nodes on linings; None if no node lies in a slot between linings
     peak : peak pressure [Pa]; None if it is to be found from the nodal pressures
     surface : pressure over the width, whose rows belong to the angles `theta`
     results : values of the attributes torque, normal_force, self_energising and hinge_reaction of
@@ -582,9 +628,11 @@ def response_of_pressed_elastic_shoe(
     # Nodes at falling angles are put into the order of growing angles.
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure = theta[forward], pressure[forward]
+    slots = () if on_lining is None else slots_between_nodes(theta, on_lining[forward])
     if peak is None:
         zone = length_of_edge_zone_without_peak(shoe, scale_factor)
-        peak = _peak_pressure_outside_edge_zones(theta, pressure, order, zone, located=located)
+        inner = LiningWithoutEndZones(theta, order, zone, slots)
+        peak = _peak_pressure_outside_edge_zones(inner, pressure, located=located)
     arcs = contact_arcs_from_nodal_pressures(theta, pressure, order, located=located)
     # The sizes of the normal forces are summed. In their vector sum, forces on opposite sides of a
     # long arc would cancel.
@@ -603,28 +651,28 @@ def response_of_pressed_elastic_shoe(
         theta=theta,
         pressure=pressure,
         order=order,
+        slots=slots,
         surface=surface,
         **results,
     )
 
 
 def _peak_pressure_outside_edge_zones(
-    theta: Floats, pressure: Floats, order: int, zone: float, *, located: bool
+    inner: LiningWithoutEndZones, pressure: Floats, *, located: bool
 ) -> float:
     """The peak pressure [Pa] of a lining outside the edge zones at its ends.
 
     Parameters
     ----------
-    theta : (n,) growing angles of the nodes [rad]
+    inner : the part of the lining outside the edge zones
     pressure : (n,) pressures at the nodes [Pa]
-    order : degree of the polynomial pieces of the pressure
-    zone : length of an edge zone [rad]
     located : whether to locate the peak between the nodes; otherwise it is at a node
     """
     if located:
-        return LiningWithoutEndZones(theta, order, zone).peak(pressure)
+        return inner.peak(pressure)
+    counts = inner.fraction_of_integral_outside_end_zones(pressure) > 0.5
     return largest_nodal_pressure_outside_zones(
-        theta, pressure, edge_zone_that_does_not_count(theta, pressure, order, zone)
+        inner.theta, pressure, inner.zone if counts else 0.0, inner.slots
     )
 
 
@@ -632,11 +680,12 @@ def length_of_edge_zone_without_peak(shoe: Shoe, scale_factor: float) -> float:
     """The length of the zone at each end of a lining in which the peak pressure is not sought.
 
     In this zone a sharp edge makes the pressure steep. The zone is half the lining's thickness, or
-    a quarter of the length of a short lining. The result is in the surface's coordinate, rad on a
+    a quarter of the length of a short lining. The shortest lining of a shoe with several decides.
+    The result is in the surface's coordinate, rad on a
     drum and m on a plane. `scale_factor` is the length per unit of this coordinate.
     """
     zone = (shoe.lining.thickness or 0.0) / (2 * scale_factor)
-    length = shoe.lining.end - shoe.lining.start
+    length = shoe.lining.length_of_shortest_lining
     return zone if 2 * zone < length else 0.25 * length
 
 
@@ -680,7 +729,7 @@ def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> 
         return None
     theta, pressure = response.curve()
     zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
-    inside = _is_angle_outside_end_zones(theta, zone)
+    inside = _is_angle_outside_end_zones(theta, zone, response.slots)
     # A response does not tell whether its peak pressure was sought on the whole lining or outside
     # the end zones. The largest value of the curve is known for both. The value that is nearer to
     # the peak pressure decides.
@@ -691,15 +740,24 @@ def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> 
     return PeakPlace(float(theta[inside][highest]), zone)
 
 
-def largest_nodal_pressure_outside_zones(theta: Floats, pressure: Floats, zone: float) -> float:
+def largest_nodal_pressure_outside_zones(
+    theta: Floats, pressure: Floats, zone: float, slots: Slots = ()
+) -> float:
     """The largest nodal pressure [Pa] at nodes farther than `zone` [rad] from the lining's ends.
 
     If the pressure is zero at all these nodes, the largest of all nodal pressures is returned.
+    `slots` are those between several linings, each of which has two ends.
     """
-    inside = _is_angle_outside_end_zones(theta, zone)
+    inside = _is_angle_outside_end_zones(theta, zone, slots)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())
 
 
-def _is_angle_outside_end_zones(theta: Floats, zone: float) -> Bools:
-    """Whether angles (n,) are farther than a zone from both the first and the last angle."""
-    return np.asarray((theta > theta[0] + zone) & (theta < theta[-1] - zone))
+def _is_angle_outside_end_zones(theta: Floats, zone: float, slots: Slots = ()) -> Bools:
+    """Whether angles (n,) are farther than a zone from the first and the last angle and the slots.
+
+    In a slot they are not.
+    """
+    inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
+    for start, end in slots:
+        inside &= (theta < start - zone) | (theta > end + zone)
+    return np.asarray(inside)

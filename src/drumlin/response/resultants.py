@@ -6,14 +6,16 @@ each piece. Neighbouring pieces share an end node.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
 
-from drumlin.base.arrays import Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.surface import FrictionSurface
 
 # Points on [-1, 1] and weights of a Gauss rule that is exact up to degree 23.
@@ -24,6 +26,17 @@ PEAK_SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
 
 They are in the coordinate [-1, 1] of the piece. A parabola through the largest of these values and
 its two neighbours then gives the largest value of the piece.
+"""
+
+
+Slots = tuple[tuple[float, float], ...]
+"""Begin and end of each slot between two linings of a shoe, in the surface's coordinate."""
+
+JUMP = 1e-12
+"""Length [rad, on a plane m] of the pieces on which the pressure falls to 0 at a slot.
+
+The pressure on a shoe with several linings is one piecewise polynomial, and the pressure jumps to 0
+at the edge of a slot. The force on such a piece is 1e-12 of the force on a radian of lining.
 """
 
 
@@ -132,6 +145,42 @@ def _integrals_of_shape_functions(order: int) -> Floats:
     return np.asarray(shape_functions_at_gauss_points(order)[0] @ WEIGHTS / 2, dtype=float)
 
 
+def nodes_with_slots(parts: Sequence[Floats], order: int) -> tuple[Floats, Bools]:
+    """The nodes of a piecewise polynomial on several linings, and which of them are on a lining.
+
+    Between two linings there are three more pieces: the polynomial falls to 0 on the first, is 0
+    on the second, and rises on the third.
+
+    Parameters
+    ----------
+    parts : nodes (n_k,) of each lining, growing
+    order : degree of the polynomial pieces
+
+    Returns
+    -------
+    nodes (n,) and a mask (n,) that is False at the nodes in the slots
+    """
+    theta, on_lining = [parts[0]], [np.ones(len(parts[0]), dtype=bool)]
+    reference = 0.5 * (1 + gauss_lobatto_points(order))
+    for before, part in pairwise(parts):
+        a, b = float(before[-1]), float(part[0])
+        ends = np.array([a, a + JUMP, b - JUMP, b])
+        inside = ends[:-1, None] + np.diff(ends)[:, None] * reference[:-1]
+        theta += [inside.ravel()[1:], part]
+        on_lining += [np.zeros(3 * order - 1, dtype=bool), np.ones(len(part), dtype=bool)]
+    return np.concatenate(theta), np.concatenate(on_lining)
+
+
+def slots_between_nodes(theta: Floats, on_lining: Bools) -> Slots:
+    """The slots of a piecewise polynomial, from its nodes (n,) and `nodes_with_slots`' mask (n,).
+
+    A slot begins and ends at nodes of the linings beside it, exactly.
+    """
+    open_ends = np.flatnonzero(on_lining[1:] != on_lining[:-1])
+    before, behind = open_ends[::2], open_ends[1::2] + 1
+    return tuple(zip(theta[before].tolist(), theta[behind].tolist(), strict=True))
+
+
 class GaussValues(NamedTuple):
     """A piecewise polynomial at the points of a Gauss rule, with the same rule on every piece.
 
@@ -185,12 +234,12 @@ class _Samples(NamedTuple):
 
     Attributes
     ----------
-    pieces : pieces that lie outside the end zones, or are cut by one
+    pieces : pieces that lie outside the end zones, or are cut by one; numbers if there are slots
     cut : (c,), numbers within `pieces` of the pieces that are cut
     shapes : (c, order + 1, s), Lagrange shape functions at the s points of each cut piece
     """
 
-    pieces: slice
+    pieces: slice | Ints
     cut: Ints
     shapes: Floats
 
@@ -200,17 +249,20 @@ class LiningWithoutEndZones:
     """The part of a lining outside the zones at its ends, for integrals and peaks of pressures.
 
     It serves all pressures on the same nodes. The part is empty if the two zones cover the lining.
+    If a shoe has several linings, there is a zone at both ends of each of them.
 
     Attributes
     ----------
     theta : (n,), growing nodes of the pressures, from one end of the lining to the other
     order : degree of the polynomial pieces of the pressures
     zone : length of the zone at each end, in the coordinate of theta
+    slots : begin and end of each slot between two linings, in the coordinate of theta
     """
 
     theta: Floats
     order: int
     zone: float
+    slots: Slots = ()
 
     @cached_property
     def nodal_weights_with_and_without_end_zones(self) -> Floats:
@@ -222,7 +274,8 @@ class LiningWithoutEndZones:
         ends, order = self.theta[:: self.order], self.order
         zone = min(self.zone, 0.5 * float(ends[-1] - ends[0]))
         half = 0.5 * (ends[1:] - ends[:-1])
-        limits = np.array([ends[0], ends[0] + zone, ends[-1] - zone, ends[-1]])
+        around_slots = [place for a, b in self.slots for place in (a - zone, b + zone)]
+        limits = np.array([ends[0], ends[0] + zone, ends[-1] - zone, ends[-1], *around_slots])
         # The limits of the two integrals in the coordinate [-1, 1] of each piece. A limit outside
         # the piece becomes the nearer end of the piece.
         xi = np.minimum(np.maximum((limits[:, None] - ends[:-1]) / half - 1, -1.0), 1.0)
@@ -232,6 +285,9 @@ class LiningWithoutEndZones:
         ) @ _legendre_polynomial_values(order + 1, xi).swapaxes(0, 1)
         up_to = half[:, None] * integrals.swapaxes(1, 2)
         between = up_to[3:1:-1] - up_to[:2]
+        # No pressure acts in a slot, so that the first integral needs no change.
+        for before, behind in zip(up_to[4::2], up_to[5::2], strict=True):
+            between[1] -= behind - before
         # A node that two pieces share gets the sum of the weights from both pieces.
         found = np.zeros((2, len(self.theta)))
         found[:, :-1] = between[:, :, :-1].reshape(2, -1)
@@ -257,6 +313,10 @@ class LiningWithoutEndZones:
         zone = 0.0 if empty else self.zone
         start, end = ends[:-1], ends[1:]
         low, high = np.maximum(start, ends[0] + zone), np.minimum(end, ends[-1] - zone)
+        for slot_start, slot_end in self.slots:
+            behind = start >= slot_start
+            low = np.where(behind, np.maximum(low, slot_end + zone), low)
+            high = np.where(behind, high, np.minimum(high, slot_start - zone))
         pieces = (low < high).nonzero()[0]
         cut = ((low > start) | (high < end))[pieces].nonzero()[0]
         # The points between low and high in the coordinate [-1, 1] of each cut piece.
@@ -264,7 +324,8 @@ class LiningWithoutEndZones:
         start, end = start[pieces[cut], None], end[pieces[cut], None]
         xi = (low + high - start - end + (high - low) * PEAK_SAMPLES) / (end - start)
         shapes = lagrange_shape_function_values(self.order, xi).swapaxes(0, 1)
-        return _Samples(slice(int(pieces[0]), int(pieces[-1]) + 1), cut, shapes)
+        in_row = slice(int(pieces[0]), int(pieces[-1]) + 1)
+        return _Samples(pieces if self.slots else in_row, cut, shapes)
 
     def largest_value_outside_end_zones(self, values: Floats) -> float:
         """The largest value outside the end zones; on the whole lining if the zones cover it.
@@ -312,20 +373,15 @@ def largest_value_of_piecewise_polynomial(theta: Floats, values: Floats, order: 
 
 
 def edge_zone_that_does_not_count(
-    theta: Floats, pressure: Floats, order: int, zone: float
+    theta: Floats, pressure: Floats, order: int, zone: float, slots: Slots = ()
 ) -> float:
     """The length [rad] of the zone at each end of a lining in which pressure errors do not count.
 
-    It is `zone`, or 0 if half of the force on the lining acts in the two zones.
+    It is `zone`, or 0 if half of the force on the lining acts in the zones. The parameters are
+    those of `LiningWithoutEndZones`.
     """
-    return (
-        zone
-        if LiningWithoutEndZones(theta, order, zone).fraction_of_integral_outside_end_zones(
-            pressure
-        )
-        > 0.5
-        else 0.0
-    )
+    inner = LiningWithoutEndZones(theta, order, zone, slots)
+    return zone if inner.fraction_of_integral_outside_end_zones(pressure) > 0.5 else 0.0
 
 
 def integral_of_piecewise_polynomial(theta: Floats, values: Floats, order: int) -> float:

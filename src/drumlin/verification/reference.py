@@ -122,6 +122,7 @@ def solve_brake_for_reference_values(
     anchors, and NoAnswer if the brake has no equilibrium.
     """
     require_no_shoe_on_anchors(brake, "the reference by triangles")
+    brake.check_shoes_have_one_lining("the reference")
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             raise BadInput(

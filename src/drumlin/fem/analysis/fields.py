@@ -156,7 +156,7 @@ def stress_and_displacement_fields_of_shoe(
     """Displacements and stresses in shoe `index` under the pressure and the force of a response."""
     shoe, body = brake_with_forces_of_response(brake, response).shoes[index], scene.bodies[index]
     answer = response.shoes[index]
-    p = answer.pressure[:: shoe.frame.sense]
+    p = answer.nodal_pressures_on_linings[:: shoe.frame.sense]
     u = nodal_displacements_of_shoe(body, brake, shoe, answer, p).reshape(-1, 2).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
@@ -203,7 +203,7 @@ def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> 
     The nodes are in the order of the shoe's own frame.
     """
     pairs = zip(brake.shoes, response.shoes, strict=True)
-    return [answer.pressure[:: shoe.frame.sense] for shoe, answer in pairs]
+    return [answer.nodal_pressures_on_linings[:: shoe.frame.sense] for shoe, answer in pairs]
 
 
 def stress_and_displacement_fields_of_bodies(

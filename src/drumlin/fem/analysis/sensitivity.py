@@ -894,7 +894,7 @@ def _torque_slopes_to_compare(brake: Brake, index: int, slopes: Sensitivity) -> 
     The data are the actuation force, the moduli of lining and body, the clearance and the hinge.
     """
     shoe, own, key = brake.shoes[index], slopes.shoes[index], f"shoe[{index}]."
-    gap, body = shoe.lining.clearance, shoe.body
+    gap, body = shoe.lining.linings[0].clearance, shoe.body
     assert isinstance(gap, float) and body is not None and body.material is not None
     linings, bodies = shoe.lining.material.moduli, body.material.moduli
     force, x, y = shoe.actuation.force, shoe.pin.x, shoe.pin.y

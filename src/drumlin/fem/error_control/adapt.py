@@ -326,14 +326,26 @@ def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
     theta, p, order = answer.theta, answer.pressure, answer.order
     # The heights are the largest pressures in the elements at pressed ends, relative to the peak.
     heights = []
-    for end, element in ((0, slice(order + 1)), (-1, slice(-order - 1, None))):
+    for end, element in _elements_at_ends_of_linings(answer):
         if p[end] > 0:
             height = largest_value_of_piecewise_polynomial(theta[element], p[element], order)
             heights.append(height / answer.peak_pressure)
     if any(math.isclose(height, 1.0) for height in heights):
         return True
     is_high = max(heights, default=0.0) > PEAK_NEAR_END
-    return is_high and edge_zone_that_does_not_count(theta, p, order, zone) == 0
+    return is_high and edge_zone_that_does_not_count(theta, p, order, zone, answer.slots) == 0
+
+
+def _elements_at_ends_of_linings(answer: ShoeResponse) -> list[tuple[int, slice]]:
+    """The node at each end of a lining, and the nodes of the hp element that ends there.
+
+    Each end is the position of its node. A shoe with slots has two ends more at each slot.
+    """
+    order, last = answer.order, len(answer.theta) - 1
+    before, behind = np.searchsorted(answer.theta, np.reshape(answer.slots, (-1, 2))).T.tolist()
+    starts, ends = [0, *behind], [*before, last]
+    at_starts = [(node, slice(node, node + order + 1)) for node in starts]
+    return at_starts + [(node, slice(node - order, node + 1)) for node in ends]
 
 
 def _missing_fraction_of_peak_under_gap_tips(
@@ -356,14 +368,14 @@ def _missing_fraction_of_peak_under_gap_tips(
     scale_factor : length [m] of the surface's coordinate 1
     zone : length of the zone at the lining's ends, see `length_of_edge_zone_without_peak`
     """
-    start, end, order = shoe.lining.start, shoe.lining.end, answer.order
+    order = answer.order
     theta, p = answer.theta, answer.pressure
-    zone = edge_zone_that_does_not_count(theta, p, order, zone)
+    zone = edge_zone_that_does_not_count(theta, p, order, zone, answer.slots)
     modulus = shoe.lining.material.young_modulus_of_equivalent_half_plane
     missing = 0.0
     # Each tip outside the zones at the ends may show a peak higher than the computed one.
     for tip, slope in clearance.gap_kinks_that_point_to_drum(shoe.lining):
-        if not start + zone < tip < end - zone:
+        if not any(start + zone < tip < end - zone for start, end in shoe.lining.arcs):
             continue
         # `around` are the nodes of the two elements that meet nearest to the tip.
         nearest = int(np.abs(theta[::order] - tip).argmin()) * order

@@ -238,9 +238,9 @@ def _relative_shoe_response_differences_of_levels(
     if not b.pressure.any():
         pressure = float(a.pressure.any())
         return (pressure, torque, peak, reaction), (0.0,) * len(QUANTITIES)
-    singular = length_of_uncompared_edge_zone(float(b.theta[-1] - b.theta[0]), unit)
-    edge = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, singular)
-    peak_zone = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, zone)
+    singular = length_of_uncompared_edge_zone(b.length_of_shortest_lining, unit)
+    edge = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, singular, b.slots)
+    peak_zone = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, zone, b.slots)
     step = PressureDifference.pressure_difference_of_two_responses(a, b, edge, peak_zone)
     pressure = step.relative_norm_outside_end_zones(edge)
     peak = max(peak, math.sqrt(pressure * step.relative_difference_near_peak(peak_zone)))

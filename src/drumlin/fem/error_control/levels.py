@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from typing import NamedTuple, Protocol
 
 from drumlin.base.errors import LostDigits, NoAnswer
@@ -201,7 +202,7 @@ def solve_on_finer_and_finer_levels(
     alike = equal_shapes(brake)
     prepare = prepare or partial(make_prepared_model, brake, alike=alike, cache=cache)
     refusals, column_limit = 0, math.inf
-    shortest_arc = min(end - start for start, end in (shoe.arc for shoe in brake.shoes))
+    shortest_arc = min(end - start for shoe in brake.shoes for start, end in shoe.arcs)
     for level in levels or LEVELS:
         solved: SolvedLevel | None = None
         error = level.pressure_error_by_column_ratio
@@ -254,20 +255,22 @@ def _has_new_singular_points(brake: Brake, before: PointsByShape, now: PointsByS
     now : singular points of the response on this division
     """
     return any(
-        _has_new_singular_points_on_lining(brake.shoes[i].arc, before[i], points)
+        _has_new_singular_points_on_lining(brake.shoes[i].arcs, before[i], points)
         for i, points in now.items()
     )
 
 
 def _has_new_singular_points_on_lining(
-    arc: tuple[float, float], before: Sequence[SingularPoint], now: Sequence[SingularPoint]
+    arcs: Sequence[tuple[float, float]],
+    before: Sequence[SingularPoint],
+    now: Sequence[SingularPoint],
 ) -> bool:
-    """Whether one of the singular points `now` of a lining lies away from all points `before`.
+    """Whether one of the singular points `now` of a shoe lies away from all points `before`.
 
-    The elements are always small at the ends of the lining, `arc`. An end of the contact may move
+    The elements are always small at the ends of each lining, `arcs`. An end of the contact may move
     by UNRESOLVED_LENGTH of the length that it bounds.
     """
-    known = [*arc, *(point.at for point in before)]
+    known = [*chain(*arcs), *(point.at for point in before)]
     for point in now:
         if point.kind in {Singularity.KINK, Singularity.TIP} and point.at not in known:
             return True

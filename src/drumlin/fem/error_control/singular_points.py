@@ -107,8 +107,8 @@ def _singular_points_of_lining(
     points += _singular_points_at_kinks_of_gap(shoe, answer, arcs, scale_factor, level_error)
     # The ends of each contact are singular points. Their positions are rounded, and stay within the
     # lining.
-    start, end = shoe.arc
     for arc_start, arc_end in arcs:
+        start, end = _lining_that_contact_covers(shoe, arc_start, arc_end)
         length = arc_end - arc_start
         first = min(max(_rounded_angle_of_contact_end(arc_start, length), start), end)
         last = min(max(_rounded_angle_of_contact_end(arc_end, length), start), end)
@@ -118,6 +118,12 @@ def _singular_points_of_lining(
         at = _rounded_angle_of_contact_end(opening.at, opening.width)
         points.append(SingularPoint(at, opening.width, Singularity.END))
     return points
+
+
+def _lining_that_contact_covers(shoe: Shoe, first: float, last: float) -> tuple[float, float]:
+    """The ends (phi_1, phi_2) [rad] of the lining with the contact from `first` to `last`."""
+    middle = 0.5 * (first + last)
+    return min(shoe.arcs, key=lambda arc: max(arc[0] - middle, middle - arc[1]))
 
 
 def _is_angle_near_contact(phi: float, arcs: list[list[float]]) -> bool:
@@ -220,6 +226,9 @@ def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Flo
     mean square of the change of p is thus E s/sqrt(48) on a half-plane, and E s h/(sqrt(720) t) on
     a layer. A layer on its support is at most as stiff as both together.
     """
+    if len(lining.linings) > 1:
+        changes = [pressure_changes_by_kinks_of_gap(part, scale_factor) for part in lining.linings]
+        return np.concatenate(changes)
     angle = np.array(clearance.coordinates_of_clearance_rows(lining))
     if len(angle) == 0:
         return angle
@@ -255,13 +264,14 @@ def contact_arcs_merged_over_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> 
     """The contacts of a lining in the order of their angle, each as its start and end phi [rad].
 
     Two contacts count as one if the gap between them is far shorter than both contacts together,
-    see `division.UNRESOLVED_LENGTH`.
+    see `division.UNRESOLVED_LENGTH`. Contacts on different linings of a shoe never count as one.
     """
     arcs: list[list[float]] = []
     for start, end in sorted(
         sorted(shoe.frame.phi_coordinates_as_list(arc)) for arc in response.contact_arcs
     ):
-        if arcs and start - arcs[-1][1] < UNRESOLVED_LENGTH * (end - arcs[-1][0]):
+        close = arcs and start - arcs[-1][1] < UNRESOLVED_LENGTH * (end - arcs[-1][0])
+        if close and not any(arcs[-1][0] < slot[0] < end for slot in shoe.slots):
             arcs[-1][1] = end
         else:
             arcs.append([start, end])

@@ -19,6 +19,7 @@ from drumlin.fem.hp.shoe import (
     LoadedEnd,
     function_from_depth_and_angle_to_point,
     node_positions_of_element_row,
+    positions_of_contact_nodes,
     unit_actuation_loads_on_end_face,
 )
 from drumlin.fem.substructure.body import (
@@ -47,15 +48,19 @@ def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> C
     radius : radius of the drum [m]
     div : division of the shoe into columns and layers of elements
     """
-    # The nodes under the lining are numbered first, row by row from the contact inwards.
+    # The nodes under the linings are numbered first, row by row from the contact inwards. In a slot
+    # between two linings there are nodes of the body only.
     p, first = div.degree, div.index_of_first_body_layer
     depth, along = (
         node_positions_of_element_row(div.depths, p),
         node_positions_of_element_row(div.angles, p),
     )
-    rows, n = len(depth), len(along)
-    under = np.arange(rows * n).reshape(rows, n)
-    blocks, count = [ElementBlock(under, depth, along, div.part)], rows * n
+    exists = np.ones((len(depth), len(along)), dtype=bool)
+    for start, end in div.slots:
+        exists[: _rows_before_body(div), start * p + 1 : end * p] = False
+    under = np.where(exists, np.cumsum(exists).reshape(exists.shape) - 1, -1)
+    blocks = _element_blocks_under_linings_and_in_slots(div, depth, along, under)
+    count = int(exists.sum())
     # The body continues beyond the lining at these two columns of nodes, under the lining's ends.
     faces = [under[first * p :, 0], under[first * p :, -1]]
     for k, ends in enumerate((div.before, div.after)):
@@ -72,6 +77,35 @@ def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> C
     return ColumnGrid(
         p, tuple(blocks), function_from_depth_and_angle_to_point(shoe, radius), sets, count
     )
+
+
+def _rows_before_body(div: ShoeDivision) -> int:
+    """The number of rows of nodes of the linings that no body of the shoe shares."""
+    rigid = div.index_of_first_body_layer == div.number_of_element_layers
+    return div.index_of_first_body_layer * div.degree + rigid
+
+
+def _element_blocks_under_linings_and_in_slots(
+    div: ShoeDivision, depth: Floats, along: Floats, under: Ints
+) -> list[ElementBlock]:
+    """A block of elements for each lining, and one for the body in each slot between two linings.
+
+    Parameters
+    ----------
+    div : division of the shoe into columns and layers of elements
+    depth, along : (r,) depths and (n,) positions of the nodes
+    under : (r, n) numbers of the nodes; -1 where there is none
+    """
+    p, first = div.degree, div.index_of_first_body_layer
+    blocks = []
+    for start, end in div.columns_of_linings:
+        columns = slice(start * p, end * p + 1)
+        blocks.append(ElementBlock(under[:, columns], depth, along[columns], div.part))
+    for start, end in div.slots if first < div.number_of_element_layers else ():
+        columns, rows = slice(start * p, end * p + 1), slice(first * p, None)
+        own = ElementBlock(under[rows, columns], depth[rows], along[columns], div.part[first:])
+        blocks.append(own)
+    return blocks
 
 
 def _node_sets_of_hinge_and_actuation(
@@ -94,7 +128,7 @@ def _node_sets_of_hinge_and_actuation(
     faces : nodes of the body's two end faces, at the hinge and at the actuation
     """
     if div.index_of_first_body_layer == div.number_of_element_layers:
-        return {"hinge": back}
+        return {"hinge": back[back >= 0]}
     grip = shoe.grip(radius)
     if grip is None:
         return {"hinge": faces[0], "actuation": faces[1]}
@@ -234,8 +268,17 @@ def contact_line_of_lining_face_nodes(shoe: Shoe, radius: float, div: ShoeDivisi
     div : division of the shoe into columns and layers of elements
     """
     p = div.degree
-    phi = node_positions_of_element_row(div.angles, p)
-    pieces = np.arange(len(div.angles) - 1) * p + np.arange(p + 1)[:, None]
-    xy = shoe.at(np.zeros(1), phi, radius)
-    edge = edge_zone_angle_in_shoe_frame(shoe, radius)
-    return ContactLine(np.arange(len(phi)), xy, phi, pieces, edge=edge)
+    of_linings = positions_of_contact_nodes(div)
+    firsts = np.cumsum([0, *map(len, of_linings)])[:-1]
+    pieces = []
+    for first, nodes in zip(firsts, of_linings, strict=True):
+        pieces.append(first + np.arange((len(nodes) - 1) // p) * p + np.arange(p + 1)[:, None])
+    phi = np.concatenate(of_linings)
+    return ContactLine(
+        np.arange(len(phi)),
+        shoe.at(np.zeros(1), phi, radius),
+        phi,
+        np.concatenate(pieces, axis=1),
+        edge=edge_zone_angle_in_shoe_frame(shoe, radius),
+        further_linings=tuple(firsts[1:].tolist()),
+    )

@@ -406,8 +406,11 @@ def corners_with_unbounded_pressure(
     if max(p[0], p[-1]) <= 0:
         return []
     # The corners do not count if the stated error of the pressure leaves out the lining's ends.
-    zone = length_of_uncompared_edge_zone(float(theta[-1] - theta[0]), brake.unit)
-    if edge_zone_that_does_not_count(theta, p, response.order, zone) > 0:
+    zone = length_of_uncompared_edge_zone(
+        brake.shoes[index].lining.length_of_shortest_lining, brake.unit
+    )
+    slots = brake.shoes[index].lining.slots
+    if edge_zone_that_does_not_count(theta, p, response.order, zone, slots) > 0:
         return []
     # The exponents are in the order of the shoe's own angle phi, which may be opposite to theta.
     exponents = pressure_exponents_at_both_lining_corners(brake, index)[
@@ -548,13 +551,17 @@ def pressure_error_left_at_lining_corners(
     """The relative error in L2 of the pressure p of shoe `index`, left by its unbounded corners.
 
     It is the error of the polynomial pieces next to the corners, which are as short as the
-    round-off of angles allows. The error is 1 where p is not square-integrable.
+    round-off of angles allows. The error is 1 where p is not square-integrable. It is 1 as well if
+    half of the force acts in the zones at the ends of several linings and p is unbounded beside a
+    slot, where no power law replaces the polynomials.
     """
     error = 0.0
     _, p, weight = polynomial_values_at_gauss_points(
         response.theta, response.pressure, response.order
     )
     squares = np.sum(weight * p**2, axis=1)
+    if _presses_unbounded_at_slot(brake, index, response):
+        return 1.0
     for corner in corners_with_unbounded_pressure(brake, index, response):
         if corner.exponent <= -0.5:
             return 1.0
@@ -563,6 +570,19 @@ def pressure_error_left_at_lining_corners(
             part
         )
     return error
+
+
+def _presses_unbounded_at_slot(brake: Brake, index: int, response: NodalPressure) -> bool:
+    """Whether the stated error counts an unbounded pressure beside a slot of shoe `index`."""
+    lining = brake.shoes[index].lining
+    edges = [int(np.abs(response.theta - edge).argmin()) for edge in np.ravel(lining.slots)]
+    if not np.any(response.pressure[edges] > 0):
+        return False
+    zone = length_of_uncompared_edge_zone(lining.length_of_shortest_lining, brake.unit)
+    counts = edge_zone_that_does_not_count(
+        response.theta, response.pressure, response.order, zone, lining.slots
+    )
+    return counts == 0 and min(pressure_exponents_at_both_lining_corners(brake, index)) < 0
 
 
 class LogarithmicPressure(NamedTuple):

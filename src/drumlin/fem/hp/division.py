@@ -183,7 +183,8 @@ class ShoeDivision:
     Attributes
     ----------
     degree : degree of the elements
-    angles : (m + 1,) positions phi of the ends of the columns under the lining [rad]
+    angles : (m + 1,) positions phi of the ends of the columns under the lining [rad], or under all
+        linings and in the slots between them. In a slot the shoe has its body only.
     before, after : positions phi of the ends of the columns of the body before and behind the
         lining [rad], the nearest to the lining first
     depths : (l + 1,) depths of the faces of the layers, from the contact inwards [m]. For a
@@ -191,6 +192,7 @@ class ShoeDivision:
     part : (l,) name of the part of the shoe that each layer of elements belongs to
     singular_layer_size : size [m] of the layer of elements at the lining's face, if an unbounded
         pressure (at a corner or under a tip) makes it thinner than the contact does; inf otherwise
+    slots : number of the first column of each slot, and of the first column behind it
     """
 
     degree: int
@@ -200,6 +202,18 @@ class ShoeDivision:
     depths: Floats
     part: tuple[str, ...]
     singular_layer_size: float = math.inf
+    slots: tuple[tuple[int, int], ...] = ()
+
+    @property
+    def columns_of_linings(self) -> list[tuple[int, int]]:
+        """The number of the first column under each lining, and of the first column behind it."""
+        ends = [0, *(column for slot in self.slots for column in slot), len(self.angles) - 1]
+        return list(zip(ends[::2], ends[1::2], strict=True))
+
+    @property
+    def angles_of_each_lining(self) -> list[Floats]:
+        """The positions phi of the ends of the columns under each lining [rad]."""
+        return [self.angles[first : last + 1] for first, last in self.columns_of_linings]
 
     @property
     def dictionary_key_of_division(self) -> tuple[int, bytes, bytes, bytes, bytes]:
@@ -231,8 +245,8 @@ class ShoeDivision:
 
     @property
     def contact_nodes(self) -> int:
-        """Number of nodes on the lining's face."""
-        return (len(self.angles) - 1) * self.degree + 1
+        """Number of nodes on the faces of all linings."""
+        return sum((len(ends) - 1) * self.degree + 1 for ends in self.angles_of_each_lining)
 
 
 def element_sizes_growing_from_both_ends(
@@ -351,36 +365,121 @@ def divide_shoe_into_hp_elements(
         `corner.pressure_exponents_at_both_lining_corners`
     """
     layers = thickness_of_each_shoe_layer(shoe, radius)
-    contact = _extent_of_lining_contacts(shoe, radius, level, layers, points)
-    corner_sizes = _element_column_sizes_at_corners(contact, exponents)
-    end_sizes = _element_column_sizes_at_lining_ends(shoe, level, contact, corner_sizes)
-
-    grading_points = _grading_points_along_lining(shoe, radius, level, points, contact, end_sizes)
+    # Each lining has contacts, grading points and columns of its own.
+    found = [
+        _division_of_one_lining(shoe, radius, level, points, exponents, arc) for arc in shoe.arcs
+    ]
+    angles, slots = _element_column_ends_under_linings_and_slots(shoe, radius, level, found)
     before, after = _element_column_ends_beyond_lining(
-        shoe, radius, level, layers, end_sizes, grades_loaded_end=grades_loaded_end
+        shoe,
+        radius,
+        level,
+        layers,
+        (found[0].end_sizes[0], found[-1].end_sizes[1]),
+        grades_loaded_end=grades_loaded_end,
     )
-    face_size = _size_of_element_layer_at_face(shoe, level, contact)
-    # Under an unbounded pressure the layer of elements at the lining's face is as thick as the
-    # columns at this point are wide.
-    tip_sizes = _element_column_sizes_at_gap_tips(level, contact, points)
-    singular_size = min(*tip_sizes, *corner_sizes)
+    face_size = min(lining.face_size for lining in found)
+    singular_size = min(lining.singular_size for lining in found)
     depths, part = _depths_and_parts_of_element_layers(
         layers,
         level,
         radius * min(face_size, singular_size),
-        radius * contact.longest,
-        coarsens=contact.coarsens,
+        radius * max(lining.contact.longest for lining in found),
+        coarsens=all(lining.contact.coarsens for lining in found),
         straight=isinstance(shoe.body, Beam),
     )
     return ShoeDivision(
         degree=level.degree,
-        angles=_element_column_ends_between_grading_points(grading_points, level),
+        angles=angles,
         before=before,
         after=after,
         depths=depths,
         part=part,
         singular_layer_size=radius * singular_size if singular_size < face_size else math.inf,
+        slots=slots,
     )
+
+
+class _LiningDivision(NamedTuple):
+    """The division of one lining of a shoe along the shoe; all sizes are in rad.
+
+    Attributes
+    ----------
+    contact : extent of the lining's contacts
+    angles : (m + 1,) ends of the element columns under the lining
+    end_sizes : sizes of the columns at the lining's start and end
+    face_size : size of the layer of elements at the lining's face under a bounded pressure
+    singular_size : smallest size of a column under an unbounded pressure
+    """
+
+    contact: "_ContactExtent"
+    angles: Floats
+    end_sizes: tuple[float, float]
+    face_size: float
+    singular_size: float
+
+
+def _division_of_one_lining(
+    shoe: Shoe,
+    radius: float,
+    level: Level,
+    points: Sequence[SingularPoint],
+    exponents: tuple[float, float],
+    arc: tuple[float, float],
+) -> _LiningDivision:
+    """The division along the shoe of the lining that covers `arc` (phi_1, phi_2) [rad].
+
+    The other parameters are those of `divide_shoe_into_hp_elements`.
+    """
+    own = [point for point in points if _is_position_nearest_to_lining(shoe, arc, point.at)]
+    contact = _extent_of_lining_contacts(shoe, radius, level, own, arc)
+    corner_sizes = _element_column_sizes_at_corners(contact, exponents)
+    end_sizes = _element_column_sizes_at_lining_ends(level, contact, corner_sizes)
+    grading_points = _grading_points_along_lining(shoe, radius, level, own, contact, end_sizes)
+    # Under an unbounded pressure the layer of elements at the lining's face is as thick as the
+    # columns at this point are wide.
+    tip_sizes = _element_column_sizes_at_gap_tips(level, contact, own)
+    return _LiningDivision(
+        contact=contact,
+        angles=_element_column_ends_between_grading_points(grading_points, level),
+        end_sizes=end_sizes,
+        face_size=_size_of_element_layer_at_face(level, contact),
+        singular_size=min(*tip_sizes, *corner_sizes),
+    )
+
+
+def _is_position_nearest_to_lining(shoe: Shoe, arc: tuple[float, float], phi: float) -> bool:
+    """Whether a position phi [rad] is nearer to the lining on `arc` than to the shoe's others."""
+    distances = {other: max(other[0] - phi, phi - other[1]) for other in shoe.arcs}
+    return distances[arc] == min(distances.values())
+
+
+def _element_column_ends_under_linings_and_slots(
+    shoe: Shoe, radius: float, level: Level, linings: Sequence[_LiningDivision]
+) -> tuple[Floats, tuple[tuple[int, int], ...]]:
+    """The ends (m + 1,) [rad] of all columns under linings and in slots, and the slots' columns.
+
+    In a slot the columns grow from both linings towards its middle, as those of the body beyond the
+    linings do. A slot is given by the number of its first column, and of the first one behind it.
+
+    Parameters
+    ----------
+    shoe, radius, level : as in `divide_shoe_into_hp_elements`
+    linings : divisions of the linings in the order of their positions
+    """
+    angles, slots = [linings[0].angles], []
+    columns = len(linings[0].angles) - 1
+    grip_size = _element_column_size_at_grip(shoe, radius, level)
+    for before, lining in pairwise(linings):
+        first = GradingPoint(float(before.angles[-1]), before.end_sizes[1], level.ratio)
+        last = GradingPoint(float(lining.angles[0]), lining.end_sizes[0], level.ratio)
+        in_slot = [at for at in shoe.grip(radius) or () if first.at < at < last.at]
+        grip_ends = [GradingPoint(at, grip_size, level.ratio) for at in in_slot]
+        ends = _element_column_ends_between_grading_points([first, *grip_ends, last], level)
+        angles += [ends[1:], lining.angles[1:]]
+        slots.append((columns, columns + len(ends) - 1))
+        columns += len(ends) + len(lining.angles) - 2
+    return np.concatenate(angles), tuple(slots)
 
 
 def _element_column_sizes_at_gap_tips(
@@ -402,17 +501,17 @@ def _element_column_ends_between_grading_points(points: list[GradingPoint], leve
     return np.append(np.concatenate(ends), points[-1].at)
 
 
-def _size_of_element_layer_at_face(shoe: Shoe, level: Level, contact: "_ContactExtent") -> float:
+def _size_of_element_layer_at_face(level: Level, contact: "_ContactExtent") -> float:
     """The size [rad] of the layer of elements at the lining's face under a bounded pressure.
 
     Under a short contact the layer is as thick as the columns at the contact's ends are wide.
 
     Parameters
     ----------
-    shoe, level : the shoe, and the degree and sizes of its elements
+    level : the degree and sizes of the shoe's elements
     contact : extent of the contact
     """
-    start, end = shoe.arc
+    start, end = contact.arc
     size = min(
         level.zone * min(EDGE_ZONE, contact.thickness, end - start, *contact.reaching_lengths),
         *(level.end * length for length in contact.lengths),
@@ -428,6 +527,7 @@ class _ContactExtent(NamedTuple):
 
     Attributes
     ----------
+    arc : positions of the lining's start and end
     thickness : thickness of the lining
     smallest_column : smallest allowed size of an element column
     lengths : for each end of a contact the length of this contact
@@ -440,6 +540,7 @@ class _ContactExtent(NamedTuple):
     coarsens : whether elements at corners far from the contact may be larger
     """
 
+    arc: tuple[float, float]
     thickness: float
     smallest_column: float
     lengths: list[float]
@@ -453,8 +554,8 @@ def _extent_of_lining_contacts(
     shoe: Shoe,
     radius: float,
     level: Level,
-    layers: list[ShoeLayer],
     points: Sequence[SingularPoint],
+    arc: tuple[float, float],
 ) -> _ContactExtent:
     """The extent of the contacts of a lining, from the singular points at their ends.
 
@@ -462,10 +563,12 @@ def _extent_of_lining_contacts(
 
     Parameters
     ----------
-    shoe, radius, level, points : as in `divide_shoe_into_hp_elements`
-    layers : layers of the shoe
+    shoe, radius, level : as in `divide_shoe_into_hp_elements`
+    points : singular points on the lining
+    arc : positions of the lining's start and end [rad]
     """
-    start, end = shoe.arc
+    layers = thickness_of_each_shoe_layer(shoe, radius)
+    start, end = arc
     t = layers[0].thickness / radius
     contact_ends = [point for point in points if point.kind == Singularity.END]
     positions = [point.at for point in contact_ends] or [start, end]
@@ -477,14 +580,15 @@ def _extent_of_lining_contacts(
     deep = 2 * sum(layer.thickness for layer in layers) > radius * (end - start)
     # The force of one short contact follows from balance alone. The forces of several contacts on
     # an elastic shoe depend on how the shoe bends, and so on the stress at far corners.
-    one_short = len(lengths) == 2 and longest < t
+    one_short = len(lengths) == 2 and longest < t and len(shoe.arcs) == 1
     return _ContactExtent(
+        arc=arc,
         thickness=t,
         smallest_column=smallest_column,
         lengths=lengths,
         longest=longest,
         open_lengths=(positions[0] - start, end - positions[-1]),
-        reaching_lengths=_shortest_contact_lengths_at_lining_ends(shoe, t, level, contact_ends),
+        reaching_lengths=_shortest_contact_lengths_at_lining_ends(arc, t, level, contact_ends),
         coarsens=not deep and (shoe.body is None or one_short),
     )
 
@@ -507,17 +611,17 @@ def _element_column_sizes_at_corners(
 
 
 def _element_column_sizes_at_lining_ends(
-    shoe: Shoe, level: Level, contact: _ContactExtent, corner_sizes: tuple[float, float]
+    level: Level, contact: _ContactExtent, corner_sizes: tuple[float, float]
 ) -> tuple[float, float]:
     """The sizes of the element columns at the lining's start and end [rad].
 
     Parameters
     ----------
-    shoe, level : the shoe, and the degree and sizes of its elements
+    level : the degree and sizes of the shoe's elements
     contact : extent of the contact
     corner_sizes : sizes of columns that unbounded pressures at both corners need [rad]
     """
-    start, end = shoe.arc
+    start, end = contact.arc
     t, smallest = contact.thickness, contact.smallest_column
     pressed_size = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
     sizes = []
@@ -554,7 +658,7 @@ def _grading_points_along_lining(
     contact : extent of the contact
     end_sizes : sizes of the columns at the lining's start and end [rad]
     """
-    start, end = shoe.arc
+    start, end = contact.arc
     first = GradingPoint(start, end_sizes[0], level.ratio)
     last = GradingPoint(end, end_sizes[1], level.ratio)
     inner = []
@@ -566,14 +670,20 @@ def _grading_points_along_lining(
     if grip is None:
         return grading_points
     # The ends of the grip are grading points, and replace others that are too near to them.
-    grip_size = level.hinge * thickness_of_each_shoe_layer(shoe, radius)[-1].thickness / radius
+    grip_size = _element_column_size_at_grip(shoe, radius, level)
     kept = []
     for candidate in grading_points[1:-1]:
         distance = min(abs(candidate.at - end_of_grip) for end_of_grip in grip)
         if distance > max(candidate.size, grip_size):
             kept.append(candidate)
-    grip_ends = [GradingPoint(end_of_grip, grip_size, level.ratio) for end_of_grip in grip]
+    on_lining = [end_of_grip for end_of_grip in grip if start < end_of_grip < end]
+    grip_ends = [GradingPoint(end_of_grip, grip_size, level.ratio) for end_of_grip in on_lining]
     return [grading_points[0], *sorted([*kept, *grip_ends]), grading_points[-1]]
+
+
+def _element_column_size_at_grip(shoe: Shoe, radius: float, level: Level) -> float:
+    """The size [rad] of the element columns at the ends of a grip that holds the shoe's back."""
+    return level.hinge * thickness_of_each_shoe_layer(shoe, radius)[-1].thickness / radius
 
 
 def _element_column_ends_beyond_lining(
@@ -686,7 +796,7 @@ def _element_column_size_at_gap_tip(level: Level, thickness: float, length: floa
 
 
 def _shortest_contact_lengths_at_lining_ends(
-    shoe: Shoe, thickness: float, level: Level, contact_ends: Sequence[SingularPoint]
+    arc: tuple[float, float], thickness: float, level: Level, contact_ends: Sequence[SingularPoint]
 ) -> tuple[float, float]:
     """The lengths of the shortest contacts that reach the lining's start and end [rad].
 
@@ -695,11 +805,12 @@ def _shortest_contact_lengths_at_lining_ends(
 
     Parameters
     ----------
-    shoe, level : the shoe, and the degree and sizes of its elements
+    arc : positions of the lining's start and end [rad]
     thickness : thickness of the lining [rad]
+    level : the degree and sizes of the shoe's elements
     contact_ends : singular points at the ends of contacts
     """
-    start, end = shoe.arc
+    start, end = arc
     at_start, at_end = [], []
     for point in contact_ends:
         column = _element_column_size_at_contact_end(level, thickness, point.length)

@@ -210,9 +210,9 @@ def condensed_ring_in_hp_elements(
     assert ring is not None and ring.section is not None
     ends = []
     for shoe, line in zip(brake.shoes, linings, strict=True):
-        ends.append(
-            np.sort(shoe.frame.theta(line.phi[:: line.interpolation_degree_along_contact_line]))
-        )
+        for phi in line.values_of_each_lining(line.phi):
+            at_ends = phi[:: line.interpolation_degree_along_contact_line]
+            ends.append(np.sort(shoe.frame.theta(at_ends)))
     div = divide_ring_into_hp_elements(ring.section, radius, ends, level, singular_layer_size)
     # A free ring is held by nothing: unit loads on its rim balance the forces of the linings.
     free = ring.support == "free"

@@ -350,19 +350,24 @@ def _condensed_hp_columns_of_shoe(
     under, before = len(div.angles) - 1, len(div.before) - 1
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
-    outside_grip = np.concatenate([which[:a], which[b:under]])
-    free = _condensed_hp_columns_of_row(
-        whole,
-        outside_grip,
-        0,
-        contact=True,
-        held=div.index_of_first_body_layer == div.number_of_element_layers,
-    )
-    gripped = _condensed_hp_columns_of_row(whole, which[a:b], 0, contact=True, held=True)
-    rest = _condensed_hp_columns_of_row(
-        whole, which[under:], div.index_of_first_body_layer, contact=False, held=False
-    )
-    return _ShoeColumns([*free[:a], *gripped, *free[a:]], rest[:before], rest[before:], (a, b))
+    body = div.index_of_first_body_layer
+    rigid = body == div.number_of_element_layers
+    # In the slots between linings the columns begin with the body, as beyond the linings. A rigid
+    # body has no columns there.
+    in_slot = np.zeros(under, dtype=bool)
+    for first, last in div.slots:
+        in_slot[first:last] = True
+    in_grip = (np.arange(under) >= a) & (np.arange(under) < b)
+    columns: dict[int, ColumnSubstructure] = {}
+    for slot, held in ((False, False), (False, True), (True, False), (True, True)):
+        where = np.flatnonzero((in_slot == slot) & (in_grip == held))
+        made = _condensed_hp_columns_of_row(
+            whole, which[where], body * slot, contact=not slot, held=held or rigid
+        )
+        columns |= dict(zip(where.tolist(), made, strict=False))
+    rest = _condensed_hp_columns_of_row(whole, which[under:], body, contact=False, held=False)
+    row = [columns[k] for k in sorted(columns)]
+    return _ShoeColumns(row, rest[:before], rest[before:], (a, b))
 
 
 def _condensed_hp_columns_of_row(
@@ -378,11 +383,11 @@ def _condensed_hp_columns_of_row(
     contact : whether the columns' edge at the lining's face is in contact
     held : whether the edge farthest from the contact is held
     """
-    if not len(row):
+    div = whole.div
+    if not len(row) or layer == div.number_of_element_layers:
         return []
     # numpy.unique would load numpy's masked arrays, which bincount does not.
     kinds = np.flatnonzero(np.bincount(row))
-    div = whole.div
     unknowns = numbering_of_element_column_unknowns(
         div.degree, div.number_of_element_layers - layer, contact=contact, held=held
     )
@@ -454,7 +459,13 @@ def rotation_angles_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
 
     In the element columns they are measured along the radius and around the drum.
     """
-    return -angles_of_displacement_axes(shoe, axis_angles_at_contact_nodes(div.angles, div.degree))
+    angles = [axis_angles_at_contact_nodes(ends, div.degree) for ends in div.angles_of_each_lining]
+    return -angles_of_displacement_axes(shoe, np.concatenate(angles))
+
+
+def positions_of_contact_nodes(div: ShoeDivision) -> list[Floats]:
+    """The positions phi (n_k,) [rad] of the contact nodes on each lining."""
+    return [node_positions_of_element_row(ends, div.degree) for ends in div.angles_of_each_lining]
 
 
 def condense_shoe_to_contact_nodes(
@@ -477,7 +488,7 @@ def condense_shoe_to_contact_nodes(
     NoAnswer
         for a singular stiffness
     """
-    phi = node_positions_of_element_row(div.angles, div.degree)
+    phi = np.concatenate(positions_of_contact_nodes(div))
     R = rigid_body_displacements_of_nodes(
         function_from_depth_and_angle_to_point(shoe, radius)(np.zeros(1), phi),
         shoe.pin_in_shoe_frame,
@@ -486,9 +497,9 @@ def condense_shoe_to_contact_nodes(
     if div.index_of_first_body_layer < div.number_of_element_layers and not any(row.grip):
         return _condense_shoe_that_hinge_holds(shoe, radius, div, row, R)
     S = (
-        _contact_stiffness_of_gripped_shoe(row)
+        _contact_stiffness_of_gripped_shoe(row, div)
         if any(row.grip)
-        else _contact_stiffness_of_held_lining(row.under)
+        else _contact_stiffness_of_linings_on_rigid_body(row.under, div)
     )
     return condensed_shoe_with_held_back(
         shoe, rotate_node_axes_of_matrix(S, rotation_angles_to_shoe_frame(shoe, div)), R
@@ -537,7 +548,7 @@ def _condense_shoe_that_hinge_holds(
     columns[-1] = eliminate_nodes_on_column_side(
         columns[-1], loaded, len(faces.end_forces), right=True
     )
-    A = assemble_row_of_element_columns(columns, 2).K
+    A = _assemble_columns_of_linings_and_slots(columns, div)
     back = rotation_angles_to_shoe_frame(shoe, div)
 
     def contact_forces_in_shoe_frame(V: Floats) -> Floats:
@@ -641,13 +652,17 @@ def condensed_shoe_with_balanced_loads(
 
 
 def _contact_stiffness_of_held_lining(
-    row: list[ColumnSubstructure], left: Floats | None = None, right: Floats | None = None
+    row: list[ColumnSubstructure],
+    div: ShoeDivision,
+    left: Floats | None = None,
+    right: Floats | None = None,
 ) -> Floats:
     """The stiffness of the contact nodes of a lining whose back is held.
 
     Parameters
     ----------
-    row : element columns under the lining
+    row : element columns under the lining, or under several linings and in the slots between them
+    div : division of the shoe into columns and layers of elements
     left, right : condensed stiffness of the parts of the body beyond the lining's start and end;
         None if the body ends there
     """
@@ -656,10 +671,62 @@ def _contact_stiffness_of_held_lining(
     row[-1] = eliminate_nodes_on_column_side(
         row[-1], right, 0 if right is None else len(right), right=True
     )
-    return assemble_row_of_element_columns(row, 2).K
+    return _assemble_columns_of_linings_and_slots(row, div)
 
 
-def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns) -> Floats:
+def _contact_stiffness_of_linings_on_rigid_body(
+    row: list[ColumnSubstructure], div: ShoeDivision
+) -> Floats:
+    """The stiffness of the contact nodes of one or several linings on a rigid body.
+
+    The linings do not touch each other, so that no stiffness couples their nodes. `row` are the
+    element columns under all linings, and `div` is the division of the shoe.
+    """
+    blocks, count = [], 0
+    for first, last in div.columns_of_linings:
+        own = row[count : count + last - first]
+        count += last - first
+        own[0] = eliminate_nodes_on_column_side(own[0])
+        own[-1] = eliminate_nodes_on_column_side(own[-1], right=True)
+        blocks.append(assemble_row_of_element_columns(own, 2).K)
+    S = np.zeros((sum(map(len, blocks)),) * 2)
+    count = 0
+    for block in blocks:
+        own_unknowns = slice(count, count + len(block))
+        S[own_unknowns, own_unknowns] = block
+        count += len(block)
+    return S
+
+
+def _assemble_columns_of_linings_and_slots(
+    columns: list[ColumnSubstructure], div: ShoeDivision
+) -> Floats:
+    """The stiffness of all contact nodes, assembled from the columns under linings and in slots.
+
+    The body between two linings is attached to the last column of the lining before the slot. All
+    that comes before a lining is attached to its first column.
+
+    Parameters
+    ----------
+    columns : element columns by their position; the first one has no left line, apart from unknowns
+        that are kept, and the last one no right line
+    div : division of the shoe into columns and layers of elements
+    """
+    before: ColumnSubstructure | None = None
+    for k, (first, last) in enumerate(div.columns_of_linings):
+        own = columns[first:last]
+        if before is not None:
+            own[0] = eliminate_nodes_on_column_side(own[0], before.K, before.right)
+        if k < len(div.slots):
+            slot = assemble_row_of_element_columns(columns[slice(*div.slots[k])], 0)
+            own[-1] = eliminate_nodes_on_column_side(own[-1], slot.K, slot.left, right=True)
+            own[-1] = own[-1]._replace(right=slot.right)
+        before = assemble_row_of_element_columns(own, 2)
+    assert before is not None
+    return before.K
+
+
+def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns, div: ShoeDivision) -> Floats:
     """The stiffness of the contact nodes of a shoe whose body is held by a grip on its back.
 
     The parts of the body beyond the lining are free.
@@ -667,12 +734,12 @@ def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns) -> Floats:
     row, (first, last) = columns.under.copy(), columns.grip
     # A line is the nodes on a side of a column. At the ends of the grip its last node is held, so
     # that the neighbouring column outside the grip loses the two unknowns of this node.
-    line = row[first].left
     if first > 0:
-        K, left, _ = row[first - 1]
-        row[first - 1] = ColumnSubstructure(K[:-2, :-2], left, line)
+        K, left, right = row[first - 1]
+        row[first - 1] = ColumnSubstructure(K[:-2, :-2], left, right - 2)
     if last < len(row):
-        K, _, right = row[last]
+        K, left, right = row[last]
+        line = left - 2
         free = np.delete(np.arange(len(K)), [line, line + 1])
         row[last] = ColumnSubstructure(K[free[:, None], free], line, right)
     # The parts of the body beyond the lining are condensed to their side at the lining.
@@ -687,7 +754,7 @@ def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns) -> Floats:
         if after
         else None
     )
-    return _contact_stiffness_of_held_lining(row, body_before, body_after)
+    return _contact_stiffness_of_held_lining(row, div, body_before, body_after)
 
 
 def _join_first_column_to_body_at_hinge(

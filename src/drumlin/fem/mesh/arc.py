@@ -149,6 +149,9 @@ def parametric_mesh_of_shoe(
         else divide_lining_into_elements(shoe, radius, elements)
     )
     if isinstance(shoe.body, Beam):
+        reason = shoe.reason_against_several_linings("the mesh of a straight beam")
+        if reason is not None:
+            raise BadInput(f"--kind = {kind!r}: shoe {shoe.name!r}: {reason}")
         return mesh_of_straight_beam_shoe(shoe, radius, division, MESH_KINDS[kind].mesh)
     # Each element belongs to the layer that its centre lies in.
     layout = _depths_and_angles_of_arc_mesh(shoe, radius, division, kind)
@@ -200,15 +203,14 @@ def _depths_and_angles_of_arc_mesh(
 
 
 def _element_grid_of_arc_shoe(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
-    """The grid of depths and angles, without lining and backing beyond the lining's ends.
+    """The grid of depths and angles, without lining and backing where the shoe has no lining.
 
     The grid is scikit-fem's mesh of quadrilaterals or, for a `kind` of triangles, of triangles.
     """
-    phi_1, phi_2 = shoe.arc
     grid = _scikit_fem_class_of_name("MeshQuad").init_tensor(layout.depths, layout.angles)
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     of_body = depth > layout.thickness_of_lining_and_backing
-    under_lining = (phi > phi_1) & (phi < phi_2)
+    under_lining = np.any([(phi > start) & (phi < end) for start, end in shoe.arcs], axis=0)
     grid = grid.restrict(np.flatnonzero(of_body | under_lining))
     return grid.to_meshtri() if kind.startswith("tri") else grid
 

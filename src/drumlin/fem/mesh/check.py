@@ -350,27 +350,52 @@ def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault
     # The contact must have the same ends as the lining in the brake's file.
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
     xy = mesh.p[:, nodes]
-    phi, text = shoe.phi_of_points_in_shoe_frame(xy, radius), shoe.surface.place
-    arc = (float(phi.min()), float(phi.max()))
-    if max(abs(a - b) for a, b in zip(arc, shoe.arc, strict=True)) > LARGEST_ARC_DIFFERENCE:
-        theta = sorted(shoe.frame.theta(np.array(arc)).tolist())
-        raise BadInput(
-            f"{fault}: the group contact runs from {text(theta[0])} to {text(theta[1])}; "
-            f"must be the lining's {'length' if shoe.flat else 'arc'}, "
-            f"{text(shoe.lining.start)} to {text(shoe.lining.end)}, "
-            f"within {text(shoe.frame.unit * LARGEST_ARC_DIFFERENCE)} "
-            f"(coordinates are read in the {shoe.mesh_frame}'s frame)"
-        )
-    # With the nodes in the order of their angle, each edge must lead from a node to the next one.
-    steps = np.sort(np.argsort(np.argsort(phi))[ends.reshape(2, -1)], axis=0)
+    phi = shoe.phi_of_points_in_shoe_frame(xy, radius)
+    # Each node belongs to the lining that it is nearest to.
+    distances = [np.maximum(start - phi, phi - end) for start, end in shoe.arcs]
+    nearest = np.argmin(distances, axis=0)
+    for k, arc in enumerate(shoe.arcs):
+        _check_contact_covers_lining(phi[nearest == k], arc, shoe, fault)
+    # With the nodes in the order of their angle, each edge must lead from a node to the next one
+    # on the same lining.
+    by_angle = np.argsort(phi)
+    steps = np.sort(np.argsort(by_angle)[ends.reshape(2, -1)], axis=0)
     steps = steps[:, np.argsort(steps[0])]
-    from_each = np.array_equal(steps[0], np.arange(len(phi) - 1))
+    on_lining = nearest[by_angle]
+    from_each = np.array_equal(steps[0], np.flatnonzero(on_lining[1:] == on_lining[:-1]))
     to_next = np.array_equal(steps[1], steps[0] + 1)
     if not (from_each and to_next):
+        lines = "line" if len(shoe.arcs) == 1 else "line on each lining"
         raise BadInput(
-            f"{fault}: the group contact must be one line without gaps or turns, "
+            f"{fault}: the group contact must be one {lines} without gaps or turns, "
             "one edge after the other"
         )
+
+
+def _check_contact_covers_lining(
+    phi: Floats, arc: tuple[float, float], shoe: Shoe, fault: str
+) -> None:
+    """Refuse a mesh whose contact nodes on a lining do not reach from its start to its end.
+
+    Parameters
+    ----------
+    phi : (n,) positions of the contact nodes on the lining [rad]
+    arc : positions of the lining's ends in the brake's file [rad]
+    shoe : the shoe
+    fault : beginning of the message
+    """
+    found = (float(phi.min()), float(phi.max())) if len(phi) else (arc[0], arc[0])
+    if max(abs(a - b) for a, b in zip(found, arc, strict=True)) <= LARGEST_ARC_DIFFERENCE:
+        return
+    text, frame = shoe.surface.place, shoe.frame
+    theta, wanted = (sorted(frame.theta(np.array(ends)).tolist()) for ends in (found, arc))
+    raise BadInput(
+        f"{fault}: the group contact runs from {text(theta[0])} to {text(theta[1])}; "
+        f"must be the lining's {'length' if shoe.flat else 'arc'}, "
+        f"{text(wanted[0])} to {text(wanted[1])}, "
+        f"within {text(frame.unit * LARGEST_ARC_DIFFERENCE)} "
+        f"(coordinates are read in the {shoe.mesh_frame}'s frame)"
+    )
 
 
 def _check_hinge_is_nearer_to_pin(mesh: Any, shoe: Shoe, fault: str) -> None:

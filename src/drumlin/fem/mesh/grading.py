@@ -74,12 +74,41 @@ def divide_lining_into_elements(shoe: Shoe, radius: float, elements: int) -> Lin
     start, end = shoe.arc
     thickness = shoe.lining.thickness
     return LiningDivision(
-        angles=start + element_ends_along_lining(end - start, shoe, radius, elements),
+        angles=_element_ends_along_linings_and_slots(shoe, radius, elements),
         depths=points_graded_to_both_ends(
             0, thickness, number_of_element_layers_in_lining(elements), thickness / 2, EDGE_SIZE
         ),
         step=(end - start) / elements,
     )
+
+
+def _element_ends_along_linings_and_slots(shoe: Shoe, radius: float, elements: int) -> Floats:
+    """The angles phi [rad] of the ends of the elements along all linings of a shoe and its slots.
+
+    The parameters are those of `divide_lining_into_elements`.
+    """
+    start, end = shoe.arc
+    parts = []
+    for (first, last), count in zip(
+        shoe.arcs, numbers_of_elements_on_linings(shoe, elements), strict=True
+    ):
+        parts.append(first + element_ends_along_lining(last - first, shoe, radius, count))
+    # In a slot the elements have the mean length of those along the linings.
+    for first, last in shoe.slots:
+        count = max(1, round((last - first) * elements / (end - start)))
+        parts.append(np.linspace(first, last, count + 1)[1:-1])
+    return np.sort(np.concatenate(parts))
+
+
+def numbers_of_elements_on_linings(shoe: Shoe, elements: int) -> list[int]:
+    """The number of elements along each lining of a shoe, in proportion to its length.
+
+    `elements` is the number along all linings; each lining has two at least.
+    """
+    lengths = [end - start for start, end in shoe.arcs]
+    if len(lengths) == 1:
+        return [elements]
+    return [max(2, round(elements * length / sum(lengths))) for length in lengths]
 
 
 def element_ends_along_lining(arc: float, shoe: Shoe, radius: float, elements: int) -> Floats:

@@ -27,7 +27,7 @@ def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     It contains the geometry and the materials. Shoes with the same key have one shape. They may
     differ in position, load and clearance, and one may be the mirror image of the other.
     """
-    arcs = [shoe.arc]
+    arcs = list(shoe.arcs)
     lining, body = shoe.lining, shoe.body
     behind: tuple[object, ...] | None = None
     if isinstance(body, Beam):
@@ -143,11 +143,11 @@ def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
         actuation["point"] = Point(x=0.0, y=0.0)
     lining: dict[str, Any] = {
         "clearance": 0.0,
-        "misfit": type(shoe.lining.misfit)(),
+        "misfit": type(shoe.lining.linings[0].misfit)(),
         "friction": None,
     }
     changes = {
-        "lining": shoe.lining.model_copy(update=lining),
+        "lining": shoe.lining.copy_with(lining),
         "actuation": shoe.actuation.model_copy(update=actuation),
         "forces": (),
         "mass": None,

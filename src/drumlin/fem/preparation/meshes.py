@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple, cast
 
@@ -232,9 +232,12 @@ def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: fl
     """
     middle = sum(shoe.arc) / 2
     unit = radius if shoe.flat else None
-    return make_contact_line_of_lining(
+    line = make_contact_line_of_lining(
         basis, facets, middle, unit, edge_zone_angle_in_shoe_frame(shoe, radius)
     )
+    # A lining ends where the next edge does not begin with the last node of the edge before.
+    first, last = line.pieces[0], line.pieces[-1]
+    return replace(line, further_linings=tuple(first[1:][first[1:] != last[:-1]].tolist()))
 
 
 def mesh_and_assemble_shoe(

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Ints, polar_angles_near_given_angle
+from drumlin.base.arrays import Bools, Floats, Ints, polar_angles_near_given_angle
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.response.response import PressureOverWidth
 from drumlin.response.resultants import (
@@ -29,7 +29,9 @@ from drumlin.response.resultants import (
     LiningWithoutEndZones,
     lagrange_shape_function_derivatives,
     lagrange_shape_function_values,
+    nodes_with_slots,
     shape_functions_at_gauss_points,
+    slots_between_nodes,
 )
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]
@@ -50,6 +52,7 @@ class ContactLine:
     phi : (n,) angles of these nodes [rad]
     pieces : (order + 1, m) positions in `nodes` of the nodes of each edge, by growing angle
     edge : length [rad] of the zones at both ends of the lining in which no pressure peak is sought
+    further_linings : position in `nodes` of the first node of each lining behind the first one
     """
 
     nodes: Ints
@@ -57,6 +60,7 @@ class ContactLine:
     phi: Floats
     pieces: Ints
     edge: float = field(default=0.0, kw_only=True)
+    further_linings: tuple[int, ...] = field(default=(), kw_only=True)
 
     @property
     def interpolation_degree_along_contact_line(self) -> int:
@@ -70,11 +74,28 @@ class ContactLine:
     @cached_property
     def inner_part_for_pressure_peak(self) -> LiningWithoutEndZones:
         """The part of the contact line in which a peak of the pressure is sought."""
+        phi, on_lining = self.nodes_over_all_linings
         return LiningWithoutEndZones(
-            self.angles_and_mean_pressures(np.zeros(len(self.phi)))[0],
+            phi,
             self.interpolation_degree_along_contact_line,
             self.edge,
+            slots_between_nodes(phi, on_lining),
         )
+
+    def values_of_each_lining(self, values: Floats) -> list[Floats]:
+        """The values (n,) at the contact nodes, divided into those of each lining."""
+        return np.split(values, self.further_linings)
+
+    @cached_property
+    def nodes_over_all_linings(self) -> tuple[Floats, Bools]:
+        """The nodes (m,) [rad] of a polynomial over linings and slots, and which are on linings.
+
+        See `resultants.nodes_with_slots`. The nodes on linings are those of
+        `angles_and_mean_pressures`.
+        """
+        phi, _ = self.angles_and_mean_pressures(np.zeros(len(self.phi)))
+        parts = self.values_of_each_lining(phi)
+        return nodes_with_slots(parts, self.interpolation_degree_along_contact_line)
 
     @property
     def node_distances_from_mid_plane(self) -> Floats:

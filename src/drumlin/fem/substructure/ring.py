@@ -27,6 +27,7 @@ from drumlin.fem.mesh.grading import (
     EDGE_SIZE,
     element_ends_along_lining,
     number_of_element_layers_in_lining,
+    numbers_of_elements_on_linings,
     points_graded_to_both_ends,
 )
 from drumlin.fem.substructure.body import (
@@ -152,10 +153,11 @@ def _angles_where_ring_elements_meet(
     """
     parts, arcs = [], []
     for shoe in sorted(shoes, key=lambda shoe: shoe.lining.start % (2 * math.pi)):
-        lining = shoe.lining
-        arcs.append(lining.end - lining.start)
-        angles_of_lining = element_ends_along_lining(arcs[-1], shoe, radius, elements)
-        parts.append(lining.start % (2 * math.pi) + angles_of_lining)
+        counts = numbers_of_elements_on_linings(shoe, elements)[:: shoe.frame.sense]
+        for (start, end), count in zip(shoe.lining.arcs, counts, strict=True):
+            arcs.append(end - start)
+            angles_of_lining = element_ends_along_lining(arcs[-1], shoe, radius, count)
+            parts.append(start % (2 * math.pi) + angles_of_lining)
     angles = np.unique(np.concatenate(parts) % (2 * math.pi))
     step = min(arcs) / elements
     # Where linings overlap, two nearly equal angles would make a thin element. One is left out.

@@ -88,7 +88,8 @@ def reason_against_width_model(brake: Brake) -> str | None:
             return f"shoe {shoe.name!r}: {reason}"
     model = "the model of the width"
     return (
-        reason_if_any_part_is_orthotropic(brake, model)
+        brake.reason_against_several_linings(model)
+        or reason_if_any_part_is_orthotropic(brake, model)
         or reason_if_any_shoe_is_heated(brake, model)
         or plane_why_not(brake)
     )

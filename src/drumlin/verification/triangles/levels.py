@@ -228,7 +228,11 @@ def _gap_kinks_and_contact_ends(
             (float(end), min(shape.triangle_length_before_first_halving, width / 4)) for end in arc
         ]
     slack = END_SLACK * (lining.end - lining.start)
-    inside = [one for one in places if lining.start + slack < one[0] < lining.end - slack]
+    inside = [
+        one
+        for one in places
+        if any(start + slack < one[0] < end - slack for start, end in lining.arcs)
+    ]
     angle, length = np.reshape(inside, (-1, 2)).T
     return SingularPlaces((angle - shape.origin) * shape.turn, length * 0.5**most)
 

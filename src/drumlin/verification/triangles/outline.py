@@ -100,7 +100,9 @@ class Outline:
     @property
     def triangle_length_before_first_halving(self) -> float:
         """Length of a triangle before its first halving towards a corner [m]."""
-        arc = (self.layers[0].end - self.layers[0].start) * self.length
+        face = self.layers[0]
+        ends = [face.start, *(end for slot in face.slots for end in slot), face.end]
+        arc = min(b - a for a, b in zip(ends[::2], ends[1::2], strict=True)) * self.length
         return min(float(self.thickness.min()), arc / 4)
 
 
@@ -118,7 +120,7 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     plates = 0 if body is None else len(body.plates)
     before_body = len(layers) - plates
     held = loaded = grip = None
-    s = [lining.start, lining.end]
+    s = [end for arc in lining.arcs for end in arc]
     corners = [(end, float(d)) for end in s for d in range(before_body + 1)]
     if body is not None:
         s += [body.start, body.end]
@@ -167,14 +169,14 @@ def _layers_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
         if part is not None:
             elastic = ElasticLayer.make_layer_in_plane_stress(part.material, lining.width)
             strains = free_strains(key, part.thickness)
-            layers.append(TriangleLayer(lining.start, lining.end, elastic, strains))
+            layers.append(TriangleLayer(lining.start, lining.end, elastic, lining.slots, strains))
             thickness.append(part.thickness)
     if body is not None:
         assert not isinstance(body, Beam)
         for plate in body.plates.values():
             elastic = ElasticLayer.make_layer_in_plane_stress(plate.material, plate.width)
             strains = free_strains("body", plate.thickness)
-            layers.append(TriangleLayer(body.start, body.end, elastic, strains))
+            layers.append(TriangleLayer(body.start, body.end, elastic, free_strains=strains))
             thickness.append(plate.thickness)
     return layers, thickness
 
@@ -262,19 +264,22 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
     axis, first, last = size.axis, size.first, size.last
     low, high = size.low, size.high
     make_layer = ElasticLayer.make_layer_in_plane_stress
+    ends = np.sort(axis.angle(np.ravel(lining.arcs))).tolist()
+    slots = tuple(zip(ends[1:-1:2], ends[2:-1:2], strict=True))
+    block = make_layer(backing.material, lining.width, axis.along)
     layers = [
-        TriangleLayer(first, last, make_layer(lining.material, lining.width)),
-        TriangleLayer(first, last, make_layer(backing.material, lining.width, axis.along)),
+        TriangleLayer(first, last, make_layer(lining.material, lining.width), slots),
+        TriangleLayer(first, last, block, slots),
         TriangleLayer(low, high, make_layer(section.material, section.width, axis.along)),
     ]
-    corners = [(s, d) for s in (first, last) for d in (0.0, 1.0, 2.0)] + [
+    corners = [(s, d) for s in ends for d in (0.0, 1.0, 2.0)] + [
         (s, d) for s in (low, high) for d in (2.0, 3.0)
     ]
     return Outline(
         place=_point_map_of_beam_shoe(size, R),
         layers=layers,
         thickness=np.array([size.lining, size.block, size.beam]),
-        s=_sorted_distinct_values([low, first, last, high]),
+        s=_sorted_distinct_values([low, *ends, high]),
         corners=np.unique(corners, axis=0),
         held=low,
         loaded=high,

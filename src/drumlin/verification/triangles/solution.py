@@ -16,6 +16,11 @@ from drumlin.verification.triangles.face import (
     edge_shape_functions,
 )
 
+SLOT_EDGE = 1e-12
+"""Length [rad] of the pieces on which the pressure falls to 0 at a slot between two linings.
+
+The force on such a piece is 1e-12 of the force on a radian of lining."""
+
 
 @dataclass(frozen=True)
 class ShoeSolution:
@@ -78,19 +83,45 @@ def solution_from_contact_forces(
     a = np.flatnonzero(found.active)
     p = np.zeros(len(one.theta))
     p[a] = np.linalg.solve(one.mass[np.ix_(a, a)], found.force[a])
+    theta, p, active = _nodes_over_linings_and_slots(shoe, one, p, found.active)
     drag = brake.signed_friction_per_pressure(shoe)
     on_normal = -(found.force[:, None] * one.normal).sum(axis=0)
     on_tangent = drag * (found.force[:, None] * one.tangent).sum(axis=0)
     return ShoeSolution(
-        theta=one.theta,
+        theta=theta,
         pressure=p,
         order=one.degree,
         torque=abs(drag) * brake.size * float(found.force.sum()),
         normal_force=float(np.hypot(*on_normal)),
         hinge_reaction=-(on_normal + on_tangent + shoe.force_of_all_loads),
-        arcs=_first_and_last_angles_of_contacts(one.theta, p, found.active, one.degree),
+        arcs=_first_and_last_angles_of_contacts(theta, p, active, one.degree),
         unknowns=one.unknowns,
     )
+
+
+def _nodes_over_linings_and_slots(
+    shoe: Shoe, one: CondensedFace, p: Floats, active: Bools
+) -> tuple[Floats, Floats, Bools]:
+    """Angles, pressures and contact (n,) of the nodes, with open nodes in the slots of a shoe.
+
+    In a slot between two linings there are three pieces: p falls to 0 on the first, is 0 on the
+    second, and rises on the third. The first and the third are SLOT_EDGE long.
+
+    Parameters
+    ----------
+    shoe : the shoe
+    one : its condensed face
+    p : pressures at the nodes of the face [Pa]
+    active : whether each node of the face is in contact
+    """
+    theta, points = one.theta, lagrange.lobatto_points_on_unit_interval(one.degree)
+    for first, last in reversed(shoe.lining.slots):
+        ends = np.array([first, first + SLOT_EDGE, last - SLOT_EDGE, last])
+        inner = (ends[:-1, None] + np.diff(ends)[:, None] * points[:-1]).ravel()[1:]
+        at = int(np.searchsorted(theta, 0.5 * (first + last)))
+        theta, p = np.insert(theta, at, inner), np.insert(p, at, 0 * inner)
+        active = np.insert(active, at, np.zeros(len(inner), dtype=bool))
+    return theta, p, active
 
 
 def _first_and_last_angles_of_contacts(

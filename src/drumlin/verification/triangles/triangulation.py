@@ -31,6 +31,7 @@ class TriangleLayer:
     ----------
     start, end : first and last coordinate s of the layer
     elastic : elastic constants of the layer, with directions in the brake's frame
+    slots : first and last s of each gap in the layer, such as those between two linings
     free_strains : (2, 2) free strains of a heated layer, along and through it, at its near and at
         its far face; None for a layer without heat
     """
@@ -38,7 +39,15 @@ class TriangleLayer:
     start: float
     end: float
     elastic: ElasticLayer
+    slots: tuple[tuple[float, float], ...] = ()
     free_strains: Floats | None = None
+
+    def has_material_at(self, s: Floats) -> Bools:
+        """Whether the layer reaches the coordinates s, same shape."""
+        there = (s > self.start) & (s < self.end)
+        for first, last in self.slots:
+            there &= (s < first) | (s > last)
+        return there
 
 
 @dataclass(frozen=True)
@@ -96,8 +105,8 @@ def triangulate_grid_of_layered_body(
     j = np.tile(np.arange(len(depths) - 1), len(s) - 1)
     layer = np.floor(0.5 * (depths[j] + depths[j + 1])).astype(int)
     middle = 0.5 * (s[i] + s[i + 1])
-    ends = np.array([[one.start, one.end] for one in layers])
-    there = (middle > ends[layer, 0]) & (middle < ends[layer, 1])
+    reaches = np.array([one.has_material_at(middle) for one in layers])
+    there = reaches[layer, np.arange(len(layer))]
     i, j, layer = i[there], j[there], layer[there]
 
     def numbers_and_coordinates_of_corner(a: int, b: int) -> tuple[Ints, Floats]:
