@@ -50,7 +50,8 @@ NEGLECTED_BY_RIGID_LAWS = {
 PRESSURE_NODES = 257
 """Number of nodes of the pressure over a lining on a drum.
 
-The nodes belong to quadratic pieces, whose integrals of the pressure are exact to 1e-10.
+Three nodes each carry a parabola, which interpolates the pressure. Integrals over these parabolas
+are right to a relative error of 1e-10.
 """
 
 MOST_CONTACT_STEPS = 200
@@ -79,9 +80,9 @@ class RigidShoeContact(NamedTuple):
 
     @property
     def tip_motion_over_compliance(self) -> float:
-        """Motion along the force of the point that it acts on, over the lining's compliance [Pa].
+        """Displacement of the actuation point along its force, over the lining's compliance [Pa].
 
-        The compliance is the gap that closes per pressure [m/Pa].
+        The compliance is the compression of the lining per pressure [m/Pa].
         """
         return float(self.freedoms.tip @ self.amounts)
 
@@ -118,8 +119,11 @@ def self_locking_friction_on_arcs(
 
     Parameters
     ----------
-    face, free, width, arcs : parameters of `equilibrium_matrices_of_rigid_shoe`
-    spin : sense s of the motion of the drum or the sliding body, +1 or -1
+    face : surface on which the shoe presses
+    free : rigid-body modes and test modes of the shoe
+    width : width of the lining [m]
+    arcs : arcs of the lining in contact
+    spin : sense s in which the drum or the sliding body moves, +1 or -1
     """
     N, F = equilibrium_matrices_of_rigid_shoe(face, free, width, arcs)
     # With one mode the matrices are numbers, and N - mu s F vanishes at mu = N/(s F).
@@ -231,7 +235,8 @@ def _find_contact_for_friction_sense(
 
     Parameters
     ----------
-    brake, shoe, whole : parameters of `find_contact_of_rigid_shoe`
+    brake, shoe : the brake and the shoe
+    whole : whether the whole lining stays in contact, under tension if need be
     face : surface on which the shoe presses
     sense : sense of the friction on the foot at an abutment
 
@@ -352,10 +357,10 @@ def response_of_rigid_shoe(
 
 
 def _friction_work_on_guide_above_round_off(brake: Brake, found: RigidShoeContact) -> float:
-    """Work of the friction as a shoe moves along its guide, less NEITHER of the pressure's work.
+    """Work of the friction along a shoe's guide, minus the fraction NEITHER of the pressure's work.
 
-    The result is positive if friction is self-energising. It is not positive if the guide is square
-    to the surface, where the friction does no work but round-off.
+    The result is positive if friction helps the actuation. If the guide is at right angles to the
+    surface, the friction does no work apart from round-off, and the result is not positive.
     """
     a = found.amounts
     systems = equilibrium_matrices_of_rigid_shoe(found.face, found.freedoms, 1.0, found.arcs)
@@ -418,8 +423,8 @@ def node_places_of_pressure_along_lining(
 def brake_with_forces_shared_by_rigid_law(brake: Brake, *, whole: bool = False) -> Brake:
     """The brake whose shoes have the forces that a cam or struts give them if all is rigid.
 
-    `whole` is the parameter of `find_contact_of_rigid_shoe`. Raises NoAnswer if a shoe has no
-    equilibrium.
+    With `whole` the whole lining stays in contact, under tension if need be. Raises NoAnswer if a
+    shoe has no equilibrium.
     """
     shoes: list[Shoe] = list(brake.shoes)
     place = {shoe.name: i for i, shoe in enumerate(shoes)}
@@ -445,7 +450,7 @@ def _share_cam_force_among_shoes(
 
     The two parts add up to `total` [N]. The cam moves the tips of both shoes equally, so that each
     part is inverse to the motion of the shoe's tip per force. Raises NoAnswer if the cam does not
-    press a shoe. `whole` is the parameter of `find_contact_of_rigid_shoe`.
+    press a shoe. With `whole` the whole lining stays in contact, under tension if need be.
     """
     # A shoe behind a strut is pushed by the strut and not by the cam.
     behind = {link.to for link in brake.links}
@@ -471,7 +476,7 @@ def solve_brake_by_rigid_shoe_law(
     ----------
     brake : the brake
     name : name of the law, which the response states as its model
-    whole : parameter of `find_contact_of_rigid_shoe`
+    whole : whether the whole lining stays in contact, under tension if need be
 
     Raises
     ------
@@ -530,10 +535,11 @@ def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
 
 
 def warnings_on_blocks_left_out(brake: Brake, response: Response) -> tuple[str, ...]:
-    """A line of text for each lining of blocks in the response of a law, which leaves blocks out.
+    """Warnings that a law neglects the steps between the blocks of a lining.
 
-    Between blocks that stand back the lining does not press, so that torque and pressure of the law
-    are those of another lining. For responses of other models there is no line.
+    A lining may consist of blocks of different height. A block that stands back does not press, but
+    the laws assume a lining whose whole face fits the drum. There is one line of text for each such
+    lining, and none for the response of a model that is not a law.
     """
     if response.left_out != NEGLECTED_BY_RIGID_LAWS[brake.surface.word]:
         return ()

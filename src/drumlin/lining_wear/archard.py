@@ -10,21 +10,22 @@ which opens the gap, and s is the sliding distance:
 
 For the exponent 1 of the wear law the rate is k p. The equations are stiff: ripples of the pressure
 from element to element settle some thousand times faster than the bending of the shoe. In an
-implicit step the wear acts as an additional compliance of the lining, A + gamma ds G k D. Each
-stage of a step is therefore one contact problem. The method is the diagonally implicit Runge-Kutta
-method of order 2 with gamma = 1 - 1/sqrt(2), which is L-stable and stiffly accurate (Alexander
-1977, SIAM J. Numer. Anal. 14, 1006). It is stable for any step and makes no checkerboard. A
-first-order method embedded in it measures the error. All stages fulfil p w = 0 exactly. Both
-weights of the method are positive, so that h never shrinks, and does not grow where p is zero.
+implicit step of the length ds the wear depth depends on the unknown pressure. The wear therefore
+acts as an additional compliance of the lining, A + gamma ds G k D, and each stage of a step is one
+contact problem. The method is the diagonally implicit Runge-Kutta method of order 2 with gamma = 1
+- 1/sqrt(2), which is L-stable and stiffly accurate (Alexander 1977, SIAM J. Numer. Anal. 14, 1006).
+It is stable for any step and makes no checkerboard. A first-order method embedded in it measures
+the error. All stages fulfil p w = 0 exactly. Both weights of the method are positive, so that h
+never shrinks, and does not grow where p is zero.
 
-Friction at a rough abutment opposes the slide of the shoe's foot one way or the other, or it holds
-the foot. Each of the three cases has a contact problem of its own, which is called a `Footing`.
-Each stage of a step keeps the last footing as long as the solution agrees with it. Otherwise the
-stage takes another footing.
+A shoe may bear with its foot on a rough abutment. The friction there either opposes the slide of
+the foot in one of two directions, or holds the foot. Each of these three cases has a contact
+problem of its own, which is called a `Footing`. A stage of a step first tries the case of the last
+stage. If the solution contradicts this case, the stage tries the other cases.
 
-Wear that goes on for ever becomes steady. The pressure then no longer changes, and every point of
-the lining wears as fast as the rigid-body motions y' of the shoe close the gap at the point. With
-dp/ds = 0 the equations above, differentiated by s, are
+After a long sliding distance wear becomes steady: the pressure no longer changes. Every point of
+the lining then wears as fast as the rigid-body motions y' of the shoe bring it nearer to the drum.
+With dp/ds = 0 the equations above, differentiated by s, are
 
     w' = B y' + G rate(p),   p >= 0,  w' >= 0,  p w' = 0,   C x = h_load
 
@@ -124,18 +125,18 @@ change."""
 
 
 def is_friction_always_allowed(_: Contact) -> bool:
-    """Whether a solution agrees with the friction at the abutments: always, if none is rough."""
+    """Always true: without friction at the abutments every solution agrees with it."""
     return True
 
 
 class Footing(NamedTuple):
-    """One of the ways in which friction may act on the feet of shoes at their abutments.
+    """One case of the friction on the feet of shoes at their abutments: slide either way, or stick.
 
     Attributes
     ----------
     problem : contact problem of the unworn linings under this friction
-    stands : function that tells whether a solution of `problem` agrees with this friction, which
-        must oppose the slide of each foot or hold the foot
+    stands : function that tells whether a solution of `problem` agrees with the case: the friction
+        must oppose the slide of each foot, or be large enough to hold the foot
     """
 
     problem: ContactProblem
@@ -150,17 +151,18 @@ class WearInterface(NamedTuple):
     Attributes
     ----------
     problem : contact problem of the unworn linings
-    loaded : (n,), opening of the gap by the actuation, as a part of the problem's q
+    loaded : (n,), opening of the gap by the actuation; it is a part of the vector q of the problem
     weight : G (n, n), weighted gap per worn depth
     pressure : (n,), diagonal of the matrix D: pressure [Pa] per contact unknown
     area : (n,) [m^2], worn volume per depth, and normal force per pressure
     torque : (n,) [m^3], torque per pressure
-    stands : function that tells whether a solution of `problem` agrees with its friction at the
-        abutments, as in a Footing
-    others : further footings: other ways in which friction may act at the abutments
+    stands : function that tells whether a solution of `problem` agrees with the friction that the
+        problem assumes at the abutments
+    others : the other cases of the friction at the abutments, each with its contact problem
     settle : function settle(depth) that solves the contact of linings worn by a depth (n,) [m]
-        without a first guess. It returns the number of the footing and the mask (n,) of the
-        unknowns in contact. It raises NoAnswer if these linings have no equilibrium.
+        without a first guess. It returns the number of the friction case at the abutments, and for
+        each unknown (n,) whether it is in contact. It raises NoAnswer if these linings have no
+        equilibrium.
     """
 
     problem: ContactProblem
@@ -206,7 +208,7 @@ class WearLaw(NamedTuple):
         k, m = self.coefficient / self.reference ** (self.exponent - 1), self.exponent
         if m > 1:
             return k * p**m, k * m * p ** (m - 1)
-        # In a rate with an exponent under 1, the root of `size` takes the place of p.
+        # In a rate with an exponent below 1, sqrt(p^2 + rounded^2) takes the place of p.
         size = p**2 + rounded**2
         rate = k * p * size ** ((m - 1) / 2)
         slope = k * size ** ((m - 3) / 2) * (m * p**2 + rounded**2)
@@ -226,7 +228,7 @@ class WearState:
     depth : (n,) [m], worn depth
     pressure : (n,) [Pa]
     torque : torque of all linings [N m]
-    force : factor on the actuation of the brake, 1 unless the torque is held
+    force : factor on the actuation of the brake; 1 unless the run keeps a given torque
     forward : whether the drum turns in the direction that the brake file states
     removed : worn volume [m^3] as integral of the wear rate over area and distance
     pressed : integral [N m] of the normal force over the distance
@@ -345,8 +347,8 @@ class _WearRunInProgress:
         self._next_turn = reverse
         self.states = [forward.state_of_unworn_linings()]
         self._step = forward.length_of_first_step(self.last_wear_state, tolerance)
-        # The first step after a reversal is as long as the first step after the last reversal, or
-        # after the start, could have been.
+        # The first step after a reversal has the length that was right for the first step after the
+        # last reversal or, for the first reversal, after the start.
         self._opening_step = self._step
         self._just_turned = True
 
@@ -517,9 +519,9 @@ class SteadyWear(NamedTuple):
 
     Attributes
     ----------
-    footing : number of the footing, the way in which friction acts at the abutments
-    contact : the contact, whose p are the contact unknowns x. Its gap w and motions y are rates per
-        sliding distance under the wear rate p^exponent.
+    footing : number of the friction case at the abutments (see `Footing`)
+    contact : solution of the contact problem of steady wear. Its p are the contact unknowns x. Its
+        gap w and its motions y are changes per sliding distance, for the wear rate p^exponent.
     """
 
     footing: int
@@ -541,8 +543,9 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
         except NoAnswer as error:
             failure = failure or error
             continue
-        # Whether the friction opposes the slide of a foot is judged at motions by wear that exceed
-        # the elastic motions by the factor STEADY_MOTION_RATIO.
+        # In steady wear the motion by wear is far larger than the elastic motion. It alone decides
+        # in which direction a foot slides. The motion by wear is therefore scaled to
+        # STEADY_MOTION_RATIO times the elastic motion before the friction is checked.
         elastic = float(np.abs(np.diagonal(footing.problem.A)).max())
         scale = STEADY_MOTION_RATIO * float(elastic / np.abs(compliance_of_wear).max())
         if footing.stands(replace(contact, y=scale * contact.y)):
@@ -574,8 +577,9 @@ def _solve_steady_power_law_wear(
 ) -> Contact:
     """The steady wear of linings under a wear rate p^m with m other than 1.
 
-    For given motions of the shoe, the rates p^m are the solution of a contact problem without
-    equilibria. A root finder seeks the motions whose pressure balances the loads.
+    If the motions of the shoe are given, the wear rates p^m follow from a contact problem without
+    equations of equilibrium. A root finder varies the motions until the pressures balance the
+    loads.
 
     Parameters
     ----------
@@ -605,8 +609,8 @@ def _solve_steady_power_law_wear(
         """The contact unknowns x (n,) under which the lining wears at the rates (n,)."""
         return top * rate ** (1 / exponent) / interface.pressure
 
-    # Motions t times as large make the pressure t^(1/m) times as large. The first guess is scaled
-    # so that its pressure balances the largest load.
+    # If the motions are t times as large, the pressure is t^(1/m) times as large. The first guess
+    # of the motions is scaled so that its pressure balances the largest load.
     load = np.abs(
         C @ contact_unknowns_at_wear_rates(contact_with_wear_rates_as_pressures(motions).p)
     ).max()
@@ -629,11 +633,12 @@ def _solve_steady_power_law_wear(
 
 
 def find_contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) -> Bools | None:
-    """The mask (n,) of the unknowns in contact, from a sequence of ever stiffer linings.
+    """Whether each unknown (n,) is in contact, found by a sequence of stiffer and stiffer linings.
 
-    A soft lining lies on the drum as under a rigid shoe, so that its contact is found from any
-    guess. The contact of each lining is the first guess for the next, stiffer one. The sequence
-    ends with the given problem. The result is None if a lining of the sequence has no solution.
+    Under a very soft lining the shoe acts as a rigid body, and the contact is found from any first
+    guess. The contact of each lining is the first guess for the next, stiffer lining. The sequence
+    ends with the lining of the given problem. The result is None if a lining of the sequence has no
+    solution.
 
     Parameters
     ----------

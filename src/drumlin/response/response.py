@@ -194,17 +194,19 @@ class ShoeResponse:
     lumped : resultant of the contact, if a law lumps the forces at one point or a model in sectors;
         None if the resultant is the integral of the pressure
     pivot_reaction : (2,) [N], force of the pivot on the shoe; None without a pivot
-    reaction_moment : moment [N m] of a guide on the shoe about `Held.pin`, besides its force
+    reaction_moment : moment [N m] of a guide on the shoe about the shoe's reference point
+        `Held.pin`, in addition to the force of the guide
     force : actuation force [N] on the shoe, if a cam or a strut shares it; otherwise None
-    motion : dx, dy [m] at `Held.pin` and turn [rad] of a shoe without hinge, in the shoe's frame
+    motion : rigid-body motion of a shoe without hinge, in the shoe's frame: displacement dx, dy [m]
+        of the shoe's reference point `Held.pin`, and turn [rad]
     deformation : deflections of beam and ring, by the foundation model only
     surface : pressure over arc and width, by a solid model only; `pressure` and `peak_pressure` are
         then means over the width
     error : estimated relative errors by their keys "pressure" (L2 norm outside the edge zones),
         "torque", "peak" and "reaction"; None if nothing was estimated
-    softness : relative changes of the results by the contact's penalty
-    lost : relative changes of the results by round-off in the elimination of unknowns, as far as
-        they are known
+    softness : relative changes of the results because the contact stiffness (penalty) is finite
+    lost : relative changes of the results by round-off when the unknowns inside the bodies are
+        eliminated, as far as these changes are known
     """
 
     name: str
@@ -653,9 +655,9 @@ def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> 
     theta, pressure = response.curve()
     zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
     inside = _is_angle_outside_end_zones(theta, zone)
-    # A response does not tell whether its peak pressure was sought on the whole lining or outside
-    # the end zones. The largest value of the curve is known for both. The value that is nearer to
-    # the peak pressure decides.
+    # The response does not record whether its peak pressure is the largest on the whole lining or
+    # only outside the end zones. The largest pressure of the curve is computed for both cases. The
+    # case whose value is nearer to the peak pressure is taken.
     apart = abs(pressure[inside].max(initial=0.0) - response.peak_pressure)
     if abs(pressure.max() - response.peak_pressure) <= apart:
         inside, zone = np.ones(len(theta), dtype=bool), 0.0
