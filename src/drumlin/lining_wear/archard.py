@@ -14,9 +14,9 @@ implicit step of the length ds the wear depth depends on the unknown pressure. T
 acts as an additional compliance of the lining, A + gamma ds G k D, and each stage of a step is one
 contact problem. The method is the diagonally implicit Runge-Kutta method of order 2 with gamma = 1
 - 1/sqrt(2), which is L-stable and stiffly accurate (Alexander 1977, SIAM J. Numer. Anal. 14, 1006).
-It is stable for any step and makes no checkerboard. A first-order method embedded in it measures
-the error. All stages fulfil p w = 0 exactly. Both weights of the method are positive, so that h
-never shrinks, and does not grow where p is zero.
+It is stable for any length of step, and the pressure does not alternate from node to node. A
+first-order method with the same stages measures the error. All stages fulfil p w = 0 exactly. Both
+weights of the method are positive, so that h never shrinks, and does not grow where p is zero.
 
 A shoe may bear with its foot on a rough abutment. The friction there either opposes the slide of
 the foot in one of two directions, or holds the foot. Each of these three cases has a contact
@@ -393,8 +393,9 @@ class _WearRunInProgress:
     def _length_of_next_step(self, left: float) -> float:
         """The length [m] of the next step, with the distance `left` [m] to go.
 
-        The last two steps share the rest of the distance, so that the last step is not tiny. Raises
-        NoAnswer if the length is infinite, because no wear changes the pressure any more.
+        If at most two steps remain, both get half of the rest of the distance, so that the last
+        step is not tiny. Raises NoAnswer if the length is infinite, because wear no longer changes
+        the pressure.
         """
         size = left if self._step > 0.999 * left else min(self._step, left / 2)
         if math.isinf(size):
@@ -438,8 +439,9 @@ def wear_linings_in_given_steps(
 def join_contact_problems_of_lining_groups(interfaces: WearInterfaces) -> WearInterface:
     """Several groups of linings as one group, with one common contact problem.
 
-    Each group may have several footings, the ways in which friction acts at its abutments. The
-    joint group has a footing for every combination of these.
+    The friction at the abutments of a group may have several cases (`Footing`): the feet slide one
+    way or the other, or stick. The joint group has a case for every combination of the cases of its
+    groups.
     """
     combinations = product(
         *(interface.ways_in_which_abutment_friction_may_act for interface in interfaces)
@@ -465,7 +467,7 @@ def _concatenate_attribute_of_objects(owners: Iterable[Any], name: str) -> Float
 
 
 def _joint_abutment_friction_case(footings: Sequence[Footing]) -> Footing:
-    """One footing of a joint group of linings, from a footing of each of its groups.
+    """One friction case of a joint group of linings, from one friction case of each of its groups.
 
     The matrices of the joint contact problem are block diagonal.
     """
@@ -482,8 +484,7 @@ def _joint_abutment_friction_case(footings: Sequence[Footing]) -> Footing:
 def _is_friction_consistent_at_all_abutments(footings: Sequence[Footing], contact: Contact) -> bool:
     """Whether the solution of a joint contact problem agrees with the friction in all its groups.
 
-    `footings` are the ways in which friction acts at the abutments
-    of each group of linings.
+    `footings` has the friction case at the abutments of each group of linings.
     """
     unknowns = slices_of_consecutive_parts(len(footing.problem.q) for footing in footings)
     motions = slices_of_consecutive_parts(len(footing.problem.h) for footing in footings)
@@ -498,8 +499,8 @@ def _find_contact_of_all_worn_linings(
 ) -> tuple[int, Bools]:
     """Solve the contact of several groups of worn linings, each group without a first guess.
 
-    Returns the number of the combination of footings, and the mask (n,) of the unknowns in contact.
-    `depth` (n,) [m] is the worn depth. A footing is a way in which friction acts at the abutments.
+    Returns the number of the combination of friction cases at the abutments (`Footing`), and for
+    each unknown (n,) whether it is in contact. `depth` (n,) [m] is the worn depth.
     """
     number = 0
     active_sets: list[Bools] = []
@@ -507,8 +508,8 @@ def _find_contact_of_all_worn_linings(
     for interface, part in zip(interfaces, parts, strict=True):
         assert interface.settle is not None
         own_number, active = interface.settle(depth[part])
-        # `itertools.product` counts combinations like digits: the choice of the last group changes
-        # from each combination to the next.
+        # The number of a combination is that of `itertools.product`, in which the choice of the
+        # last group changes fastest, like the last digit of a number.
         number = number * len(interface.ways_in_which_abutment_friction_may_act) + own_number
         active_sets.append(active)
     return number, np.concatenate(active_sets)
@@ -674,7 +675,7 @@ def contact_problem_at_given_torque(
     ----------
     interface : the linings
     torque : torque of all linings [N m]
-    problem : contact problem of one of the interface's footings; None for the first footing
+    problem : contact problem of one of the friction cases at the abutments; None for the first case
     """
     A, q, B, C, h = interface.problem if problem is None else problem
     main = int(np.argmax(np.abs(h)))
@@ -743,9 +744,8 @@ class _InterfaceContact(NamedTuple):
 class _WearStepper:
     """A solver that wears the linings of a brake step by step, for one direction of rotation.
 
-    The unknowns in contact at the last stage are the first guess for the next one. The last footing
-    of each group of linings, the way in which friction acts at its abutments, is kept as long as
-    the solution agrees with it.
+    The unknowns in contact at the last stage are the first guess for the next stage. The friction
+    case at the abutments (`Footing`) of the last stage is tried first.
 
     Parameters
     ----------
@@ -792,7 +792,7 @@ class _WearStepper:
         return self._make_wear_state(0.0, depth, pressure, _WearIntegrals(0.0, 0.0, 0.0))
 
     def state_after_drum_reversal(self, state: WearState, forward: bool) -> WearState:
-        """The state of linings, worn as in `state`, after the drum turns the other way.
+        """The state of linings directly after a reversal of the drum; `state` is the state before.
 
         `forward` tells whether the drum now turns in the direction that the brake file states.
         """
@@ -809,8 +809,9 @@ class _WearStepper:
         for i, (interface, part) in enumerate(zip(self.interfaces, self.parts, strict=True)):
             if interface.settle is None:
                 continue
-            # The force of the brake file may lock a brake that has an equilibrium at the held
-            # torque. In this case the last contact, if there is one, stays the first guess.
+            # If the run keeps a given torque, the brake may have an equilibrium at this torque
+            # although it locks itself under the force of the brake file. The search under this
+            # force then fails, and the last contact, if there is one, stays the first guess.
             with suppress(NoAnswer) if self.held is not None else nullcontext():
                 self.footing[i], self.sets[i] = interface.settle(depth[part])
         return self._solve_contact_of_all_linings(depth, 0.0).p
@@ -821,8 +822,9 @@ class _WearStepper:
         slope = float(self.law.wear_rate_and_its_slope(np.full(1, largest), 0.0)[1][0])
         if slope == 0:
             return math.inf
-        # The stiffer a node is, the faster wear changes its pressure. The least ratio of a node's
-        # elastic compliance to its compliance by wear belongs to the fastest change.
+        # Wear changes the pressure of a node the faster, the stiffer the node is. The smallest
+        # ratio of elastic compliance to wear per pressure and distance, among the nodes, gives the
+        # distance of the fastest change.
         least = math.inf
         for interface in self.interfaces:
             of_wear = np.diagonal(interface.weight) * interface.pressure
@@ -833,21 +835,23 @@ class _WearStepper:
     def state_and_error_after_step(self, state: WearState, ds: float) -> tuple[WearState, float]:
         """The state after a step of length ds [m], and the relative L2 error of its pressure."""
         footing = list(self.footing)
-        # The two stages of the Runge-Kutta method and its weights give the worn depth.
+        # The step has the two stages of the Runge-Kutta method. Their wear rates, weighted, give
+        # the worn depth.
         first = self._solve_contact_of_all_linings(state.depth, GAMMA * ds)
         second = self._solve_contact_of_all_linings(
             state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds
         )
         depth = state.depth + ds * ((1 - GAMMA) * first.rate + GAMMA * second.rate)
-        # With the rates r1 and r2 of the stages, the embedded first-order method wears by ds r1.
-        # Its depth is wrong by GAMMA ds (r2 - r1). The tangent of the last stage turns this error
-        # of the depth into an error of the pressure.
+        # r1 and r2 are the wear rates of the two stages. A first-order method with the same stages
+        # would wear by ds r1, and this depth is wrong by GAMMA ds (r2 - r1). The derivative of the
+        # pressure by the worn depth at the last stage turns this error of the depth into an error
+        # of the pressure.
         depth_error = GAMMA * ds * (second.rate - first.rate)
         error = self._norm_of_pressure_over_all_linings(
             self._pressure_change_by_worn_depth(second.tangents, depth_error)
         )
-        # The tangent is right only if the same unknowns were in contact, with the same friction at
-        # the abutments, throughout the step.
+        # This derivative is valid only if the same unknowns were in contact, with the same friction
+        # at the abutments, throughout the step.
         pressed = second.p > 0
         same_set = ((state.pressure > 0) == pressed).all() and ((first.p > 0) == pressed).all()
         if not same_set or self.footing != footing:
@@ -878,9 +882,10 @@ class _WearStepper:
     def _pressure_distance_from_euler_step(self, state: WearState, ds: float, p: Floats) -> float:
         """The L2 norm of the difference between p after a step and p of one implicit Euler step.
 
-        It measures the error of a step over which the nodes in contact change. The tangent of the
-        last stage cannot: it belongs to the last nodes in contact only. If a single node is in
-        contact, equilibrium gives its pressure, and the tangent is zero.
+        The norm measures the error of a step over which the nodes in contact change. The derivative
+        of the pressure by the worn depth cannot measure this error, because it is valid for the
+        last nodes in contact only. If a single node is in contact, equilibrium alone gives its
+        pressure, and the derivative is zero.
 
         Parameters
         ----------
@@ -937,14 +942,14 @@ class _WearStepper:
     def _solve_contact_of_lining_group(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
         """Solve the contact of the linings' group `i` at a stage of a wear step.
 
-        The footing, the way in which friction acts at the abutments, is changed until the solution
-        agrees with it. Raises NoAnswer if there is no such footing. Other parameters are those of
-        `_solve_contact_of_all_linings`.
+        The friction cases at the abutments (`Footing`) are tried until a solution agrees with its
+        case. Raises NoAnswer if no solution does. `depth` (n,) [m] is the worn depth before the
+        stage, and `ds` [m] the distance over which the stage wears the linings at its own rate.
         """
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
         footings = self.interfaces[i].ways_in_which_abutment_friction_may_act
-        # The way in which friction acted at the abutments in the last solution is tried first.
+        # The friction case at the abutments of the last solution is tried first.
         for number in sorted(range(len(footings)), key=lambda number: number != last_footing):
             self.footing[i], self.sets[i] = number, last_set
             try:
@@ -953,8 +958,8 @@ class _WearStepper:
                 failure = failure or error
                 continue
             force = self._actuation_factor_that_balances_pressures(i, bearing.p)
-            # Whether the friction opposes the slide of the feet is judged under the actuation of
-            # the brake file, so the solution is scaled to it.
+            # The check whether the friction opposes the slide of the feet needs the solution under
+            # the actuation of the brake file. The solution is scaled to this actuation.
             contact = bearing.contact
             if force > 0:
                 contact = replace(contact, p=contact.p / force, y=contact.y / force)
@@ -966,11 +971,12 @@ class _WearStepper:
     def _solve_contact_for_abutment_friction(
         self, i: int, depth: Floats, ds: float
     ) -> _InterfaceContact:
-        """Solve the contact of the linings' group `i` with its present footing.
+        """Solve the contact of the linings' group `i` for its present abutment friction case.
 
         Newton's method replaces the wear rate by its tangent at the last pressure. The slope of the
         tangent acts as a compliance of the linings, and its constant part as a gap. Raises NoAnswer
-        for self-locking or no convergence. Parameters are those of `_solve_contact_of_all_linings`.
+        for self-locking or no convergence. `depth` (n,) [m] is the worn depth before the stage, and
+        `ds` [m] the distance over which the stage wears the linings.
         """
         interface, problem = self.interfaces[i], self.problems[i][self.footing[i]]
         A, q, B, C, h = problem._replace(q=problem.q + interface.weight @ depth)
@@ -1001,8 +1007,8 @@ class _WearStepper:
     def _first_guess_of_pressure(self, i: int, problem: ContactProblem) -> Floats:
         """The pressure (n,) [Pa] from which Newton's method starts, for the linings' group `i`.
 
-        It is the pressure without wear in this stage. It is zero for a rate proportional to the
-        pressure, which needs no first guess.
+        It is the pressure of the linings as they are before this stage. For the exponent 1 the
+        equations are linear in the pressure and need no first guess: zero is returned.
         """
         if self.law.exponent == 1:
             return np.zeros(len(problem.q))
@@ -1044,15 +1050,15 @@ def wear_linings_by_explicit_euler(
 
 
 def amplitude_of_node_to_node_pressure_ripple(p: Floats, margin: int = 5) -> float:
-    """The part of nodal pressures p (n,) that alternates from node to node, relative to p.
+    """How much nodal pressures p (n,) alternate from node to node, relative to p (a checkerboard).
 
     It is the norm of the fourth difference (1, -4, 6, -4, 1)/16 of p over the norm of p. The fourth
     difference of an alternation +1, -1, +1 has the size 1, that of a smooth pressure the order of
     the fourth power of the nodes' spacing. The nodes next to the ends of the lining and of the
     contact do not count, `margin` of them at each end. The result is nan if no node is left.
     """
-    # An alternation may take single nodes out of contact. The contact therefore ends only at a node
-    # without pressure whose two neighbours have no pressure either.
+    # If the pressure alternates, single nodes may have no pressure. The contact therefore ends only
+    # at a node without pressure whose two neighbours have no pressure either.
     open_stretches = _mask_of_true_with_true_neighbours(p <= 0, 1, beyond=True)
     use = _mask_of_true_with_true_neighbours(~open_stretches, margin, beyond=False)
     if not use.any():

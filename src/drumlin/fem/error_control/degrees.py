@@ -1,9 +1,10 @@
 """A brake solved on meshes of files with stated errors, by elements of higher and higher degree.
 
-The elements of a mesh file stay as they are. The displacements on them have the degrees 2, 3 and 4,
-and the differences of the responses state the errors of the last one. A further response, in which
-straight sides on curved lines are arcs, states the error of the straight sides. Shoes without a
-mesh file and the drum's ring are divided into more and more elements instead.
+The elements of a mesh file stay as they are. The displacements on them are polynomials of degree 2,
+then 3 and 4. The errors of the last answer follow from the differences between these answers. In a
+further answer arcs take the place of straight element sides on curved outlines. The difference to
+this answer is the error by the straight sides. Shoes without a mesh file and the drum's ring are
+divided into more and more elements instead.
 """
 
 from collections.abc import Iterator
@@ -48,7 +49,7 @@ The last difference may be small by accident. Without the share one of the 124 t
 as far off as stated. With 0.05 none is; with 0.2 stated errors are some tenth larger.
 """
 OUTLINE_FACTOR = 1.1
-"""Error of straight sides, divided by the difference that arcs in their place make.
+"""Error by straight sides on a curved outline, over the difference that arcs in their place make.
 
 Where the sides are the largest error, the difference is the true error within some per cent. The
 tenth above 1 allows for this. A smaller factor makes stated errors too small. The value is a
@@ -73,16 +74,17 @@ def solve_meshes_of_files(
     """Solve a brake on the meshes of its shoes' files, with stated errors.
 
     Returns the prepared model of the highest degree that was solved, and the response on it. The
-    degree rises until the estimated errors meet the tolerance, or to the last degree. A given
-    tolerance that is not met is said in a warning. If the errors cannot be estimated, the brake is
-    solved at the meshes' own degrees, and a note says why no error is stated.
+    degree rises until the estimated errors meet the tolerance, or to the last degree. If a given
+    tolerance is not met, the response has a warning. If the errors cannot be estimated, the brake
+    is solved with elements of the meshes' own degrees, and a note gives the reason why no error is
+    stated.
 
     Parameters
     ----------
     brake : the brake; at least one shoe has a mesh file
     respond : function that computes the response on a prepared model
     tolerance : largest relative error of p and of the torque; None for the default tolerance
-    cache : keeps condensed bodies of earlier solves
+    cache : keeps the stiffness matrices of bodies from earlier solves
 
     Raises
     ------
@@ -130,7 +132,7 @@ def solve_meshes_of_files(
 def _solved_models_at_rising_degrees(
     brake: Brake, respond: ResponseFunction, cache: Cache
 ) -> Iterator[SolvedLevel]:
-    """Yield the solved model of a brake at each degree for which its meshes are not too fine.
+    """Yield the solved model of a brake at each degree at which its meshes have few enough nodes.
 
     Raises NoAnswer with the degree at which the brake has no solution.
     """
@@ -166,7 +168,7 @@ def _errors_of_last_degree(
 ) -> Errors:
     """The estimated errors of the last of at least two responses.
 
-    `outline` are the errors (1 + 4 shoes,) of straight sides.
+    `outline` (1 + 4 shoes,) are the errors by straight sides, in the order of `LevelDifferences`.
     """
     *former, before, last = responses
     moved = relative_differences_of_two_levels(brake, before, last)
@@ -180,7 +182,7 @@ def _errors_of_last_degree(
 def _errors_of_straight_sides(
     brake: Brake, respond: ResponseFunction, first: Response, cache: Cache
 ) -> Floats | float:
-    """The relative errors (1 + 4 shoes,) that straight sides on curved lines cause.
+    """The relative errors (1 + 4 shoes,) that straight sides on curved outlines cause.
 
     They are 0 if the sides follow the curves already. `first` is the response at the first degree.
     """
