@@ -1,10 +1,11 @@
 """The stiffness of element columns on an arc or a pad, from symmetric and antisymmetric parts.
 
-An element column is a stack of elements from the contact through the thickness of a body. Between
-circles about one centre the map of an element is a product, x = r(eta) c(xi). Here c(xi) is the
-polynomial through nodes of the unit circle. So the stiffness of an element is a sum of products
-too. Each product has a factor A, which depends on the angle of the column alone, and a factor B,
-which depends on the radii of the layer alone:
+An element column is a stack of elements from the contact through the thickness of a body. An
+element between two concentric circles is mapped from the unit square by a product, x = r(eta)
+c(xi): xi runs along the arc and eta through the thickness. Here c(xi) is the polynomial through
+nodes on the unit circle. The stiffness of an element is therefore a sum of products, too. Each
+product has a factor A, which depends on the angle of the column alone, and a factor B, which
+depends on the radii of the layer alone:
 
     K         = sum_kl (lambda A_kl + 2 mu A'_kl) B_kl
     grad psi  = t f'(xi) g(eta) / r + n f(xi) g'(eta) / (r_2 - r_1)
@@ -208,7 +209,7 @@ def angular_factors_of_column_stiffness(
         xx, yy, xy = strain[:, :, 0], strain[:, :, 1], strain[:, :, 2]
         through = x**2 * xx + y**2 * yy + np.sqrt(2) * x * y * xy
         parts += [trace - through, through]
-    # Each factor is the integral of the product of two strains of the same kind.
+    # Each factor is the integral of the product of two strain components of the same kind.
     factors = np.empty((2 * count, n, n, len(parts), 2, 2))
     for k, each in enumerate(parts):
         work = (each @ each.swapaxes(1, 2)).reshape(-1, 2, n, 2, n)
@@ -269,8 +270,7 @@ def _radial_factors_of_layer_stiffness(
     radii : (l + 1,) radii of the faces of the layers [m]
     constants : (l, m) lambda, mu and, if a layer is orthotropic, a and b [N/m]
     p : degree of the elements
-    plane : on a plane, the radius [m] that lengths are divided by to make them angles; None on a
-        drum
+    plane : on a plane, the length [m] by which all lengths are divided; None on a drum
     """
     functions = nodal_functions_along_element_column(p)
     weights, values, slopes = functions.weights, functions.values, functions.slopes
@@ -301,8 +301,7 @@ def condensed_arc_element_stiffness(
         orthotropic
     elasticity : (l, 3, 3) elasticity matrices times the width [N/m]
     p : degree of the elements
-    plane : on a plane, the radius [m] that lengths are divided by to make them angles; None on a
-        drum
+    plane : on a plane, the length [m] by which all lengths are divided; None on a drum
     """
     functions = nodal_functions_along_element_column(p)
     A = A.reshape(-1, *A.shape[2:])
@@ -417,7 +416,7 @@ def _fill_blocks_of_column_sides(
     S, A, mirror = symmetric, antisymmetric, blocks.mirror
     left, lines, right = blocks.left, blocks.lines, blocks.right
     np.add(S[:, left, left], A[:, left, left], out=whole[:, left, left])
-    # The blocks are computed in place, since making new arrays would double the time.
+    # The blocks are written into existing arrays, because new arrays would double the time.
     left_right = whole[:, left, right]
     np.subtract(S[:, left, lines], A[:, left, lines], out=left_right)
     left_right *= mirror
