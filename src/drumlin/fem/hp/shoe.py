@@ -339,7 +339,8 @@ def _condensed_hp_columns_of_shoe(
 ) -> _ShoeColumns:
     """The element columns of a shoe, each condensed to its two sides and its contact nodes.
 
-    The parameters are those of `condense_shoe_to_contact_nodes`.
+    `div` divides the shoe into columns and layers of elements. `layers` has the elasticity of the
+    layers by name, and `radius` [m] is that of the drum.
     """
     elasticity = elasticity_times_width_of_layers(layers, div.part)
     directed = bool(is_elasticity_matrix_orthotropic(elasticity).any())
@@ -580,8 +581,8 @@ def _modes_at_hinge_and_loads_at_end(
 ) -> _EndFacesOfBody:
     """The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face.
 
-    Modes and nodal forces are measured in the axes of the element columns. The parameters are those
-    of `condense_shoe_to_contact_nodes`.
+    Modes and nodal forces are measured in the axes of the element columns. `div` divides the shoe
+    into columns and layers of elements, and `radius` [m] is that of the drum.
     """
     place = function_from_depth_and_angle_to_point(shoe, radius)
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
