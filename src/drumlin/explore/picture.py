@@ -219,7 +219,8 @@ class _Arrow(NamedTuple):
 def _tail_and_tip_of_force_arrow(brake: Brake, shoe: Shoe) -> _Arrow:
     """Tail and tip [m] of the arrow of the force on a shoe.
 
-    The length is in proportion to the force; the largest force of the brake has the length ARROW.
+    The length is proportional to the force; the arrow of the largest force of the brake has the
+    length LARGEST_FORCE_ARROW_LENGTH.
     """
     largest = max(abs(shoe.actuation.force) for shoe in brake.shoes) or 1.0
     tip = _point_of_force_arrow_tip(shoe)

@@ -64,13 +64,14 @@ INSTALL_CALCULIX = (
 LARGEST_STATE_IMBALANCE = 1e-3
 """Largest relative imbalance of forces or moments of a CalculiX state that is accepted.
 
-The drum is displaced by its rotation, 1e-3 rad, relative to the lining, and so are the forces on
-the two sides of the contact."""
+The forces on drum and lining act at places that differ by the rotation of the drum, 1e-3 rad, which
+makes an imbalance of this size.
+"""
 
 LEAST_TOUCHING = 0.1
 """Smallest fraction of the lining's elements that must touch the drum in an accepted state.
 
-With fewer elements in contact the state is no equilibrium."""
+With fewer elements in contact CalculiX has ended in a state without equilibrium."""
 
 STICKING_SHEAR_RATIO = 0.99
 """Shear stress divided by mu p below which a contact point counts as sticking."""

@@ -93,7 +93,8 @@ def write_and_draw_stress_fields(
     brake.check_shoes_can_be_meshed()
     scene = prepared_model_with_finest_elements(brake, **options)
     if any(shoe.mesh for shoe in brake.shoes):
-        # The response has a higher degree than the meshes of the files, on which fields are drawn.
+        # The given response may come from elements of a higher degree than the mesh files have. The
+        # fields are drawn on the mesh files, so that the brake is solved on them again.
         response = solve_prepared_model(scene, brake)
     write_fields_to_vtu_file(
         folder / f"{name}.vtu", stress_and_displacement_fields_of_bodies(scene, brake, response)
@@ -170,9 +171,10 @@ def compare_models_and_write_html_page(
     drawn, not_drawn = False, None
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         drawn = True
-        # Of all options, only these two concern the mesh.
+        # Only these two options concern the mesh.
         mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
-        # The correction for the widths knows no stresses. The picture shows plane stress.
+        # The correction for the widths has no stresses, so that the picture shows those of plane
+        # stress.
         if options.get("finite_width"):
             plane = {key: value for key, value in options.items() if key != "solid"}
             fem = MODELS["fem"].solve(brake, **{**plane, "finite_width": False})

@@ -52,7 +52,8 @@ SOLID_COST_ELEMENTS = (16, 24, 32, 48, 72)
 """Elements along the lining of a three-dimensional shoe for each row of its table of cost."""
 
 LARGEST_FITTED_UNKNOWNS = 600_000
-"""Number of unknowns above which a row does not count for the exponent k in time ~ unknowns^k."""
+"""Number of unknowns above which a row is not used to fit the exponent k in time ~ unknowns^k.
+"""
 
 
 class Cost(NamedTuple):
@@ -144,7 +145,8 @@ def _mesh_and_solve_brake(
 ) -> PreparedModel:
     """Mesh a brake and solve it; returns the prepared model.
 
-    The parameters are those of `measure_time_and_memory_of_fem`.
+    `elements` is the number of elements along each lining, `penalty` the contact penalty, and
+    `mesher` a function that meshes a shoe (None for drumlin's own mesher).
     """
     scene = make_prepared_model(brake, elements=elements, mesher=mesher)
     solve_prepared_model(scene, brake, penalty=penalty)

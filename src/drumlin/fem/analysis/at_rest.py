@@ -260,8 +260,7 @@ class FeetOnRoughAbutments(NamedTuple):
 def _stick_slip_problem_with_shared_forces(
     still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
 ) -> FrictionalProblem:
-    """Add to a stick-slip problem the equations of struts and a cam, which share forces among
-    shoes.
+    """Add the equations of struts and a cam, which share forces among shoes, to a problem.
 
     Parameters
     ----------

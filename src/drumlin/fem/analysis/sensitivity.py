@@ -227,8 +227,7 @@ def compute_torque_sensitivity(
 
 
 def _require_friction(scene: PreparedModel, brake: Brake) -> None:
-    """Raise NoAnswer for a brake without friction, BadInput for a model prepared without it.
-    """
+    """Raise NoAnswer for a brake without friction, BadInput for a model prepared without it."""
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
     if scene.brake.friction == 0:

@@ -21,10 +21,12 @@ MOST_SETS_TRIED = 600
 
 A contact set is the set of nodes that carry contact forces."""
 SETS_WITHOUT_PROGRESS = 8
-"""Number of contact sets in a row without fewer wrong nodes, until one node at a time changes.
+"""Number of contact sets without progress after which only one node at a time is changed.
 
-A node is wrong if it carries a tensile force or penetrates the drum. Changing all wrong nodes at
-once is faster, but may repeat the same sets for ever (Judice & Pires 1994)."""
+A node is wrong if it carries a tensile force or penetrates the drum. A set without progress has no
+fewer wrong nodes than an earlier set. If all wrong nodes are changed at once, the method is faster,
+but may repeat the same sets for ever (Judice & Pires 1994).
+"""
 ACCEPTED_CONTACT_ERROR = 1e-13
 """Largest error of a contact set that is accepted, relative to the normal force.
 

@@ -264,8 +264,8 @@ class _BodyToCondense(NamedTuple):
     dofs : (m, 2n) numbers of the unknowns of each triangle
     centres : (m, 2) centre of the nodes of each triangle [m]
     held : (2N,) whether a displacement is fixed to 0
-    triangles : (2N,) number of triangles at each unknown; for an unknown that is kept it is one too
-        many, so that the unknown is never eliminated
+    triangles : (2N,) number of triangles around each unknown. For an unknown that is kept the
+        number is one too large: the elimination then never finds all of its triangles and keeps it.
     loads : (2N, l) nodal forces of l loads [N], 0 at fixed displacements
     """
 

@@ -34,7 +34,7 @@ class TriangleLevel(NamedTuple):
     ----------
     degree : polynomial degree of the triangles
     halvings : number of times that the triangles are halved towards each corner
-    steep : largest length of a triangle, relative to its distance from the corner
+    steep : largest length of a triangle, relative to its distance from the nearest corner
     size : factor on the lengths of triangles far from all corners
     """
 
@@ -375,7 +375,7 @@ def _grid_lines_across_layers(shape: Outline, size: float, least: float) -> list
 
 
 class Draft(NamedTuple):
-    """A shoe's mesh of triangles, before the nodes on their edges and inside are made.
+    """A shoe's mesh of triangles with its corners only, before nodes on edges and inside are added.
 
     Attributes
     ----------

@@ -46,8 +46,8 @@ class _LiningOnRing(NamedTuple):
     Attributes
     ----------
     origin, turn : a place s of the face lies at theta = origin + turn s [rad]; turn is 1 or -1
-    whole_turns : angle [rad] of the whole turns that are taken off theta, so that all linings lie
-        on one turn of the ring
+    whole_turns : whole turns [rad] that are subtracted from theta, so that all linings lie within
+        one turn of the ring
     """
 
     origin: float
@@ -266,7 +266,7 @@ def condense_ring_to_lining_nodes(
         )
     loads = _nodal_forces_of_rigid_mode_tractions_on_rim(ring)
     rigid = _displacements_of_points_by_rigid_motions(nodes.xy).reshape(-1, 3)
-    # Three displacements are fixed for the condensation; the mean motion is corrected below.
+    # For the condensation three displacements hold the ring. Below, its mean motion is set to zero.
     right, left = (outer[which(nodes.xy[outer, 0])] for which in (np.argmax, np.argmin))
     held[right] = held[left, 1] = True
     found = lagrange.condense_body_to_kept_nodes(ring.K, nodes, held.ravel(), chosen, loads)
