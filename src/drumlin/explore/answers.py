@@ -148,9 +148,7 @@ class LatestValueCache:
         return self._value if key == self._key else None
 
     def get(self, key: Any, make: Callable[[], Any]) -> Any:
-        """The value for `key`: the stored value if it has this key, else a new value, made by
-        `make`.
-        """
+        """The stored value if it was made for `key`, else a new value that `make` returns."""
         if self._value is None or key != self._key:
             self._value = make()
             self._key = key
