@@ -121,7 +121,7 @@ def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any
 
 
 def fraction_of_linings_in_contact(brake: Brake, response: Response) -> float:
-    """Contact arcs of all shoes in a response over the arcs of all linings, from 0 to 1."""
+    """Fraction, from 0 to 1, of the linings' arcs of all shoes that touches the drum."""
     arcs: float = 0
     for shoe in response.shoes:
         for start, end in shoe.contact_arcs:

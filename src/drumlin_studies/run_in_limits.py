@@ -446,7 +446,7 @@ def _largest_relative_difference_on_linings(
 
 @dataclass(frozen=True)
 class EqualStepsEnd:
-    """The last state of a run in equal steps.
+    """The last state of a brake whose linings have worn in steps of equal size.
 
     Attributes
     ----------
@@ -466,7 +466,7 @@ class EqualStepsEnd:
 def rows_of_runs_in_equal_steps(
     one: Run, end: float, steps: Sequence[float]
 ) -> tuple[list[dict[str, Any]], list[EqualStepsEnd]]:
-    """Table rows and last states of runs in equal steps, by implicit and by explicit steps.
+    """Table rows and last states of wear runs in steps of equal size, implicit and explicit ones.
 
     The torque of each run is compared with that of a run in fine steps of controlled error.
 
@@ -505,9 +505,10 @@ def rows_of_runs_in_equal_steps(
 def _list_implicit_and_explicit_runs(
     one: Run, end: float, steps: Sequence[float]
 ) -> Iterator[tuple[str, float, Callable[[], list[WearState]]]]:
-    """For each size of steps an implicit and an explicit run: name, size, function that runs it.
+    """For each size of wear step an implicit and an explicit run: name, size, function to run.
 
-    one, end, steps : the parameters of `rows_of_runs_in_equal_steps`.
+    one : a run of the brake; end : sliding distance of the runs; steps : sizes of the steps; both
+        in units of 1/(k K).
     """
     for size in steps:
         count, ds = round(end / size), size * one.unit

@@ -243,8 +243,10 @@ def _solid_block_graded_to_contact(
 ) -> tuple[Solid, Ints]:
     """A solid block whose elements grow away from a contact of radius 1, and its bottom's edges.
 
-    Elements have equal size up to 1.25 radii from the centre of the contact and grow beyond. The
-    parameters are those of `solve_point_contact_against_hertz`.
+    Elements have equal size up to 1.25 radii from the centre of the contact and grow beyond.
+    `per_radius` is the number of elements along the radius of the contact, `size` the height of the
+    block over this radius, and `growth` the ratio of the sizes of neighbouring elements away from
+    the contact.
     """
     h = 1.25 / round(1.25 * per_radius)
     s = np.concatenate(

@@ -175,19 +175,20 @@ def is_answer_accurate(row: dict[str, Any]) -> bool:
 def accuracy_of_answer_of_all_groups(
     scene: PreparedModel, brake: Brake, response: Response, penalty: float
 ) -> dict[str, Any]:
-    """Residuals, condition and correct digits of an answer; the worst group of shoes counts.
+    """Residuals, condition numbers and correct digits of an answer, for the worst group of shoes.
 
-    A group has the shoes that the ring, a cam or a link couples.
+    A group consists of shoes that the ring, a cam or a strut couples. The refined solution is a
+    second solution of the same equations, by iterative refinement in extended precision.
 
-    Keys of the result: `complementarity`, the largest product of pressure and gap or the deepest
-    penetration, with the gaps of the refined solution, relative to the largest pressure;
-    `condition`, an estimate in the 1-norm for the scaled contact equations; `torque_condition`, the
-    condition of the torque; `allowed`, the digits that this condition leaves in double precision;
-    `digits`, the digits of the torque that agree with the refined solution, at most 16; `sure`, the
-    digits to which the refined solution itself is known, which limit `digits`; `pressure_error`,
+    Keys of the result: `complementarity`, the largest violation of the contact conditions (product
+    of pressure and gap, or penetration), relative to the largest pressure; `condition`, an estimate
+    in the 1-norm for the scaled contact equations; `torque_condition`, the condition of the torque;
+    `allowed`, the digits that this condition leaves in double precision; `digits`, the number of
+    digits of the torque that agree with the refined solution, at most 16; `sure`, the number of
+    digits of the refined solution that are certain, an upper limit of `digits`; `pressure_error`,
     the relative error of the pressure in the maximum norm; `sets`, the number of contact sets that
-    the refinement tried; `seconds_whole`, the time of the refined solution. Where the refined
-    solution failed, `digits` is None and `whole` gives the reason.
+    the refinement tried; `seconds_whole`, the time of the refined solution. If the refined solution
+    failed, `digits` is None and the further key `whole` gives the reason.
     """
     groups = divide_pressed_shoes_into_groups(scene, brake, penalty)
     rows = [_accuracy_of_answer_of_group(response, group) for group in groups]
