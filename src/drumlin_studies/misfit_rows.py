@@ -246,7 +246,9 @@ class DrawnBrakes:
             self.values_of_quantity_for_random_brakes(state, "torque")
         ).relative_standard_deviation
 
-    def peak_pressures_over_pressure(self, pressure: float) -> tuple[float, float]:
+    def mean_and_95th_percentile_of_relative_peak_pressure(
+        self, pressure: float
+    ) -> tuple[float, float]:
         """Mean and 95th percentile of the peak pressures of new brakes, over `pressure` [MPa]."""
         peaks = self.values_of_quantity_for_random_brakes("new", "peak_pressure") / pressure
         return float(peaks.mean()), float(np.percentile(peaks, 95))

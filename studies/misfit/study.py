@@ -353,7 +353,9 @@ def report(result: Result, folder: Path) -> Path:
         folder / "index.html",
         result=result,
         drawn=drawn,
-        peaks=drawn.peak_pressures_over_pressure(nominal_values["peak_pressure"]),
+        peaks=drawn.mean_and_95th_percentile_of_relative_peak_pressure(
+            nominal_values["peak_pressure"]
+        ),
         healed_after=misfit_rows.sliding_distance_until_torque_settles(
             DISTANCES, result.healed["torque"], HEALED
         ),

@@ -85,7 +85,7 @@ class Lines(NamedTuple):
     ys: list[Floats]
 
     @classmethod
-    def picture_lines_from_outlines(cls, outlines: Sequence[Floats]) -> "Lines":
+    def lines_from_point_arrays(cls, outlines: Sequence[Floats]) -> "Lines":
         """Make lines from arrays (2, n) [mm], each with the x and y of one line's points."""
         return cls([x for x, _ in outlines], [y for _, y in outlines])
 
@@ -206,7 +206,7 @@ def _lines_of_force_arrows(brake: Brake) -> Lines:
         right = arrow.tip + 0.25 * (-0.5 * across - along)
         shaft, head = np.array([arrow.tail, arrow.tip]), np.array([left, arrow.tip, right])
         lines += [shaft.T * PAGE_MM, head.T * PAGE_MM]
-    return Lines.picture_lines_from_outlines(lines)
+    return Lines.lines_from_point_arrays(lines)
 
 
 class _Arrow(NamedTuple):
@@ -412,9 +412,9 @@ def drawing_lines_of_brake(brake: Brake) -> Mapping[str, Lines]:
     hinges = [shoe.pin.xy[:, None] * PAGE_MM for shoe in brake.shoes if shoe.guide is None]
     return {
         "drum": _line_of_drum_or_plane(brake),
-        "linings": Lines.picture_lines_from_outlines(linings),
-        "bodies": Lines.picture_lines_from_outlines(bodies),
-        "hinges": Lines.picture_lines_from_outlines(hinges),
+        "linings": Lines.lines_from_point_arrays(linings),
+        "bodies": Lines.lines_from_point_arrays(bodies),
+        "hinges": Lines.lines_from_point_arrays(hinges),
     }
 
 

@@ -176,7 +176,7 @@ class WearInterface(NamedTuple):
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
 
     @property
-    def ways_in_which_abutment_friction_may_act(self) -> tuple[Footing, ...]:
+    def abutment_friction_cases(self) -> tuple[Footing, ...]:
         """All ways in which friction may act at the abutments; that of `problem` comes first."""
         return (Footing(self.problem, self.stands), *self.others)
 
@@ -443,9 +443,7 @@ def join_contact_problems_of_lining_groups(interfaces: WearInterfaces) -> WearIn
     way or the other, or stick. The joint group has a case for every combination of the cases of its
     groups.
     """
-    combinations = product(
-        *(interface.ways_in_which_abutment_friction_may_act for interface in interfaces)
-    )
+    combinations = product(*(interface.abutment_friction_cases for interface in interfaces))
     first, *others = map(_joint_abutment_friction_case, combinations)
     all_settle = all(map(attrgetter("settle"), interfaces))
     return WearInterface(
@@ -510,7 +508,7 @@ def _find_contact_of_all_worn_linings(
         own_number, active = interface.settle(depth[part])
         # The number of a combination is that of `itertools.product`, in which the choice of the
         # last group changes fastest, like the last digit of a number.
-        number = number * len(interface.ways_in_which_abutment_friction_may_act) + own_number
+        number = number * len(interface.abutment_friction_cases) + own_number
         active_sets.append(active)
     return number, np.concatenate(active_sets)
 
@@ -538,7 +536,7 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
     """
     failure: NoAnswer | None = None
     compliance_of_wear = np.diagonal(interface.weight) * interface.pressure
-    for number, footing in enumerate(interface.ways_in_which_abutment_friction_may_act):
+    for number, footing in enumerate(interface.abutment_friction_cases):
         try:
             contact = _solve_steady_wear_for_abutment_friction(interface, footing, law)
         except NoAnswer as error:
@@ -779,7 +777,7 @@ class _WearStepper:
         If the wear run keeps a given torque, the problems have this torque in place of a force.
         """
         problems: list[ContactProblem] = list(
-            map(attrgetter("problem"), interface.ways_in_which_abutment_friction_may_act)
+            map(attrgetter("problem"), interface.abutment_friction_cases)
         )
         if self.held is None:
             return problems
@@ -935,7 +933,7 @@ class _WearStepper:
         if self.held is None:
             return 1.0
         interface = self.interfaces[i]
-        problem = interface.ways_in_which_abutment_friction_may_act[self.footing[i]].problem
+        problem = interface.abutment_friction_cases[self.footing[i]].problem
         main = int(np.argmax(np.abs(problem.h)))
         return float(problem.C[main] @ (p / interface.pressure)) / float(problem.h[main])
 
@@ -948,7 +946,7 @@ class _WearStepper:
         """
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
-        footings = self.interfaces[i].ways_in_which_abutment_friction_may_act
+        footings = self.interfaces[i].abutment_friction_cases
         # The friction case at the abutments of the last solution is tried first.
         for number in sorted(range(len(footings)), key=lambda number: number != last_footing):
             self.footing[i], self.sets[i] = number, last_set

@@ -133,7 +133,7 @@ def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[sli
     """
     end = solve_steady_wear(interface, WearLaw(1.0))
     footing, M, p = (
-        interface.ways_in_which_abutment_friction_may_act[end.footing],
+        interface.abutment_friction_cases[end.footing],
         interface.weight,
         end.contact.p,
     )
@@ -141,7 +141,7 @@ def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[sli
     # While the unloaded shoe rests, each foot on a rough abutment sticks. Among the friction cases
     # at the abutments this case has the fewest rigid-body motions.
     resting = min(
-        map(attrgetter("problem.B"), interface.ways_in_which_abutment_friction_may_act),
+        map(attrgetter("problem.B"), interface.abutment_friction_cases),
         key=lambda B: B.shape[1],
     )
     solved = scipy.linalg.solve(M, np.column_stack([q + A @ p, resting]), assume_a="pos")

@@ -67,11 +67,11 @@ class NodeMotion(NamedTuple):
 
     @property
     def has_unmoved_contact(self) -> bool:
-        """Whether all contact nodes stay in their places."""
+        """Whether no contact node moves while the point of the shoe moves."""
         return float(np.abs(self.line_motion).max()) < LARGEST_UNMOVED_MOTION
 
 
-def node_motions_by_moved_shoe_point(
+def node_motions_per_motion_of_shoe_point(
     scene: PreparedModel, i: int, shoe: Shoe, key: str
 ) -> list[NodeMotion]:
     """The motions of the nodes of a shoe as one of its points moves along x and along y.
@@ -126,7 +126,8 @@ def _node_motion_by_central_difference(
 ) -> NodeMotion:
     """The motion of a shoe's nodes per motion of a point along `direction` (2,).
 
-    The motion is a central difference. Raises NoAnswer as `node_motions_by_moved_shoe_point` does.
+    The motion is a central difference. Raises NoAnswer if the division into elements changes on
+    both steps.
     """
     h = NODE_STEP * scene.brake.size
     here = _shoe_nodes_in_brake_frame(scene, i, shoe)
@@ -191,7 +192,7 @@ def _shoe_nodes_in_brake_frame(scene: PreparedModel, i: int, shoe: Shoe) -> Body
 
 
 def _shoe_with_moved_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
-    """The shoe with the point that `key` names, as "abutment.point", moved by a step (2,) [m]."""
+    """The shoe with one of its points moved by a step (2,) [m]; `key` names it, as "hinge"."""
     part, _, inner = key.partition(".")
     whole = getattr(shoe, part)
     x, y = ((whole.point if inner else whole).xy + step).tolist()

@@ -46,7 +46,7 @@ from drumlin.fem.analysis.moving import (
     NodeMotion,
     contact_lines_with_moved_nodes,
     has_nodes_that_move_with_point,
-    node_motions_by_moved_shoe_point,
+    node_motions_per_motion_of_shoe_point,
 )
 from drumlin.fem.analysis.mutual_work import (
     mutual_elastic_work_in_each_part_of_body,
@@ -187,7 +187,7 @@ def compute_torque_sensitivity(
     friction, which has no torque.
     """
     require_positive_penalty(penalty)
-    _require_friction(scene, brake)
+    _refuse_brake_or_model_without_friction(scene, brake)
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
     changed = function_for_bodies_with_changed_moduli(scene)
@@ -226,7 +226,7 @@ def compute_torque_sensitivity(
     )
 
 
-def _require_friction(scene: PreparedModel, brake: Brake) -> None:
+def _refuse_brake_or_model_without_friction(scene: PreparedModel, brake: Brake) -> None:
     """Raise NoAnswer for a brake without friction, BadInput for a model prepared without it."""
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
@@ -355,7 +355,9 @@ class _TorqueSlopesOfShoe:
             theta=shoe.frame.theta(phi)[forward],
             density=-shoe.lining.width * multipliers[forward],
             modulus_error=modulus_error,
-            not_given=tuple(key for key in self._supports() if key not in held),
+            not_given=tuple(
+                key for key in self._rigid_mode_changes_by_supports() if key not in held
+            ),
         )
 
     def _indices_of_shoes_pushed_by_struts(self) -> list[int]:
@@ -436,13 +438,15 @@ class _TorqueSlopesOfShoe:
         """
         group, k = self.group, self.k
         effects = {}
-        for key, changes in self._supports().items():
+        for key, changes in self._rigid_mode_changes_by_supports().items():
             if not self._has_slope_by_point(key):
                 continue
             effects[key] = np.array(
                 list(map(self._torque_slope_by_rigid_body_mode_change, changes))
             )
-            moves = node_motions_by_moved_shoe_point(group.scene, group.members[k], self.shoe, key)
+            moves = node_motions_per_motion_of_shoe_point(
+                group.scene, group.members[k], self.shoe, key
+            )
             if moves:
                 effects[key] = effects[key] + self._torque_slopes_by_node_motions(moves)
         for to in self._indices_of_shoes_pushed_by_struts():
@@ -454,7 +458,7 @@ class _TorqueSlopesOfShoe:
                 effects.pop("abutment.direction", None)
         return effects
 
-    def _supports(self) -> Mapping[str, Any]:
+    def _rigid_mode_changes_by_supports(self) -> Mapping[str, Any]:
         """The changes of the shoe's rigid-body modes by each of its supports, by its key."""
         return self.shoe.changes(self.group.friction_senses[self.k])
 
@@ -633,7 +637,7 @@ class _TorqueSlopesOfShoe:
         force, and then the part by motions of the body's nodes if nodes move with the point.
         """
         key, direction = "actuation.point", self.shoe.actuation.unit_vector_of_force
-        moves = node_motions_by_moved_shoe_point(
+        moves = node_motions_per_motion_of_shoe_point(
             self.group.scene, self.group.members[self.k], self.shoe, key
         )
         effects = []

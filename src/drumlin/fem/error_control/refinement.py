@@ -225,7 +225,7 @@ def assemble_full_system_of_group(
             slice(int(end) - modes.actuation_work.size, int(end))
             for end, modes in zip(ends, group.rigid_body_modes_of_shoes, strict=True)
         ),
-        lever=_group_torque_per_unknown_of_full_equations(group, layout),
+        lever=_torque_factors_of_full_system_unknowns(group, layout),
         scale=_scale_factors_of_full_system(matrix, int(layout.pressure_starts[0])),
     )
 
@@ -283,7 +283,7 @@ def _right_side_of_full_system(
     return right
 
 
-def _group_torque_per_unknown_of_full_equations(group: ShoeGroup, layout: _Layout) -> Floats:
+def _torque_factors_of_full_system_unknowns(group: ShoeGroup, layout: _Layout) -> Floats:
     """The factors (unknowns,) that give the torque of the group as a sum over the unknowns.
 
     The factor of a pressure [m^3] contains the friction coefficient. The factors of all other

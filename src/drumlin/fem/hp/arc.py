@@ -345,7 +345,7 @@ def condensed_arc_column_stiffness(
     )
     symmetric, antisymmetric = K.reshape(2, -1, *K.shape[1:])
     blocks = _ColumnBlocks(K.shape[-1] - half.sides, half.line, 2 * (p + 1) * contact)
-    whole = np.empty((len(symmetric), blocks.size, blocks.size))
+    whole = np.empty((len(symmetric), blocks.number_of_unknowns, blocks.number_of_unknowns))
     _fill_blocks_of_column_sides(whole, symmetric, antisymmetric, blocks)
     if contact:
         _fill_blocks_of_contact_nodes(whole, symmetric, antisymmetric, blocks, p)
@@ -367,32 +367,32 @@ class _ColumnBlocks(NamedTuple):
     contact: int
 
     @property
-    def size(self) -> int:
+    def number_of_unknowns(self) -> int:
         """Number of all unknowns of the column."""
         return self.extra + 2 * self.line + self.contact
 
     @property
-    def lines(self) -> slice:
+    def unknowns_of_left_side(self) -> slice:
         """The unknowns of the left side."""
         return slice(self.extra, self.extra + self.line)
 
     @property
-    def left(self) -> slice:
+    def unknowns_of_loads_and_left_side(self) -> slice:
         """The unknowns of the loads and the left side."""
         return slice(self.extra + self.line)
 
     @property
-    def middle(self) -> slice:
+    def unknowns_of_contact(self) -> slice:
         """The unknowns of the contact nodes."""
         return slice(self.extra + self.line, self.extra + self.line + self.contact)
 
     @property
-    def right(self) -> slice:
+    def unknowns_of_right_side(self) -> slice:
         """The unknowns of the right side."""
         return slice(self.extra + self.line + self.contact, None)
 
     @property
-    def mirror(self) -> Floats:
+    def signs_of_mirrored_displacements(self) -> Floats:
         """The signs (line,) of displacements on one side when they are mirrored to the other.
 
         Mirroring a node changes the sign of its displacement around the drum.
@@ -413,8 +413,12 @@ def _fill_blocks_of_column_sides(
     symmetric, antisymmetric : (c, m, m) stiffness on symmetric and antisymmetric unknowns
     blocks : numbers of the unknowns
     """
-    S, A, mirror = symmetric, antisymmetric, blocks.mirror
-    left, lines, right = blocks.left, blocks.lines, blocks.right
+    S, A, mirror = symmetric, antisymmetric, blocks.signs_of_mirrored_displacements
+    left, lines, right = (
+        blocks.unknowns_of_loads_and_left_side,
+        blocks.unknowns_of_left_side,
+        blocks.unknowns_of_right_side,
+    )
     np.add(S[:, left, left], A[:, left, left], out=whole[:, left, left])
     # The blocks are written into existing arrays, because new arrays would double the time.
     left_right = whole[:, left, right]
@@ -441,11 +445,18 @@ def _fill_blocks_of_contact_nodes(
     p : degree of the elements
     """
     functions = nodal_functions_along_element_column(p)
-    left, lines, middle, right = blocks.left, blocks.lines, blocks.middle, blocks.right
+    left, lines, middle, right = (
+        blocks.unknowns_of_loads_and_left_side,
+        blocks.unknowns_of_left_side,
+        blocks.unknowns_of_contact,
+        blocks.unknowns_of_right_side,
+    )
     (even, odd), place = functions.sign, middle.start + functions.place
     S, A = symmetric[:, place] * even[:, None], antisymmetric[:, place] * odd[:, None]
     whole[:, middle, left] = S[:, :, left] + A[:, :, left]
     whole[:, middle, middle] = S[:, :, place] * even + A[:, :, place] * odd
-    whole[:, middle, right] = blocks.mirror * (S[:, :, lines] - A[:, :, lines])
+    whole[:, middle, right] = blocks.signs_of_mirrored_displacements * (
+        S[:, :, lines] - A[:, :, lines]
+    )
     whole[:, left, middle] = whole[:, middle, left].transpose(0, 2, 1)
     whole[:, right, middle] = whole[:, middle, right].transpose(0, 2, 1)

@@ -221,15 +221,15 @@ class _BeamShoeDimensions(NamedTuple):
     beam: float
 
     @property
-    def face(self) -> float:
+    def distance_of_beam_face_from_axis(self) -> float:
         """Distance of the beam's face before the block from the beam's axis [m]."""
         return self.beam / 2
 
     @property
-    def block(self) -> float:
+    def smallest_block_thickness(self) -> float:
         """Smallest thickness of the block [m]."""
         nearest = min(math.cos(self.first), math.cos(self.last))
-        return self.axis.distance - self.face - self.back * nearest
+        return self.axis.distance - self.distance_of_beam_face_from_axis - self.back * nearest
 
 
 def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
@@ -260,7 +260,7 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
     return Outline(
         place=_point_map_of_beam_shoe(size, R),
         layers=layers,
-        thickness=np.array([size.lining, size.block, size.beam]),
+        thickness=np.array([size.lining, size.smallest_block_thickness, size.beam]),
         s=_sorted_distinct_values([low, first, last, high]),
         corners=np.unique(corners, axis=0),
         held=low,
@@ -295,8 +295,8 @@ def _point_map_of_beam_shoe(size: _BeamShoeDimensions, R: float) -> PointMap:
         r = R + size.lining * np.minimum(d, 1)
         x = np.where(d < 1, axis.foot + r * np.sin(s), along)
         y = axis.distance - r * np.cos(inside)
-        y = y + np.clip(d - 1, 0, 1) * (size.face - y)
-        y = np.where(d >= 2, size.face - (d - 2) * size.beam, y)
+        y = y + np.clip(d - 1, 0, 1) * (size.distance_of_beam_face_from_axis - y)
+        y = np.where(d >= 2, size.distance_of_beam_face_from_axis - (d - 2) * size.beam, y)
         return axis.convert_to_brake_frame(x, y)
 
     return points_of_beam_shoe

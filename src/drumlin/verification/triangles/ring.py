@@ -54,7 +54,7 @@ class _LiningOnRing(NamedTuple):
     turn: int
     whole_turns: float
 
-    def ring_angles_of_places_on_face(self, s: Floats) -> Floats:
+    def ring_angles_at_face_coordinates(self, s: Floats) -> Floats:
         """Angles on the ring [rad] of the places s on the face."""
         return self.origin + self.turn * s - self.whole_turns
 
@@ -125,7 +125,7 @@ def _ring_mesh_graded_to_linings(
     shape = _ring_outline(brake, section, s[[0, -1]])
     ends = np.concatenate([part[[0, -1]] for part in under])
     sharp = np.concatenate(
-        [lining.ring_angles_of_places_on_face(one.sharp.s) for lining, one in pairs]
+        [lining.ring_angles_at_face_coordinates(one.sharp.s) for lining, one in pairs]
     )
     smallest = np.concatenate(
         [np.full(len(ends), least * 0.5**level.halvings), *(one.sharp.smallest for one in drafts)]
@@ -145,7 +145,7 @@ def _ring_angles_of_lining_grid_lines(lining: _LiningOnRing, draft: Draft) -> Fl
     """Angles [rad], growing, of a lining's grid lines, which the ring's mesh has as well."""
     face = draft.shape.layers[0]
     within = (draft.s > face.start - ANGLE_SLACK) & (draft.s < face.end + ANGLE_SLACK)
-    return np.sort(lining.ring_angles_of_places_on_face(draft.s[within]))
+    return np.sort(lining.ring_angles_at_face_coordinates(draft.s[within]))
 
 
 def _ring_outline(brake: Brake, section: Section, ends: Floats) -> Outline:
@@ -191,7 +191,7 @@ def _halve_edges_of_ring_and_linings_until_ends_match(
     for _ in range(MOST_MATCHING_ROUNDS):
         before = len(mesh.layer), [len(one.layer) for one in meshes]
         above = [
-            lining.ring_angles_of_places_on_face(
+            lining.ring_angles_at_face_coordinates(
                 np.unique(one.end_coordinates_of_friction_surface_edges())
             )
             for lining, one in zip(linings, meshes, strict=True)
