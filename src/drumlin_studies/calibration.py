@@ -251,9 +251,10 @@ class Samples(NamedTuple):
 
 def true_and_estimated_errors_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
     """The errors of one quantity on all meshes of all brakes, without those whose error is nan."""
-    rows = [
-        [of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])
-    ]
+    rows = []
+    for level in levels:
+        if not math.isnan(level.true[quantity]):
+            rows.append([errors[quantity] for errors in level])
     return Samples(*np.array(rows).reshape(-1, len(LevelRecord._fields)).T)
 
 

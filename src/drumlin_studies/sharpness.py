@@ -355,10 +355,8 @@ class Written(NamedTuple):
 def read_stored_spreads_of_stated_errors(folder: Path) -> Written:
     """The contents of FILE, the numbers at the last fit, in a folder of far finer solutions."""
     data = json.loads((folder / FILE).read_text(encoding="utf-8"))
-    spreads, quick_spreads = (
-        {quantity: Spread(**values) for quantity, values in data[key].items()}
-        for key in (SHARPNESS_KEY, QUICK_SHARPNESS_KEY)
-    )
+    spreads = {of: Spread(**values) for of, values in data[SHARPNESS_KEY].items()}
+    quick_spreads = {of: Spread(**values) for of, values in data[QUICK_SHARPNESS_KEY].items()}
     worths = {asked: AccuracyAndCost(**values) for asked, values in data["worth"].items()}
     return Written(spreads, quick_spreads, worths)
 
@@ -370,10 +368,10 @@ def _rounded_spreads_of_stated_over_true_errors(
 
     The first key is the quantity, such as "pressure". The inner keys are the names in `Spread`.
     """
-    return {
-        quantity: {which: round(value, 2) for which, value in spread._asdict().items()}
-        for quantity, spread in spreads_of_stated_over_true_errors(rows).items()
-    }
+    rounded = {}
+    for quantity, spread in spreads_of_stated_over_true_errors(rows).items():
+        rounded[quantity] = {name: round(value, 2) for name, value in spread._asdict().items()}
+    return rounded
 
 
 def main(folder: str) -> None:

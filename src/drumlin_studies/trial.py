@@ -201,16 +201,13 @@ def accuracy_of_answer_of_all_groups(
     if len(known) < len(rows):
         failure = next(row["whole"] for row in rows if row["whole"])
         return {**worst, "digits": None, "allowed": 0.0, "whole": failure}
-    return worst | {
-        "complementarity": max(row["complementarity"] for row in rows),
-        "digits": min(row["digits"] for row in rows),
-        "allowed": min(row["allowed"] for row in rows),
-        "torque_condition": max((row["torque_condition"] or 0.0 for row in rows), default=0.0)
-        or None,
-        "pressure_error": max(row["pressure_error"] for row in rows),
-        "sure": min(row["sure"] for row in rows),
-        "sets": max(row["sets"] for row in rows),
-    }
+    for key in ("complementarity", "pressure_error", "sets"):
+        worst[key] = max(row[key] for row in rows)
+    for key in ("digits", "allowed", "sure"):
+        worst[key] = min(row[key] for row in rows)
+    # A group without a condition of its torque has None.
+    worst["torque_condition"] = max(row["torque_condition"] or 0.0 for row in rows) or None
+    return worst
 
 
 def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[str, Any]:

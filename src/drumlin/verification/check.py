@@ -209,7 +209,9 @@ def _decimal_sign_of_pressure_table(
         for a table with decimal commas and decimal points
     """
     positions = [columns[key].position for key in wanted]
-    cells = (line[at] for line in lines for at in positions if at < len(line))
+    cells = []
+    for line in lines:
+        cells += [line[position] for position in positions if position < len(line)]
     try:
         return decimal_sign_of_table(cells)
     except ValueError as error:

@@ -389,8 +389,12 @@ def _increase_actuation_force_at_rest(
     NoAnswer
         where the last increment does not settle
     """
-    history, energy = SlipHistory(np.zeros(len(gap)), np.zeros(len(gap))), 0.0
-    shares = np.linspace(0, 1, max(increments, 1) + 1)[1:] ** 3 if gap.any() else np.ones(1)
+    history = SlipHistory(np.zeros(len(gap)), np.zeros(len(gap)))
+    energy = 0.0
+    # Without a gap, the force is put on in one increment.
+    shares = np.ones(1)
+    if gap.any():
+        shares = np.linspace(0, 1, max(increments, 1) + 1)[1:] ** 3
     for share in shares:
         q_w = gap + share * (problem.q_w - gap)
         part = problem._replace(q_w=q_w, q_s=share * problem.q_s, h=share * problem.h)
@@ -784,25 +788,30 @@ def holding_states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
     return rows
 
 
+def _words_for_node_states(states: Ints) -> list[str]:
+    """A word for the state of each node: "open", "stick", "slip" or "slip back"."""
+    names = {OPEN: "open", STICK: "stick", FORWARD: "slip", BACKWARD: "slip back"}
+    return [names[int(state)] for state in states]
+
+
 def _lining_state_as_dict(state: Hold, i: int) -> dict[str, Any]:
     """Convert the nodal values of lining `i` in a state of the brake to plain data for JSON.
 
     The values at all nodes of the face stand under "face" if there are several across the width.
     """
-    names = {OPEN: "open", STICK: "stick", FORWARD: "slip", BACKWARD: "slip back"}
     face = state.face[i]
     across = {
         "z": face.z.tolist(),
         "pressure": face.pressure.tolist(),
         "traction": face.traction.tolist(),
-        "state": [[names[int(value)] for value in row] for row in face.state],
+        "state": [_words_for_node_states(row) for row in face.state],
     }
     return {
         "name": state.names[i],
         "theta": state.theta[i].tolist(),
         "pressure": state.pressure[i].tolist(),
         "traction": state.traction[i].tolist(),
-        "state": [names[int(value)] for value in state.state[i]],
+        "state": _words_for_node_states(state.state[i]),
         "stick": [list(arc) for arc in state.stick[i]],
         "slip": [list(arc) for arc in state.slip[i]],
         **({"face": across} if len(face.z) > 1 else {}),

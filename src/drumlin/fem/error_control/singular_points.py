@@ -283,8 +283,12 @@ def _openings_within_contact_arcs_of_lining(
     if not len(open_nodes):
         return []
     phi = shoe.frame.phi(answer.theta)
-    candidates = [_Opening(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1]))) for i in open_nodes]
-    return [opening for opening in candidates if _is_opening_inside_contact(opening, arcs)]
+    openings = []
+    for i in open_nodes:
+        opening = _Opening(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1])))
+        if _is_opening_inside_contact(opening, arcs):
+            openings.append(opening)
+    return openings
 
 
 def _is_opening_inside_contact(opening: _Opening, arcs: list[list[float]]) -> bool:

@@ -4,6 +4,7 @@ The condensed body has only the unknowns that the contact problem needs: the dis
 contact nodes, and the three rigid-body motions of the face that the hinge holds (the frame).
 """
 
+import math
 from functools import partial
 
 import numpy as np
@@ -48,14 +49,14 @@ def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> C
     div : division of the shoe into columns and layers of elements
     """
     # The nodes under the lining are numbered first, row by row from the contact inwards.
-    p, first = div.degree, div.index_of_first_body_layer
-    depth, along = (
-        node_positions_of_element_row(div.depths, p),
-        node_positions_of_element_row(div.angles, p),
-    )
+    p = div.degree
+    first = div.index_of_first_body_layer
+    depth = node_positions_of_element_row(div.depths, p)
+    along = node_positions_of_element_row(div.angles, p)
     rows, n = len(depth), len(along)
     under = np.arange(rows * n).reshape(rows, n)
-    blocks, count = [ElementBlock(under, depth, along, div.part)], rows * n
+    blocks = [ElementBlock(under, depth, along, div.part)]
+    count = rows * n
     # The body continues beyond the lining at these two columns of nodes, under the lining's ends.
     faces = [under[first * p :, 0], under[first * p :, -1]]
     for k, ends in enumerate((div.before, div.after)):
@@ -64,7 +65,8 @@ def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> C
         # The block of nodes beyond the lining shares its first column of nodes with the block under
         # the lining.
         places = node_positions_of_element_row(ends, p)
-        inner = count + np.arange(len(faces[k]) * (len(places) - 1)).reshape(len(faces[k]), -1)
+        shape = (len(faces[k]), len(places) - 1)
+        inner = count + np.arange(math.prod(shape)).reshape(shape)
         count += inner.size
         nodes = np.concatenate([faces[k][:, None], inner], axis=1)
         blocks.append(ElementBlock(nodes, depth[first * p :], places, div.part[first:]))

@@ -294,7 +294,10 @@ def eliminate_nodes_on_column_side(
     inner = piece.K[gone, gone].copy()
     K[kept, kept], C[:, kept] = piece.K[rest, rest], piece.K[gone, rest]
     if end is not None:
-        ends, on = (slice(part, None), slice(part)) if right else (slice(own), slice(own, None))
+        if right:
+            ends, on = slice(part, None), slice(part)
+        else:
+            ends, on = slice(own), slice(own, None)
         K[added, added] += end[ends, ends]
         C[line - part :, added] += end[on, ends]
         inner[line - part :, line - part :] += end[on, on]
@@ -317,4 +320,6 @@ def rotate_node_axes_of_vectors(V: Floats, angle: Floats) -> Floats:
     are the angles that the axes of each node are turned by.
     """
     # The components x + i y of a node are one complex number.
-    return (np.ascontiguousarray(V).view(complex) * np.exp(-1j * angle)[..., None, :]).view(float)
+    components = np.ascontiguousarray(V).view(complex)
+    turns = np.exp(-1j * angle)[..., None, :]
+    return (components * turns).view(float)

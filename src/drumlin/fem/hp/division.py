@@ -292,7 +292,8 @@ def relative_element_size_far_from_contact(
     """
     if not coarsens:
         return size
-    return max(size, min(1.0, size * 2.0 ** math.floor(math.log2(max(distance, 1.0)))))
+    doublings = math.floor(math.log2(max(distance, 1.0)))
+    return max(size, min(1.0, size * 2.0**doublings))
 
 
 def piece_ends_from_piece_sizes(sizes: Sequence[float], start: float, end: float) -> Floats:

@@ -277,16 +277,17 @@ def _solve_for_abutment_friction_senses(
     for i, one in enumerate(own):
         part, row = slice(begin[i], begin[i + 1]), slice(rows[i], rows[i + 1])
         A[part, part], B[part, row], C[row, part] = one.A, one.B, one.C
-    q, h, weight = (
-        np.concatenate([getattr(one, name) for one in own]) for name in ("q", "h", "weight")
-    )
+    q = np.concatenate([one.q for one in own])
+    h = np.concatenate([one.h for one in own])
+    weight = np.concatenate([one.weight for one in own])
     # The gaps at one lining also change by the displacements of the ring under every lining.
     if rim is not None:
+        # The numbers of the x and y displacements of the ring's nodes under each lining.
+        under = [(2 * nodes[:, None] + np.arange(2)).ravel() for nodes in rim.of]
         for i, j in np.ndindex(len(faces), len(faces)):
-            on, under = ((2 * rim.of[x][:, None] + np.arange(2)).ravel() for x in (i, j))
-            A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= (
-                own[i].normal @ rim.compliance[np.ix_(on, under)] @ own[j].pull
-            )
+            compliance = rim.compliance[np.ix_(under[i], under[j])]
+            change = own[i].normal @ compliance @ own[j].pull
+            A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= change
     found = solve_contact_complementarity(A, q, B, C, h, weight, np.concatenate(first))
     return [
         ContactForces(found.force[a:b], found.motions[c:d], found.active[a:b])

@@ -1,8 +1,9 @@
 """The outlines of shoes as layered bodies, and the meshes of triangles that fill them."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -118,11 +119,11 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     before_body = len(layers) - plates
     held = loaded = grip = None
     s = [lining.start, lining.end]
-    corners = [(end, float(d)) for end in s for d in range(before_body + 1)]
+    corners = _points_at_all_pairs(s, range(before_body + 1))
     if body is not None:
         s += [body.start, body.end]
         depths = range(before_body, len(layers) + 1)
-        corners += [(end, float(d)) for end in (body.start, body.end) for d in depths]
+        corners += _points_at_all_pairs((body.start, body.end), depths)
         grip = _grip_of_arc_shoe(shoe, R)
         if grip is None:
             held, loaded = sorted(
@@ -145,6 +146,11 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
         grip=grip,
         plates=plates,
     )
+
+
+def _points_at_all_pairs(s: Iterable[float], d: Iterable[int]) -> list[tuple[float, float]]:
+    """The points (s, d) of every given s with every given d, in the coordinates of an outline."""
+    return [(along, float(across)) for along, across in product(s, d)]
 
 
 def _layers_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
@@ -254,9 +260,8 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
         TriangleLayer(first, last, make_layer(backing.material, lining.width, axis.along)),
         TriangleLayer(low, high, make_layer(section.material, section.width, axis.along)),
     ]
-    corners = [(s, d) for s in (first, last) for d in (0.0, 1.0, 2.0)] + [
-        (s, d) for s in (low, high) for d in (2.0, 3.0)
-    ]
+    corners = _points_at_all_pairs((first, last), range(3))
+    corners += _points_at_all_pairs((low, high), range(2, 4))
     return Outline(
         place=_point_map_of_beam_shoe(size, R),
         layers=layers,
@@ -342,9 +347,9 @@ def initial_grid_lines_of_body(
 
     def grid_step_along_body(s: float) -> float:
         """The distance in s between two grid lines near s."""
-        return (
-            min(most, float((near + 0.5 * shape.length * np.abs(dense - s)).min())) / shape.length
-        )
+        # Around each dense point the distance grows by half of the length from the point.
+        growing = near + 0.5 * shape.length * np.abs(dense - s)
+        return min(most, float(growing.min())) / shape.length
 
     s = coordinates_with_position_dependent_spacing(shape.s, grid_step_along_body)
     return s, _grid_lines_across_layers(shape, size, least)

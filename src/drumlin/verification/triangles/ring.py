@@ -230,7 +230,8 @@ def _grid_line_coordinates_of_first_ring_mesh(
 
         def angle_step_between_linings(x: float, gap: Floats = gap) -> float:
             """The angle [rad] between two grid lines near the angle x, between two linings."""
-            return min(2.5 * t * size / R, least * size / R + 0.5 * float(np.abs(gap - x).min()))
+            from_lining = float(np.abs(gap - x).min())
+            return min(2.5 * t * size / R, least * size / R + 0.5 * from_lining)
 
         lines += [
             part,
