@@ -5,8 +5,8 @@ error by the change from one level to the next, multiplied by a safety factor.
 `true_and_estimated_errors_of_random_brake` records this change for a random brake, and the true
 error, which is the difference from a far finer solution. `fit_safety_factors` finds the smallest
 factors with which the stated errors are at least as large as the true errors, except for the small
-share 1 - QUANTILE. `safety_factors_as_json_text` writes the factors together with the brakes of the
-fit. The command
+share 1 - STATED_QUANTILE. `safety_factors_as_json_text` writes the factors together with the brakes
+of the fit. The command
 
     make calibrate
 
@@ -81,8 +81,8 @@ change. `fit_safety_factors` takes the candidate with the smallest median of sta
 HALF_STATED_QUANTILE = 0.999
 """Fraction of the true errors that must not exceed twice the stated errors in the fit.
 
-QUANTILE limits how many stated errors are too small. HALF_STATED_QUANTILE limits by how much they
-are too small.
+STATED_QUANTILE limits how many stated errors are too small. HALF_STATED_QUANTILE limits by how much
+they are too small.
 """
 
 SIGNIFICANT_DIGITS = 2
@@ -224,9 +224,9 @@ class Samples(NamedTuple):
     def smallest_safety_factor(self, weight: float) -> float:
         """The smallest safety factor with which few enough stated errors are too small.
 
-        The conditions are QUANTILE and HALF_STATED_QUANTILE. The stated error is factor * (step +
-        weight * chance) + beside. For a true error that is not certain, any factor counts as large
-        enough.
+        The fractions of stated errors that may be too small are set by STATED_QUANTILE and
+        HALF_STATED_QUANTILE. The stated error is factor * (step + weight * chance) + beside. For a
+        true error that is not certain, any factor counts as large enough.
         """
         # The factor that each sample needs, so that its stated error equals its true error.
         most = np.where(self.is_true_error_usable, self.true - self.unsure - self.beside, 0.0)
@@ -261,11 +261,11 @@ def true_and_estimated_errors_of_quantity(levels: Sequence[LevelRecord], quantit
 def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     """The smallest safety factors with which few enough stated errors are too small.
 
-    The conditions are QUANTILE and HALF_STATED_QUANTILE. Torque and reaction have the same factor,
-    the larger of their two factors. The estimated error of a force has a term for the change that
-    the force would have if the elements contributed with random signs. Of the weights
-    CHANCE_WEIGHTS of this term, the one with the smallest median of stated over true error is
-    taken.
+    The fractions of stated errors that may be too small are set by STATED_QUANTILE and
+    HALF_STATED_QUANTILE. Torque and reaction have the same factor, the larger of their two factors.
+    The estimated error of a force has a term for the change that the force would have if the
+    elements contributed with random signs. Of the weights CHANCE_WEIGHTS of this term, the one with
+    the smallest median of stated over true error is taken.
     """
     # The factor of forces depends on the weight of the term for contributions with random signs.
     forces = [

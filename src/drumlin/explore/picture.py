@@ -332,7 +332,7 @@ def error_of_finite_elements_as_html(
 
 
 def _relative_error_as_text(error: float) -> str:
-    """A relative error as text: a number, or "only rounding" up to ROUNDING."""
+    """A relative error as text: a number, or "only rounding" up to LARGEST_ROUNDING_ERROR."""
     return f"{error:.1e}" if error > LARGEST_ROUNDING_ERROR else "only rounding"
 
 
