@@ -42,13 +42,13 @@ def brake(root):
 
 
 def heated(condensed, basis, layers, strain=EVEN):
-    """The body with the column of a free strain in all of its layers."""
+    """The body with a further load: a free (thermal) strain in all of its layers."""
     forces = expansion_forces(basis, layers, dict.fromkeys(layers, strain))
     return condensed.body_with_further_loads({HEAT: forces[:, None]})
 
 
 def displacement(body, **factors):
-    """Displacements (2, nodes) of a body under loads alone, with the factors of these loads."""
+    """Displacements (2, nodes) of a body under its loads without contact, by load factors."""
     loads = body.columns.factors_of_all_load_columns(
         {name: np.array([value]) for name, value in factors.items()}
     )
@@ -149,7 +149,7 @@ def test_a_free_straight_body_swells_through_its_layers_alone(root, level):
 
 
 def test_further_columns_are_those_of_one_elimination_of_all_loads(brake):
-    """The elimination of elements one by one, and that of the whole grid at once."""
+    """A further load has the same result by element-wise elimination and by elimination at once."""
     shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[0]).bodies[0]
     warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     assert warm.columns.sizes == ((ACTUATION, 3), (HEAT, 1))
@@ -201,7 +201,7 @@ def test_a_shoe_is_coupled_with_all_its_columns(brake, level):
 
 @DIVISIONS
 def test_a_free_strain_in_the_linings_is_solved_and_refined_alike(brake, level, monkeypatch):
-    """The whole path of a load that no force scales, as a key of a material would take it.
+    """A load that does not depend on the actuation force is solved and refined like any other.
 
     The refinement holds all unknowns and solves in long double by another elimination.
     """

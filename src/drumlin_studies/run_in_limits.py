@@ -171,10 +171,10 @@ def prepare_wear_setup_by_model(model: str, brake: Brake, elements: int) -> Wear
     return wear_setup_by_finite_elements(make_prepared_model(own, elements=elements), own)
 
 
-def limit_pressure_form_and_law_torque(model: str, brake: Brake) -> tuple[str, float]:
-    """The form of the pressure to which the wear of a model tends, and the law's torque [N m].
+def worn_in_pressure_formula_and_law_torque(model: str, brake: Brake) -> tuple[str, float]:
+    """The formula that the pressure approaches as the lining wears in, and the law's torque [N m].
 
-    The form is a formula in words, for example "sin" for p ~ sin(phi) with the angle phi from the
+    The formula is a short text, for example "sin" for p ~ sin(phi) with the angle phi from the
     hinge. model : one of the models of `list_wear_models_of_brake`.
     """
     if model == "guided":
@@ -208,7 +208,7 @@ def table_row_and_wear_run_of_brake(
     try:
         setup = prepare_wear_setup_by_model(model, brake, elements)
         one = wear_brake_until_pressure_settles(f"{name}, {model}", setup)
-        row["law"], torque = limit_pressure_form_and_law_torque(model, brake)
+        row["law"], torque = worn_in_pressure_formula_and_law_torque(model, brake)
     except NoAnswer as error:
         return {**row, "status": f"failed: {error}"}, None
     row |= {

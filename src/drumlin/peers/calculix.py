@@ -143,9 +143,10 @@ def calculix_version() -> str:
 def export_calculix_deck_of_each_shoe(
     brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND
 ) -> tuple[list[Path], list[str]]:
-    """Write a CalculiX deck for each shoe of a brake, set as `solve_brake_by_calculix` begins.
+    """Write the CalculiX decks with which `solve_brake_by_calculix` begins, one for each shoe.
 
-    CalculiX need not be installed. Raises BadInput as `solve_brake_by_calculix` does.
+    CalculiX need not be installed. Raises BadInput for a brake that `solve_brake_by_calculix`
+    refuses.
 
     Parameters
     ----------

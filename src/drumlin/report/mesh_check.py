@@ -93,7 +93,7 @@ def read_meshes_of_brake(brake: Brake) -> list[CheckedShoe]:
 def lines_on_what_will_be_solved(brake: Brake, checked: CheckedShoe) -> Iterator[str]:
     """Yield three lines of text on a shoe's mesh: elements, contact line, and support with force.
 
-    Further lines are the notes of the reader, one for each part of the file that it changed.
+    Further lines tell which parts of the mesh file drumlin changed when it read the file.
     """
     shoe, mesh = checked.shoe, checked.read.mesh
     kind = element_kind_of_mesh(mesh)
