@@ -4,13 +4,7 @@ import numpy as np
 import pytest
 
 from drumlin.brake import read_any, read_brake, vary
-from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.refinement import (
-    assemble_full_system_of_group,
-    solve_full_system_by_refinement,
-)
-from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.bodies import (
     DividedBody,
     ShoeSubstructure,
@@ -25,10 +19,9 @@ from drumlin.fem.substructure.body import (
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_ring, elastic_layers_of_shoe
 from drumlin.fem.substructure.expansion import expansion_forces, stress_belonging_to_free_strain
-from drumlin.fem.substructure.loads import ACTUATION
+from drumlin.fem.substructure.loads import ACTUATION, HEAT
 from drumlin.fem.substructure.ring import unknowns_of_statically_determinate_support
 
-HEAT = "heat"
 STRAIN = 1e-3
 """Free strain of the heated bodies: some 80 K of steel."""
 EVEN = np.array([STRAIN, STRAIN])
@@ -41,9 +34,14 @@ def brake(root):
     return read_brake(root / "studies" / "double_shoe" / "brake.toml")
 
 
+def everywhere(strain):
+    """The function of a free strain that is the same at all points (2, ...)."""
+    return lambda points: np.multiply.outer(strain, np.ones(points.shape[1:]))
+
+
 def heated(condensed, basis, layers, strain=EVEN):
-    """The body with a further load: a free (thermal) strain in all of its layers."""
-    forces = expansion_forces(basis, layers, dict.fromkeys(layers, strain))
+    """The body with a further load: a free strain in all of its layers."""
+    forces = expansion_forces(basis, layers, dict.fromkeys(layers, everywhere(strain)))
     return condensed.body_with_further_loads({HEAT: forces[:, None]})
 
 
@@ -120,13 +118,13 @@ def test_a_clamped_body_is_pressed_as_plane_stress_tells(root, level):
     material = shoe.lining.material
     pressed = material.E * STRAIN / (1 - material.nu)
     points = body.line.xy
-    sigma = stress_belonging_to_free_strain(layer, EVEN, points) / layer.width
+    sigma = stress_belonging_to_free_strain(layer, everywhere(EVEN)(points), points) / layer.width
     assert sigma == pytest.approx(
         np.broadcast_to((pressed * np.eye(2))[:, :, None], sigma.shape), rel=1e-12
     )
-    forces = expansion_forces(body.basis, elastic_layers_of_shoe(shoe), {"lining": EVEN}).reshape(
-        -1, 2
-    )
+    forces = expansion_forces(
+        body.basis, elastic_layers_of_shoe(shoe), {"lining": everywhere(EVEN)}
+    ).reshape(-1, 2)
     length = np.ptp(body.line.xy[0])
     # The forces that the free strain puts on the clamped friction surface, y away from the plane.
     clamped = forces[body.line.nodes].sum(axis=0)
@@ -193,44 +191,7 @@ def test_a_shoe_is_coupled_with_all_its_columns(brake, level):
     u = displacement(warm, heat=1.0)[:, body.line.nodes].T.ravel()
     closed = coupled.closure_by_load[:, 3]
     assert closed == pytest.approx(coupled.coupling.N @ u, abs=1e-8 * np.abs(closed).max())
-    assert load_factors_under_actuation_force(coupled, shoe, 10.0)[3] == 0.0
+    assert load_factors_under_actuation_force(coupled, shoe, 10.0)[3] == 1.0
     assert load_factors_under_actuation_force(coupled, shoe, 10.0)[:3] == pytest.approx(
         load_factors_under_actuation_force(body, shoe, 10.0)
     )
-
-
-@DIVISIONS
-def test_a_free_strain_in_the_linings_is_solved_and_refined_alike(brake, level, monkeypatch):
-    """A load that does not depend on the actuation force is solved and refined like any other.
-
-    The refinement holds all unknowns and solves in long double by another elimination.
-    """
-
-    def with_free_strain(kind, shoe, division, condensed, centre, *, friction):
-        forces = expansion_forces(division.basis, elastic_layers_of_shoe(shoe), {"lining": EVEN})
-        loaded = condensed.body_with_further_loads({HEAT: forces[:, None]})
-        return make_shoe_substructure(kind, shoe, division, loaded, centre, friction=friction)
-
-    def with_heat(body, shoe, force):
-        heat = body.unit_load_vectors_by_name.factors_of_all_load_columns({HEAT: np.ones(1)})
-        return load_factors_under_actuation_force(body, shoe, force) + heat
-
-    cold = solve_prepared_model(make_prepared_model(brake, level, elements=24), brake)
-    for module in ("columns", "meshes"):
-        monkeypatch.setattr(
-            f"drumlin.fem.preparation.{module}.make_shoe_substructure", with_free_strain
-        )
-    for module in ("equilibrium.state", "model", "error_control.refinement"):
-        monkeypatch.setattr(f"drumlin.fem.{module}.load_factors_under_actuation_force", with_heat)
-    scene = make_prepared_model(brake, level, elements=24)
-    warm = solve_prepared_model(scene, brake)
-    assert abs(warm.torque - cold.torque) > 1e-3 * cold.torque
-    assert max(warm.balance.force, warm.balance.moment) < 1e-8
-    torque = 0.0
-    for group in divide_pressed_shoes_into_groups(scene, brake):
-        refined = solve_full_system_by_refinement(
-            assemble_full_system_of_group(group),
-            group.solve_contact_for_known_friction_senses().active,
-        )
-        torque += group.largest_actuation_force * refined.torque
-    assert warm.torque == pytest.approx(torque, rel=1e-7)

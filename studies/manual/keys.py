@@ -28,6 +28,12 @@ _SECTION = {
     "material": "material of the section",
     "bending_stiffness": "EI; replaces the EI that follows from the section",
 }
+_HEAT = {
+    "temperature_rise": "temperature of the part above that at which it was made, at the face "
+    "towards the friction surface",
+    "back_temperature_rise": "the same at its far face, by default as at the near face; the "
+    "temperature is linear in between",
+}
 _ARC = {"start": "angle at which the arc begins", "end": "angle at its end, greater than `start`"}
 
 _HELD = {
@@ -61,7 +67,8 @@ _BAR = {
     "grip": _GRIP,
     "table": "makes the section a T: the plate between lining and web, `{ thickness = ..., width = "
         "... }`",
-    "bending_stiffness": "EI of the section; replaces the EI of width and material"}  # fmt: skip
+    "bending_stiffness": "EI of the section; replaces the EI of width and material",
+    **_HEAT}  # fmt: skip
 
 BRAKE: tuple[Table, ...] = (
     ("The brake", DrumBrake, {
@@ -73,7 +80,8 @@ BRAKE: tuple[Table, ...] = (
         "radius": "radius R of the friction surface",
         "ring": "the table `[drum.ring]`; without it the drum is rigid",
         "out_of_round": "deviation of the friction surface from a circle, as harmonics; see below",
-        "angle": "angle by which the drum, with its harmonics, has turned"}),
+        "angle": "angle by which the drum, with its harmonics, has turned", **_HEAT,
+        "expansion": "coefficient of thermal expansion, by default that of the ring's material"}),
     ("`out_of_round` of `[drum]`: tables", Lobes, {
         "order": "number of waves around the drum: 0 growth of a hot drum, 1 run-out, 2 ovality",
         "amplitude": "largest distance of the surface outside the circle",
@@ -99,7 +107,7 @@ BRAKE: tuple[Table, ...] = (
         "material": "material of the lining",
         "clearance": "gap of the unloaded lining, positive if open: one value, or rows of angle "
             "and gap",
-        "misfit": "further deviation of the surface from the drum's circle; see below"}),
+        "misfit": "further deviation of the surface from the drum's circle; see below", **_HEAT}),
     ("`misfit` of `[shoe.lining]`", Misfit, {
         "radius": "radius of the lining's own circle, by default the drum's radius",
         "offset": "vector by which the circle is moved",
@@ -109,7 +117,7 @@ BRAKE: tuple[Table, ...] = (
     ("`[shoe.backing]`", Backing, {
         "thickness": "thickness of the layer between lining and shoe; behind a straight beam the "
             "block fills the space",
-        "material": "material of the layer"}),
+        "material": "material of the layer", **_HEAT}),
     ("`[shoe.body]`, an arc", ArcBody, {
         "shape": "an arc with a constant section, the default", **_ARC, **_BAR,
         "thickness": "radial thickness; of a T-section the depth of the web"}),
@@ -121,7 +129,7 @@ BRAKE: tuple[Table, ...] = (
         "bending_stiffness": "EI, one value or rows over the distance from the hinge; replaces "
             "the EI of the section",
         "offset": "distance of a weakly curved neutral axis behind the straight line, as rows over "
-            "the distance from the hinge"}),
+            "the distance from the hinge", **_HEAT}),
     ("`[shoe.actuation]`", Actuation, {
         "force": "force on the shoe or its lever; left out if `[actuation]` gives the force",
         "direction": "angle of the force",
@@ -136,7 +144,9 @@ BRAKE: tuple[Table, ...] = (
     ("`[[link]]`: a strut", Link, {
         "from": "name of the shoe that bears on the strut",
         "to": "name of the shoe that the strut pushes"}),
-    ("A material", Material, {"E": "Young's modulus", "nu": "Poisson's ratio"}),
+    ("A material", Material, {
+        "E": "Young's modulus", "nu": "Poisson's ratio",
+        "expansion": "coefficient of thermal expansion, for heated parts"}),
     ("An orthotropic material", Orthotropic, {
         "E_along": "Young's modulus along the layer",
         "E_through": "Young's modulus through the thickness",
@@ -148,7 +158,9 @@ BRAKE: tuple[Table, ...] = (
         "G_along_across": "shear modulus between the directions along and across",
         "G_through_across": "shear modulus between the directions through and across",
         "nu_along_across": "Poisson's ratio: contraction across the width per strain along",
-        "nu_through_across": "Poisson's ratio: contraction across the width per strain through"}),
+        "nu_through_across": "Poisson's ratio: contraction across the width per strain through",
+        "expansion_along": "coefficient of thermal expansion along the layer",
+        "expansion_through": "coefficient of thermal expansion through the thickness"}),
     ("A point: x and y, or `{ radius = ..., angle = ... }`", Point, {
         "x": "distance from the drum's centre in x", "y": "distance from the drum's centre in y"}),
     ("A brake on a plane", FlatBrake, {
@@ -165,7 +177,7 @@ BRAKE: tuple[Table, ...] = (
         "material": "material of the lining, for finite elements",
         "clearance": "gap between the unloaded lining and the plane: one value, or rows of place "
             "x and gap",
-        "misfit": "further deviation of the face from the plane; see below"}),
+        "misfit": "further deviation of the face from the plane; see below", **_HEAT}),
     ("`misfit` of `[shoe.lining]` on a plane", FlatMisfit, {
         "radius": "radius of a face that is ground to a circle and meets the plane in its middle: "
             "positive for a crowned face, negative for a hollow face; by default the face is flat",

@@ -115,20 +115,6 @@ def clearance_slope_changes(lining: Lining) -> Floats:
     return np.diff(np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]]))
 
 
-def thermal_growth_of_drum_radius(R: float, expansion: float, warming: float) -> float:
-    """Growth [m] of a drum's radius as the drum warms.
-
-    It is the amplitude of a harmonic of order 0 in `Drum.out_of_round`.
-
-    Parameters
-    ----------
-    R : radius of the drum [m]
-    expansion : coefficient of thermal expansion [1/K]
-    warming : mean rise of the drum's temperature [K]
-    """
-    return expansion * warming * R
-
-
 def solve_at_drum_positions(
     brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float]
 ) -> list[T]:

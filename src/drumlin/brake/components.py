@@ -24,6 +24,7 @@ from drumlin.brake.fields import (
     Angle,
     AnyMaterial,
     BendingStiffness,
+    Expansion,
     Force,
     Length,
     Material,
@@ -31,6 +32,7 @@ from drumlin.brake.fields import (
     Place,
     Point,
     Rows,
+    TemperatureRise,
     Thickness,
     interpolate_number_or_table,
     validator_of_number_or_table,
@@ -207,13 +209,18 @@ class Drum(Part):
 
     `out_of_round` has the harmonics of the deviation of the surface from its circle. They turn with
     the drum: `angle` [rad] is the angular position of the drum, and the harmonics are given for
-    `angle` = 0.
+    `angle` = 0. A heated drum grows: `temperature_rise` [K] is the rise at its friction surface,
+    `back_temperature_rise` [K] that at the far edge of its ring, and `expansion` [1/K] is its
+    coefficient of thermal expansion, see `drumlin.brake.heat`.
     """
 
     radius: Thickness
     ring: Ring | None = None
     out_of_round: tuple[Lobes, ...] = ()
     angle: Angle = 0.0
+    temperature_rise: TemperatureRise = 0.0
+    back_temperature_rise: TemperatureRise | None = None
+    expansion: Expansion | None = None
 
 
 # Types of quantities that are constant or given by a table: over the distance from the hinge for a
@@ -361,6 +368,8 @@ class DrumLining(Lining):
     material: AnyMaterial
     clearance: Clearance = 0.0
     misfit: Misfit = Misfit()
+    temperature_rise: TemperatureRise = 0.0
+    back_temperature_rise: TemperatureRise | None = None
 
     @property
     def step(self) -> float:
@@ -388,6 +397,8 @@ class Backing(Part):
 
     thickness: Thickness
     material: AnyMaterial
+    temperature_rise: TemperatureRise = 0.0
+    back_temperature_rise: TemperatureRise | None = None
 
 
 class Table(Part):
@@ -417,6 +428,8 @@ class Bar(Part):
     table: Table | None = None
     bending_stiffness: BendingStiffness | None = None
     grip: Thickness | None = None
+    temperature_rise: TemperatureRise = 0.0
+    back_temperature_rise: TemperatureRise | None = None
 
     # `ArcBody` and `FlatBody` define these as fields: the ends are angles or lengths.
     if TYPE_CHECKING:
@@ -492,6 +505,8 @@ class Beam(Part):
     material: AnyMaterial | None = None
     bending_stiffness: StiffnessAlong | None = None
     offset: OffsetAlong = 0.0
+    temperature_rise: TemperatureRise = 0.0
+    back_temperature_rise: TemperatureRise | None = None
 
     @model_validator(mode="after")
     def _check_beam_section_and_tables(self) -> Self:

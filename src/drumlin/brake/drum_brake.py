@@ -35,6 +35,11 @@ from drumlin.brake.components import (
 )
 from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive
 from drumlin.brake.fields import Point, Title, check_shoe_names_differ
+from drumlin.brake.heat import (
+    check_heated_drum_can_expand,
+    check_heated_shoes_can_expand,
+    radial_growth_of_heated_drum,
+)
 from drumlin.brake.off_circle import gap_of_lining_ground_to_circle, radial_deviation_of_drum
 from drumlin.brake.support import Held, check_motions_close_gap_differently
 from drumlin.brake.surface import DRUM
@@ -162,10 +167,11 @@ class DrumBrake(Brake):
     def brake_reduced_to_stiffness_data(self) -> Self:
         """The brake reduced to data that change the condensed stiffness of its shoes and ring.
 
-        Title, rotation and the deviation of the drum from its circle get fixed values, a friction
-        coefficient above 0 becomes 1.
+        Title, rotation, the deviation of the drum from its circle and its heat get fixed values, a
+        friction coefficient above 0 becomes 1.
         """
-        drum = self.drum.model_copy(update={"out_of_round": (), "angle": 0.0})
+        plain = {"out_of_round": (), "angle": 0.0, "temperature_rise": 0.0}
+        drum = self.drum.model_copy(update=plain | {"back_temperature_rise": None})
         # The condensed stiffness depends on whether there is friction, not on its coefficient.
         changes = {
             "title": "-",
@@ -185,15 +191,21 @@ class DrumBrake(Brake):
 
     @property
     def out_of_round_harmonics(self) -> tuple[Lobes, ...]:
-        """Harmonics of the deviation of the drum's surface from its circle."""
-        return self.drum.out_of_round
+        """Harmonics of the deviation of the drum's surface from its circle.
+
+        The growth of a heated drum is a harmonic of order 0.
+        """
+        growth = radial_growth_of_heated_drum(self.drum, self.shoes[0].sign)
+        heat = (Lobes(order=0, amplitude=growth),) if growth else ()
+        return self.drum.out_of_round + heat
 
     def radial_deviation_of_surface(self, theta: Floats) -> Floats | None:
         """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
 
         It is positive where the surface lies outside its circle, and None for a round drum.
         """
-        return radial_deviation_of_drum(self.drum, theta) if self.drum.out_of_round else None
+        harmonics = self.out_of_round_harmonics
+        return radial_deviation_of_drum(harmonics, self.drum.angle, theta) if harmonics else None
 
     @model_validator(mode="after")
     def _check_shoes_and_set_drive_forces(self, info: ValidationInfo) -> Self:
@@ -206,6 +218,8 @@ class DrumBrake(Brake):
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = shoes_with_forces_of_drive(self.shoes, self.actuation, self.links, file=from_file)
         _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)
+        check_heated_drum_can_expand(self.drum)
+        check_heated_shoes_can_expand(shoes)
         _check_drum_is_round_enough(self.drum)
         for i, shoe in enumerate(shoes):
             _check_shoe_fits_drum(f"shoe[{i}]", shoe, self.drum.radius)

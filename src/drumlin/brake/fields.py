@@ -97,6 +97,8 @@ Angle = Annotated[float, _validator_that_converts_quantity_to_si("rad")]
 Force = Annotated[float, _validator_that_converts_quantity_to_si("N")]
 Torque = Annotated[float, _validator_that_converts_quantity_to_si("N m")]
 Modulus = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("Pa")]
+TemperatureRise = Annotated[float, _validator_that_converts_quantity_to_si("K")]
+Expansion = Annotated[float, _validator_that_converts_quantity_to_si("1/K")]
 BendingStiffness = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("N m^2")]
 Title = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_check_title_is_one_line)]
 Name = Annotated[
@@ -141,12 +143,24 @@ class Part(BaseModel):
 class Material(Part):
     """A linear elastic, isotropic material: Young's modulus E [Pa] and Poisson's ratio nu.
 
+    `expansion` [1/K] is the coefficient of thermal expansion, which only a heated part needs.
     Its properties are the constants of an `Orthotropic` material with the same values in all
     directions, so that a program can treat both kinds of material alike.
     """
 
     E: Modulus
     nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True), PURE_NUMBER]
+    expansion: Expansion | None = None
+
+    @property
+    def expansion_along(self) -> float | None:
+        """Coefficient of thermal expansion along the layer [1/K]; None if it is not given."""
+        return self.expansion
+
+    @property
+    def expansion_through(self) -> float | None:
+        """Coefficient of thermal expansion through the layer [1/K]; None if it is not given."""
+        return self.expansion
 
     @property
     def E_along(self) -> float:
@@ -200,7 +214,8 @@ class Orthotropic(Part):
     width, normal to the plane of the brake). It has a Young's modulus E [Pa] for each axis, and a
     shear modulus G [Pa] and a Poisson's ratio nu for each pair of axes. A strain along the layer
     reduces its thickness by nu_along_through times the strain. Plane stress does not depend on the
-    constants across; only the model of solids needs them.
+    constants across; only the model of solids needs them. Only a heated part needs the coefficients
+    of thermal expansion [1/K].
     """
 
     E_along: Modulus
@@ -212,6 +227,8 @@ class Orthotropic(Part):
     G_through_across: Modulus | None = None
     nu_along_across: PoissonRatio | None = None
     nu_through_across: PoissonRatio | None = None
+    expansion_along: Expansion | None = None
+    expansion_through: Expansion | None = None
 
     @model_validator(mode="after")
     def _check_strain_energy_is_positive(self) -> Self:
@@ -288,7 +305,7 @@ class Orthotropic(Part):
     @property
     def moduli(self) -> dict[str, float]:
         """Young's and shear moduli [Pa] of the material by their keys in a brake file."""
-        keys = [key for key in type(self).model_fields if not key.startswith("nu")]
+        keys = [key for key in type(self).model_fields if key.startswith(("E_", "G_"))]
         return {key: value for key in keys if (value := getattr(self, key)) is not None}
 
 

@@ -4,11 +4,12 @@ A lining may be ground to a circle of its own, and a drum may be out of round.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.components import Drum
+from drumlin.brake.components import Lobes
 from drumlin.brake.fields import Point
 
 
@@ -69,13 +70,19 @@ def gap_of_pad_ground_to_circle(radius: float | None, offset: Point, x: Floats) 
     return offset.y + along**2 / (radius + root)
 
 
-def radial_deviation_of_drum(drum: Drum, theta: Floats) -> Floats:
+def radial_deviation_of_drum(harmonics: Sequence[Lobes], angle: float, theta: Floats) -> Floats:
     """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
 
     It is positive where the friction surface lies outside its circle. The deviation turns with the
     drum, so that it depends on the angle at which the drum stands.
+
+    Parameters
+    ----------
+    harmonics : harmonics of the deviation
+    angle : angle [rad] at which the drum stands
+    theta : angles [rad]
     """
     # In these angles, which count from the drum, the deviation is fixed.
-    at = np.asarray(theta) - drum.angle
-    lobes = (part.amplitude * np.cos(part.order * (at - part.phase)) for part in drum.out_of_round)
+    at = np.asarray(theta) - angle
+    lobes = (part.amplitude * np.cos(part.order * (at - part.phase)) for part in harmonics)
     return np.sum([np.zeros(at.shape), *lobes], axis=0)

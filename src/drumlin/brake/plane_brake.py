@@ -34,6 +34,7 @@ from drumlin.brake.fields import (
     Part,
     Point,
     Rows,
+    TemperatureRise,
     Thickness,
     Title,
     check_shoe_names_differ,
@@ -45,6 +46,7 @@ from drumlin.brake.file import (
     parse_text_of_brake_file,
     read_data_of_brake_file,
 )
+from drumlin.brake.heat import check_heated_shoes_can_expand
 from drumlin.brake.off_circle import gap_of_pad_ground_to_circle
 from drumlin.brake.support import check_motions_close_gap_differently
 from drumlin.brake.surface import PLANE
@@ -88,6 +90,8 @@ class FlatLining(Lining):
         float | Rows, validator_of_number_or_table("place", "m", "clearance", "m")
     ] = 0.0
     misfit: FlatMisfit = FlatMisfit()
+    temperature_rise: TemperatureRise = 0.0
+    back_temperature_rise: TemperatureRise | None = None
 
     @model_validator(mode="after")
     def _check_lining_ends_and_misfit_size(self) -> Self:
@@ -294,6 +298,7 @@ class FlatBrake(Brake):
         # The length of the first lining is the size of the brake, which all its shoes must know.
         size = shoes[0].lining.end - shoes[0].lining.start
         shoes = tuple(shoe.shoe_in_brake_of_size(size) for shoe in shoes)
+        check_heated_shoes_can_expand(shoes)
         for i, shoe in enumerate(shoes):
             check_abutment_has_no_grip(f"shoe[{i}]", shoe)
             # Moves along y and turns close the gap to a plane, moves along x do not.

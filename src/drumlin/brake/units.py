@@ -55,6 +55,8 @@ EXAMPLES = {
     "N m": "400 N m",
     "N m^2": "12 MN m^2",
     "1/Pa": "1e-5 mm^3/(N m)",
+    "K": "180 K",
+    "1/K": "12e-6 1/K",
 }
 # Error messages call a quantity by these names, by its SI unit.
 QUANTITY_NAMES = {
@@ -65,6 +67,8 @@ QUANTITY_NAMES = {
     "N m": "a torque",
     "N m^2": "a bending stiffness",
     "1/Pa": "a wear coefficient",
+    "K": "a temperature rise",
+    "1/K": "a coefficient of thermal expansion",
 }
 # These factors convert the usual units to SI, so that most files are read without loading pint. The
 # tests compare them with the factors of pint.
@@ -74,6 +78,9 @@ COMMON = {
     "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9, "N/mm^2": 1e6, "bar": 1e5, "psi": 6894.757293168361},
     "rad": {"rad": 1.0, "deg": math.pi / 180, "°": math.pi / 180},
     "N m": {"N m": 1.0, "Nm": 1.0},
+    # Every temperature of a brake file is a difference, so that 180 degC is a rise by 180 K.
+    "K": {"K": 1.0, "degC": 1.0, "°C": 1.0, "degF": 5 / 9, "°F": 5 / 9},
+    "1/K": {"1/K": 1.0, "1/degC": 1.0, "1/°C": 1.0, "um/(m K)": 1e-6},
 }
 
 # Units that pint does not know, or takes for something else: in pint Nm is a unit of textile

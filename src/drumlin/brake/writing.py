@@ -25,7 +25,7 @@ from drumlin.brake.units import COMMON, quantity_in_si
 INLINE = (Material, Orthotropic, Point, Misfit, Lobes, Table)
 """Classes of parts that a brake file has in one line, in braces, and not as a table of lines."""
 
-READABLE = {"m": ("mm", "m"), "rad": ("deg",), "Pa": ("GPa", "MPa"), "N": ("kN", "N")}
+READABLE = {"m": ("mm", "m"), "rad": ("deg",), "Pa": ("GPa", "MPa"), "N": ("kN", "N"), "K": ("K",)}
 """Units for a written file, by SI unit. The first unit with a short and exact number is used."""
 
 

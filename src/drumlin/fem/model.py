@@ -17,6 +17,7 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, LostDigits, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
+from drumlin.brake.heat import note_on_heat
 from drumlin.brake.units import mm_text
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
@@ -156,6 +157,7 @@ def solve_prepared_model(
             *(answer.note for answer in in_order),
             *_notes_on_supports_of_shoe_bodies(brake),
             *notes_on_cam_force_of_unlike_linings(brake),
+            *filter(None, [note_on_heat(brake)]),
         ),
     )
 

@@ -31,6 +31,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Beam
+from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
 from drumlin.brake.surface import DRUM
@@ -113,8 +114,10 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
         if not isinstance(shoe.body, Beam):
             return f'shoe {shoe.name!r}: not a straight beam, [shoe.body] with shape = "beam"'
     model = "the foundation model"
-    return reason_if_any_part_is_orthotropic(brake, model) or reason_if_ring_support_is_not_plain(
-        brake, model
+    return (
+        reason_if_any_part_is_orthotropic(brake, model)
+        or reason_if_any_shoe_is_heated(brake, model)
+        or reason_if_ring_support_is_not_plain(brake, model)
     )
 
 

@@ -23,6 +23,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.heat import warning_on_heat_left_out
 from drumlin.brake.support import Freedoms
 from drumlin.laws.face import Arcs, Face, friction_surface_of_shoe
 from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
@@ -534,21 +535,23 @@ def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
     )
 
 
-def warnings_on_blocks_left_out(brake: Brake, response: Response) -> tuple[str, ...]:
-    """Warnings that a law neglects the steps between the blocks of a lining.
+def warnings_on_keys_that_law_leaves_out(brake: Brake, response: Response) -> tuple[str, ...]:
+    """A line of text for each given key that a law leaves out: heat, and the blocks of linings.
 
     A lining may consist of blocks of different height. A block that stands back does not press, but
     the laws assume a lining whose whole face fits the drum. There is one line of text for each such
-    lining, and none for the response of a model that is not a law.
+    lining, one line for a heated brake, and none for the response of a model that is not a law.
     """
     if response.left_out != NEGLECTED_BY_RIGID_LAWS[brake.surface.word]:
         return ()
-    return tuple(
+    heat = warning_on_heat_left_out(brake)
+    blocks = tuple(
         f"warning: shoe {shoe.name!r}: misfit.blocks are left out, the law takes the lining as "
         "whole; --model fem has the blocks"
         for shoe in brake.shoes
         if shoe.lining.misfit.blocks
     )
+    return blocks if heat is None else (heat, *blocks)
 
 
 def note_on_shoe_without_contact(name: str, body: str = "drum") -> str:

@@ -18,6 +18,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.fem.equilibrium.modes import pin_motions_by_rigid_body_motions
 from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import load_factors_and_pin_moment_per_newton
@@ -149,7 +150,8 @@ def meshes_of_shoes_for_peer_program(
     Raises
     ------
     BadInput
-        for a brake with an elastic ring or without friction: peers get a rigid drum that slips
+        for a brake with an elastic ring, with heated shoes or without friction: peers get a rigid
+        drum that slips
     """
     if brake.ring is not None:
         raise BadInput("drum.ring: the peers get a rigid drum; leave out [drum.ring]")
@@ -157,6 +159,9 @@ def meshes_of_shoes_for_peer_program(
         raise BadInput(
             "friction = 0: the peers are given a drum that slips; must be greater than 0"
         )
+    heated = reason_if_any_shoe_is_heated(brake, "a peer")
+    if heated is not None:
+        raise BadInput(heated)
     mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
     # Shoes of equal shape share one mesh.
     by_shape: dict[tuple[object, ...], MeshedShoe] = {}

@@ -19,6 +19,7 @@ from drumlin.comparison import (
     comparison_columns_for_brake,
     table_as_csv_text,
 )
+from drumlin.laws.rigid import warnings_on_keys_that_law_leaves_out
 from drumlin.models import MODELS, reasons_why_models_do_not_apply
 from drumlin.report import figures
 from drumlin.report.page import software_versions, write_html_page
@@ -204,7 +205,8 @@ def _model_notes_and_reasons_against_other_models(
     """
     notes = []
     for model, response in comparison.responses.items():
-        for line in response.notes:
+        left_out = warnings_on_keys_that_law_leaves_out(comparison.brake, response)
+        for line in (*response.notes, *left_out):
             notes.append(f"{model}: {line}")
     for name, reason in reasons_why_models_do_not_apply(comparison.brake, named).items():
         notes.append(f"{name}: does not apply: {reason}")

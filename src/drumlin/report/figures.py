@@ -41,6 +41,7 @@ With a fixed hash salt, equal figures become equal SVG files.
 
 MODEL_TITLES = {
     "fem": "finite elements",
+    "cold": "finite elements, cold",
     "sine": "sine law",
     "cosine": "cosine law",
     "block": "block formula",

@@ -34,6 +34,7 @@ COLOR_AND_LINE_STYLE_BY_MODEL: dict[str, tuple[str, Any]] = {
     "rigid": (RED, "-."),
     "solid": (INK, "-"),
     "worn": (GREEN, "-"),
+    "cold": (SKY, "-"),
     "foundation": (GREEN, (0, (6, 2))),
     "lifted": (OCHRE, ":"),
 }

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import meshio
@@ -16,13 +17,18 @@ from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.mesh.arc import element_kind_of_mesh
-from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_under_actuation_force
+from drumlin.fem.preparation.bodies import (
+    ShoeSubstructure,
+    free_strains_of_heated_layers,
+    load_factors_under_actuation_force,
+)
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.elasticity import (
     elastic_layers_of_ring,
     elastic_layers_of_shoe,
     stresses_from_displacement_gradients,
 )
+from drumlin.fem.substructure.expansion import Strains, stress_belonging_to_free_strain
 from drumlin.fem.substructure.interface import (
     Directions,
     function_for_drum_normals_and_tangents,
@@ -71,6 +77,7 @@ class _SolvedBody(NamedTuple):
     layers : materials of the body by the names of the subdomains
     u : displacements (2, nodes) [m]
     pressure : nodal pressure (nodes,) [Pa], 0 off the contact
+    strains : free strains of the heated subdomains, by name
     """
 
     mesh: Any
@@ -78,6 +85,7 @@ class _SolvedBody(NamedTuple):
     layers: dict[str, ElasticLayer]
     u: Floats
     pressure: Floats
+    strains: Strains = MappingProxyType({})
 
 
 class _Placement(NamedTuple):
@@ -151,7 +159,14 @@ def stress_and_displacement_fields_of_shoe(
     u = nodal_displacements_of_shoe(body, brake, shoe, answer, p).reshape(-1, 2).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
-    solved = _SolvedBody(body.mesh, body.basis, elastic_layers_of_shoe(shoe), u, pressure)
+    solved = _SolvedBody(
+        body.mesh,
+        body.basis,
+        elastic_layers_of_shoe(shoe),
+        u,
+        pressure,
+        free_strains_of_heated_layers(shoe, brake.size),
+    )
     directions = (
         plane_normals_and_tangents
         if shoe.flat
@@ -232,7 +247,7 @@ def _fields_of_body_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fi
     mesh, basis = solved.mesh, solved.basis
     nodes, cells, numbers, stresses, pressures, first = [], [], [], [], [], 0
     for number, name in enumerate(mesh.subdomains):
-        part = _nodal_stresses_of_subdomain(basis, solved.u, name, solved.layers[name])
+        part = _nodal_stresses_of_subdomain(solved, name)
         nodes.append(part.nodes)
         cells.append(part.cells + first)
         numbers.append(np.full(len(part.cells), number))
@@ -263,25 +278,24 @@ def _fields_of_body_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fi
     )
 
 
-def _nodal_stresses_of_subdomain(
-    basis: Any, u: Floats, name: str, layer: ElasticLayer
-) -> _SubdomainFields:
-    """The nodes, cells and mean stresses of one subdomain of a body.
+def _nodal_stresses_of_subdomain(solved: _SolvedBody, name: str) -> _SubdomainFields:
+    """The nodes, cells and mean stresses of the subdomain `name` of a solved body.
 
-    Parameters
-    ----------
-    basis : the finite-element basis of the body
-    u : displacements (2, nodes) [m] of the body
-    name, layer : the name and the material of the subdomain
+    The free strains of a heated subdomain cause no stress of their own.
     """
+    basis, layer = solved.basis, solved.layers[name]
     mesh = basis if isinstance(basis, ColumnGrid) else basis.mesh
     dofs, slopes, corners = _shape_gradients_at_element_nodes(mesh, mesh.subdomains[name])
-    gradient = np.einsum("ian,ajnq->ijnq", u[:, dofs], slopes)
-    along = layer.directions(basis.doflocs[:, dofs].transpose(0, 2, 1))
-    # Each element has its own stress at a shared node. The field is the mean of these stresses.
-    means = nodal_means_of_element_tensors(
-        stresses_from_displacement_gradients(gradient, layer.elasticity, along), dofs
+    gradient = np.einsum("ian,ajnq->ijnq", solved.u[:, dofs], slopes)
+    points = basis.doflocs[:, dofs].transpose(0, 2, 1)
+    stress = stresses_from_displacement_gradients(
+        gradient, layer.elasticity, layer.directions(points)
     )
+    if name in solved.strains:
+        free_strains = solved.strains[name](points)
+        stress = stress - stress_belonging_to_free_strain(layer, free_strains, points) / layer.width
+    # Each element has its own stress at a shared node. The field is the mean of these stresses.
+    means = nodal_means_of_element_tensors(stress, dofs)
     cells = means.cells[corners].reshape(len(corners), -1).T
     return _SubdomainFields(means.nodes, cells, means.values)
 

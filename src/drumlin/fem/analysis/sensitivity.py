@@ -35,6 +35,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
+from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import names_of_orthotropic_parts
 from drumlin.brake.support import SupportChange, resultant_force_and_moment
 from drumlin.fem.analysis.adjoint import (
@@ -230,6 +231,9 @@ def _refuse_brake_or_model_without_friction(scene: PreparedModel, brake: Brake) 
     """Raise NoAnswer for a brake without friction, BadInput for a model prepared without it."""
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
+    heated = reason_if_any_shoe_is_heated(brake, "the analysis of slopes")
+    if heated is not None:
+        raise BadInput(f"sensitivity: {heated}")
     if scene.brake.friction == 0:
         raise BadInput(
             f"friction = {brake.friction:g}: "

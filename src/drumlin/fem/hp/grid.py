@@ -210,7 +210,8 @@ class ColumnGrid:
         for name, strain in strains.items():
             elements = self.subdomains[name]
             at = np.moveaxis(points[elements], 1, 0)
-            held = np.moveaxis(stress_belonging_to_free_strain(layers[name], strain, at), 2, 0)
+            stress = stress_belonging_to_free_strain(layers[name], strain(at), at)
+            held = np.moveaxis(stress, 2, 0)
             own = nodal_forces_of_element_stresses(xy[elements], held, self.degree)
             np.add.at(forces, self.element_nodes_boundary_nodes_first[elements], own)
         return forces.ravel()

@@ -2,22 +2,25 @@
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
+from drumlin.brake.heat import HeatedLayer, heated_layers_of_shoe
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.substructure.body import CondensedBody
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
+from drumlin.fem.substructure.expansion import Strains, expansion_forces
 from drumlin.fem.substructure.interface import (
     ContactLine,
     Coupling,
     function_for_drum_normals_and_tangents,
     plane_normals_and_tangents,
 )
-from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
+from drumlin.fem.substructure.loads import ACTUATION, HEAT, LoadColumns
 
 
 class ActuatedBody(Protocol):
@@ -181,6 +184,11 @@ def make_shoe_substructure(
     closure = -Y[:, :n].T @ Y
     reaction = condensed.L_fc @ Y
 
+    reaction_to_load = reaction[:, loaded] - condensed.load_on_frame
+    # Free strains are in equilibrium with themselves, and the frame alone holds the body in a
+    # statically determinate way: heat calls for no reaction. What is computed is round-off.
+    if HEAT in condensed.columns.column_slice_of_each_load:
+        reaction_to_load[:, condensed.columns.column_slice_of_each_load[HEAT]] = 0.0
     x, y = line.xy - shoe.pin_in_shoe_frame[:, None]
     return kind(
         mesh=division.mesh,
@@ -196,7 +204,7 @@ def make_shoe_substructure(
         load_motion_by_friction=Y[:, loaded].T @ Y[:, dragged] if friction else None,
         load_motion_by_load=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
         reaction_to_pressure=reaction[:, pressed],
-        reaction_to_load=reaction[:, loaded] - condensed.load_on_frame,
+        reaction_to_load=reaction_to_load,
         reaction_to_friction=reaction[:, dragged] if friction else None,
         of_file=division.of_file,
     )
@@ -222,16 +230,54 @@ def _half_flexibility_of_contact_nodes(
     return condensed.nodal_forces_over_cholesky_factor(np.concatenate(forces, axis=1))
 
 
+def free_strains_of_heated_layers(shoe: Shoe, radius: float) -> Strains:
+    """The free strains of the heated layers of a shoe in its own frame, by the names of its layers.
+
+    `radius` [m] is the radius of the drum. The strains depend on the depth behind the friction
+    surface. The body has the layers "table", if it has a flange, and "shoe".
+    """
+    strains = {}
+    for heated in heated_layers_of_shoe(shoe):
+        names = heated.part.plates if heated.key == "body" else (heated.key,)
+        for name in names:
+            strains[name] = partial(_free_strains_at_points, shoe, radius, heated)
+    return strains
+
+
+def _free_strains_at_points(
+    shoe: Shoe, radius: float, heated: HeatedLayer, points: Floats
+) -> Floats:
+    """The free strains (2, ...) of a heated layer of a shoe at points (2, ...) [m]."""
+    return np.asarray(heated.free_strains_at_depths(shoe.off(points, radius)))
+
+
+def heat_load_of_shoe(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats]:
+    """The nodal forces (2 nodes, 1) [N] of a heated shoe, as a load by its name; else no load.
+
+    Parameters
+    ----------
+    basis : scalar basis of the shoe's mesh, or its grid of hp elements
+    shoe : the shoe
+    radius : radius of the drum [m]
+    """
+    strains = free_strains_of_heated_layers(shoe, radius)
+    if not strains:
+        return {}
+    return {HEAT: expansion_forces(basis, elastic_layers_of_shoe(shoe), strains)[:, None]}
+
+
 def load_factors_under_actuation_force(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
     """The factors (l,) of all load columns of a body under an actuation force [N].
 
     A load column is the load vector of a unit load. The load on the body is the sum of all columns
     times their factors. Contact, reactions, fields and refinement take the loads of a shoe from
-    this function. A load that does not depend on the force, such as heat, would add its own factor
-    under its own name.
+    this function. The heat of the shoe does not depend on the force; its factor is one.
     """
     factors, _ = load_factors_and_pin_moment_per_newton(body, shoe)
-    return abs(force) * factors
+    columns = body.unit_load_vectors_by_name
+    if HEAT not in columns.column_slice_of_each_load:
+        return abs(force) * factors
+    return abs(force) * factors + columns.factors_of_all_load_columns({HEAT: np.ones(1)})
 
 
 def load_factors_and_pin_moment_per_newton(body: ActuatedBody, shoe: Shoe) -> tuple[Floats, float]:

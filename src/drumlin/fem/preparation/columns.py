@@ -32,6 +32,7 @@ from drumlin.fem.preparation.bodies import (
     DividedBody,
     ShoeSubstructure,
     actuation_force_and_moments_per_newton,
+    heat_load_of_shoe,
     make_shoe_substructure,
 )
 from drumlin.fem.preparation.cache import (
@@ -193,6 +194,8 @@ def _condense_and_couple_hp_shoe(
         line = contact_line_of_lining_face_nodes(shoe, radius, division)
         grid = grid_of_all_nodes_of_shoe(shoe, radius, division)
         inner = condensed_shoe_body(shoe, division, found, grid)
+        if heat := heat_load_of_shoe(grid, shoe, radius):
+            inner = inner.body_with_further_loads(heat)
     with add_elapsed_time(seconds, "coupling"):
         divided = DividedBody(grid, grid, line)
         return make_shoe_substructure(

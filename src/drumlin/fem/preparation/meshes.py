@@ -18,6 +18,7 @@ from drumlin.fem.preparation.bodies import (
     DividedBody,
     ShoeSubstructure,
     actuation_force_and_moments_per_newton,
+    heat_load_of_shoe,
     make_shoe_substructure,
 )
 from drumlin.fem.preparation.cache import (
@@ -254,7 +255,10 @@ def mesh_and_assemble_shoe(
             load_centre = pin
             actuated = np.zeros((constraints.matrix.shape[1], FRAME))
             actuated[-FRAME:] = np.eye(FRAME)
-    loads = {ACTUATION: actuated}
+        heat = heat_load_of_shoe(basis, shoe, brake.size)
+    loads = {ACTUATION: actuated} | {
+        name: constraints.matrix.T @ forces for name, forces in heat.items()
+    }
     return AssembledShoe(mesh, basis, line, K, constraints, loads, load_centre, of_file)
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.heat import is_any_shoe_heated
 from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
@@ -101,6 +102,8 @@ def reason_why_brake_is_not_modelled(brake: Brake) -> str | None:
             "its ring has no section to mesh: thickness, "
             "and width and material or bending_stiffness"
         )
+    if brake.actuation is not None and brake.actuation.is_cam and is_any_shoe_heated(brake):
+        return "a cam on heated shoes is not modelled: its travel would count their growth as well"
     for shoe in brake.shoes:
         reason = beam_mesh.reason_why_beam_shoe_has_no_mesh(shoe, brake.size)
         if reason is not None:

@@ -9,7 +9,7 @@ analogy: Timoshenko & Goodier, Theory of Elasticity, ch. 13). These forces are i
 stress of the body is the stress of its displacements less sigma^0.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -22,19 +22,20 @@ from drumlin.fem.substructure.elasticity import (
     thickness_directions_of_layers,
 )
 
-Strains = Mapping[str, Floats]
-"""Free strains (2,) along and through each layer that expands, by the layer's name.
+Strains = Mapping[str, Callable[[Floats], Floats]]
+"""Functions that give the free strains of each layer that expands, by the layer's name.
 
-Both strains of a heated isotropic layer are its coefficient of expansion times its temperature
-rise.
+A function takes points (2, ...) [m] and returns the free strains (2, ...) along and through the
+layer. Both strains of a heated isotropic layer are its coefficient of expansion times its
+temperature rise.
 """
 
 
 def stress_belonging_to_free_strain(layer: ElasticLayer, strain: Floats, points: Floats) -> Floats:
     """The stress D eps_0 that belongs to the free strain of a layer, times the layer's width [N/m].
 
-    The result is (2, 2, ...) at points (2, ...) [m]. `strain` (2,) is the free strain along and
-    through the layer.
+    The result is (2, 2, ...) at points (2, ...) [m]. `strain` (2, ...) are the free strains along
+    and through the layer at these points.
     """
     along = layer.directions(points)
     through = thickness_directions_of_layers(along)
@@ -58,7 +59,8 @@ def expansion_forces(basis: Any, layers: Mapping[str, ElasticLayer], strains: St
     forces = np.zeros((basis.N, 2))
     for name, strain in strains.items():
         members = basis.mesh.subdomains[name]
-        held = stress_belonging_to_free_strain(layers[name], strain, points[:, members])
+        at = points[:, members]
+        held = stress_belonging_to_free_strain(layers[name], strain(at), at)
         own = np.einsum("ijeq,ajeq,eq->aei", held, gradients[:, :, members], basis.dx[members])
         np.add.at(forces, basis.element_dofs[:, members], own)
     return forces.ravel()

@@ -17,6 +17,8 @@ from drumlin.base.arrays import Floats, slices_of_consecutive_parts
 
 ACTUATION = "actuation"
 """Name of the unit loads of a shoe's actuation force on its body: force x, force y and couple."""
+HEAT = "heat"
+"""Name of the load of a heated shoe: the nodal forces of its free strains, in one column."""
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
+from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.fem.hp.body import (
     condensed_body_with_cholesky_factor,
@@ -93,7 +94,11 @@ def reason_against_any_model_with_widths(brake: Brake, model: str, on_ring: str)
         reason = _reason_against_modelling_width_of_shoe(shoe)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
-    return reason_if_any_part_is_orthotropic(brake, model) or plane_why_not(brake)
+    return (
+        reason_if_any_part_is_orthotropic(brake, model)
+        or reason_if_any_shoe_is_heated(brake, model)
+        or plane_why_not(brake)
+    )
 
 
 def _reason_against_modelling_width_of_shoe(shoe: Shoe) -> str | None:

@@ -62,7 +62,7 @@ class CondensedFace:
     loaded : (2n,) displacements of the nodes under the actuation [m]
     elastic_actuation_work : work of the actuation on the elastic displacement due to the actuation
         alone [N m]
-    gap : (n,) gap between lining and drum before loading [m]
+    gap : (n,) gap between lining and drum before loading [m], with the growth of a heated shoe
     degree : polynomial degree of the triangles
     unknowns : number of unknowns of the shoe before its condensation
     """
@@ -156,6 +156,8 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         loads = _nodal_forces_on_loaded_end(
             body, shoe.actuation.force_vector, shoe.actuation.point.xy
         )[:, None]
+    heat = lagrange.nodal_forces_of_heated_triangles(body.mesh, nodes, shape.layers, body.degree)
+    loads = np.column_stack([loads, heat])
     # The nodes of the face are put in the order of growing theta.
     theta = shape.origin + shape.turn * nodes.at[kept, 0]
     kept, theta = kept[:: shape.turn], theta[:: shape.turn]
@@ -163,16 +165,18 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         body.K, nodes, np.repeat(_are_nodes_fixed(body), 2), kept, loads
     )
     er = np.stack([np.cos(theta), np.sin(theta)], axis=1)
+    normal = shoe.sign * er
+    growth = (normal * compliance.loaded[:, 1].reshape(-1, 2)).sum(axis=1)
     return CondensedFace(
         theta=theta,
         xy=nodes.xy[kept],
-        normal=shoe.sign * er,
+        normal=normal,
         tangent=np.stack([-er[:, 1], er[:, 0]], axis=1),
         mass=_mass_matrix_of_face(body, kept, shoe.lining.width),
         compliance=compliance.of,
         loaded=compliance.loaded[:, 0],
         elastic_actuation_work=float(compliance.work[0, 0]),
-        gap=clearance.unloaded_gap_of_shoe(brake, shoe, theta),
+        gap=clearance.unloaded_gap_of_shoe(brake, shoe, theta) - growth,
         degree=body.degree,
         unknowns=2 * len(nodes.xy),
     )

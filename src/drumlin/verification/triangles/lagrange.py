@@ -220,6 +220,42 @@ def _stiffness_matrices_of_orthotropic_triangles(
     return np.asarray(B.reshape(m, -1, 2 * n).transpose(0, 2, 1) @ stressed.reshape(m, -1, 2 * n))
 
 
+def nodal_forces_of_heated_triangles(
+    mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int
+) -> Floats:
+    """Nodal forces (2 nodes,) [N] that deform triangles as the free strains of their layers do.
+
+    The forces are the integral of B^T Q^T D eps_0 (Cook et al., Concepts and Applications of Finite
+    Element Analysis, section 8.2), with the free strains eps_0 in the directions of the layer. They
+    are linear from the near to the far face of the layer.
+    """
+    values, slopes, weights = triangle_shape_functions(degree)
+    forces = np.zeros_like(nodes.xy)
+    for number, layer in enumerate(layers):
+        if layer.free_strains is None:
+            continue
+        of = nodes.of[mesh.layer == number]
+        x = nodes.xy[of]
+        J = np.einsum("mnc,ndq->mqcd", x, slopes)
+        G = np.einsum("ndq,mqdc->mncq", slopes, np.linalg.inv(J))
+        area = np.abs(np.linalg.det(J)) * weights
+        points = np.einsum("mnc,nq->cmq", x, values)
+        # The coordinate d across the layers grows by one over the thickness of each layer.
+        through = np.einsum("mn,nq->mq", nodes.at[of, 1], values) - number
+        near, far = layer.free_strains[:, :, None, None].swapaxes(0, 1)
+        strains = near + (far - near) * through
+        strains = np.concatenate([strains, np.zeros_like(strains[:1])])
+        along, across, shear = np.einsum("ij,jmq->imq", layer.elastic.stiffness, strains)
+        c, s = layer.elastic.directions(points)
+        # Cauchy's stress in x and y from the stress in the directions of the layer.
+        xx = c * c * along + s * s * across - 2 * c * s * shear
+        yy = s * s * along + c * c * across + 2 * c * s * shear
+        xy = c * s * (along - across) + (c * c - s * s) * shear
+        stress = np.array([[xx, xy], [xy, yy]])
+        np.add.at(forces, of, np.einsum("cdmq,mndq,mq->mnc", stress, G, area))
+    return forces.ravel()
+
+
 @dataclass(frozen=True)
 class Compliance:
     """A body, statically condensed to n kept nodes.

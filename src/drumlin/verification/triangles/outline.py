@@ -14,6 +14,7 @@ from drumlin.brake.beam_axis import Axis, make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
 from drumlin.brake.elasticity import ElasticLayer
+from drumlin.brake.heat import heated_layers_of_shoe
 from drumlin.verification.triangles.triangulation import (
     PointMap,
     TriangleLayer,
@@ -159,17 +160,27 @@ def _layers_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
     Lining and backing come first, then the plates of the shoe's body; s is the angle theta.
     """
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
-    layers, thickness = [], []
-    for part in (lining, backing):
+    layers, thickness = [], list[float]()
+    heated = {layer.key: layer for layer in heated_layers_of_shoe(shoe)}
+
+    def free_strains(key: str, part_thickness: float) -> Floats | None:
+        """Free strains (2, 2) of the next layer, at both of its faces; None without heat."""
+        near = sum(thickness)
+        faces = np.array([near, near + part_thickness])
+        return np.array(heated[key].free_strains_at_depths(faces)) if key in heated else None
+
+    for key, part in (("lining", lining), ("backing", backing)):
         if part is not None:
             elastic = ElasticLayer.make_layer_in_plane_stress(part.material, lining.width)
-            layers.append(TriangleLayer(lining.start, lining.end, elastic))
+            strains = free_strains(key, part.thickness)
+            layers.append(TriangleLayer(lining.start, lining.end, elastic, strains))
             thickness.append(part.thickness)
     if body is not None:
         assert not isinstance(body, Beam)
         for plate in body.plates.values():
             elastic = ElasticLayer.make_layer_in_plane_stress(plate.material, plate.width)
-            layers.append(TriangleLayer(body.start, body.end, elastic))
+            strains = free_strains("body", plate.thickness)
+            layers.append(TriangleLayer(body.start, body.end, elastic, strains))
             thickness.append(plate.thickness)
     return layers, thickness
 
@@ -251,6 +262,8 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
         raise BadInput(
             f"shoe {shoe.name!r}: its beam has no constant section, or nothing before it"
         )
+    if any(True for _ in heated_layers_of_shoe(shoe)):
+        raise BadInput(f"shoe {shoe.name!r}: heat in a shoe on a straight beam")
     size = _dimensions_of_beam_shoe(shoe, R, section)
     axis, first, last = size.axis, size.first, size.last
     low, high = size.low, size.high

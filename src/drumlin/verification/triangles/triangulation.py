@@ -31,11 +31,14 @@ class TriangleLayer:
     ----------
     start, end : first and last coordinate s of the layer
     elastic : elastic constants of the layer, with directions in the brake's frame
+    free_strains : (2, 2) free strains of a heated layer, along and through it, at its near and at
+        its far face; None for a layer without heat
     """
 
     start: float
     end: float
     elastic: ElasticLayer
+    free_strains: Floats | None = None
 
 
 @dataclass(frozen=True)

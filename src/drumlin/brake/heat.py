@@ -1,0 +1,253 @@
+"""Heat as a load: warm parts grow, and bend if one of their faces is hotter than the other.
+
+Each part has a `temperature_rise` at its face towards the friction surface, and may have another
+rise at its far face. The temperature is linear over the thickness of the part. drumlin solves no
+heat equation: the temperatures are data. A heated lining or shoe has free strains, which the finite
+elements take as a load. A heated drum or ring grows evenly around, so that its growth is a gap.
+"""
+
+from collections.abc import Collection, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from drumlin.brake.components import Beam, Drum, Ring
+from drumlin.brake.fields import AnyMaterial, Orthotropic
+from drumlin.brake.units import mm_text
+
+if TYPE_CHECKING:
+    from drumlin.brake.brake import Brake, Shoe
+
+
+def temperature_rises_at_both_faces(part: Any) -> tuple[float, float]:
+    """Temperature rises [K] of a part at its face towards the friction surface and at its far face.
+
+    The far face is as warm as the near one unless `back_temperature_rise` says otherwise.
+    """
+    near, far = part.temperature_rise, part.back_temperature_rise
+    return near, near if far is None else far
+
+
+def is_part_heated(part: Any) -> bool:
+    """Whether a part is warmer or colder than when it was made, at one of its faces."""
+    return part is not None and any(temperature_rises_at_both_faces(part))
+
+
+class HeatedLayer(NamedTuple):
+    """A heated layer of a shoe: its lining, its backing or its body.
+
+    Attributes
+    ----------
+    key : key of the part in the shoe, "lining", "backing" or "body"
+    part : the part
+    depths : distances [m] of its near and its far face from the friction surface
+    """
+
+    key: str
+    part: Any
+    depths: tuple[float, float]
+
+    @property
+    def material(self) -> AnyMaterial | None:
+        """The material of the layer; None if the brake file gives none."""
+        material: AnyMaterial | None = self.part.material
+        return material
+
+    def free_strains_at_depths(self, depth: Any) -> Any:
+        """Free strains (2, ...) along and through the layer at depths (...) [m] in the shoe."""
+        rise = np.interp(depth, self.depths, temperature_rises_at_both_faces(self.part))
+        material = self.material
+        # `check_heated_shoes_can_expand` has refused heated parts without coefficients.
+        assert material is not None
+        return np.array([material.expansion_along * rise, material.expansion_through * rise])
+
+
+def heated_layers_of_shoe(shoe: "Shoe") -> Iterator[HeatedLayer]:
+    """Give the heated layers of a shoe, from the friction surface into the shoe."""
+    depth = 0.0
+    for key, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
+        if part is None:
+            continue
+        thickness = getattr(part, "depth", part.thickness) or 0.0
+        if is_part_heated(part):
+            yield HeatedLayer(key, part, (depth, depth + thickness))
+        depth += thickness
+
+
+def check_heated_shoes_can_expand(shoes: Sequence["Shoe"]) -> None:
+    """Raise ValueError for a heated part whose expansion is not known or cannot be modelled."""
+    for i, shoe in enumerate(shoes):
+        for layer in heated_layers_of_shoe(shoe):
+            _check_layer_can_expand(f"shoe[{i}].{layer.key}", shoe, layer)
+
+
+def _check_layer_can_expand(key: str, shoe: "Shoe", layer: HeatedLayer) -> None:
+    """Raise ValueError for a heated layer without expansion, or whose bending is not modelled.
+
+    `key` is the key of the layer in the brake, for the message.
+    """
+    material = layer.material
+    near, far = temperature_rises_at_both_faces(layer.part)
+    if material is None or material.expansion_along is None or material.expansion_through is None:
+        keys = "expansion_along and expansion_through" * isinstance(material, Orthotropic)
+        raise ValueError(
+            f"{key}.temperature_rise = {near:g} K: its material needs {keys or 'expansion'}, "
+            f'such as "12e-6 1/K"'
+        )
+    # The depth of a point is its distance from the friction surface, which does not tell how deep
+    # the point lies in a straight beam or in the web of a mesh.
+    if layer.key == "body" and near != far and (isinstance(layer.part, Beam) or shoe.mesh):
+        shape = "the body of a mesh" if shoe.mesh else "a straight beam"
+        raise ValueError(
+            f"{key}.back_temperature_rise = {far:g} K: {shape} has one temperature; leave it out"
+        )
+
+
+def check_heated_drum_can_expand(drum: Drum) -> None:
+    """Raise ValueError for a heated drum whose expansion is not known, or cannot be modelled."""
+    if not is_part_heated(drum):
+        return
+    near, far = temperature_rises_at_both_faces(drum)
+    if drum.ring is None and near != far:
+        raise ValueError(
+            f"drum.back_temperature_rise = {far:g} K: a rigid drum has one temperature; "
+            "give it a ring, or leave the key out"
+        )
+    if drum.ring is not None and drum.ring.section is None:
+        raise ValueError(f"drum.temperature_rise = {near:g} K: needs drum.ring.thickness")
+    if isinstance(_ring_material(drum.ring), Orthotropic):
+        raise ValueError(
+            f"drum.temperature_rise = {near:g} K: the growth of an orthotropic ring is not modelled"
+        )
+    if _expansion_of_drum(drum) is None:
+        raise ValueError(
+            f'drum.temperature_rise = {near:g} K: needs drum.expansion, such as "11e-6 1/K"'
+        )
+
+
+def _ring_material(ring: Ring | None) -> AnyMaterial | None:
+    """The material of an elastic ring; None without a ring or if its file gives none."""
+    return None if ring is None else ring.material
+
+
+def _expansion_of_drum(drum: Drum) -> float | None:
+    """Coefficient of thermal expansion of the drum [1/K], given with it or with its ring."""
+    material = _ring_material(drum.ring)
+    if drum.expansion is None and material is not None:
+        return material.expansion_along
+    return drum.expansion
+
+
+def radial_growth_of_heated_drum(drum: Drum, sign: int) -> float:
+    """Growth [m] of the radius of the friction surface by the heat of the drum.
+
+    A rigid drum grows by alpha T R. A ring of the radii a < b in plane stress has the displacement
+
+        u(r) = alpha (1 + nu)/r Int_a^r T s ds + C_1 r + C_2/r
+
+    (Timoshenko & Goodier, Theory of Elasticity, section 150: thermal stresses in a circular disk).
+    The constants follow from its two edges: the friction surface has no radial stress, and the far
+    edge has none either or is fixed.
+
+    Parameters
+    ----------
+    drum : the drum with its temperatures
+    sign : +1 for a drum around its shoes, -1 for a drum within its shoes
+    """
+    if not is_part_heated(drum):
+        return 0.0
+    alpha, R = _expansion_of_drum(drum), drum.radius
+    near, far = temperature_rises_at_both_faces(drum)
+    # `check_heated_drum_can_expand` has refused a heated drum without the coefficient.
+    assert alpha is not None
+    if drum.ring is None:
+        return alpha * near * R
+    section = drum.ring.section
+    assert section is not None
+    edge, nu = R + sign * section.thickness, section.material.nu_along_through
+    # The integral of T s ds from the friction surface at R to the far edge, with T linear in s.
+    span = edge - R
+    heat = span * ((near + far) / 2 * R + span * (near + 2 * far) / 6)
+    # The integral begins at the friction surface, where the first term of u is then zero.
+    # Stress at r is E/(1 - nu^2) ((1 + nu) C_1 - (1 - nu) C_2/r^2) - E alpha/r^2 Int T s ds.
+    free_face = [1 + nu, -(1 - nu) / R**2]
+    if drum.ring.support == "fixed":
+        far_edge, right = [edge, 1 / edge], -alpha * (1 + nu) / edge * heat
+    else:
+        far_edge, right = [1 + nu, -(1 - nu) / edge**2], alpha * (1 - nu**2) / edge**2 * heat
+    C_1, C_2 = np.linalg.solve([free_face, far_edge], [0.0, right])
+    return float(C_1 * R + C_2 / R)
+
+
+def brake_with_heat_in_parts(brake: "Brake", keys: Collection[str]) -> "Brake":
+    """A copy of a brake in which only some parts keep their heat.
+
+    All other parts are as warm as when they were made.
+
+    Parameters
+    ----------
+    brake : the brake
+    keys : the parts of all shoes that keep their heat, of "lining", "backing" and "body", and
+        "drum"; no key gives the cold brake
+    """
+    cold = {"temperature_rise": 0.0, "back_temperature_rise": None}
+    shoes = []
+    for shoe in brake.shoes:
+        parts = {
+            layer.key: layer.part.model_copy(update=cold)
+            for layer in heated_layers_of_shoe(shoe)
+            if layer.key not in keys
+        }
+        shoes.append(shoe.model_copy(update=parts))
+    changes: dict[str, Any] = {"shoes": tuple(shoes)}
+    drum = getattr(brake, "drum", None)
+    if drum is not None and "drum" not in keys:
+        changes["drum"] = drum.model_copy(update=cold)
+    return brake.model_copy(update=changes)
+
+
+def names_of_heated_parts(brake: "Brake") -> list[str]:
+    """The names of the heated parts of a brake, as "drum" or "lining of shoes 'left', 'right'"."""
+    drum = ["drum"] if is_part_heated(getattr(brake, "drum", None)) else []
+    shoes: dict[str, list[str]] = {}
+    for shoe in brake.shoes:
+        for layer in heated_layers_of_shoe(shoe):
+            shoes.setdefault(layer.key, []).append(repr(shoe.name))
+    return drum + [
+        f"{key} of shoe{'s' * (len(names) > 1)} {', '.join(names)}" for key, names in shoes.items()
+    ]
+
+
+def note_on_heat(brake: "Brake") -> str | None:
+    """The line on the heat of a brake in the answer of a model that takes it; None without heat."""
+    names = names_of_heated_parts(brake)
+    if not names:
+        return None
+    line = f"note: heated: {'; '.join(names)}"
+    if names[0] == "drum":
+        growth = brake.out_of_round_harmonics[-1].amplitude
+        line += f"; the drum's radius grows by {mm_text(growth)}"
+    return line
+
+
+def warning_on_heat_left_out(brake: "Brake") -> str | None:
+    """The line on the heat of a brake in the answer of a law, which leaves it out; None without."""
+    names = "; ".join(names_of_heated_parts(brake))
+    return f"warning: left out is the heat of {names}; --model fem has it" if names else None
+
+
+def is_any_shoe_heated(brake: "Brake") -> bool:
+    """Whether a lining, a backing or a body of a brake is heated."""
+    return any(True for shoe in brake.shoes for _ in heated_layers_of_shoe(shoe))
+
+
+def reason_if_any_shoe_is_heated(brake: "Brake", model: str) -> str | None:
+    """Why a model that takes no heated shoes does not apply to a brake; None if it applies."""
+    for shoe in brake.shoes:
+        for layer in heated_layers_of_shoe(shoe):
+            rise = next(filter(None, temperature_rises_at_both_faces(layer.part)))
+            return (
+                f"shoe {shoe.name!r}: {layer.key}.temperature_rise = {rise:g} K; "
+                f"{model} takes no heated shoes"
+            )
+    return None

@@ -1,0 +1,125 @@
+"""Judge the errors that drumlin states for random brakes with heated parts.
+
+    python -m drumlin_studies.heat_error FIRST LAST
+
+draws the hot brakes with the seeds FIRST to LAST - 1, solves each to HOT_TOLERANCES, and prints how
+far the stated errors can be trusted. The truth is a solution on far finer levels.
+"""
+
+import sys
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.brake.file import vary
+from drumlin.fem.solve import solve
+from drumlin_studies.random_brake import draw_random_brake
+from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.stated_true import (
+    Truth,
+    row_of_stated_and_true_errors,
+    solve_fine_reference_by_hp_elements,
+    summary_rows_of_stated_errors,
+)
+
+LINING_STRAINS, BODY_STRAINS = (1e-4, 1e-2), (3e-5, 1e-3)
+"""Smallest and largest free strain of a hot lining and of a hot body or drum.
+
+Steel at 10 K has 1e-4, at 80 K 1e-3. An organic lining at 300 K has 1e-2.
+"""
+HOT_TOLERANCES = (1e-2, 1e-3)
+"""Relative tolerances to which each hot brake is solved."""
+HOT_SHARE = 0.7
+"""Share of the drums, linings, backings and bodies that are heated."""
+
+
+def draw_hot_brake(seed: int) -> Brake:
+    """A random brake with heat in some of its parts, the same for the same seed.
+
+    Parts that cannot be heated stay cold: a straight beam has one temperature, and drums on a plane
+    have none. Raises BadInput for brakes that take no heat at all.
+    """
+    rng = np.random.default_rng([seed, 20])
+    brake = draw_random_brake(seed) if seed % 2 else draw_brake_of_support_kind(seed)
+    if brake.actuation is not None and brake.actuation.is_cam:
+        raise BadInput("a cam on heated shoes is not modelled")
+    changes: dict[str, Any] = {}
+    if hasattr(brake, "drum") and rng.random() < HOT_SHARE:
+        changes |= {"drum.expansion": 1e-5}
+        changes |= _rises_of_part(rng, "drum", BODY_STRAINS, gradient=brake.ring is not None)
+    for i, shoe in enumerate(brake.shoes):
+        for key, strains in (
+            ("lining", LINING_STRAINS),
+            ("backing", LINING_STRAINS),
+            ("body", BODY_STRAINS),
+        ):
+            part = getattr(shoe, key)
+            if part is None or part.material is None or rng.random() > HOT_SHARE:
+                continue
+            name = f"shoe[{i}].{key}"
+            coefficient = "expansion" if hasattr(part.material, "E") else "expansion_along"
+            changes[f"{name}.material.{coefficient}"] = 1e-5
+            is_beam = getattr(part, "shape", "arc") == "beam"
+            changes |= _rises_of_part(rng, name, strains, gradient=not is_beam)
+    return vary(brake, changes)
+
+
+def _rises_of_part(
+    rng: np.random.Generator, name: str, strains: tuple[float, float], *, gradient: bool
+) -> dict[str, float]:
+    """The temperature rises [K] of a part with an expansion of 1e-5 1/K, as changes of a brake.
+
+    Parameters
+    ----------
+    rng : Generator
+        The generator of random numbers.
+    name : str
+        Name of the part in the brake.
+    strains : tuple of two floats
+        Smallest and largest free strain.
+    gradient : bool
+        Whether the far face may have another temperature.
+    """
+    low, high = np.log(strains)
+    rises = np.exp(rng.uniform(low, high, 2)) / 1e-5
+    found = {f"{name}.temperature_rise": float(rises[0])}
+    if gradient and rng.random() < 0.5:
+        found[f"{name}.back_temperature_rise"] = float(rises[1])
+    return found
+
+
+def rows_of_hot_brake(seed: int) -> list[dict[str, Any]]:
+    """The rows of stated and true errors of one hot brake, one for each judged tolerance."""
+    try:
+        brake = draw_hot_brake(seed)
+    except BadInput as error:
+        sys.stdout.write(f"{seed}: not drawn: {error}\n")
+        return []
+    truth: Truth | None = None
+    failure = ""
+    try:
+        truth = solve_fine_reference_by_hp_elements(brake, min(HOT_TOLERANCES))
+    except (NoAnswer, BadInput) as error:
+        failure = str(error)
+    one = partial(row_of_stated_and_true_errors, brake, solve=solve, true=truth, failure=failure)
+    return [one(tolerance) for tolerance in HOT_TOLERANCES]
+
+
+def main(first: int, last: int) -> None:
+    """Judge the hot brakes with the seeds from `first` to below `last`, and print the summary."""
+    rows: list[dict[str, Any]] = []
+    for seed in range(first, last):
+        own = rows_of_hot_brake(seed)
+        rows += own
+        sys.stdout.write(f"{seed}: {', '.join(one['outcome'] for one in own)}\n")
+        sys.stdout.flush()
+    for row in summary_rows_of_stated_errors(rows):
+        shown = {key: f"{v:.4g}" if isinstance(v, float) else v for key, v in row.items()}
+        sys.stdout.write(f"{shown}\n")
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:3]))

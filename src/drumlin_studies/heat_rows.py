@@ -1,0 +1,79 @@
+"""Table rows on heat: a brake with heat in each of its parts alone, and in all of them."""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from drumlin.brake.brake import Brake
+from drumlin.brake.heat import brake_with_heat_in_parts
+from drumlin.response.norms import relative_error_of_number
+from drumlin.response.response import Response
+from drumlin.verification.triangles.levels import solve_on_triangle_level_sequence
+
+HEATED_PARTS: Mapping[str, tuple[str, ...]] = {
+    "cold": (),
+    "drum": ("drum",),
+    "linings": ("lining",),
+    "bodies": ("body",),
+    "all parts": ("drum", "lining", "body"),
+}
+"""The parts that are heated in each state of a brake, by the name of the state."""
+
+
+def responses_with_heat_in_each_part(
+    brake: Brake, solve: Callable[[Brake], Response]
+) -> dict[str, Response]:
+    """The responses of a hot brake of which only some parts are hot, by the keys of HEATED_PARTS.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake with all of its heat.
+    solve : function
+        Returns the response of a brake.
+    """
+    return {
+        name: solve(brake_with_heat_in_parts(brake, parts)) for name, parts in HEATED_PARTS.items()
+    }
+
+
+def rows_of_changes_by_heat(responses: Mapping[str, Response]) -> list[dict[str, Any]]:
+    """A row for each state of a brake: torque, peak pressure, contact, and changes from cold."""
+    cold = responses["cold"]
+    rows = []
+    for name, response in responses.items():
+        peak = max(shoe.peak_pressure for shoe in response.shoes)
+        cold_peak = max(shoe.peak_pressure for shoe in cold.shoes)
+        row = {
+            "heat": name,
+            "torque": response.torque,
+            "torque_change": relative_error_of_number(response.torque, cold.torque),
+            "stated": (response.error or {}).get("torque"),
+            "peak": peak,
+            "peak_change": relative_error_of_number(peak, cold_peak),
+        }
+        for shoe in response.shoes:
+            row[f"contact {shoe.name}"] = _contact_length_of_shoe(shoe.contact_arcs)
+        rows.append(row)
+    return rows
+
+
+def _contact_length_of_shoe(arcs: Iterable[tuple[float, float]]) -> float:
+    """The sum of the lengths of contact arcs [rad], each with its first and its last angle."""
+    return float(sum(end - start for start, end in arcs))
+
+
+def distance_from_second_solver(brake: Brake, response: Response) -> dict[str, float]:
+    """Relative distances of a response from the solution by triangles: "torque" and "reaction".
+
+    The reaction is that of the shoe with the largest distance. The triangles share neither mesh nor
+    assembly with the finite elements of the response.
+    """
+    shoes = solve_on_triangle_level_sequence(brake)[-1]
+    torque = sum(shoe.torque for shoe in shoes)
+    reactions = []
+    for mine, theirs in zip(response.shoes, shoes, strict=True):
+        distance = np.linalg.norm(np.asarray(mine.hinge_reaction) - theirs.hinge_reaction)
+        reactions.append(float(distance / np.linalg.norm(theirs.hinge_reaction)))
+    return {"torque": abs(response.torque / torque - 1), "reaction": max(reactions)}
