@@ -397,7 +397,10 @@ def _youngs_modulus_knob(
     largest = max(moduli.values())
 
     def elastic_moduli_at_knob_value(value: float) -> Changes:
-        """New moduli of all linings or all shoes, in proportion; the largest is `value` [unit]."""
+        """Changes that scale the moduli of all linings or shoes, so that the largest is `value`.
+
+        `value` has the unit of the knob.
+        """
         times = value * factor / largest
         made: Changes = {}
         for i in moduli:

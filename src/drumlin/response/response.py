@@ -284,8 +284,8 @@ class ShoeResponse:
     def curve_at_distance_from_mid_plane(self, number: int) -> tuple[Floats, Floats]:
         """Points of the pressure curve at one distance from the mid-plane, by a solid model.
 
-        `number` is the position of the distance in z of `surface`. The angles (m,) [rad] are those
-        that `curve` returns.
+        `number` counts the distances from the mid-plane in `surface.z`. The angles (m,) [rad] are
+        those that `curve` returns.
         """
         # `surface` is the pressure of all models with widths, for a shoe in contact.
         assert self.surface is not None

@@ -207,7 +207,8 @@ class _OrthotropicCorner(NamedTuple):
     Attributes
     ----------
     mu : (2,) roots mu_k of Lekhnitskii's equation, with positive imaginary part
-    slopes : (2,) slope of the lining's face per c_k of each of the two terms [1/Pa]
+    slopes : (2,) slope of the lining's face by each of the two terms of the stress function (k = 1,
+        2), if the term has the coefficient c_k = 1 [1/Pa]
     unit : modulus [Pa] by which slopes are multiplied
     drum : the drum's elastic ring; None for a rigid drum
     """
