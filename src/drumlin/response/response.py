@@ -284,7 +284,7 @@ class ShoeResponse:
     def curve_at_distance_from_mid_plane(self, number: int) -> tuple[Floats, Floats]:
         """Points of the pressure curve at one distance from the mid-plane, by a solid model.
 
-        `number` counts the distances from the mid-plane in `surface.z`. The angles (m,) [rad] are
+        `number` counts the distances in the attribute z of `surface`. The angles (m,) [rad] are
         those that `curve` returns.
         """
         # `surface` is the pressure of all models with widths, for a shoe in contact.
