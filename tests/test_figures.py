@@ -136,7 +136,8 @@ def drawn(path):
     [
         ("simplex_hinged", ["1.861 kN each"]),
         ("duplex", ["1.094 kN", "1.094 kN"]),
-        ("duo_servo", ["1.117 kN"]),
+        ("uni_servo", ["1.117 kN"]),
+        ("duo_servo", ["1.117 kN each"]),
         ("s_cam", ["53.15 kN in all"]),
         ("crane", ["3 kN", "3 kN"]),
         ("rail_clamp", ["20 kN"]),
@@ -170,6 +171,9 @@ def test_a_rigid_arm_is_drawn_from_what_holds_and_pushes_a_block_to_its_grip(roo
 
 def test_a_strut_reaches_from_a_foot_to_the_shoe_that_it_pushes(root):
     axes, _, _ = drawn(root / "studies/brakes/duo_servo.toml")
+    (strut,) = [line.get_xydata() for line in axes.lines if line.get_linewidth() == 5]
+    np.testing.assert_allclose(strut, [[25, -112], [-25, -112]])
+    axes, _, _ = drawn(root / "studies/brakes/uni_servo.toml")
     (strut,) = [line.get_xydata() for line in axes.lines if line.get_linewidth() == 5]
     np.testing.assert_allclose(strut[0], [25, -112])
     assert strut[1][1] == pytest.approx(-112)

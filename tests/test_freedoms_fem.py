@@ -152,7 +152,7 @@ def test_a_guided_shoe_that_aims_at_the_centre_bears_no_moment_without_friction(
     assert max(response.balance.force, response.balance.moment) < 1e-9
 
 
-FILES = ["band", "crane", "duo_servo", "duplex", "s_cam", "simplex_hinged", "block_on_lever"]
+FILES = ["band", "crane", "uni_servo", "duplex", "s_cam", "simplex_hinged", "block_on_lever"]
 
 
 @pytest.mark.parametrize("name", FILES)

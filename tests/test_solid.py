@@ -89,7 +89,7 @@ def test_with_lateral_contraction_it_is_not(flexible):
     )
 
 
-KINDS = ("crane", "duplex", "duo_servo", "s_cam", "block_on_lever")
+KINDS = ("crane", "duplex", "uni_servo", "s_cam", "block_on_lever")
 
 
 def of_kind(root, name):

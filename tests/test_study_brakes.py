@@ -21,12 +21,12 @@ from drumlin_studies.brake_kinds import (
 from picking import having, keyed, picked
 
 FILES = sorted((Path(__file__).parents[1] / "studies/brakes").glob("*.toml"))
-KINDS = {"hinge", "abutment", "pivot"}
+KINDS = {"hinge", "abutment", "pivot", "anchor"}
 
 
 def test_the_files_hold_and_push_shoes_in_every_way() -> None:
     brakes = list(map(read_any, FILES))
-    assert len(brakes) == 9
+    assert len(brakes) == 10
     assert {shoe.kind_of_support for brake in brakes for shoe in brake.shoes} == KINDS
     assert set(picked(brakes, "shares")) == {
         None,
@@ -85,8 +85,8 @@ def under(brake: Brake, index: int) -> Brake:
 
 
 def test_a_strut_is_no_actuation() -> None:
-    """The brake factor of a duo-servo brake counts the force of its cylinder."""
-    (path,) = having(FILES, stem="duo_servo")
+    """The brake factor of a uni-servo brake counts the force of its cylinder."""
+    (path,) = having(FILES, stem="uni_servo")
     brake = read_any(path)
     assert not brake.surface.is_plane_and_not_drum
     response = solve_brake_by_its_rigid_shoe_law(brake)

@@ -8,9 +8,10 @@
     response.plot()
 
 `solve` computes a brake by one model, `compare` by all models that apply, and `sweep` for many
-cases. `wear` wears the linings, `hold` turns the drum from rest against the shoes, `sensitivity`
-gives derivatives of the torque, `self_locking` finds the friction at which the brake locks, and
-`fields` gives displacements and stresses. `reference` computes reference values with uncertainties,
+cases. `size` finds the value of a key that gives a wanted torque or peak pressure. `wear` wears the
+linings, `hold` turns the drum from rest against the shoes, `sensitivity` gives derivatives of the
+torque, `self_locking` finds the friction at which the brake locks, and `fields` gives displacements
+and stresses. `reference` computes reference values with uncertainties,
 and `check` compares a table of p(theta) with them. `vary` makes a brake with changed values, and
 `write_brake` writes its file. Wrong input raises BadInput, and a brake without an answer raises
 NoAnswer, each with a message of one line. All numbers are in SI units.
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
         reference,
         self_locking,
         sensitivity,
+        size,
         solve,
         sweep,
         wear,
@@ -59,6 +61,7 @@ __all__ = [
     "reference",
     "self_locking",
     "sensitivity",
+    "size",
     "solve",
     "sweep",
     "vary",

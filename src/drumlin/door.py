@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from drumlin.fem.analysis.sensitivity import Sensitivity
     from drumlin.lining_wear.whole_brake import WearRun
     from drumlin.response.response import Response
+    from drumlin.sizing import Sizing
     from drumlin.sweeps.cases import Row
     from drumlin.verification.check import Verdict
     from drumlin.verification.reference import Reference
@@ -262,6 +263,98 @@ def compare(
         solid=solid,
     )
     return side_by_side(_read_brake_if_path(brake), case, repeats, models, **options)
+
+
+def size(
+    brake: BrakeOrPath,
+    key: str,
+    *,
+    torque: float | str | None = None,
+    peak_pressure: float | str | None = None,
+    model: str = "fem",
+    low: float | str | None = None,
+    high: float | str | None = None,
+    elements: int | None = None,
+    kind: str | None = None,
+    penalty: float | None = None,
+    tolerance: float | None = None,
+    finite_width: bool = False,
+    sections: int | None = None,
+    lift: Sequence[str] | None = None,
+    say: Say = _ignore_progress_line,
+) -> Sizing:
+    """Find the value of a key at which a brake has a wanted torque or peak pressure.
+
+    Parameters
+    ----------
+    brake : the brake, or the path of its file
+    key : the key that varies, as for `vary`: "shoe.actuation.force", "shoe.left.hinge.angle"
+    torque : wanted torque [N m], on a plane braking force [N]; "largest" for the largest torque in
+        the range; None for a wanted peak pressure
+    peak_pressure : largest peak pressure of all shoes [Pa]: with `torque` a limit, alone the wanted
+        value; None for no limit
+    model : the model, see `solve`
+    low : begin of the range of the key [SI]; None: a tenth of the value of the file, 30 deg less
+        for an angle, a quarter of the radius less for a coordinate
+    high : end of the range of the key [SI]; None: ten times the value, and so on
+    elements : number of finite elements along each lining, see `solve`
+    kind : kind of the finite elements, see `solve`
+    penalty : contact stiffness of the finite elements, see `solve`
+    tolerance : relative error of the finite elements, see `solve`
+    finite_width : whether the answer of the finite elements is corrected, see `solve`
+    sections : number of sections of each beam, see `solve`
+    lift : simplifications of the foundation model to remove, see `solve`
+    say : function that is called with a line of text before each solve
+
+    Returns
+    -------
+    Sizing
+        the value of the key [SI], its error from the stated errors of the torque, the range that
+        was searched, the brake with this value, and its response
+
+    Raises
+    ------
+    BadInput
+        for an unknown key, a key without a single number, an empty range, an option out of range
+    NoAnswer
+        where it is not possible; the message names the reason and the range that was searched
+
+    Examples
+    --------
+    >>> brake = drumlin.example("double_shoe")
+    >>> found = drumlin.size(brake, "shoe.actuation.force", torque=400.0, model="sine")
+    >>> round(found.value), found.key
+    (1838, 'shoe.actuation.force')
+    """
+    from drumlin.models import check_options_belong_to_model
+    from drumlin.sizing import LARGEST, Question, size_brake
+
+    whole = _read_brake_if_path(brake)
+    given = _options_given_by_user(
+        elements=elements,
+        kind=kind,
+        penalty=penalty,
+        tolerance=tolerance,
+        finite_width=finite_width,
+        sections=sections,
+        lift=lift,
+    )
+    check_options_belong_to_model(model, given)
+    question = Question(whole, key, model, given, None, None, say=say)
+    wanted = torque
+    if torque is not None and torque != LARGEST:
+        wanted = _option_value_in_si("--torque", torque, whole.surface.effect_unit)
+    pressure = None
+    if peak_pressure is not None:
+        pressure = _option_value_in_si("--peak-pressure", peak_pressure, "Pa")
+    question = replace(
+        question,
+        torque=wanted,
+        peak_pressure=pressure,
+        low=None if low is None else _option_value_in_si("--from", low, question.unit),
+        high=None if high is None else _option_value_in_si("--to", high, question.unit),
+    )
+    return size_brake(question, lambda sized: solve(sized, model, **given))
 
 
 def sweep(path: Path | str, *, jobs: int | None = 1) -> list[Row]:

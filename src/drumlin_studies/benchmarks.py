@@ -31,7 +31,7 @@ TIMED_SOLVES = (
     "double_shoe",
     "double_shoe_flexible",
     "post_brake",
-    "duo_servo",
+    "uni_servo",
     "band",
     "rail_clamp",
 )

@@ -16,7 +16,7 @@ from drumlin.brake.drive import Drive, Link
 from drumlin.brake.drum_brake import DrumBrake, DrumShoe
 from drumlin.brake.fields import Material, Orthotropic, Part, Point
 from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatMisfit, FlatShoe, Plane
-from drumlin.brake.support import Abutment, Guide, MeshGroups
+from drumlin.brake.support import Abutment, Anchor, Guide, MeshGroups
 from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedNormal, Uniform
 from drumlin.sweeps.options import FemOptions, FoundationOptions, SolidOptions
 
@@ -42,6 +42,8 @@ _HELD = {
     "pivot": "the pin by which the shoe hangs on a lever; `hinge` is then the pin of the lever",
     "abutment": "the table `[shoe.abutment]`, in place of a hinge",
     "guide": "the table `[shoe.guide]`, in place of a hinge",
+    "anchor": "the tables `[[shoe.anchor]]`: faces that push and cannot pull; the shoe rests on "
+    "those that the solution finds, and can then leave its abutment too",
     "lining": "the table `[shoe.lining]`",
     "backing": "the table `[shoe.backing]`",
     "body": "the table `[shoe.body]`; without it the shoe is rigid",
@@ -74,7 +76,8 @@ BRAKE: tuple[Table, ...] = (
     ("The brake", DrumBrake, {
         "title": "title of tables, figures and reports",
         "rotation": "sense in which the drum turns",
-        "friction": "friction coefficient μ, the same on all linings", "drum": "the table `[drum]`",
+        "friction": "friction coefficient μ of the linings that have none of their own",
+        "drum": "the table `[drum]`",
         "shoe": "the tables `[[shoe]]`, one for each shoe", **_SHARED}),
     ("`[drum]`", Drum, {
         "radius": "radius R of the friction surface",
@@ -101,13 +104,18 @@ BRAKE: tuple[Table, ...] = (
         "point": "point at which the foot of the shoe bears",
         "direction": "normal of the face: direction of the force on the foot without friction",
         "friction": "friction coefficient between foot and face; friction opposes the slide"}),
+    ("`[[shoe.anchor]]`", Anchor, {
+        "point": "point at which the shoe bears",
+        "direction": "direction of the force of the face on the shoe",
+        "clearance": "distance between face and shoe while nothing acts"}),
     ("`[shoe.guide]`", Guide, {"direction": "direction in which the shoe moves without turning"}),
     ("`[shoe.lining]`", DrumLining, {
         **_ARC, "thickness": "radial thickness", "width": "width of the lining",
         "material": "material of the lining",
         "clearance": "gap of the unloaded lining, positive if open: one value, or rows of angle "
             "and gap",
-        "misfit": "further deviation of the surface from the drum's circle; see below", **_HEAT}),
+        "misfit": "further deviation of the surface from the drum's circle; see below",
+        "friction": "friction coefficient of this lining, by default that of the brake", **_HEAT}),
     ("`misfit` of `[shoe.lining]`", Misfit, {
         "radius": "radius of the lining's own circle, by default the drum's radius",
         "offset": "vector by which the circle is moved",
@@ -165,7 +173,7 @@ BRAKE: tuple[Table, ...] = (
         "x": "distance from the drum's centre in x", "y": "distance from the drum's centre in y"}),
     ("A brake on a plane", FlatBrake, {
         "title": "title of tables, figures and reports",
-        "friction": "friction coefficient μ, the same on all linings",
+        "friction": "friction coefficient μ of the linings that have none of their own",
         "plane": "the table `[plane]`, in place of `[drum]`",
         "shoe": "the tables `[[shoe]]`", **_SHARED}),
     ("`[plane]`", Plane, {"sliding": "direction in which the plane slides under the linings"}),
@@ -177,7 +185,8 @@ BRAKE: tuple[Table, ...] = (
         "material": "material of the lining, for finite elements",
         "clearance": "gap between the unloaded lining and the plane: one value, or rows of place "
             "x and gap",
-        "misfit": "further deviation of the face from the plane; see below", **_HEAT}),
+        "misfit": "further deviation of the face from the plane; see below",
+        "friction": "friction coefficient of this lining, by default that of the brake", **_HEAT}),
     ("`misfit` of `[shoe.lining]` on a plane", FlatMisfit, {
         "radius": "radius of a face that is ground to a circle and meets the plane in its middle: "
             "positive for a crowned face, negative for a hollow face; by default the face is flat",

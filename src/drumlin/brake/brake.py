@@ -362,20 +362,86 @@ class Brake(Part):
         """Sense of the motion: +1 towards growing coordinates of the surface, else -1."""
         return 1 if self.direction == self.directions[0] else -1
 
+    def friction_of_shoe(self, shoe: Shoe) -> float:
+        """Friction coefficient of a shoe's lining: its own, or that of the brake."""
+        return self.friction if shoe.lining.friction is None else shoe.lining.friction
+
+    def relative_friction_of_shoe(self, shoe: Shoe) -> float:
+        """Friction coefficient of a shoe's lining over the friction coefficient of the brake.
+
+        It is 1 for a brake without friction, whose linings have none either.
+        """
+        own = shoe.lining.friction
+        return 1.0 if own is None or self.friction == 0 else own / self.friction
+
+    def friction_at_friction_of_shoe(self, shoe: Shoe, friction: float) -> float:
+        """Friction coefficient of the brake at which the lining of a shoe has the given one.
+
+        The frictions of all linings change in proportion. It is inf for a lining without friction.
+        """
+        ratio = self.relative_friction_of_shoe(shoe)
+        return friction / ratio if ratio else math.inf
+
+    def key_of_first_own_friction(self) -> str | None:
+        """The first key by which a lining has a friction of its own; None if no lining has one."""
+        for i, shoe in enumerate(self.shoes):
+            if shoe.lining.friction is not None:
+                return f"shoe[{i}].lining.friction"
+        return None
+
+    def check_friction_of_brake_scales_linings(self) -> None:
+        """Raise ValueError if a lining has a friction of its own on a brake without friction.
+
+        Self-locking and slopes by friction scale the friction coefficients of all linings with that
+        of the brake, which must therefore not be 0.
+        """
+        key = self.key_of_first_own_friction()
+        if self.friction == 0 and key is not None:
+            raise ValueError(
+                f"friction = 0: must be greater than 0 where a lining has its own {key}"
+            )
+
+    def brake_with_scaled_friction(self, friction: float) -> Self:
+        """A copy of the brake with another friction coefficient.
+
+        Frictions that linings have of their own change in proportion.
+        """
+        if self.key_of_first_own_friction() is None:
+            return self.model_copy(update={"friction": friction})
+        shoes = []
+        for shoe in self.shoes:
+            own = friction * self.relative_friction_of_shoe(shoe)
+            changed = None if shoe.lining.friction is None else own
+            lining = shoe.lining.model_copy(update={"friction": changed})
+            shoes.append(shoe.model_copy(update={"lining": lining}))
+        return self.model_copy(update={"friction": friction, "shoes": tuple(shoes)})
+
     @property
-    def drag(self) -> float:
-        """Friction stress on the lining per pressure at full slip: friction times spin.
+    def friction_in_words(self) -> str:
+        """The friction coefficients for a line of text: "mu = 0.3", or with those of the linings.
+
+        Linings are named if they have a friction of their own.
+        """
+        own = [
+            f"{shoe.lining.friction:g} of shoe {shoe.name!r}"
+            for shoe in self.shoes
+            if shoe.lining.friction is not None
+        ]
+        return ", ".join([f"mu = {self.friction:g}", *own])
+
+    def signed_friction_per_pressure(self, shoe: Shoe) -> float:
+        """Friction stress on the lining of a shoe per pressure at full slip: friction times spin.
 
         It is positive towards growing coordinates of the surface.
         """
-        return self.friction * self.sign_of_motion
+        return self.friction_of_shoe(shoe) * self.sign_of_motion
 
     def signed_friction_per_pressure_in_shoe_frame(self, shoe: Shoe) -> float:
         """Friction stress on the lining of a shoe per pressure at full slip.
 
         It is positive towards growing phi, the coordinate of the shoe's own frame.
         """
-        return self.drag * shoe.frame.sense
+        return self.signed_friction_per_pressure(shoe) * shoe.frame.sense
 
     @property
     def shares(self) -> str | None:
@@ -384,6 +450,15 @@ class Brake(Part):
         It is None if the force on each shoe is known before the solve.
         """
         return reason_why_forces_are_shared(self.actuation, self.links)
+
+    @property
+    def names_of_shoes_pushed_by_struts(self) -> set[str]:
+        """The names of the shoes whose whole actuation is the force of a strut.
+
+        A strut between the feet of two shoes on anchors is a support and no actuation.
+        """
+        on_anchors = {shoe.name for shoe in self.shoes if shoe.anchors}
+        return {link.to for link in self.links} - on_anchors
 
     def reason_why_not_meshable(self) -> str | None:
         """Why the shoes cannot be meshed by finite elements (missing data); None if they can."""

@@ -322,6 +322,8 @@ class Lining(Part):
         def clearance(self) -> float | Rows: ...
         @property
         def misfit(self) -> Misfit: ...
+        @property
+        def friction(self) -> float | None: ...
 
     @property
     def middle(self) -> float:
@@ -358,7 +360,7 @@ class DrumLining(Lining):
 
     `clearance` [m] is the gap between unloaded lining and drum, positive if open: a number, or a
     table of rows (angle, clearance) with linear interpolation. The gap due to the `misfit` is added
-    to it.
+    to it. `friction` is the lining's own friction coefficient, by default that of the brake.
     """
 
     start: Angle
@@ -368,6 +370,7 @@ class DrumLining(Lining):
     material: AnyMaterial
     clearance: Clearance = 0.0
     misfit: Misfit = Misfit()
+    friction: Friction | None = None
     temperature_rise: TemperatureRise = 0.0
     back_temperature_rise: TemperatureRise | None = None
 

@@ -100,6 +100,13 @@ def shoes_with_forces_of_drive(
     # The drive pushes the shoes that no strut pushes.
     lines = _strut_actuations_by_shoe_index(shoes, links)
     pushed = [i for i in range(len(shoes)) if i not in lines]
+    on_anchors = [shoe.name for shoe in shoes if shoe.anchors]
+    if on_anchors and (lines or (drive is not None and drive.is_cam)):
+        by = "a cam" if drive is not None and drive.is_cam else "a strut that pushes one shoe only"
+        raise ValueError(
+            f"shoe {on_anchors[0]!r}: a shoe on anchors takes a force of its own or of a cylinder; "
+            f"no brake has anchors and {by}"
+        )
     if drive is not None and drive.is_cam and len(pushed) != 2:
         raise ValueError(f"actuation: a cam moves two shoes, not {len(pushed)}")
     found = []
@@ -119,6 +126,9 @@ def _strut_actuations_by_shoe_index(
 ) -> dict[int, Actuation]:
     """Actuation without force along the line of each strut, by the index of the pushed shoe.
 
+    A strut between the feet of two shoes on anchors gives no actuation: it is a support of both,
+    see `one_sided.one_sided_supports_of_brake`.
+
     Raises ValueError for a strut that names no shoe of the brake or does not fit its shoes.
     """
     places = {shoe.name: i for i, shoe in enumerate(shoes)}
@@ -130,11 +140,59 @@ def _strut_actuations_by_shoe_index(
                 raise ValueError(
                     f"link[{k}].{key} = {name!r}: must be the name of a shoe: {', '.join(places)}"
                 )
-        source = shoes[places[link.source]]
+        source, pushed = shoes[places[link.source]], shoes[places[link.to]]
+        if source.anchors or pushed.anchors:
+            _check_strut_between_feet(f"link[{k}]", source, pushed, links[:k], link)
+            continue
         lines[places[link.to]] = _actuation_of_shoe_pushed_by_strut(
             f"link[{k}]", source, link, links[:k]
         )
     return lines
+
+
+LARGEST_BEND_OF_STRUT = 1e-9
+"""Largest angle [rad] between the two ends of a strut that counts as round-off.
+
+The distance of each end from the line of the other, relative to the length, counts alike. Angles of
+a file in degrees differ by less, and a strut with a larger angle could not be in equilibrium.
+"""
+
+
+def _check_strut_between_feet(
+    key: str, source: Held, to: Held, before: tuple[Link, ...], link: Link
+) -> None:
+    """Raise ValueError unless a strut lies between the feet of two shoes on anchors.
+
+    Parameters
+    ----------
+    key : key of the strut in error messages
+    source, to : the shoes on which the strut pushes
+    before : struts that the file names before this strut
+    link : the strut
+    """
+    for shoe in (source, to):
+        if not shoe.anchors or shoe.abutment is None:
+            raise ValueError(
+                f"{key}: a strut between shoes on anchors bears on an abutment of each; "
+                f"shoe {shoe.name!r} needs anchor and abutment"
+            )
+    first, second = source.abutment, to.abutment
+    assert first is not None and second is not None
+    if source is to or any({link.source, link.to} & {b.source, b.to} for b in before):
+        raise ValueError(f"{key}: a shoe on anchors bears on one strut, from another shoe")
+    turn = math.remainder(second.direction - first.direction - math.pi, 2 * math.pi)
+    between = first.point.xy - second.point.xy
+    along = source.unit_vector_of_abutment_force_on_foot
+    off = abs(float(between[0] * along[1] - between[1] * along[0]))
+    if (
+        abs(turn) > LARGEST_BEND_OF_STRUT
+        or off > LARGEST_BEND_OF_STRUT * math.hypot(*between)
+        or between @ along <= 0
+    ):
+        raise ValueError(
+            f"{key}: a strut pushes the feet of both shoes apart along one line; the abutments of "
+            f"{link.source!r} and {link.to!r} must lie on it, with opposite directions along it"
+        )
 
 
 def _actuation_of_shoe_without_strut(

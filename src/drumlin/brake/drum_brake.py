@@ -214,6 +214,7 @@ class DrumBrake(Brake):
         Returns the brake with these forces. Raises ValueError if the parts do not fit together.
         """
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
+        self.check_friction_of_brake_scales_linings()
         # Only data of a file must have units: this tells them from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = shoes_with_forces_of_drive(self.shoes, self.actuation, self.links, file=from_file)

@@ -78,7 +78,8 @@ class FlatLining(Lining):
 
     Finite elements need `thickness` [m] and `material`. `clearance` [m] is the gap between unloaded
     lining and plane, positive if open: a number, or a table of rows (x, clearance) with linear
-    interpolation. The gap due to the `misfit` is added to it.
+    interpolation. The gap due to the `misfit` is added to it. `friction` is the lining's own
+    friction coefficient, by default that of the brake.
     """
 
     start: Length
@@ -90,6 +91,7 @@ class FlatLining(Lining):
         float | Rows, validator_of_number_or_table("place", "m", "clearance", "m")
     ] = 0.0
     misfit: FlatMisfit = FlatMisfit()
+    friction: Friction | None = None
     temperature_rise: TemperatureRise = 0.0
     back_temperature_rise: TemperatureRise | None = None
 
@@ -292,6 +294,7 @@ class FlatBrake(Brake):
         Returns the brake with these forces. Raises ValueError if the parts do not fit together.
         """
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
+        self.check_friction_of_brake_scales_linings()
         # Only data of a file must have units: this tells them from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = shoes_with_forces_of_drive(self.shoes, self.actuation, self.links, file=from_file)

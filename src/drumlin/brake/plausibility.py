@@ -144,13 +144,17 @@ def _si_unit_of_field(kind: type[Part], name: str) -> str:
 
 
 def _lines_on_friction(brake: Brake) -> Iterator[str]:
-    """A line on a friction coefficient that no lining has."""
-    if brake.friction > HIGH_FRICTION:
-        meant = f"; did you mean {brake.friction / 100:g}, which is {brake.friction:g} %?"
-        yield (
-            f"friction = {brake.friction:g} is more than any lining has"
-            f"{meant if brake.friction <= 100 else ''}"
-        )
+    """A line on each friction coefficient that no lining has."""
+    frictions = {"friction": brake.friction}
+    for i, shoe in enumerate(brake.shoes):
+        frictions[f"shoe[{i}].lining.friction"] = shoe.lining.friction or 0.0
+    for key, friction in frictions.items():
+        if friction > HIGH_FRICTION:
+            meant = f"; did you mean {friction / 100:g}, which is {friction:g} %?"
+            yield (
+                f"{key} = {friction:g} is more than any lining has"
+                f"{meant if friction <= 100 else ''}"
+            )
 
 
 def _lines_on_drum_radius(brake: Brake) -> Iterator[str]:
@@ -175,6 +179,7 @@ def _lines_on_far_points(brake: Brake, size: float) -> Iterator[str]:
             "abutment.point": abutment,
             "actuation.point": shoe.actuation.point,
         }
+        points |= {f"anchor[{j}].point": anchor.point for j, anchor in enumerate(shoe.anchors)}
         for name, point in points.items():
             away = 0.0 if point is None else _distance_from_surface_centre(brake, point)
             if away > FAR_AWAY * size:

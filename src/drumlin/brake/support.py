@@ -1,4 +1,4 @@
-"""Supports of a shoe (hinge, lever pivot, abutment, guide) and the rigid-body motions they allow.
+"""Supports of a shoe (hinge, pivot, abutment, guide, anchors) and the motions that they allow.
 
 A rigid-body motion in the plane has three numbers: dx, dy [m] and turn [rad] about the origin. It
 displaces the point (x, y) by (dx - turn y, dy + turn x). The rigid-body modes of a shoe are the
@@ -29,7 +29,7 @@ from pydantic import (
 from drumlin.base.arrays import Floats
 from drumlin.base.files import register_protected_input_file
 from drumlin.brake.components import Actuation
-from drumlin.brake.fields import PURE_NUMBER, Angle, Name, Part, Place, Point
+from drumlin.brake.fields import PURE_NUMBER, Angle, Length, Name, Part, Place, Point
 
 MAIN_SUPPORTS = ("hinge", "abutment", "guide")
 """Keys of the supports; a shoe has exactly one of them. A pivot needs a hinge besides."""
@@ -39,6 +39,7 @@ MOVES = {
     "pivot": "it turns about a pivot on its lever, not about its hinge",
     "abutment": "its foot slides on an abutment, it has no hinge",
     "guide": "it moves along a guide, it has no hinge",
+    "anchor": "it rests on anchors that it can leave, it has no hinge",
 }
 """How a shoe moves on each support, for error messages, by `Held.kind_of_support`."""
 
@@ -65,6 +66,18 @@ class Abutment(Part):
     friction: Annotated[float, Field(ge=0, le=10, strict=True), PURE_NUMBER] = 0.0
 
 
+class Anchor(Part):
+    """A face that pushes on the shoe and cannot pull; the shoe may rest on it or leave it.
+
+    The shoe bears at `point`. `direction` [rad] is the direction of the face's force on the shoe.
+    `clearance` [m] is the distance between shoe and face while nothing acts.
+    """
+
+    point: Place
+    direction: Angle
+    clearance: Annotated[Length, Field(ge=0)] = 0.0
+
+
 class Guide(Part):
     """A straight guide: the shoe moves only along `direction` [rad] and does not turn."""
 
@@ -80,7 +93,8 @@ class Freedoms(NamedTuple):
     tests : (k, 3), test modes, on which the support reactions do no work
     work : (k,), work of the actuation on each test mode [N m for a turn, N for a slide]
     tip : (k,), displacement of the point of actuation along its force in each mode [m]
-    names : (k,), "turn" (about the pin), "tilt" (about a pivot), "slide" or "off" (the face)
+    names : (k,), "turn" (about the pin), "tilt" (about a pivot), "slide" or "off" (the face), "x"
+        or "y" (translations of a shoe on anchors)
     """
 
     motions: Floats
@@ -138,10 +152,11 @@ class SupportChange(NamedTuple):
 class Held(Part):
     """A shoe with its name, its support and its actuation, on a drum or on a plane.
 
-    There are four supports. A `hinge` is a pin about which the shoe turns. With a `pivot`, the
+    There are five supports. A `hinge` is a pin about which the shoe turns. With a `pivot`, the
     hinge is the pin of a lever: the actuation acts on the lever, and the shoe turns about the pivot
     at the lever's end. An `abutment` is a face on which the foot of the shoe slides. A `guide` lets
-    the shoe move in one direction without turning.
+    the shoe move in one direction without turning. `anchors` are faces that the shoe can leave: it
+    rests on those of them that press on it. A shoe with anchors can leave its abutment as well.
     """
 
     name: Name
@@ -149,14 +164,17 @@ class Held(Part):
     pivot: Place | None = None
     abutment: Abutment | None = None
     guide: Guide | None = None
+    anchors: Annotated[tuple[Anchor, ...], Field(alias="anchor")] = ()
     # A shoe that a strut pushes has this actuation until the strut gives it its line of action.
     actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
 
     @model_validator(mode="after")
     def _check_has_one_support(self) -> Self:
-        """Raise ValueError unless the shoe has one of the four supports."""
+        """Raise ValueError unless the shoe has one of the five supports."""
         given = [key for key in MAIN_SUPPORTS if getattr(self, key) is not None]
-        if not given:
+        if self.anchors:
+            self._check_anchors_fit_other_supports(given)
+        elif not given:
             raise ValueError(
                 "hinge: is missing; "
                 "a shoe is held by one of hinge, hinge and pivot, abutment, guide"
@@ -171,9 +189,28 @@ class Held(Part):
             raise ValueError("pivot: is on a lever, whose pin is the hinge; hinge is missing")
         return self
 
+    def _check_anchors_fit_other_supports(self, given: list[str]) -> None:
+        """Raise ValueError unless a shoe with anchors has no support besides a smooth abutment.
+
+        `given` are the keys of its other supports.
+        """
+        other = next((key for key in given if key != "abutment"), None)
+        if other is not None:
+            raise ValueError(
+                f"anchor: a shoe on anchors can leave them, {other} holds it both ways; "
+                "leave one of them out"
+            )
+        if self.abutment is not None and self.abutment.friction > 0:
+            raise ValueError(
+                f"abutment.friction = {self.abutment.friction:g}: a shoe with anchors takes "
+                "abutments without friction; leave it out"
+            )
+
     @property
     def kind_of_support(self) -> str:
-        """The kind of the shoe's support: "hinge", "pivot", "abutment" or "guide"."""
+        """The kind of the shoe's support: "hinge", "pivot", "abutment", "guide" or "anchor"."""
+        if self.anchors:
+            return "anchor"
         if self.hinge is not None:
             return "hinge" if self.pivot is None else "pivot"
         return "guide" if self.abutment is None else "abutment"
@@ -182,10 +219,13 @@ class Held(Part):
     def pin(self) -> Point:
         """The reference point of the shoe, from which its moments and angles count.
 
-        It is the hinge, the foot on an abutment, or the point of actuation of a guided shoe.
+        It is the hinge, the foot on an abutment, the point on the first anchor, or the point of
+        actuation of a guided shoe.
         """
         if self.hinge is not None:
             return self.hinge
+        if self.anchors and self.abutment is None:
+            return self.anchors[0].point
         return self.actuation.point if self.abutment is None else self.abutment.point
 
     def shoe_with_changed_actuation_force(self, force: float) -> Self:
@@ -221,7 +261,7 @@ class Held(Part):
         sense : assumed sense of the friction, as in `freedoms`
         slide : slide of the foot along the face, in any unit; only its sign counts
         """
-        if self.abutment is None:
+        if self.abutment is None or self.anchors:
             return True
         c, s = self.unit_vector_of_abutment_force_on_foot
         # These are the components of the reaction normal to the face and along the face.
@@ -241,7 +281,8 @@ class Held(Part):
         sense : sense of the friction of an abutment on the foot. It is +1 in the direction of the
             face's normal turned by +90 deg, -1 in the opposite direction, and 0 if the foot sticks.
             With UNHELD the abutment is left out: the foot may slide and leave the face. Other
-            supports ignore it.
+            supports ignore it. A shoe on anchors has all three modes: its supports are
+            inequalities, see `one_sided.OneSidedSupport`.
         """
         at = self.actuation.point.xy
         # Every shoe except a guided one turns about its pin. A lever or an abutment adds a mode.
@@ -251,8 +292,13 @@ class Held(Part):
         elif self.pivot is not None:
             motions.append(motion_of_turn_about_point(self.pivot))
             names.append("tilt")
+        elif self.anchors:
+            motions += [motion_of_slide_in_direction(angle) for angle in (0.0, math.pi / 2)]
+            names += ["x", "y"]
         tests = list(motions)
-        if self.abutment is not None and sense != 0:
+        on_abutment = self.abutment is not None and not self.anchors
+        if on_abutment and sense != 0:
+            assert self.abutment is not None
             along = self.abutment.direction + math.pi / 2
             # Friction rotates the test mode by the friction angle, so that it stays perpendicular
             # to the reaction.
@@ -261,7 +307,8 @@ class Held(Part):
             tests.append(motion_of_slide_in_direction(along + leaning))
             names.append("slide")
         # Without the abutment the foot also moves along the normal of the face.
-        if self.abutment is not None and sense == UNHELD:
+        if on_abutment and sense == UNHELD:
+            assert self.abutment is not None
             motions.append(motion_of_slide_in_direction(self.abutment.direction))
             tests.append(motions[-1])
             names.append("off")

@@ -47,7 +47,7 @@ def _brake_without_derived_forces(brake: Part) -> Part:
     if not isinstance(brake, Brake) or not (brake.actuation or brake.links):
         return brake
     # A strut gives a shoe its whole actuation, a drive gives it the force alone.
-    pushed = {link.to for link in brake.links}
+    pushed = brake.names_of_shoes_pushed_by_struts
     shoes = []
     for shoe in brake.shoes:
         actuation = shoe.actuation

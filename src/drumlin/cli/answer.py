@@ -28,7 +28,7 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
     figures of merit, solution steps, times and neglected effects are printed, too.
     """
     notes = _Notes.response_notes_sorted_by_printing_place(response)
-    print_folded_line(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
+    print_folded_line(f"{brake.title}: {response.model}, {brake.motion}, {brake.friction_in_words}")
     for line in notes.apart:
         print_folded_line(line)
     _print_torque_and_brake_factor(brake, response)

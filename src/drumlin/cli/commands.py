@@ -8,7 +8,7 @@ from drumlin import __version__
 from drumlin.cli.exploring import explore
 from drumlin.cli.judging import check, cost, reference
 from drumlin.cli.outputs import export, mesh, view
-from drumlin.cli.solving import compare, hold, sensitivity, solve, wear
+from drumlin.cli.solving import compare, hold, sensitivity, size, solve, wear
 from drumlin.cli.starting import init, schema
 from drumlin.cli.studying import study, sweep
 from drumlin.cli.terminal import print_folded_line
@@ -51,6 +51,7 @@ for command in (
     export,
     hold,
     sensitivity,
+    size,
     wear,
     cost,
     reference,

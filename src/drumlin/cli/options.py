@@ -109,6 +109,24 @@ Coefficient = Annotated[
 HeldTorque = Annotated[
     str | None, typer.Option(help="hold this torque by the force, not the force")
 ]
+WantedTorque = Annotated[
+    str | None,
+    typer.Option(
+        metavar="TORQUE|largest",
+        help='wanted torque, such as "400 N m"; on a plane a braking force; '
+        "largest: the largest one in the range",
+    ),
+]
+WantedPeakPressure = Annotated[
+    str | None,
+    typer.Option(
+        metavar="PRESSURE",
+        help='peak pressure, such as "1 MPa": with --torque a limit, else wanted',
+    ),
+]
+SizedFile = Annotated[
+    Path | None, typer.Option("--write", metavar="FILE.toml", help="write the sized brake")
+]
 Reverse = Annotated[str | None, typer.Option(help="the drum turns back after every such distance")]
 Guided = Annotated[
     bool, typer.Option("--guided", help="rigid shoes moving along their middle radius")

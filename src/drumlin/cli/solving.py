@@ -1,4 +1,4 @@
-"""Commands that compute a brake: solve, compare, hold, sensitivity and wear.
+"""Commands that compute a brake: solve, compare, hold, sensitivity, size and wear.
 
 Each command reads its options, calls the function of the package `drumlin`, and prints the answer.
 """
@@ -211,7 +211,7 @@ def compare(
     )
     with show_spinner_beside_words("comparing the models"):
         result = compare_models_and_write_html_page(brake, text, folder, options)
-    print_folded_line(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
+    print_folded_line(f"{brake.title}: {brake.motion}, {brake.friction_in_words}")
     print_table_of_compared_models(result.table, result.columns)
     for line in result.notes:
         print_folded_line(line)
@@ -290,9 +290,65 @@ def sensitivity(
         found = drumlin.sensitivity(brake, model, elements=elements, kind=kind, penalty=stiffness)
     if json_file is not None:
         write_json(json_file, found.as_dict())
-    print_folded_line(f"{brake.title}: {model}, {brake.motion}, mu = {brake.friction:g}")
+    print_folded_line(f"{brake.title}: {model}, {brake.motion}, {brake.friction_in_words}")
     for line in sensitivity_as_text_lines(found, brake):
         print_folded_line(line)
+
+
+def size(
+    brake_file: BrakeFile,
+    vary: Annotated[str, typer.Option(metavar="KEY", help="the key that varies")],
+    torque: of.WantedTorque = None,
+    peak_pressure: of.WantedPeakPressure = None,
+    model: Annotated[str, typer.Option(help="which model answers")] = "fem",
+    low: Annotated[str | None, typer.Option("--from", help="begin of the key's range")] = None,
+    high: Annotated[str | None, typer.Option("--to", help="end of the key's range")] = None,
+    json_file: of.ResponseJson = None,
+    write: of.SizedFile = None,
+    elements: Elements = None,
+    kind: Kind = None,
+    penalty: Penalty = None,
+    tolerance: of.Tolerance = None,
+    finite_width: FiniteWidth = False,
+    sections: of.Sections = None,
+    lift: of.Lift = None,
+) -> None:
+    """Find the value of a key for a wanted torque or peak pressure, by any model."""
+    from drumlin.base.files import check_output_files_are_writable, write_json
+
+    brake = drumlin.read_brake(brake_file)
+    check_output_files_are_writable(json_file)
+    # An existing file is refused before the brakes are solved.
+    if write is not None and write.exists():
+        raise BadInput(f"--write = {str(write)!r}: exists already; brake files are not replaced")
+    options = of.options_given_by_user(
+        elements=elements,
+        kind=kind,
+        penalty=of.penalty_as_number(penalty),
+        tolerance=tolerance,
+        finite_width=finite_width,
+        sections=sections,
+        lift=lift,
+    )
+    with show_spinner_beside_words(f"sizing: {vary}") as say:
+        found = drumlin.size(
+            brake,
+            vary,
+            torque=torque,
+            peak_pressure=peak_pressure,
+            model=model,
+            low=low,
+            high=high,
+            say=say,
+            **options,
+        )
+    if json_file is not None:
+        write_json(json_file, found.as_dict())
+    if write is not None:
+        drumlin.write_brake(found.brake, write)
+    for line in found.lines():
+        print_folded_line(line)
+    print_response(found.brake, found.response)
 
 
 def wear(

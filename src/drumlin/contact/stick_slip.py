@@ -155,11 +155,14 @@ def solve_load_increment(
         _find_stick_and_slip_by_newton,
         _find_stick_slip_states_from_balanced_load,
         _find_stick_slip_states_from_widened_gaps,
+        _find_stick_and_slip_by_patient_newton,
     ):
         try:
             settled = method(system, start)
         except NoAnswer as error:
-            reason = str(error)
+            # The last method repeats the first one with patience, and its error says no more.
+            if method is not _find_stick_and_slip_by_patient_newton:
+                reason = str(error)
             continue
         state, point, steps = settled
         p, t = np.split(scales * point.z, 2)
@@ -302,13 +305,25 @@ corrects it.
 """
 
 
-def _find_stick_and_slip_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledStates:
+def _find_stick_and_slip_by_patient_newton(
+    system: _FrictionalSystem, start: Ints
+) -> _SettledStates:
+    """Find the states by Newton's method, with steps to its limit although no fewer are wrong.
+
+    Shoes on anchors may turn with the drum for a step until one of the anchors stops them.
+    """
+    return _find_stick_and_slip_by_newton(system, start, MOST_STATE_NEWTON_STEPS)
+
+
+def _find_stick_and_slip_by_newton(
+    system: _FrictionalSystem, start: Ints, most_idle_steps: int = MOST_STEPS_WITHOUT_PROGRESS
+) -> _SettledStates:
     """Find open, sticking and slipping nodes by Newton's method, in which all nodes change at once.
 
     `start` (n,) are the states of the first step. Raises NoAnswer if the number of nodes in a wrong
-    state stops falling.
+    state has not fallen for `most_idle_steps` steps.
     """
-    state, fewest, patience = start, 3 * len(start), MOST_STEPS_WITHOUT_PROGRESS
+    state, fewest, patience = start, 3 * len(start), most_idle_steps
     for step in range(1, MOST_STATE_NEWTON_STEPS + 1):
         equations = _StateEquations(system, state)
         point = equations.solve_increment_under_loads(system.q, system.h)
@@ -319,7 +334,7 @@ def _find_stick_and_slip_by_newton(system: _FrictionalSystem, start: Ints) -> _S
             return _SettledStates(state, point, step)
         # The search ends if the number of nodes in a wrong state has not fallen for some steps.
         if wrong < fewest:
-            fewest, patience = wrong, MOST_STEPS_WITHOUT_PROGRESS
+            fewest, patience = wrong, most_idle_steps
         else:
             patience -= 1
         if patience < 0:
@@ -344,7 +359,8 @@ def _next_stick_and_slip_states(
     # A closing node sticks, unless its slip is larger than mu times its overlap -w.
     closing = (state == OPEN) & outside[0]
     ways = np.select([slip > -system.mu * w, slip < system.mu * w], [FORWARD, BACKWARD], STICK)
-    wanted[closing] = ways[closing]
+    # A node without friction never sticks.
+    wanted[closing] = np.where(system.mu > 0, ways, np.maximum(ways, FORWARD))[closing]
     # A sticking node whose pressure is negative opens at once.
     wanted[(state == STICK) & outside.any(axis=0) & (p < 0)] = OPEN
     return wanted

@@ -243,7 +243,7 @@ class Explorer:
 
         def find_locking_friction() -> LockingFriction:
             """Find the limits of self-locking, with a friction coefficient of 1 in the brake."""
-            rough = vary(brake, {"friction": 1.0})
+            rough = brake.brake_with_scaled_friction(1.0)
             try:
                 found = self_locking_friction_of_shoe_groups(
                     self.prepared_model_of_brake(brake, model), rough, HIGHEST_FRICTION
@@ -296,7 +296,7 @@ class Explorer:
 
 def _brake_with_unit_friction(brake: Brake) -> Brake:
     """The brake with a friction coefficient of 1: a cache key that does not depend on friction."""
-    return brake.model_copy(update={"friction": 1.0})
+    return brake.brake_with_scaled_friction(1.0)
 
 
 def _run_in_over_range_of_wear_knob(scene: PreparedModel, brake: Brake) -> _WearRun:
@@ -318,11 +318,11 @@ def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> Explored
         # On a drum a formula of the law gives the friction at which each shoe locks itself. The
         # smallest of these frictions is taken.
         if name in LAWS and not brake.surface.is_plane_and_not_drum:
-            locking = min(
-                self_locking_friction_of_hinged_shoe(brake, shoe, LAWS[name])
-                for shoe in brake.shoes
-            )
-            answer = replace(answer, law_locking=locking)
+            limits = []
+            for shoe in brake.shoes:
+                own = self_locking_friction_of_hinged_shoe(brake, shoe, LAWS[name])
+                limits.append(brake.friction_at_friction_of_shoe(shoe, own))
+            answer = replace(answer, law_locking=min(limits))
         return replace(answer, law=model_with_name_that_applies_to_brake(name, brake).solve(brake))
     except DrumlinError as error:
         return replace(answer, law_failure=str(error))

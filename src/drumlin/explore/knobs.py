@@ -30,6 +30,9 @@ LARGEST_WEAR = 50.0
 The pressure of a stiff brake no longer changes after some 46 of these units.
 """
 
+FRICTION_STEP_OF_KNOB = 0.005
+"""Step of the knob of friction: at a usual friction coefficient it changes the torque by 2 %."""
+
 LONGEST_LINK = 2000
 """Largest number of characters of a link that are read. A setting of all knobs takes some 170."""
 
@@ -192,15 +195,26 @@ def nearest_1_2_5_power_of_ten(value: float) -> float:
 
 def _friction_coefficient_knob(brake: Brake) -> Knob:
     """The knob of the friction coefficient between lining and drum."""
+    own = brake.key_of_first_own_friction() is not None
+
+    def changes_of_all_frictions_in_proportion(value: float) -> Changes:
+        """The friction of the brake, and in proportion the frictions that linings have."""
+        changes: dict[str, Any] = {"friction": value}
+        for i, shoe in enumerate(brake.shoes):
+            if shoe.lining.friction is not None:
+                ratio = brake.relative_friction_of_shoe(shoe)
+                changes[f"shoe[{i}].lining.friction"] = ratio * value
+        return changes
+
     return Knob(
         name="friction",
-        label="friction µ",
+        label="friction µ (others in proportion)" if own else "friction µ",
         unit="",
-        low=0.0,
+        low=FRICTION_STEP_OF_KNOB if own else 0.0,
         high=max(1.0, 2 * brake.friction),
-        step=0.005,
+        step=FRICTION_STEP_OF_KNOB,
         start=brake.friction,
-        changes=lambda value: {"friction": value},
+        changes=changes_of_all_frictions_in_proportion,
     )
 
 

@@ -18,6 +18,7 @@ from drumlin.base.errors import BadInput, LostDigits, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.heat import note_on_heat
+from drumlin.brake.one_sided import SupportForce
 from drumlin.brake.units import mm_text
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
@@ -43,6 +44,7 @@ from drumlin.response.response import (
     ShoeChange,
     ShoeResponse,
     length_of_uncompared_edge_zone,
+    notes_on_forces_of_supports,
     reference_force_of_reaction_errors,
     response_of_pressed_elastic_shoe,
     response_of_shoe_without_contact,
@@ -155,6 +157,7 @@ def solve_prepared_model(
             *_warnings_on_overlap_of_mesh_and_drum(scene, brake),
             *_notes_on_mesh_files(scene, brake, [answer.response for answer in in_order]),
             *(answer.note for answer in in_order),
+            *notes_on_forces_of_supports([answer.response for answer in in_order]),
             *_notes_on_supports_of_shoe_bodies(brake),
             *notes_on_cam_force_of_unlike_linings(brake),
             *filter(None, [note_on_heat(brake)]),
@@ -278,6 +281,7 @@ class _GroupSolution(NamedTuple):
     pressures : pressures (n_i,) [Pa] of each shoe
     coordinates : generalised coordinates (k_i,) of each shoe
     forces : actuation forces (shoes,) [N]
+    support_forces : forces [N] of one-sided supports on each shoe
     pressure_errors : change of all pressures (2, n) [Pa] by the penalty, and by round-off
     steps : number of steps of the contact algorithm
     refined : whether the full system was refined; the round-off is then the last correction
@@ -287,6 +291,7 @@ class _GroupSolution(NamedTuple):
     pressures: list[Floats]
     coordinates: list[Floats]
     forces: Floats
+    support_forces: list[tuple[SupportForce, ...]]
     pressure_errors: Floats
     steps: int
     refined: bool
@@ -303,6 +308,7 @@ class _ShoeSolution(NamedTuple):
     pressures: Floats
     coordinates: Floats
     force: float
+    support_forces: tuple[SupportForce, ...]
     pressure_errors: Floats
     refined: bool
 
@@ -366,6 +372,9 @@ def _group_solution_by_substructures(group: ShoeGroup, contact: Contact) -> _Gro
         pressures=[size * contact.p[part] for part in group.contact_node_slices_of_shoes],
         coordinates=[size * y for y in coordinates],
         forces=size * group.actuation_forces_under_contact_pressures(contact.p),
+        support_forces=[
+            group.support_forces_on_shoe(contact.p, k) for k in range(len(group.members))
+        ],
         pressure_errors=size
         * _pressure_errors_by_penalty_and_round_off(group, contact, coordinates),
         steps=contact.steps,
@@ -376,7 +385,7 @@ def _group_solution_by_substructures(group: ShoeGroup, contact: Contact) -> _Gro
 def _can_full_system_be_refined(group: ShoeGroup) -> bool:
     """Whether the full system of a group of shoes can be refined in seconds.
 
-    The full system of a solid cannot.
+    The full system of a solid cannot, nor can that of shoes on one-sided supports.
     """
     orders = [
         body.line.interpolation_degree_along_contact_line for body in group.substructures_of_shoes
@@ -387,7 +396,7 @@ def _can_full_system_be_refined(group: ShoeGroup) -> bool:
     )
     # The sparse factors of large systems of high degree have many entries and take too long.
     small = size <= LARGEST_REFINED_SYSTEM or max(orders) <= 2
-    return group.scene.model != "solid" and small
+    return group.scene.model != "solid" and small and not group.one_sided_supports
 
 
 def _shoe_results_after_refinement(
@@ -497,6 +506,7 @@ def _results_of_shoes_in_solved_group(solution: _GroupSolution) -> dict[int, _Sh
             pressures=solution.pressures[k],
             coordinates=solution.coordinates[k],
             force=solution.forces[k],
+            support_forces=solution.support_forces[k],
             pressure_errors=solution.pressure_errors[:, part],
             refined=solution.refined,
         )
@@ -538,7 +548,8 @@ class _ForcesOnShoe(NamedTuple):
     actuation_force : (2,) force of the actuation [N]
     actuation_moment : moment of the actuation about the pin [N m]
     support_force : (2,) force of the support [N]
-    guide_moment : moment of a guide [N m]; 0 for other supports
+    guide_moment : moment of a guide, or of one-sided supports about the pin [N m]; 0 for other
+        supports
     """
 
     resultant_of_pressure: Floats
@@ -559,15 +570,30 @@ def _forces_on_shoe_by_pressure_and_actuation(solution: _ShoeSolution) -> _Force
     drag = group.brake.signed_friction_per_pressure_in_shoe_frame(shoe)
     normal, dragged = body.resultants_of_contact_node_forces @ p
     contact = drag * dragged - normal
-    if solution.refined:
+    if solution.support_forces:
+        reaction = _resultant_of_support_forces_at_pin(shoe, solution.support_forces)
+    elif solution.refined:
         # A refined pressure has more digits than a reaction from the elastic body. The reaction is
         # therefore the force that balances the others. Only moments or work are left to check.
         about_pin = contact[2] + moment - planar_cross_product(shoe.pin_in_shoe_frame, contact[:2])
         reaction = -np.append(contact[:2] + push, about_pin)
     else:
         reaction = support_reaction_of_shoe(body, p, drag, load)
-    twist = float(reaction[2]) if shoe.guide is not None else 0.0
+    twist = float(reaction[2]) if shoe.kind_of_support in {"guide", "anchor"} else 0.0
     return _ForcesOnShoe(normal, contact, push, moment, reaction[:2], twist)
+
+
+def _resultant_of_support_forces_at_pin(shoe: Shoe, supports: Sequence[SupportForce]) -> Floats:
+    """The resultant (3,) of one-sided supports: force x, y [N] and moment about the pin [N m].
+
+    It is in the frame of the shoe. `supports` are the forces on the shoe.
+    """
+    total = np.zeros(3)
+    for support in supports:
+        force = shoe.frame.convert_to_shoe_frame(support.push.force_vector)
+        at = shoe.convert_points_to_shoe_frame(support.push.point.xy) - shoe.pin_in_shoe_frame
+        total += [*force, float(planar_cross_product(at, force))]
+    return total
 
 
 def _force_and_moment_imbalance_of_shoe(solution: _ShoeSolution, acting: _ForcesOnShoe) -> Balance:
@@ -589,6 +615,8 @@ def _force_and_moment_imbalance_of_shoe(solution: _ShoeSolution, acting: _Forces
             acting.guide_moment,
             *moments_that_scale_imbalance_on_guide(solution.force, length),
         ]
+    elif shoe.anchors:
+        moments.append(acting.guide_moment)
     balance = relative_sums_of_forces_and_moments(
         [acting.force_of_drum[:2], acting.support_force, acting.actuation_force], moments
     )
@@ -607,6 +635,8 @@ def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
     drag = group.brake.signed_friction_per_pressure_in_shoe_frame(group.shoes[k])
     nodal = drag * (coupling.T.T @ p) - coupling.N.T @ p
     by_actuation = abs(solution.force) * modes.actuation_work
+    for support in solution.support_forces:
+        by_actuation += group.work_of_push_on_modes(k, support.push)
     by_contact = nodal[:, None] * modes.test_modes
     residual = np.abs(by_contact.sum(axis=0) + by_actuation)
     scale = np.maximum(np.abs(by_actuation), np.abs(by_contact).sum(axis=0))
@@ -700,6 +730,7 @@ def _response_of_shoe_in_brake_frame(
         if shoe.pivot is None
         else -frame.convert_to_brake_frame(acting.force_of_drum[:2]),
         reaction_moment=frame.sense * acting.guide_moment,
+        supports=solution.support_forces,
         motion=None if shoe.kind_of_support == "hinge" else tuple(pin_motion.tolist()),
         surface=line.pressure_over_arc_and_width(p),
         softness=errors.penalty,
@@ -710,11 +741,14 @@ def _response_of_shoe_in_brake_frame(
 def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
     """Whether the work of the friction on the first test mode of a shoe helps the actuation.
 
-    The works are per unit of the mode.
+    The works are per unit of the mode. For a shoe on anchors they are those in its own motion.
     """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     drag = group.brake.signed_friction_per_pressure_in_shoe_frame(group.shoes[k])
     closures = group.gap_closures_of_test_modes[k]
+    if group.shoes[k].anchors:
+        work = [float(p @ part @ solution.coordinates) for part in closures]
+        return drag * work[1] > NEITHER * abs(work[0])
     closed, rubbed = float(closures.normal[:, 0] @ p), float(closures.tangential[:, 0] @ p)
     sense = math.copysign(1.0, group.rigid_body_modes_of_shoes[k].actuation_work[0])
     return sense * drag * rubbed > NEITHER * abs(closed)

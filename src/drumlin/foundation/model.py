@@ -29,7 +29,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, slices_of_consecutive_parts
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
@@ -133,13 +133,16 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
         raise BadInput(
             f"--lift = {unknown[0]!r}: unknown simplification; allowed: {', '.join(LIFTS)}, all"
         )
-    # Two effects need data that a brake file may lack.
+    # Some effects need data that a brake file may lack.
     lacking: dict[str, str] = {}
     for shoe in brake.shoes:
         if shoe.backing and isinstance(shoe.body, Beam) and shoe.body.thickness is None:
             lacking["wedge"] = "needs shoe.body.thickness"
     if brake.ring is not None and brake.ring.section is None:
         lacking["thick-ring"] = "needs drum.ring.thickness, width and material"
+    own_friction = brake.key_of_first_own_friction()
+    if own_friction is not None:
+        lacking["ring-friction"] = f"takes one friction for all shoes, not {own_friction}"
     for name in sorted(names & set(lacking)):
         raise BadInput(f"--lift = {name!r}: {lacking[name]}")
     if "all" in names:
@@ -423,11 +426,15 @@ def _solve_contact_of_shoe_group(
         """The contact problem of the group at a given friction coefficient."""
         if friction == brake.friction:
             return parts.problem
-        other = brake.model_copy(update={"friction": friction})
+        other = brake.brake_with_scaled_friction(friction)
         return contact_problem_of_shoe_group(other, group, sections, names).problem
 
     # The solver trusts a contact that it finds at once only below the mu_lock of rigid shoes.
-    law = min(self_locking_friction_of_hinged_shoe(brake, brake.shoes[i]) for i in group)
+    limits = []
+    for i in group:
+        own = self_locking_friction_of_hinged_shoe(brake, brake.shoes[i])
+        limits.append(brake.friction_at_friction_of_shoe(brake.shoes[i], own))
+    law = min(limits)
     try:
         found = self_locking.solve_contact_reached_from_zero_friction(
             contact_problem_at_friction,
@@ -468,7 +475,7 @@ def response_of_post_brake_shoe(
     bent = np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.step / p.EI * moment)
     w = turn * p.x + bent
     theta = brake_angles_from_beam_angles(p.axis, shoe, p.theta)
-    contact = _resultant_of_sector_forces(brake, theta, N)
+    contact = _resultant_of_sector_forces(brake, shoe, theta, N)
     # Friction is self-energising if its moment about the hinge opposes that of the normal forces.
     helping = float(-p.drag * (p.dragged[0] @ N))
     deformation = Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[:: p.axis.sense])
@@ -489,12 +496,13 @@ def response_of_post_brake_shoe(
     )
 
 
-def _resultant_of_sector_forces(brake: Brake, theta: Floats, N: Floats) -> Resultant:
+def _resultant_of_sector_forces(brake: Brake, shoe: Shoe, theta: Floats, N: Floats) -> Resultant:
     """The resultant on an external lining of normal forces (n,) [N] and of their friction.
 
     The normal forces `N` act at the angles `theta` (n,) [rad] of the drum.
     """
-    normal, drag = np.array([N @ np.cos(theta), N @ np.sin(theta)]), brake.drag
+    normal = np.array([N @ np.cos(theta), N @ np.sin(theta)])
+    drag = brake.signed_friction_per_pressure(shoe)
     return Resultant(
         normal=normal,
         friction=drag * np.array([-normal[1], normal[0]]),

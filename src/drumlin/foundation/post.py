@@ -113,7 +113,7 @@ def divide_shoe_into_stations_and_sectors(
         dragged=arm_y * c - arm_x * s,
         loaded=(axis.length - x) * towards - offset * along,
         closing=pressed if tilt else arm_x * c,
-        drag=brake.friction * brake.sign_of_motion * axis.sense,
+        drag=brake.signed_friction_per_pressure(shoe) * axis.sense,
     )
 
 

@@ -212,7 +212,8 @@ def solve_brake_on_plane_by_law(law: FlatLaw, brake: Brake) -> Response:
 
 def _flat_shoe_response_by_law(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
     """The response of one shoe on a plane by a law. Raises NoAnswer if the shoe locks itself."""
-    pad, mu, w = lengths_of_flat_shoe(brake, shoe), brake.friction, shoe.lining.width
+    pad, w = lengths_of_flat_shoe(brake, shoe), shoe.lining.width
+    mu = brake.friction_of_shoe(shoe)
     moment = -shoe.frame.sense * shoe.actuation.moment_of_force_about_point(shoe.pin)
     # Without a force, or under a force that lifts the lining off the plane, nothing touches.
     if moment <= 0:

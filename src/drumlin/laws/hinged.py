@@ -137,7 +137,7 @@ def _notes_on_shoe_response(
 def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResponse:
     """The response of shoe `index` by a law. Raises NoAnswer if the shoe locks itself."""
     shoe = brake.shoes[index]
-    arc, mu = angles_and_radii_of_hinged_shoe(brake, shoe), brake.friction
+    arc, mu = angles_and_radii_of_hinged_shoe(brake, shoe), brake.friction_of_shoe(shoe)
     moment = actuation_moment_towards_drum(shoe)
     # Without a force, or under a force that turns the shoe away from the drum, nothing touches.
     if moment <= 0:
@@ -174,7 +174,7 @@ def torque_of_brake_with_guided_shoes(brake: Brake) -> float:
         force = shoe.sign * float(
             shoe.actuation.force_vector @ [math.cos(middle), math.sin(middle)]
         )
-        lumped = brake.friction * float(
+        lumped = brake.friction_of_shoe(shoe) * float(
             ratio_of_equivalent_friction(
                 angles_and_radii_of_hinged_shoe(brake, shoe).half_of_lining_arc
             )
@@ -197,13 +197,13 @@ def resultant_of_hinged_shoe_pressure(
     ----------
     brake, shoe : the brake and the shoe
     load : integrals [Pa] over the arc of the pressure, and of the pressure times cos and sin
-    factor : factor on the brake's friction coefficient
+    factor : factor on the lining's friction coefficient
     """
     # The integrals are over radians of arc: width times radius turns them into forces.
     force = shoe.lining.width * brake.size
     along: Floats = force * np.array([load.cos, load.sin])
     across = np.array([-along[1], along[0]])
-    drag = factor * brake.drag
+    drag = factor * brake.signed_friction_per_pressure(shoe)
     return Resultant(
         normal=shoe.frame.convert_to_brake_frame(-shoe.sign * along),
         friction=shoe.frame.convert_to_brake_frame(drag * shoe.frame.sense * across),

@@ -25,13 +25,26 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.heat import warning_on_heat_left_out
 from drumlin.brake.support import Freedoms
+from drumlin.laws.anchored import (
+    contact_of_shoe_on_anchors,
+    locking_friction_of_shoes_on_anchors,
+    solve_shoes_on_anchors,
+)
 from drumlin.laws.face import Arcs, Face, friction_surface_of_shoe
+from drumlin.laws.shoe_contact import (
+    MOST_CONTACT_STEPS,
+    RigidShoeContact,
+    equilibrium_matrices_of_rigid_shoe,
+    is_same_set_of_arcs,
+    self_locking_friction_on_arcs,
+)
 from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import (
     NEITHER,
     Response,
     ShoeResponse,
+    notes_on_forces_of_supports,
     response_of_shoe_without_contact,
 )
 from drumlin.response.resultants import Resultant, planar_cross_product
@@ -55,100 +68,15 @@ Three nodes each carry a parabola, which interpolates the pressure. Integrals ov
 are right to a relative error of 1e-10.
 """
 
-MOST_CONTACT_STEPS = 200
-"""Largest number of iterations for the arcs of a lining in contact; beyond it the solve fails."""
-
-
-class RigidShoeContact(NamedTuple):
-    """The contact of a rigid shoe in equilibrium.
-
-    Attributes
-    ----------
-    face : surface on which the shoe presses
-    c : (2,) [Pa], factors of the surface's two shape functions in the pressure
-    amounts : (k,) [Pa per m of gap], factors of the rigid-body modes in the pressure
-    arcs : begin and end of each arc of the lining in contact
-    freedoms : rigid-body modes and test modes of the shoe
-    sense : sense in which friction acts on a foot at an abutment
-    """
-
-    face: Face
-    c: Floats
-    amounts: Floats
-    arcs: Arcs
-    freedoms: Freedoms
-    sense: int
-
-    @property
-    def tip_motion_over_compliance(self) -> float:
-        """Displacement of the actuation point along its force, over the lining's compliance [Pa].
-
-        The compliance is the compression of the lining per pressure [m/Pa].
-        """
-        return float(self.freedoms.tip @ self.amounts)
-
-
-def equilibrium_matrices_of_rigid_shoe(
-    face: Face, free: Freedoms, width: float, arcs: Arcs
-) -> tuple[Floats, Floats]:
-    """Matrices N and F (k, k) of the equilibria (N - mu s F) a = Q of a rigid shoe.
-
-    N belongs to the pressure and F to the friction. The unknowns a are the factors of the k
-    rigid-body modes in the pressure. Q is the work of the actuation on the test modes.
-
-    Parameters
-    ----------
-    face : surface on which the shoe presses
-    free : rigid-body modes and test modes of the shoe
-    width : width of the lining [m]
-    arcs : arcs of the lining in contact
-    """
-    products, shapes = (
-        width * face.integrals_of_shape_products(arcs),
-        face.gap_closing_by_motions(free.motions),
-    )
-    N = face.gap_closing_by_motions(free.tests) @ products[:2] @ shapes.T
-    return N, face.slide_by_rigid_shoe_motions(free.tests) @ products @ shapes.T
-
-
-def self_locking_friction_on_arcs(
-    face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int
-) -> float:
-    """Friction coefficient mu_lock at which a rigid shoe locks itself; inf if it never does.
-
-    It is the smallest mu > 0 at which the equilibria (N - mu s F) a = Q become singular.
-
-    Parameters
-    ----------
-    face : surface on which the shoe presses
-    free : rigid-body modes and test modes of the shoe
-    width : width of the lining [m]
-    arcs : arcs of the lining in contact
-    spin : sense s in which the drum or the sliding body moves, +1 or -1
-    """
-    N, F = equilibrium_matrices_of_rigid_shoe(face, free, width, arcs)
-    # With one mode the matrices are numbers, and N - mu s F vanishes at mu = N/(s F).
-    if len(N) == 1:
-        drags = spin * float(F[0, 0]) / float(N[0, 0]) if N[0, 0] else 0.0
-        return 1 / drags if drags > 1e-14 else math.inf
-    # The modes have different units, so rows and columns are scaled to a diagonal of ones.
-    size = np.sqrt(np.abs(np.diagonal(N))) + 1e-300
-    N, F = N / np.outer(size, size), F / np.outer(size, size)
-    # N - mu s F is singular where 1/mu is an eigenvalue of s N^-1 F.
-    try:
-        found = np.linalg.eigvals(np.linalg.solve(N, spin * F))
-    except np.linalg.LinAlgError:
-        return math.inf
-    # Complex and negative eigenvalues belong to no friction coefficient.
-    real = found.real[np.abs(found.imag) <= 1e-9 * np.abs(found)]
-    return min((1 / float(x) for x in real if x > 1e-14), default=math.inf)
-
 
 def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
     """Friction coefficient mu_lock at which a rigid shoe with its whole lining in contact locks.
 
-    Friction at an abutment may act in two senses. The result is the smaller mu_lock of the two.
+    Friction at an abutment may act in two senses. The result is the smaller mu_lock of the two. A
+    shoe on anchors locks together with the shoes that a strut joins to it.
     """
+    if shoe.anchors:
+        return locking_friction_of_shoes_on_anchors(brake, brake.shoes.index(shoe))
     face, arcs = friction_surface_of_shoe(brake, shoe), ((shoe.lining.start, shoe.lining.end),)
     width = shoe.lining.width
     limits = [
@@ -160,11 +88,14 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
 
 def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
     """The friction of a brake beside the smallest mu_lock of its shoes by the rigid-shoe law."""
-    limits = [
-        LockedShoes((shoe.name,), self_locking_friction_of_rigid_shoe(brake, shoe))
-        for shoe in brake.shoes
-    ]
-    return SelfLocking(brake.friction, first_shoes_to_lock(limits))
+    limits = []
+    for shoe in brake.shoes:
+        limit = self_locking_friction_of_rigid_shoe(brake, shoe)
+        scaled = brake.friction_at_friction_of_shoe(shoe, limit)
+        limits.append(LockedShoes((shoe.name,), scaled))
+    return SelfLocking(
+        brake.friction, first_shoes_to_lock(limits), scaled=brake.key_of_first_own_friction() or ""
+    )
 
 
 def find_contact_of_rigid_shoe(
@@ -176,13 +107,15 @@ def find_contact_of_rigid_shoe(
     ----------
     brake, shoe : the brake and the shoe
     whole : whether the whole lining stays in contact, under tension if need be, as closed-form laws
-        assume
+        assume; shoes on anchors ignore it
 
     Raises
     ------
     NoAnswer
         if the shoe locks itself, or no pressure on its lining balances the actuation
     """
+    if shoe.anchors:
+        return contact_of_shoe_on_anchors(brake, brake.shoes.index(shoe))
     face = friction_surface_of_shoe(brake, shoe)
     if shoe.actuation.force == 0:
         return None
@@ -246,7 +179,8 @@ def _find_contact_for_friction_sense(
     NoAnswer
         if the shoe locks itself, or no pressure on its lining balances the actuation
     """
-    free, ends, mu = shoe.freedoms(sense), (shoe.lining.start, shoe.lining.end), brake.friction
+    free, ends = shoe.freedoms(sense), (shoe.lining.start, shoe.lining.end)
+    mu = brake.friction_of_shoe(shoe)
     shapes = face.gap_closing_by_motions(free.motions)
     locking_friction_on = partial(
         self_locking_friction_on_arcs, face, free, shoe.lining.width, spin=brake.sign_of_motion
@@ -268,7 +202,7 @@ def _find_contact_for_friction_sense(
         # The next arcs are those where the pressure that follows from the present arcs is positive.
         c = shapes.T @ amounts
         after = (ends,) if whole else face.arcs_of_positive_pressure(c, *ends)
-        if after and _is_same_set_of_arcs(after, arcs):
+        if after and is_same_set_of_arcs(after, arcs):
             mu_lock = locking_friction_on(arcs)
             if mu >= mu_lock:
                 break
@@ -305,20 +239,12 @@ def _motions_in_equilibrium(
         return None
 
 
-def _is_same_set_of_arcs(a: Arcs, b: Arcs) -> bool:
-    """Whether two sets of contact arcs are equal up to round-off."""
-    if len(a) != len(b):
-        return False
-    round_off = 1e-13 * max(1.0, np.abs(b).max())
-    return bool(np.allclose(a, b, rtol=0, atol=round_off))
-
-
 def _contact_resultant_of_rigid_shoe(
     brake: Brake, shoe: Shoe, found: RigidShoeContact
 ) -> Resultant:
     """Resultant of pressure and friction on a rigid shoe in contact."""
     loads = shoe.lining.width * found.face.integrals_of_shape_products(found.arcs) @ found.c
-    return found.face.force(loads, brake.friction * brake.sign_of_motion)
+    return found.face.force(loads, brake.signed_friction_per_pressure(shoe))
 
 
 def response_of_rigid_shoe(
@@ -336,12 +262,16 @@ def response_of_rigid_shoe(
     about_pin = _pressure_and_friction_moments_about_pin(shoe, contact)
     of_actuation = shoe.actuation.moment_of_force_about_point(shoe.pin)
     guided = shoe.guide is not None
+    # A guide turns the shoe back, and several anchors have no common point.
+    has_moment = guided or bool(shoe.anchors)
     reaction_moment = -about_pin.pressure - about_pin.friction - of_actuation
     # Friction is self-energising if its moment about the pin has the actuation moment's sense.
     helping = about_pin.friction * of_actuation
-    # A shoe on a guide does not turn, so the work of the friction decides there.
-    if guided:
-        helping = _friction_work_on_guide_above_round_off(brake, found)
+    # A shoe on a guide does not turn, and one on anchors turns about no given point. There the work
+    # of the friction in the motion of the shoe decides.
+    if has_moment:
+        drag = brake.signed_friction_per_pressure(shoe)
+        helping = _friction_work_in_motion_above_round_off(drag, found)
     return ShoeResponse(
         name=shoe.name,
         torque=0.0 if flat else abs(contact.moment),
@@ -353,20 +283,21 @@ def response_of_rigid_shoe(
         theta=place,
         pressure=pressure_of_rigid_shoe_at_places(found, place),
         pivot_reaction=-contact.force if shoe.pivot is not None else None,
-        reaction_moment=reaction_moment if guided else 0.0,
+        reaction_moment=reaction_moment if has_moment else 0.0,
     )
 
 
-def _friction_work_on_guide_above_round_off(brake: Brake, found: RigidShoeContact) -> float:
-    """Work of the friction along a shoe's guide, minus the fraction NEITHER of the pressure's work.
+def _friction_work_in_motion_above_round_off(drag: float, found: RigidShoeContact) -> float:
+    """Work of the friction as a shoe moves, less NEITHER of the pressure's work.
 
-    The result is positive if friction helps the actuation. If the guide is at right angles to the
-    surface, the friction does no work apart from round-off, and the result is not positive.
+    The result is positive if friction is self-energising. It is not positive if the guide is square
+    to the surface, where the friction does no work but round-off. `drag` is the friction stress on
+    the lining per pressure.
     """
     a = found.amounts
     systems = equilibrium_matrices_of_rigid_shoe(found.face, found.freedoms, 1.0, found.arcs)
     closed, dragged = (float(a @ work @ a) for work in systems)
-    return brake.friction * brake.sign_of_motion * dragged - NEITHER * closed
+    return drag * dragged - NEITHER * closed
 
 
 def pressure_of_rigid_shoe_at_places(found: RigidShoeContact | None, place: Floats) -> Floats:
@@ -434,7 +365,10 @@ def brake_with_forces_shared_by_rigid_law(brake: Brake, *, whole: bool = False) 
             brake, shoes, brake.actuation.force_of_cylinder_or_sum_of_cam_forces, whole
         )
     # A strut pushes a shoe with the force that the foot of the shoe before it exerts.
+    pushed = brake.names_of_shoes_pushed_by_struts
     for link in brake.links:
+        if link.to not in pushed:
+            continue
         source, to = shoes[place[link.source]], place[link.to]
         found = find_contact_of_rigid_shoe(brake, source, whole=whole)
         force = 0.0
@@ -454,7 +388,7 @@ def _share_cam_force_among_shoes(
     press a shoe. With `whole` the whole lining stays in contact, under tension if need be.
     """
     # A shoe behind a strut is pushed by the strut and not by the cam.
-    behind = {link.to for link in brake.links}
+    behind = brake.names_of_shoes_pushed_by_struts
     on_cam = [i for i, shoe in enumerate(shoes) if shoe.name not in behind]
     motions_per_force = []
     for i in on_cam:
@@ -485,16 +419,20 @@ def solve_brake_by_rigid_shoe_law(
         for a self-locking shoe, or for a shoe whose actuation no pressure balances
     """
     under = brake_with_forces_shared_by_rigid_law(brake, whole=whole)
-    shoes = tuple(
-        response_of_rigid_shoe(under, shoe, find_contact_of_rigid_shoe(under, shoe, whole=whole))
-        for shoe in under.shoes
-    )
+    anchored = solve_shoes_on_anchors(under)
+    shoes = []
+    for shoe in under.shoes:
+        found = anchored.contacts.get(shoe.name)
+        if not shoe.anchors:
+            found = find_contact_of_rigid_shoe(under, shoe, whole=whole)
+        answer = response_of_rigid_shoe(under, shoe, found)
+        shoes.append(replace(answer, supports=anchored.supports.get(shoe.name, ())))
     # If a cam or a strut shares a force, each response states the part that its shoe gets.
     if under.shoes != brake.shoes:
-        shoes = tuple(
+        shoes = [
             replace(response, force=shoe.actuation.force)
             for response, shoe in zip(shoes, under.shoes, strict=True)
-        )
+        ]
     word = brake.surface.word
     apart = [
         note_on_shoe_without_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs
@@ -502,10 +440,15 @@ def solve_brake_by_rigid_shoe_law(
     balances = [relative_imbalance_of_shoe(under, i, shoe) for i, shoe in enumerate(shoes)]
     response = Response(
         model=name,
-        shoes=shoes,
+        shoes=tuple(shoes),
         balance=largest_imbalance_among_shoes(balances),
         left_out=NEGLECTED_BY_RIGID_LAWS[word],
-        notes=(*apart, *notes_on_cam_force_of_unlike_linings(brake)),
+        notes=(
+            *apart,
+            *notes_on_forces_of_supports(shoes),
+            *anchored.warnings,
+            *notes_on_cam_force_of_unlike_linings(brake),
+        ),
     )
     return response_with_figures_of_merit(brake, response)
 
@@ -518,7 +461,7 @@ def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
     """
     if brake.actuation is None or not brake.actuation.is_cam:
         return ()
-    behind = {link.to for link in brake.links}
+    behind = brake.names_of_shoes_pushed_by_struts
     linings = [shoe.lining for shoe in brake.shoes if shoe.name not in behind]
     moduli = [
         own.material.E_through / own.thickness

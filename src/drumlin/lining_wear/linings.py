@@ -177,7 +177,7 @@ def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
         weight=group.mass_matrix_of_contact_nodes,
         pressure=np.ones(len(gap)),
         area=np.concatenate(list(map(attrgetter("areas_of_contact_nodes"), couplings))),
-        torque=group.brake.friction * np.concatenate(list(map(attrgetter("lever"), couplings))),
+        torque=group.brake.friction * group.torque_of_each_shoe_per_nodal_pressure.sum(axis=1),
         stands=partial(_is_abutment_friction_as_assumed, first),
         others=tuple(
             Footing(
@@ -218,10 +218,10 @@ def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> t
         if active is None:
             raise
         settled, contact = worn.solve_contact_and_abutment_friction(active)
-    # The directions of the friction at the abutments tell to which friction case the solution
-    # belongs.
-    senses = list(map(attrgetter("known_abutment_friction_directions"), ways))
-    return senses.index(settled.known_abutment_friction_directions), contact.active
+    # The senses of friction at the abutments and the supports that bear tell to which of the `ways`
+    # the solution belongs.
+    choices = attrgetter("known_abutment_friction_directions", "bearing")
+    return list(map(choices, ways)).index(choices(settled)), contact.active
 
 
 def brake_with_added_worn_depths(
@@ -259,7 +259,7 @@ def _is_abutment_friction_as_assumed(group: ShoeGroup, contact: Contact) -> bool
         p=contact.p / group.largest_actuation_force,
         y=contact.y / group.largest_actuation_force,
     )
-    return all(group.is_foot_friction_as_assumed(unit, k) for k in range(len(group.members)))
+    return group.is_contact_as_assumed(unit)
 
 
 def wear_setup_by_foundation_model(
@@ -293,11 +293,12 @@ def wear_setup_by_foundation_model(
     surfaces: list[WornLining] = []
     for group in groups:
         system = foundation.contact_problem_of_shoe_group(brake, group, sections, names)
-        areas, gaps, placed = [], [], []
+        areas, gaps, placed, torques = [], [], [], []
         for i, post in zip(group, system.posts, strict=True):
             shoe = brake.shoes[i]
             gaps.append(post.gap)
             areas.append(shoe.lining.width * brake.size * post.sector)
+            torques.append(brake.friction_of_shoe(shoe) * areas[-1])
             placed.append(
                 _PlacedLining(
                     i,
@@ -317,7 +318,7 @@ def wear_setup_by_foundation_model(
                 weight=np.eye(len(area)),
                 pressure=1 / area,
                 area=area,
-                torque=brake.friction * brake.size * area,
+                torque=brake.size * np.concatenate(torques),
             )
         )
     return _make_wear_setup(brake, "foundation", interfaces, surfaces)

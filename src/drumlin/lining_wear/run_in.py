@@ -22,7 +22,7 @@ from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.units import mm_text
 from drumlin.laws import rigid
-from drumlin.laws.rigid import RigidShoeContact
+from drumlin.laws.shoe_contact import RigidShoeContact
 from drumlin.lining_wear import archard
 from drumlin.lining_wear.archard import WearLaw, WearState, solve_steady_wear
 from drumlin.lining_wear.linings import WearSetup, WornLining, brake_with_added_worn_depths
@@ -150,7 +150,8 @@ def _lining_torque_by_rigid_shoe_law(
     surface : the lining
     pressed : contact of the rigid shoe
     """
-    brake, lining = setup.brake, setup.brake.shoes[surface.shoe].lining
+    brake, shoe = setup.brake, setup.brake.shoes[surface.shoe]
+    lining, mu = shoe.lining, brake.friction_of_shoe(shoe)
     theta = rigid.node_places_of_pressure_along_lining(
         (lining.start, lining.end), pressed.arcs, rigid.PRESSURE_NODES - 1
     )
@@ -159,7 +160,7 @@ def _lining_torque_by_rigid_shoe_law(
     _, p, weight = polynomial_values_at_gauss_points(
         theta, rigid.pressure_of_rigid_shoe_at_places(pressed, theta), 2
     )
-    return float(brake.friction * lining.width * brake.scale_factor**2 * (p * weight).sum())
+    return float(mu * lining.width * brake.scale_factor**2 * (p * weight).sum())
 
 
 class TargetDistance(NamedTuple):
@@ -474,7 +475,7 @@ def _imbalance_of_wear_and_friction_energy(
     scale : volume [m^3] to which the difference is relative
     """
     brake = setup.brake
-    if not (brake.friction > 0 and law.exponent == 1):
+    if brake.friction == 0 or brake.key_of_first_own_friction() or law.exponent != 1:
         return None
     # The worn volume is the integral of the depth over the lining's face, which is an arc.
     volumes = []
@@ -627,7 +628,7 @@ def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
         )
     effect_unit = f"[{surface.effect_unit}]"
     return [
-        f"{brake.title}: {setup.model}, {brake.motion}, mu = {brake.friction:g}, "
+        f"{brake.title}: {setup.model}, {brake.motion}, {brake.friction_in_words}, "
         f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:.9g}{wears}",
         f"{'s':>9}{'s k K':>9}{surface.short:>10}{'force':>9}{'peak p':>9}{'p off law':>11}"
         f"{'T off law':>11}{'deepest':>10}",

@@ -441,7 +441,9 @@ def read_calculix_state(
     pressure, shear = stress[:, 2], np.hypot(stress[:, 3], stress[:, 4])
     # Contact points with nearly no pressure say nothing about sticking.
     pressed = pressure > 1e-3 * pressure.max()
-    sticks = shear[pressed] < STICKING_SHEAR_RATIO * brake.friction * pressure[pressed]
+    sticks = (
+        shear[pressed] < STICKING_SHEAR_RATIO * brake.friction_of_shoe(shoe) * pressure[pressed]
+    )
     # Each row of the .sta file is an increment; its fourth number counts the iterations.
     increments = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
     equations = re.search(r"number of equations\s+(\d+)", output)

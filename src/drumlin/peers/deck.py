@@ -308,7 +308,7 @@ def deck_lines_of_contact(
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
         f"{setting.penalty * unit:.12e}",
         "*FRICTION",
-        f"{brake.friction:.12e}, {setting.stick * unit:.12e}",
+        f"{brake.friction_of_shoe(loaded.shoe):.12e}, {setting.stick * unit:.12e}",
         "*CONTACT PAIR, INTERACTION=SLIDING, TYPE=SURFACE TO SURFACE",
         "SLINING, SDRUM",
     ]
@@ -416,10 +416,11 @@ def deck_header_lines(
     name : name of the deck's file, without ending
     """
     # Names are put on one line and cut at 80 letters, so that they fit into a comment line.
+    friction = brake.friction_of_shoe(loaded.shoe)
     title, shoe = (" ".join(text.split())[:80] for text in (brake.title, loaded.shoe.name))
     return [
         f"** {title}",
-        f"** shoe {shoe!r}, drum turns {brake.direction}, friction {brake.friction:g}",
+        f"** shoe {shoe!r}, drum turns {brake.direction}, friction {friction:g}",
         "** units: mm, N, MPa; written by drumlin from its own mesh",
         f"** run: ccx {name}     results: {name}.dat",
         f"** thickness, stiffness across it and force are {setting.thickness:g} of the brake's",

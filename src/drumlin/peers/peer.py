@@ -19,6 +19,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
+from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.fem.equilibrium.modes import pin_motions_by_rigid_body_motions
 from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import load_factors_and_pin_moment_per_newton
@@ -155,10 +156,17 @@ def meshes_of_shoes_for_peer_program(
     """
     if brake.ring is not None:
         raise BadInput("drum.ring: the peers get a rigid drum; leave out [drum.ring]")
+    require_no_shoe_on_anchors(brake, "the comparison with peers")
     if brake.friction == 0:
         raise BadInput(
             "friction = 0: the peers are given a drum that slips; must be greater than 0"
         )
+    for i, shoe in enumerate(brake.shoes):
+        if brake.friction_of_shoe(shoe) == 0:
+            raise BadInput(
+                f"shoe[{i}].lining.friction = 0: the peers are given a drum that slips; "
+                "must be greater than 0"
+            )
     heated = reason_if_any_shoe_is_heated(brake, "a peer")
     if heated is not None:
         raise BadInput(heated)

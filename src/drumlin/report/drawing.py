@@ -53,12 +53,18 @@ def _unit_vector_at_angle(angle: float) -> Floats:
 # signs [mm].
 
 
+def _names_of_shoes_whose_abutment_is_a_strut(brake: Brake) -> set[str]:
+    """The names of the shoes that bear on the end of a strut in place of a fixed abutment."""
+    ends = {link.to for link in brake.links} - brake.names_of_shoes_pushed_by_struts
+    return ends | {link.source for link in brake.links}
+
+
 def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
     """Draw a brake on a drum, and set the limits of the axes."""
     R = brake.size * MM_PER_M
     unit = R / 10
     _draw_drum_with_rotation_arrow(axes, brake, R, unit)
-    struts = {link.source for link in brake.links}
+    struts = _names_of_shoes_whose_abutment_is_a_strut(brake)
     for shoe in brake.shoes:
         _draw_shoe_on_drum(axes, shoe, R, unit, on_strut=shoe.name in struts)
     loaded = {shoe.name: _point_where_force_is_drawn(shoe, R) for shoe in brake.shoes}
@@ -350,7 +356,7 @@ def _draw_plane_brake(axes: Axes, brake: Brake) -> None:
     unit = (right - left) / 20
     left, right = left - 2 * unit, right + 2 * unit
     _draw_plane_with_motion_arrow(axes, (left, right), brake.sign_of_motion, unit)
-    struts = {link.source for link in brake.links}
+    struts = _names_of_shoes_whose_abutment_is_a_strut(brake)
     loads = {shoe.name: shoe.actuation.point.xy * MM_PER_M for shoe in brake.shoes}
     _draw_force_arrows_with_labels(axes, brake, loads, unit)
     is_elastic = brake.reason_why_not_meshable() is None

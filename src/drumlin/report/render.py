@@ -144,9 +144,10 @@ def _friction_surface_to_draw(brake: Brake) -> _SurfaceLine:
 
 
 def _points_of_shoe_supports(shoe: Held) -> list[Point]:
-    """The points that support a shoe: its pin, its lever's pivot, its abutment, if it has them."""
+    """The points that support a shoe: pin, lever's pivot, abutment and anchors, if it has them."""
     foot = None if shoe.abutment is None else shoe.abutment.point
-    return [point for point in (shoe.hinge, shoe.pivot, foot) if point is not None]
+    anchors = [anchor.point for anchor in shoe.anchors]
+    return [point for point in (shoe.hinge, shoe.pivot, foot, *anchors) if point is not None]
 
 
 def run_drawing_process(command: list[str]) -> None:

@@ -1,6 +1,6 @@
 """Drawing of the signs for how shoes are supported and actuated.
 
-The signs are those of pin, lever's pivot, abutment, guide, grip, strut, cam and rigid arm.
+The signs are those of pin, lever's pivot, abutment, anchor, guide, grip, strut, cam and rigid arm.
 """
 
 import math
@@ -30,7 +30,7 @@ MOTION_COLOR = BLUE
 
 
 def draw_support_of_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None:
-    """Draw the support of a shoe: its pin, pivot, abutment or guide.
+    """Draw the support of a shoe: its pin, pivot, abutment, anchors or guide.
 
     Parameters
     ----------
@@ -49,6 +49,8 @@ def draw_support_of_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool 
     if shoe.abutment is not None:
         point = shoe.abutment.point.xy * MM_PER_M
         draw_abutment_face(axes, point, shoe.abutment.direction, unit, ground=not on_strut)
+    for anchor in shoe.anchors:
+        draw_abutment_face(axes, anchor.point.xy * MM_PER_M, anchor.direction, unit, ground=True)
     if shoe.guide is not None:
         _draw_guide_as_two_lines(axes, shoe.pin.xy * MM_PER_M, shoe.guide.direction, unit)
 
@@ -155,9 +157,13 @@ def draw_struts_and_cam(
     """
     shoes = {shoe.name: shoe for shoe in brake.shoes}
     for link in brake.links:
-        source = shoes[link.source]
+        source, to = shoes[link.source], shoes[link.to]
         assert source.abutment is not None
-        ends = np.array([source.abutment.point.xy * MM_PER_M, loaded[link.to]])
+        # A strut between shoes on anchors ends at the feet of both, another one at a pushed tip.
+        end = loaded[link.to]
+        if to.anchors and to.abutment is not None:
+            end = to.abutment.point.xy * MM_PER_M
+        ends = np.array([source.abutment.point.xy * MM_PER_M, end])
         axes.plot(*ends.T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
     # The cam is drawn as a disc at the middle between the tips of the two actuated shoes.
     if brake.actuation is not None and brake.actuation.is_cam:

@@ -38,7 +38,7 @@ def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeRespons
         size=brake.size,
         per_place=brake.scale_factor * shoe.lining.width,
         sign=shoe.sign,
-        drag=brake.drag,
+        drag=brake.signed_friction_per_pressure(shoe),
     )
 
 

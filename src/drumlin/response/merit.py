@@ -123,9 +123,10 @@ def figures_of_merit_of_shoe_on_plane(
     """The figures of merit of shoe `index` of a brake on a plane."""
     shoe, N = brake.shoes[index], response.normal_force
     M = shoe.actuation.moment_of_force_about_point(shoe.pin)
-    force = brake.friction * N
+    friction = brake.friction_of_shoe(shoe)
+    force = friction * N
     # The moment of the friction about the hinge, positive if it helps the actuation.
-    helping = -math.copysign(1, M) * brake.friction * brake.sign_of_motion * shoe.pin.y * N
+    helping = -math.copysign(1, M) * friction * brake.sign_of_motion * shoe.pin.y * N
     return FlatMerit(
         braking_force=force,
         braking_force_over_moment=_quotient_or_none(force, abs(M)),
@@ -140,7 +141,7 @@ def brake_factor(brake: Brake, response: Response) -> float | None:
     factor is the sum of the shoe factors. The force of a strut on a shoe does not count in the mean
     F. Without actuation the brake factor is None.
     """
-    pushed = {link.to for link in brake.links}
+    pushed = brake.names_of_shoes_pushed_by_struts
     shoes = brake_with_forces_of_response(brake, response).shoes
     forces = [abs(shoe.actuation.force) for shoe in shoes if shoe.name not in pushed]
     force = math.fsum(forces) / len(forces)
@@ -197,7 +198,7 @@ def torque_sensitivity_by_differences(
 
     def torque_or_force_at_friction(friction: float) -> float:
         """The torque [N m], or on a plane the braking force [N], at a friction coefficient."""
-        varied = vary(brake, {"friction": friction})
+        varied = brake.brake_with_scaled_friction(friction)
         return response_with_figures_of_merit(varied, solve(varied)).effect
 
     high, low = (

@@ -1,7 +1,7 @@
 """The classes of the result of every model: Response for a brake, ShoeResponse for a shoe."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -10,6 +10,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.one_sided import SupportForce
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.response.limits import require_lining_strain_below_limit
 from drumlin.response.resultants import (
@@ -184,7 +185,8 @@ class ShoeResponse:
     self_energising : whether friction helps the actuation
     peak_pressure : largest pressure [Pa]. Elastic models do not count half a lining thickness at
         each end of the lining, where the pressure at a sharp edge grows without bound.
-    hinge_reaction : (2,) [N], force of the pin, or of the abutment or guide, on the shoe
+    hinge_reaction : (2,) [N], force of the pin, or of the abutment or guide, on the shoe; of a shoe
+        on anchors the sum of the forces in `supports`
     contact_arcs : begin and end of each arc in contact [rad]
     theta : (n,) [rad], growing angles of the nodes at which the pressure is given. Between the
         nodes the pressure is a piecewise polynomial, whose neighbouring pieces share an end node.
@@ -194,8 +196,9 @@ class ShoeResponse:
     lumped : resultant of the contact, if a law lumps the forces at one point or a model in sectors;
         None if the resultant is the integral of the pressure
     pivot_reaction : (2,) [N], force of the pivot on the shoe; None without a pivot
-    reaction_moment : moment [N m] of a guide on the shoe about the shoe's reference point
-        `Held.pin`, in addition to the force of the guide
+    reaction_moment : moment [N m] of a guide, or of the forces in `supports`, on the shoe about
+        `Held.pin`, besides the force at the pin
+    supports : forces of the anchors, of the abutment and of the strut on a shoe on anchors
     force : actuation force [N] on the shoe, if a cam or a strut shares it; otherwise None
     motion : rigid-body motion of a shoe without hinge, in the shoe's frame: displacement dx, dy [m]
         of the shoe's reference point `Held.pin`, and turn [rad]
@@ -223,6 +226,7 @@ class ShoeResponse:
     lumped: Resultant | None = None
     pivot_reaction: Floats | None = None
     reaction_moment: float = 0.0
+    supports: tuple[SupportForce, ...] = ()
     force: float | None = None
     motion: tuple[float, float, float] | None = None
     deformation: Deformation | None = None
@@ -316,6 +320,11 @@ class ShoeResponse:
             data["force"] = self.force
         if self.reaction_moment:
             data["reaction_moment"] = self.reaction_moment
+        if self.supports:
+            data["supports"] = [
+                {"name": support.name, "force": list(map(float, support.push.force_vector))}
+                for support in self.supports
+            ]
         if self.pivot_reaction is not None:
             data["pivot_reaction"] = list(map(float, self.pivot_reaction))
         if self.deformation is not None:
@@ -325,6 +334,22 @@ class ShoeResponse:
             rows = np.array([self.curve_at_distance_from_mid_plane(k)[1] for k in columns]).T
             data["surface"] = _arrays_as_lists(self.surface._replace(pressure=rows))
         return data
+
+
+def notes_on_forces_of_supports(shoes: Sequence[ShoeResponse]) -> tuple[str, ...]:
+    """The note that says with which force each one-sided support bears, or that it does not.
+
+    There is no note if the shoes have no such supports.
+    """
+    # A strut appears on both of its shoes, but is named once.
+    forces = {support.name: support.push.force for shoe in shoes for support in shoe.supports}
+    if not forces:
+        return ()
+    parts = [
+        f"{name} bears {force:.6g} N" if force else f"{name} does not bear"
+        for name, force in forces.items()
+    ]
+    return (f"supports: {'; '.join(parts)}",)
 
 
 def _arrays_as_lists(arrays: Deformation | PressureOverWidth) -> dict[str, list[Any]]:

@@ -38,12 +38,16 @@ class SelfLocking(NamedTuple):
         not sought
     sought : friction coefficient up to which the limit by finite elements was sought; 0 if it was
         not sought
+    scaled : key of the first lining with a friction of its own; the limits then hold for the
+        friction of the brake, and the frictions of all linings change in proportion; "" if all
+        linings have the friction of the brake
     """
 
     friction: float
     law: LockedShoes
     elastic: LockedShoes | None = None
     sought: float = 0.0
+    scaled: str = ""
 
     def as_dict(self) -> dict[str, Any]:
         """The limits as plain data for JSON; a limit that was not found is None."""
@@ -66,6 +70,8 @@ class SelfLocking(NamedTuple):
             known.append("no friction locks the brake by the rigid-shoe law")
         if self.elastic is not None and math.isinf(self.elastic.friction):
             known.append(f"the elastic brake does not lock below {self.sought:.4g}")
+        if self.scaled:
+            known.append(f"all frictions in proportion, {self.scaled} too")
         return f"self-locking: {'; '.join(known)}"
 
     def _share_in_words(self, limit: LockedShoes, whose: str) -> str:

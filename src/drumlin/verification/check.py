@@ -342,7 +342,7 @@ def _verdict_on_pressure_curve(
     off = np.interp(theta, *curve) - p
     worst = int(np.abs(off).argmax())
     # The torque is mu b R^2 times the integral of p over theta; `lever` is the factor mu b R^2.
-    lever = brake.friction * spec.lining.width * brake.scale_factor**2
+    lever = brake.friction_of_shoe(spec) * spec.lining.width * brake.scale_factor**2
     torque_off, torque = abs(lever * float(np.trapezoid(off, theta))), known.torque.value
     return Verdict(
         shoe=known.name,

@@ -155,7 +155,7 @@ def _mesh_and_solve_brake(
 
 def _brake_with_less_friction(brake: Brake) -> Brake:
     """A copy of the brake with 0.9 times its friction coefficient, as a further load case."""
-    return brake.model_copy(update={"friction": 0.9 * brake.friction})
+    return brake.brake_with_scaled_friction(0.9 * brake.friction)
 
 
 def _seconds_to_assemble_and_factorise_stiffness(

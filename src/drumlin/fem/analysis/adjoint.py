@@ -121,7 +121,7 @@ def _torque_slope_by_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> flo
         return 0.0
     pressed, dragged = group.factors_of_ring_flexibility
     return group.largest_actuation_force * float(
-        (pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p)
+        (pressed @ a) @ (pressed @ p + dragged @ (group.drag_at_nodes * p))
     )
 
 

@@ -34,7 +34,7 @@ def make_stick_slip_problem_of_shoe_group(group: ShoeGroup) -> tuple[FrictionalP
     [m^3] is the weighted slip of each contact node per radian: a rotation of the drum by Omega adds
     this value times Omega to the slips q_s. Tractions and slips count along e_theta of the brake.
     The nodes of the linings come first, then one node for each foot on a rough abutment, see
-    `FeetOnRoughAbutments`.
+    `FeetOnRoughAbutments`, then one without friction for each one-sided support.
     """
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     still = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=feet.senses)
@@ -44,8 +44,9 @@ def make_stick_slip_problem_of_shoe_group(group: ShoeGroup) -> tuple[FrictionalP
     )
     if group.pushing_and_pushed_shoe_of_struts or group.indices_of_shoes_under_cam:
         problem = _stick_slip_problem_with_shared_forces(still, problem, shoes)
+    problem = _stick_slip_problem_with_support_nodes(still, problem, shoes)
     lever = np.concatenate([body.coupling.lever for body in group.substructures_of_shoes])
-    return problem, np.append(lever, np.zeros(len(feet.shoe_numbers)))
+    return problem, np.append(lever, np.zeros(len(problem.q_w) - len(lever)))
 
 
 class _TractionMatrices(NamedTuple):
@@ -63,8 +64,8 @@ class _TractionMatrices(NamedTuple):
     compliance : compliance (n, n) of the penalty, which is the same along the friction surface as
         across the surface
     q_s : weighted slips (n,) without pressure and traction
-    effects : effects of the actuation force on slips and equilibrium, for tractions in place of
-        pressures
+    effects : effects of the actuation force in which tractions take the place of pressures
+    load_travel : travel (n, l) of each unit load along itself, per traction
     """
 
     A_wt: Floats
@@ -75,6 +76,7 @@ class _TractionMatrices(NamedTuple):
     compliance: Floats
     q_s: Floats
     effects: ForceEffects
+    load_travel: Floats
 
 
 def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatrices:
@@ -119,6 +121,7 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
         effects=effects._replace(
             gap_by_force=-tip, tip_travel_by_pressure=tip, foot_force_by_pressure=bearing
         ),
+        load_travel=dragged.T @ loaded,
     )
 
 
@@ -204,19 +207,24 @@ class FeetOnRoughAbutments(NamedTuple):
         return cls(group, on, tuple(senses), 1 / np.array(stiffness))
 
     def brake_with_smooth_abutments(self, friction: float) -> Brake:
-        """The brake at a friction coefficient of the drum, with frictionless abutments."""
+        """The brake at a friction coefficient of the drum, with frictionless abutments.
+
+        Frictions that linings have of their own change in proportion.
+        """
         shoes = []
         for shoe in self.group.brake.shoes:
             abutment = shoe.abutment and shoe.abutment.model_copy(update={"friction": 0.0})
             shoes.append(shoe.model_copy(update={"abutment": abutment}))
-        return self.group.brake.model_copy(update={"friction": friction, "shoes": tuple(shoes)})
+        smooth = self.group.brake.model_copy(update={"shoes": tuple(shoes)})
+        return smooth.brake_with_scaled_friction(friction)
 
     def friction_coefficients_of_all_nodes(self) -> Floats:
-        """The friction coefficients (n,) of all nodes, those of linings before those of feet."""
-        n = self.group.contact_node_slices_of_shoes[-1].stop
+        """The friction coefficients (n,) of all nodes: linings, feet, then one-sided supports."""
         abutments = [self.group.shoes[k].abutment for k in self.shoe_numbers]
         of_feet = [abutment.friction for abutment in abutments if abutment is not None]
-        return np.array([self.group.brake.friction] * n + of_feet)
+        of_supports = [0.0] * len(self.group.one_sided_supports)
+        of_linings = self.group.brake.friction * self.group.relative_friction_of_nodes
+        return np.concatenate([of_linings, of_feet, of_supports])
 
     def stick_slip_problem_with_foot_nodes(
         self, problem: FrictionalProblem, still: ShoeGroup
@@ -255,6 +263,63 @@ class FeetOnRoughAbutments(NamedTuple):
             q_w=np.append(problem.q_w, no_gap),
             q_s=np.append(problem.q_s, no_gap),
         )
+
+
+def _stick_slip_problem_with_support_nodes(
+    still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
+) -> FrictionalProblem:
+    """Add a node without friction for each one-sided support to a stick-slip problem.
+
+    The pressure of the node is the force of the support [N], and its gap is the opening [m].
+
+    Parameters
+    ----------
+    still : the group without friction
+    problem : the stick-slip problem of the linings, and of the feet on rough abutments
+    shoes : the matrices of tractions on each lining
+    """
+    supports = still.one_sided_supports
+    if not supports:
+        return problem
+    matrices, count = still.support_matrices_at_friction(0.0), len(supports)
+    size = len(problem.q_w)
+    by_pressure, by_traction = np.zeros((count, size)), np.zeros((count, size))
+    gap, yielding = np.zeros((size, count)), np.zeros((count, count))
+    linings = matrices.opening_by_pressure.shape[1]
+    by_pressure[:, :linings] = matrices.opening_by_pressure
+    gap[:linings] = matrices.gap_by_force
+    penalty = PENALTY if math.isinf(still.penalty) else still.penalty
+    for j, support in enumerate(supports):
+        for side in support.sides:
+            nodes = still.contact_node_slices_of_shoes[side.shoe]
+            travel = shoes[side.shoe].load_travel @ still.load_factors_of_push(side)
+            by_traction[j, nodes] = travel
+        shoe = still.shoes[support.sides[0].shoe]
+        area = float(still.contact_node_areas[nodes].sum())
+        yielding[j, j] = 1 / (penalty_stiffness_of_contact_per_area(shoe, penalty) * area)
+    nothing, no_slip = np.zeros((count, count)), np.zeros((count, problem.B_s.shape[1]))
+    by_motion = matrices.opening_by_motion
+    return problem._replace(
+        A_wp=np.block([[problem.A_wp, gap], [by_pressure, matrices.opening_by_force + yielding]]),
+        A_wt=block_diag(problem.A_wt, nothing) + _lower_left_block(by_traction, count),
+        A_sp=block_diag(problem.A_sp, nothing) - _lower_left_block(by_traction, count).T,
+        A_st=block_diag(problem.A_st, nothing),
+        Q=block_diag(problem.Q, yielding),
+        B_w=np.vstack([problem.B_w, by_motion]),
+        B_s=np.vstack([problem.B_s, no_slip]),
+        C_p=np.hstack([problem.C_p, by_motion.T]),
+        C_t=np.hstack([problem.C_t, no_slip.T]),
+        q_w=np.append(problem.q_w, matrices.opening),
+        q_s=np.append(problem.q_s, np.zeros(count)),
+    )
+
+
+def _lower_left_block(block: Floats, count: int) -> Floats:
+    """The square matrix whose last `count` rows begin with a block, and which is 0 elsewhere."""
+    size = block.shape[1]
+    whole = np.zeros((size + count, size + count))
+    whole[size:, :size] = block
+    return whole
 
 
 def _stick_slip_problem_with_shared_forces(

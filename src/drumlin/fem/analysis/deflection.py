@@ -48,7 +48,8 @@ def inward_displacement_of_ring_surface(
     if ring is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no displacement")
     displacement = ring.displacement_of_ring_nodes(
-        nodal_contact_pressures_of_each_lining(brake, response), brake.drag
+        nodal_contact_pressures_of_each_lining(brake, response),
+        list(map(brake.signed_friction_per_pressure, brake.shoes)),
     )
     nodes = ring.basis.get_dofs(ring.mesh.boundaries["contact"]).flatten()
     x, u = ring.basis.doflocs[:, nodes], displacement[:, nodes]

@@ -20,6 +20,7 @@ from drumlin.fem.mesh.arc import element_kind_of_mesh
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
     free_strains_of_heated_layers,
+    load_factors_of_push_on_shoe,
     load_factors_under_actuation_force,
 )
 from drumlin.fem.preparation.scene import PreparedModel
@@ -186,7 +187,8 @@ def stress_and_displacement_fields_of_ring(
     if ring is None or section is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
     u = ring.displacement_of_ring_nodes(
-        nodal_contact_pressures_of_each_lining(brake, response), brake.drag
+        nodal_contact_pressures_of_each_lining(brake, response),
+        list(map(brake.signed_friction_per_pressure, brake.shoes)),
     )
     no_pressure = np.zeros(ring.basis.N)
     solved = _SolvedBody(ring.mesh, ring.basis, elastic_layers_of_ring(section), u, no_pressure)
@@ -231,6 +233,8 @@ def nodal_displacements_of_shoe(
     p : pressures (n,) [Pa] on the lining of the shoe, in the order of the shoe's own frame
     """
     load = load_factors_under_actuation_force(body, shoe, shoe.actuation.force)
+    for support in answer.supports:
+        load = load + load_factors_of_push_on_shoe(body, shoe, support.push, brake.size)
     # These forces (2n,) [N] of pressure and friction act on the contact nodes.
     nodal = (
         brake.signed_friction_per_pressure_in_shoe_frame(shoe) * (body.coupling.T.T @ p)

@@ -341,15 +341,23 @@ def _apply_actuation_force_to_resting_group(
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     count = len(feet.shoe_numbers)
     # The first guess of the states: nodes that touch in the solution without friction stick, and
-    # all feet stick.
-    touches = (
-        replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=())
-        .solve_contact_for_known_friction_senses()
-        .active
-    )
-    start = np.append(np.where(touches, STICK, OPEN), np.full(count, STICK))
+    # all feet stick. One-sided supports that bear there slip, and the others are open.
+    smooth = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=())
+    if group.one_sided_supports:
+        smooth, contact = smooth.solve_contact_and_abutment_friction()
+    else:
+        contact = smooth.solve_contact_for_known_friction_senses()
+    start = np.append(np.where(contact.active, STICK, OPEN), np.full(count, STICK))
+    start = np.append(start, np.where(np.array(smooth.bearing, dtype=bool), FORWARD, OPEN))
     unit_gaps = np.concatenate(group.gaps_of_unloaded_linings) / group.largest_actuation_force
-    gap = np.append(group.mass_matrix_of_contact_nodes @ unit_gaps, np.zeros(count))
+    clearances = [support.clearance for support in group.one_sided_supports]
+    gap = np.concatenate(
+        [
+            group.mass_matrix_of_contact_nodes @ unit_gaps,
+            np.zeros(count),
+            np.array(clearances) / group.largest_actuation_force,
+        ]
+    )
     friction = feet.friction_coefficients_of_all_nodes()
     try:
         rest, spent = _increase_actuation_force_at_rest(problem, gap, friction, start, increments)

@@ -36,6 +36,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
+from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.brake.orthotropic import names_of_orthotropic_parts
 from drumlin.brake.support import SupportChange, resultant_force_and_moment
 from drumlin.fem.analysis.adjoint import (
@@ -91,7 +92,8 @@ class ShoeSensitivity:
     ----------
     name : name of the shoe
     torque : the shoe's own torque [N m]
-    friction : change of the shoe's own torque per friction coefficient [N m]
+    friction : change of the shoe's own torque per friction coefficient of the brake [N m], where
+        frictions that linings have of their own change in proportion
     S : (mu/torque) d torque/dmu of the shoe at a fixed actuation; None if the torque is 0
     force : dT per actuation force [m]; None if a strut or a cam gives the force
     moduli : dT by the logarithm of the modulus [N m] of each part, "lining", "backing" and "shoe";
@@ -135,7 +137,7 @@ class Sensitivity:
     ----------
     friction_coefficient : friction coefficient mu of the drum
     torque : T [N m]
-    friction : dT/dmu [N m]
+    friction : dT/dmu [N m], where frictions that linings have of their own change in proportion
     S : (mu/T) dT/dmu of the whole brake; None if T is 0
     drive : dT by the logarithm of the brake's actuation [N m]; None if each shoe has its own force
     ring : dT by the logarithm of the ring's modulus [N m]; None for a rigid drum, for a ring whose
@@ -189,6 +191,7 @@ def compute_torque_sensitivity(
     """
     require_positive_penalty(penalty)
     _refuse_brake_or_model_without_friction(scene, brake)
+    require_no_shoe_on_anchors(brake, "sensitivity")
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
     changed = function_for_bodies_with_changed_moduli(scene)
@@ -574,7 +577,7 @@ class _TorqueSlopesOfShoe:
         # the node.
         aside = step * np.array([-move.line_motion[1], move.line_motion[0]]).T.ravel()
         gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe)
-        value = brake.friction * float(coupling.lever @ own.pressures)
+        value = brake.friction_of_shoe(shoe) * float(coupling.lever @ own.pressures)
         closing = coupling.N @ (u + aside * (turns @ own.coordinates))
         value += float(own.gap_multipliers @ (closing - coupling.M @ (gap + squeezed)))
         value += float(nodal @ (v - aside * (turns @ own.equilibrium_multipliers)))
@@ -601,7 +604,7 @@ class _TorqueSlopesOfShoe:
         dragged = np.hstack([ring.friction_half_flexibilities[i] for i in group.members])
         a = np.concatenate([shoe.gap_multipliers for shoe in self.adjoint.shoes])
         p = np.concatenate([shoe.pressures for shoe in self.adjoint.shoes])
-        return float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))
+        return float((pressed @ a) @ (pressed @ p + dragged @ (group.drag_at_nodes * p)))
 
     # Slopes by the line of action of a strut's force
 
@@ -706,10 +709,12 @@ def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
     law = found.law or (None,) * (len(found.shoes) + 1)
     of_law = f"{name_of_rigid_shoe_law(brake)} law"
     T, elasticity = found.torque or math.inf, f"d ln {symbol}/d ln"
+    own_friction = brake.key_of_first_own_friction()
     lines = [
         f"{effect} {found.torque:.6g} {unit}, d{symbol}/dmu {found.friction:.6g} {unit}, "
         f"S = (mu/{symbol}) d{symbol}/dmu = {_friction_sensitivity_as_text(found.S)} "
         f"({of_law}: {_friction_sensitivity_as_text(law[-1])})"
+        f"{'' if own_friction is None else f', all frictions in proportion, {own_friction} too'}"
     ]
     of_brake = {
         "actuation": found.drive,

@@ -16,6 +16,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.one_sided import possible_bearings
 from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
 from drumlin.fem.equilibrium.problems import GroupProblems
@@ -23,6 +24,7 @@ from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WO
 from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
+from drumlin.laws.anchored import NOT_HELD_TEXT, bearing_of_rigid_shoes
 
 FOOT_LEAVES_TEXT = "no equilibrium, a foot leaves its abutment"
 """Text of the refusal of a brake in which the foot of a shoe would lift off its abutment."""
@@ -80,9 +82,14 @@ class ShoeGroup(GroupProblems):
     def group_with_drum_friction(self, friction: float) -> "ShoeGroup":
         """A copy of the group with another friction coefficient of the drum.
 
-        The senses of friction at the abutments stay.
+        Frictions that linings have of their own change in proportion. The senses of friction at the
+        abutments stay.
         """
-        return replace(self, brake=self.brake.model_copy(update={"friction": friction}))
+        return replace(
+            self,
+            brake=self.brake.brake_with_scaled_friction(friction),
+            relative_frictions=self.relative_friction_of_each_shoe,
+        )
 
     # These methods solve the contact under given senses of friction at the abutments.
 
@@ -103,7 +110,7 @@ class ShoeGroup(GroupProblems):
                 self.gaps_of_unloaded_linings[k],
                 self.actuation_of_each_shoe_by_one_newton[k].moment_about_pin,
             )
-        law = min(map(self.locking_friction_of_rigid_shoe, self.members))
+        law = min(map(self.friction_at_which_rigid_shoe_locks, range(len(self.members))))
         try:
             contact = self_locking.solve_contact_reached_from_zero_friction(
                 self.contact_problem_of_group_at_friction,
@@ -131,16 +138,23 @@ class ShoeGroup(GroupProblems):
             )
         return contact
 
-    def locking_friction_of_rigid_shoe(self, i: int) -> float:
-        """The friction coefficient at which shoe `i` of the brake locks by the rigid-shoe law.
+    def friction_at_which_rigid_shoe_locks(self, k: int) -> float:
+        """The friction coefficient of the brake at which shoe `k` locks by the rigid-shoe law."""
+        ratio = self.relative_friction_of_each_shoe[k]
+        own = self.locking_friction_of_rigid_shoe(self.members[k])
+        return own / ratio if ratio else math.inf
 
-        If the shoe is hinged and the drum drags it the same way as in the prepared model, the value
-        is taken from the model.
+    def locking_friction_of_rigid_shoe(self, i: int) -> float:
+        """The friction coefficient of shoe `i` of the brake at which it locks by that law.
+
+        If the shoe is hinged or on anchors, and the drum drags it the same way as in the prepared
+        model, the value is taken from the model.
         """
         shoe, known = self.brake.shoes[i], self.scene.brake.shoes[i]
-        hinged = shoe.kind_of_support == known.kind_of_support == "hinge"
+        kinds = {shoe.kind_of_support, known.kind_of_support}
+        of_model = kinds in ({"hinge"}, {"anchor"})
         drag = self.brake.sign_of_motion * shoe.frame.sense
-        if hinged and drag == self.scene.brake.sign_of_motion * known.frame.sense:
+        if of_model and drag == self.scene.brake.sign_of_motion * known.frame.sense:
             return self.scene.locking_frictions_of_rigid_shoes[i]
         return rigid.self_locking_friction_of_rigid_shoe(self.brake, shoe)
 
@@ -196,7 +210,7 @@ class ShoeGroup(GroupProblems):
 
         If no choice of senses agrees, the error of the first trial is raised.
         """
-        failure = NoAnswer(f"{self.names_of_shoes}: {FOOT_LEAVES_TEXT}")
+        failure = NoAnswer(f"{self.names_of_shoes}: {self._text_if_nothing_bears}")
         for number, group in enumerate(self.groups_with_each_direction_of_foot_friction()):
             try:
                 contact = group.solve_contact_for_known_friction_senses(first_contact_set)
@@ -204,9 +218,14 @@ class ShoeGroup(GroupProblems):
                 if number == 0:
                     failure = error
                 continue
-            if all(group.is_foot_friction_as_assumed(contact, k) for k in range(len(self.members))):
+            if group.is_contact_as_assumed(contact):
                 return SolvedGroup(group, contact)
         raise failure
+
+    @property
+    def _text_if_nothing_bears(self) -> str:
+        """The text of the refusal of a group that no choice of supports and senses holds."""
+        return NOT_HELD_TEXT if self.one_sided_supports else FOOT_LEAVES_TEXT
 
     def groups_with_each_direction_of_foot_friction(self) -> Iterator["ShoeGroup"]:
         """Yield the group with each possible choice of senses of friction at its abutments.
@@ -221,7 +240,35 @@ class ShoeGroup(GroupProblems):
             others = [sense for sense in shoe.senses_of_abutment_friction_to_try if sense != own]
             choices.append((own, *others))
         for senses in product(*choices):
-            yield self if senses == self.friction_senses else replace(self, friction_senses=senses)
+            group = self
+            if senses != self.friction_senses:
+                group = replace(self, friction_senses=senses)
+            yield from group._groups_with_each_bearing()
+
+    def _groups_with_each_bearing(self) -> Iterator["ShoeGroup"]:
+        """Yield the group on each choice of bearing supports that holds its shoes.
+
+        The present choice comes first, or that of the rigid shoes if it is unknown. A group without
+        one-sided supports is yielded as it is.
+        """
+        count = len(self.one_sided_supports)
+        if not count:
+            yield self
+            return
+        first = self.bearing or bearing_of_rigid_shoes(self.brake, self.members)
+        for bearing in possible_bearings(count, first):
+            if self.contact_on_supports_if_held(bearing, self.brake.friction) is not None:
+                yield self if bearing == self.bearing else replace(self, bearing=bearing)
+
+    def is_contact_as_assumed(self, contact: active_set.Contact) -> bool:
+        """Whether a solution agrees with the choices that were made before it was solved.
+
+        The choices are the senses of friction at the abutments, and which supports bear.
+        """
+        if not all(self.is_foot_friction_as_assumed(contact, k) for k in range(len(self.members))):
+            return False
+        supports = self.bearing_supports
+        return supports is None or supports.is_bearing_as_assumed(contact.p, contact.y)
 
     def is_foot_friction_as_assumed(self, contact: active_set.Contact, k: int) -> bool:
         """Whether the foot of shoe `k` stands or slides as its sense of friction assumes.
@@ -229,7 +276,7 @@ class ShoeGroup(GroupProblems):
         The sense was chosen before the contact was solved. See `Held.stands`.
         """
         shoe = self.shoes[k]
-        if shoe.abutment is None:
+        if shoe.abutment is None or shoe.anchors:
             return True
         slide = float(self.rigid_body_coordinates_of_each_shoe(contact)[k][-1])
         return shoe.can_abutment_exert_reaction_on_foot(
@@ -272,7 +319,7 @@ class ShoeGroup(GroupProblems):
             return ""
         if not end.limit.friction < friction:
             return ""
-        law = min(map(self.locking_friction_of_rigid_shoe, self.members))
+        law = min(map(self.friction_at_which_rigid_shoe_locks, range(len(self.members))))
         locked = self_locking.self_locking_error_text(
             friction, end.limit.friction, rigid_law_limit=law, brake_words=ELASTIC_BRAKE_WORDS
         )
@@ -282,9 +329,10 @@ class ShoeGroup(GroupProblems):
 
     @property
     def has_neither_strut_cam_nor_abutment(self) -> bool:
-        """Whether no strut or cam pushes a shoe of the group and no foot bears on an abutment."""
+        """Whether no strut or cam pushes a shoe of the group, and no shoe can leave a support."""
         return (
-            not self.pushing_and_pushed_shoe_of_struts
+            not self.one_sided_supports
+            and not self.pushing_and_pushed_shoe_of_struts
             and not self.indices_of_shoes_under_cam
             and all(shoe.abutment is None for shoe in self.shoes)
         )
@@ -320,7 +368,8 @@ class ShoeGroup(GroupProblems):
             if after is None:
                 return at._find_friction_limit_by_bisection(end, low, high)
             low = high
-            if after.group.friction_senses != at.friction_senses:
+            changed = after.group.friction_senses != at.friction_senses
+            if changed or after.group.bearing != at.bearing:
                 at, contact = after
                 end = self_locking.find_friction_limit_of_contact(
                     at.contact_problem_as_function_of_friction,
@@ -401,9 +450,11 @@ class ShoeGroup(GroupProblems):
         )
         if pull:
             return pull
+        if self.bearing_supports is not None and not self.is_contact_as_assumed(contact):
+            return f"{self.names_of_shoes}: {NOT_HELD_TEXT}"
         for k, shoe in enumerate(self.shoes):
             if (
-                shoe.abutment is not None
+                shoe.kind_of_support == "abutment"
                 and not self.abutment_force_on_foot(contact, k)
                 @ shoe.unit_vector_of_abutment_force_on_foot
                 > 0
@@ -485,6 +536,10 @@ def _abutment_friction_direction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
 
 def is_shoe_pressed_on_drum(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> bool:
     """Whether the actuation force presses at least one point of the shoe's lining on the drum."""
+    # A strut between two feet may press a shoe that has no force of its own.
+    if shoe.anchors:
+        on_strut = any(shoe.name in {link.source, link.to} for link in brake.links)
+        return shoe.actuation.force != 0 or on_strut
     if shoe.actuation.force == 0:
         return False
     if shoe.kind_of_support != "hinge":

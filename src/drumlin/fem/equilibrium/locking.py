@@ -61,14 +61,15 @@ def distance_of_friction_from_self_locking(
         if the brake has no solution on this model
     """
     friction = brake.friction
-    by_law = [
-        LockedShoes((shoe.name,), limit)
-        for shoe, limit in zip(brake.shoes, scene.locking_frictions_of_rigid_shoes, strict=True)
-    ]
+    scaled = brake.key_of_first_own_friction() or ""
+    by_law = []
+    for shoe, own in zip(brake.shoes, scene.locking_frictions_of_rigid_shoes, strict=True):
+        limit = brake.friction_at_friction_of_shoe(shoe, own)
+        by_law.append(LockedShoes((shoe.name,), limit))
     law = first_shoes_to_lock(by_law)
     groups = divide_pressed_shoes_into_groups(scene, brake, penalty) if friction > 0 else []
     if not groups or not all(map(_is_limit_of_group_cheap, groups)):
-        return SelfLocking(friction, law)
+        return SelfLocking(friction, law, scaled=scaled)
 
     def law_of_group(group: ShoeGroup) -> float:
         """The smallest mu_lock of the shoes of a group by the rigid-shoe law."""
@@ -82,7 +83,7 @@ def distance_of_friction_from_self_locking(
         shoes = tuple(brake.shoes[i].name for i in group.members)
         limits.append(LockedShoes(shoes, _elastic_limit_of_group(group, sought)))
         sought = min(sought, limits[-1].friction)
-    return SelfLocking(friction, law, first_shoes_to_lock(limits), sought)
+    return SelfLocking(friction, law, first_shoes_to_lock(limits), sought, scaled)
 
 
 def _is_limit_of_group_cheap(group: ShoeGroup) -> bool:

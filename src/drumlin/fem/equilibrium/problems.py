@@ -1,22 +1,32 @@
 """The contact problem of a group of shoes in full slip, at any friction coefficient."""
 
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Shoe
+from drumlin.brake.one_sided import Bearing, SupportForce, forces_of_supports_on_shoe
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.self_locking import FrictionDependentProblem
+from drumlin.fem.equilibrium.one_sided import (
+    BearingSupports,
+    SupportMatrices,
+    contact_problem_on_bearing_supports,
+)
 from drumlin.fem.equilibrium.sharing import (
     ForceEffects,
     ForceSharing,
     make_contact_problem_with_shared_forces,
 )
 from drumlin.fem.equilibrium.state import GroupState
-from drumlin.fem.preparation.bodies import ShoeSubstructure
+from drumlin.fem.preparation.bodies import (
+    ShoeSubstructure,
+    load_factors_under_actuation_force,
+)
 
 ROWS_AT_A_TIME = 64
 """Number of rows of a shoe's compliance matrix that are assembled at a time.
@@ -58,6 +68,9 @@ class GroupProblems(GroupState):
 
         Its matrices are linear functions of the friction coefficient.
         """
+        supports = self._bearing_supports_at_friction(friction)
+        if supports is not None:
+            return supports.problem
         sharing = self._force_sharing_at_friction(friction)
         return (
             self.contact_problem_without_shared_forces(friction)
@@ -80,14 +93,15 @@ class GroupProblems(GroupState):
         compliance = block_diag(*A)
         if self.factors_of_ring_flexibility is not None:
             pressed, dragged = self.factors_of_ring_flexibility
-            compliance += pressed.T @ (pressed + friction * self.brake.sign_of_motion * dragged)
+            drags = friction * self.brake.sign_of_motion * self.relative_friction_of_nodes
+            compliance += pressed.T @ (pressed + drags * dragged)
         return ContactProblem(
             compliance, np.concatenate(q), block_diag(*B), block_diag(*C), np.concatenate(h)
         )
 
     def _contact_problem_of_single_shoe(self, k: int, friction: float) -> ContactProblem:
         """The contact problem of shoe `k` alone on a rigid drum, at a friction coefficient."""
-        drag = self._friction_coefficient_signed_by_drag_on_shoe(self.shoes[k], friction)
+        drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
         terms, closures = self.terms_independent_of_friction[k], self.gap_closures_of_test_modes[k]
         A = _shoe_compliance_with_penalty(
             self.substructures_of_shoes[k], drag, self.contact_stiffness_per_area_of_shoes[k]
@@ -95,9 +109,13 @@ class GroupProblems(GroupState):
         C = (drag * closures.tangential - closures.normal).T
         return ContactProblem(A, terms.q, terms.B, C, terms.h)
 
-    def _friction_coefficient_signed_by_drag_on_shoe(self, shoe: Shoe, friction: float) -> float:
-        """The friction coefficient, positive or negative by the sense of drag in a shoe's frame."""
-        return friction * self.brake.sign_of_motion * shoe.frame.sense
+    def _friction_coefficient_signed_by_drag_on_shoe(self, k: int, friction: float) -> float:
+        """The friction coefficient of shoe `k`, signed by the sense of drag in the shoe's frame.
+
+        `friction` is the friction coefficient of the brake.
+        """
+        own = friction * self.relative_friction_of_each_shoe[k]
+        return own * self.brake.sign_of_motion * self.shoes[k].frame.sense
 
     # The following methods treat forces that the shoes share.
 
@@ -140,11 +158,8 @@ class GroupProblems(GroupState):
             self.rigid_body_modes_of_shoes[k],
         )
         load = self.actuation_of_each_shoe_by_one_newton[k].load_factors
-        drag = self._friction_coefficient_signed_by_drag_on_shoe(shoe, friction)
-        tip = -(load @ body.closure_by_load.T)
-        # A model that is prepared without friction does not know how friction moves the tip.
-        if body.load_motion_by_friction is not None:
-            tip = tip + drag * (load @ body.load_motion_by_friction)
+        drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
+        tip = self._travel_of_load_by_pressure(k, load, friction)
         # This is the force on the lining along x and y, per pressure of each node.
         contact = (
             drag * body.resultants_of_contact_node_forces[1]
@@ -171,6 +186,103 @@ class GroupProblems(GroupState):
             foot_force_by_force=direct,
         )
 
+    def _travel_of_load_by_pressure(self, k: int, load: Floats, friction: float) -> Floats:
+        """The elastic travel (n,) of a load on shoe `k` along itself, per pressure.
+
+        `load` (l,) are the factors of the load columns.
+        """
+        body = self.substructures_of_shoes[k]
+        drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
+        travel = -(load @ body.closure_by_load.T)
+        # A model that is prepared without friction does not know how friction moves a load.
+        if body.load_motion_by_friction is not None:
+            travel = travel + drag * (load @ body.load_motion_by_friction)
+        return np.asarray(travel)
+
+    # The following methods treat supports that push and cannot pull.
+
+    def support_matrices_at_friction(self, friction: float) -> SupportMatrices:
+        """The effects of the one-sided supports of the group at a friction coefficient.
+
+        The effects are linear in the friction coefficient.
+        """
+        count, n = len(self.one_sided_supports), len(self.contact_node_areas)
+        sizes = np.concatenate([self._sizes_of_motions(shoe) for shoe in self.shoes])
+        opening, by_pressure = np.zeros(count), np.zeros((count, n))
+        by_motion, gap = np.zeros((count, len(sizes))), np.zeros((n, count))
+        loads = []
+        for j, support in enumerate(self.one_sided_supports):
+            opening[j] = support.clearance / self.largest_actuation_force
+            loads.append({side.shoe: self.load_factors_of_push(side) for side in support.sides})
+            for side in support.sides:
+                k, load = side.shoe, loads[j][side.shoe]
+                nodes, body = self.contact_node_slices_of_shoes[k], self.substructures_of_shoes[k]
+                force = self.shoes[k].actuation.force
+                acting = load_factors_under_actuation_force(body, self.shoes[k], force)
+                travel = load @ body.load_motion_by_load @ acting
+                opening[j] += travel / self.largest_actuation_force
+                by_pressure[j, nodes] = self._travel_of_load_by_pressure(k, load, friction)
+                modes = self.rigid_body_mode_slices_of_shoes[k]
+                by_motion[j, modes] = self.work_of_push_on_modes(k, side.push)
+                gap[nodes, j] = -(body.closure_by_load @ load)
+        by_force = np.zeros((count, count))
+        for i, j in product(range(count), repeat=2):
+            for k in loads[i].keys() & loads[j].keys():
+                body = self.substructures_of_shoes[k]
+                by_force[i, j] += loads[i][k] @ body.load_motion_by_load @ loads[j][k]
+        return SupportMatrices(opening, by_pressure, by_force, by_motion, gap, sizes)
+
+    def _sizes_of_motions(self, shoe: Shoe) -> Floats:
+        """The amount (k,) of each rigid-body motion of a shoe that displaces points by about 1 m.
+
+        A turn moves a point at the distance of the brake's size.
+        """
+        turns = np.isin(shoe.freedoms().names, ["turn", "tilt"])
+        return np.where(turns, 1 / self.brake.size, 1.0)
+
+    @cached_property
+    def bearing_supports(self) -> BearingSupports | None:
+        """The contact on the supports that bear; None for a group without one-sided supports."""
+        return self._bearing_supports_at_friction(self.brake.friction)
+
+    def _bearing_supports_at_friction(self, friction: float) -> BearingSupports | None:
+        """The contact on the supports that bear at a friction coefficient.
+
+        It is None for a group without one-sided supports. Raises RuntimeError if it is not known
+        which supports bear, or if they do not hold the shoes.
+        """
+        if not self.one_sided_supports:
+            return None
+        found = self.contact_on_supports_if_held(self.bearing, friction)
+        if found is None:
+            raise RuntimeError(
+                f"{self.names_of_shoes}: it is not known which supports bear, "
+                "ask for `solve_contact_and_abutment_friction`"
+            )
+        return found
+
+    def contact_on_supports_if_held(
+        self, bearing: Bearing, friction: float
+    ) -> BearingSupports | None:
+        """The contact on a choice of bearing supports; None if they do not hold the shoes."""
+        if len(bearing) != len(self.one_sided_supports):
+            return None
+        return contact_problem_on_bearing_supports(
+            self.contact_problem_without_shared_forces(friction),
+            self.support_matrices_at_friction(friction),
+            bearing,
+        )
+
+    def support_forces_on_shoe(self, p: Floats, k: int) -> tuple[SupportForce, ...]:
+        """The forces [N] of one-sided supports on shoe `k`.
+
+        p (n,) are the pressures per newton of `largest_actuation_force`.
+        """
+        if self.bearing_supports is None:
+            return ()
+        forces = self.largest_actuation_force * self.bearing_supports.forces_of_supports(p)
+        return forces_of_supports_on_shoe(self.one_sided_supports, forces, k)
+
     def actuation_forces_under_contact_pressures(self, p: Floats) -> Floats:
         """The actuation force (shoes,) of each shoe under pressures p (n,).
 
@@ -188,6 +300,8 @@ class GroupProblems(GroupState):
         They are per newton of `largest_actuation_force`.
         """
         y = contact.y
+        if self.bearing_supports is not None:
+            y = self.bearing_supports.rigid_body_motions(contact.p, contact.y)
         if self.force_sharing_by_struts_and_cam is not None:
             y = self.force_sharing_by_struts_and_cam.rigid_body_coordinates_from_contact_solution(
                 contact.p, contact.y

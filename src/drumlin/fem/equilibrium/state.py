@@ -15,10 +15,19 @@ from drumlin.base.arrays import Floats, slices_of_consecutive_parts
 from drumlin.base.lapack import block_diag
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.components import Actuation
+from drumlin.brake.one_sided import (
+    Bearing,
+    OneSidedSupport,
+    SideOfSupport,
+    one_sided_supports_of_brake,
+    work_of_push_in_motions,
+)
 from drumlin.fem.equilibrium.modes import RigidBodyModes, make_rigid_body_modes
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
     load_factors_and_pin_moment_per_newton,
+    load_factors_of_push_on_shoe,
     load_factors_under_actuation_force,
     penalty_stiffness_of_contact_per_area,
 )
@@ -86,6 +95,10 @@ class GroupState:
     friction_senses : sense of the friction at each shoe's abutment, see `Held.freedoms`; empty
         until `ShoeGroup.solve_contact_and_abutment_friction` has found the senses. A group with a
         rough abutment has no contact problem before the senses are known.
+    relative_frictions : (shoes,) friction coefficient of each shoe over that of the brake; empty to
+        take them from the brake, which does not know them once its friction is scaled to 0
+    bearing : whether each one-sided support of the group bears; empty until the solve has found
+        which of them do. A group with such supports has no contact problem before.
     worn_depth : (n,) [m], depth by which wear has opened the gap at the contact nodes of the group;
         None for unworn linings
     """
@@ -95,7 +108,9 @@ class GroupState:
     members: tuple[int, ...]
     penalty: float = math.inf
     friction_senses: tuple[int, ...] = ()
+    relative_frictions: tuple[float, ...] = ()
     worn_depth: Floats | None = None
+    bearing: Bearing = ()
 
     # These are the members of the group.
 
@@ -131,6 +146,18 @@ class GroupState:
                 "ask for `solve_contact_and_abutment_friction`"
             )
         return self.friction_senses or (1,) * len(self.members)
+
+    @cached_property
+    def relative_friction_of_each_shoe(self) -> tuple[float, ...]:
+        """The friction coefficient of each shoe's lining over that of the brake."""
+        return self.relative_frictions or tuple(
+            map(self.brake.relative_friction_of_shoe, self.shoes)
+        )
+
+    @property
+    def drag_at_nodes(self) -> Floats:
+        """The friction stress (n,) per pressure at each contact node, along growing theta."""
+        return self.brake.friction * self.brake.sign_of_motion * self.relative_friction_of_nodes
 
     # These properties tell where the unknowns of each shoe stand among those of the group.
 
@@ -242,14 +269,52 @@ class GroupState:
             closure = body.coupling.N @ modes.contact_modes
         return FrictionlessTerms(q, -closure, -force * modes.actuation_work)
 
+    # These properties describe supports that push and cannot pull.
+
+    @cached_property
+    def one_sided_supports(self) -> tuple[OneSidedSupport, ...]:
+        """The one-sided supports of the group's shoes, with the numbers of shoes in the group."""
+        found = []
+        for support in one_sided_supports_of_brake(self.brake):
+            if support.sides[0].shoe in self.members:
+                sides = tuple(
+                    side._replace(shoe=self.members.index(side.shoe)) for side in support.sides
+                )
+                found.append(support._replace(sides=sides))
+        return tuple(found)
+
+    def work_of_push_on_modes(self, k: int, push: Actuation) -> Floats:
+        """The work (k,) of the push of a support on the modes of shoe `k`.
+
+        For a push of 1 N it is also the opening of the support per unit of each mode. The first
+        mode is a turn in the sense of the shoe's frame.
+        """
+        shoe = self.shoes[k]
+        work = work_of_push_in_motions(shoe, push)
+        work[0] *= shoe.frame.sense
+        return work
+
+    def load_factors_of_push(self, side: SideOfSupport) -> Floats:
+        """The factors (l,) of a shoe's load columns under the push of a support by 1 N."""
+        body, shoe = self.substructures_of_shoes[side.shoe], self.shoes[side.shoe]
+        return load_factors_of_push_on_shoe(body, shoe, side.push, self.brake.size)
+
     # These properties are integrals over the linings.
 
     @cached_property
     def torque_of_each_shoe_per_nodal_pressure(self) -> Floats:
-        """The torque (n, shoes) [m^3] of each shoe per nodal pressure, at a friction of 1."""
-        return np.asarray(
-            block_diag(*map(attrgetter("coupling.lever"), self.substructures_of_shoes)).T
-        )
+        """The torque (n, shoes) [m^3] of each shoe per nodal pressure, at a brake's friction of 1.
+
+        Linings with a friction of their own have it in proportion.
+        """
+        levers = block_diag(*map(attrgetter("coupling.lever"), self.substructures_of_shoes)).T
+        return np.asarray(levers * self.relative_friction_of_each_shoe)
+
+    @cached_property
+    def relative_friction_of_nodes(self) -> Floats:
+        """The friction coefficient (n,) at each contact node over that of the brake."""
+        counts = [len(body.line.nodes) for body in self.substructures_of_shoes]
+        return np.repeat(self.relative_friction_of_each_shoe, counts)
 
     @cached_property
     def contact_node_areas(self) -> Floats:
@@ -283,9 +348,10 @@ class GroupState:
         The numbers are positions in the group.
         """
         names = [shoe.name for shoe in self.shoes]
+        pushed = self.brake.names_of_shoes_pushed_by_struts
         links = []
         for link in self.brake.links:
-            if link.to in names:
+            if link.to in names and link.to in pushed:
                 links.append((names.index(link.source), names.index(link.to)))
         return links
 

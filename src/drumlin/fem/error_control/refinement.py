@@ -252,7 +252,6 @@ def _blocks_of_full_matrix(
     for k, block in enumerate(stiffnesses):
         blocks[k][k] = block
     ring_row = len(stiffnesses) - 1
-    drag = group.brake.drag
     for k, shoe_block in enumerate(shoe_blocks):
         M = group.substructures_of_shoes[k].coupling.M
         at = len(stiffnesses) + k
@@ -262,6 +261,7 @@ def _blocks_of_full_matrix(
         )
         if ring is not None:
             N, T = ring.couplings[group.members[k]]
+            drag = group.brake.signed_friction_per_pressure(group.shoes[k])
             blocks[ring_row][at], blocks[at][ring_row] = -(N - drag * T).T, N
     return blocks
 
@@ -292,7 +292,7 @@ def _torque_factors_of_full_system_unknowns(group: ShoeGroup, layout: _Layout) -
     lever = np.zeros(int(layout.pressure_starts[-1]))
     for k, body in enumerate(group.substructures_of_shoes):
         at = slice(layout.pressure_starts[k], layout.pressure_starts[k + 1])
-        lever[at] = group.brake.friction * body.coupling.lever
+        lever[at] = group.brake.friction_of_shoe(group.shoes[k]) * body.coupling.lever
     return lever
 
 

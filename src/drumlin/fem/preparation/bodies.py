@@ -9,6 +9,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
+from drumlin.brake.components import Actuation, Bar
 from drumlin.brake.heat import HeatedLayer, heated_layers_of_shoe
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.substructure.body import CondensedBody
@@ -289,6 +290,33 @@ def load_factors_and_pin_moment_per_newton(body: ActuatedBody, shoe: Shoe) -> tu
     """
     own, moment = actuation_force_and_moments_per_newton(body.load_centre, shoe)
     return body.unit_load_vectors_by_name.factors_of_all_load_columns({ACTUATION: own}), moment
+
+
+def load_factors_of_push_on_shoe(
+    body: ActuatedBody, shoe: Shoe, push: Actuation, size: float
+) -> Floats:
+    """The factors (l,) of a body's load columns under the push of a one-sided support.
+
+    A push at the loaded end acts on the load columns as the actuation does. The factors are 0 for a
+    push nearer to the held end: it acts on the rigid frame there.
+
+    Parameters
+    ----------
+    body : the body
+    shoe : the shoe
+    push : force of the support [N] with its line of action
+    size : size of the brake [m], on a drum its radius
+    """
+    factors, _ = load_factors_and_pin_moment_per_newton(
+        body, shoe.model_copy(update={"actuation": push})
+    )
+    # A mesh of the shoe's own has its loaded nodes near the point of the actuation.
+    loaded = shoe.convert_points_to_shoe_frame(shoe.actuation.point.xy)
+    if isinstance(shoe.body, Bar) and shoe.mesh is None:
+        loaded = shoe.middle_of_body_end_face(size, loaded=True)
+    at = shoe.convert_points_to_shoe_frame(push.point.xy)
+    on_loaded_end = math.dist(at, loaded) < math.dist(at, shoe.pin_in_shoe_frame)
+    return push.force * factors if on_loaded_end else np.zeros_like(factors)
 
 
 def actuation_force_and_moments_per_newton(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:

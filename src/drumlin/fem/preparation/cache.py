@@ -133,15 +133,19 @@ def brake_without_loads_and_clearances(brake: Brake) -> Brake:
 def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
     """A copy of a shoe without the data on which its condensed body does not depend.
 
-    These are the force with its direction and, in most shoes, its point, the clearance and the
-    misfit; see `brake_without_loads_and_clearances`.
+    These are the force with its direction and, in most shoes, its point, the clearance, the misfit
+    and the friction; see `brake_without_loads_and_clearances`.
     """
     actuation: dict[str, Any] = {"force": 1.0, "direction": 0.0}
     # A beam ends at the point of its force, and a guide has its pin there.
     point_matters = isinstance(shoe.body, Beam) or shoe.guide is not None
     if not point_matters:
         actuation["point"] = Point(x=0.0, y=0.0)
-    lining: dict[str, Any] = {"clearance": 0.0, "misfit": type(shoe.lining.misfit)()}
+    lining: dict[str, Any] = {
+        "clearance": 0.0,
+        "misfit": type(shoe.lining.misfit)(),
+        "friction": None,
+    }
     return shoe.model_copy(
         update={
             "lining": shoe.lining.model_copy(update=lining),

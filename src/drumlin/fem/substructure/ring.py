@@ -84,16 +84,16 @@ class RingSubstructure:
     held: Ints
     rim_balance: "RimBalance | None"
 
-    def displacement_of_ring_nodes(self, pressures: list[Floats], drag: float) -> Floats:
+    def displacement_of_ring_nodes(self, pressures: list[Floats], drags: list[float]) -> Floats:
         """Displacement (2, nodes) [m] of all nodes of the ring under the pressures of the linings.
 
         Parameters
         ----------
         pressures : (n_i,) nodal pressure of each lining [Pa]
-        drag : friction coefficient mu times the sense s of sliding
+        drags : friction coefficient mu of each lining times the sense s of sliding
         """
         nodal = np.zeros(2 * len(self.line.nodes))
-        for (N, T), p in zip(self.coupling_matrices, pressures, strict=True):
+        for (N, T), p, drag in zip(self.coupling_matrices, pressures, drags, strict=True):
             nodal += N.T @ p - drag * (T.T @ p)
         frame = np.zeros(FRAME)
         if self.rim_balance is None:

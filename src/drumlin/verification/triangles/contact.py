@@ -198,7 +198,7 @@ def _is_foot_on_abutment(
 ) -> bool:
     """Whether the foot of a shoe stays on its abutment with the assumed sense of friction there."""
     # `drum` is the force of the drum on the lining per unit of normal force, at each node.
-    drum = brake.friction * brake.sign_of_motion * one.tangent - one.normal
+    drum = brake.signed_friction_per_pressure(shoe) * one.tangent - one.normal
     reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.actuation.force_vector
     return shoe.can_abutment_exert_reaction_on_foot(reaction, sense, float(found.motions[-1]))
 
@@ -264,9 +264,10 @@ def _solve_for_abutment_friction_senses(
     senses: tuple[int, ...],
 ) -> list[ContactForces]:
     """The contact forces of each shoe, for an assumed sense of the friction at each abutment."""
-    drag = brake.friction * brake.sign_of_motion
     own = [
-        _contact_matrices_of_shoe(one, shoe.freedoms(sense), drag)
+        _contact_matrices_of_shoe(
+            one, shoe.freedoms(sense), brake.signed_friction_per_pressure(shoe)
+        )
         for one, shoe, sense in zip(faces, shoes, senses, strict=True)
     ]
     begin = np.concatenate([[0], np.cumsum([len(face.theta) for face in faces])])
@@ -302,6 +303,6 @@ def tip_displacement_along_force(
 
     It is the work of F divided by F: the elastic part and the part of the rigid-body motion.
     """
-    drum = brake.friction * brake.sign_of_motion * one.tangent - one.normal
+    drum = brake.signed_friction_per_pressure(shoe) * one.tangent - one.normal
     elastic = float(one.loaded @ (found.force[:, None] * drum).ravel()) + one.elastic_actuation_work
     return elastic / shoe.actuation.force + float(shoe.freedoms(sense).tip @ found.motions)

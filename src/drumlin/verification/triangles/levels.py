@@ -10,7 +10,6 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.file import vary
 from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
 from drumlin.verification.triangles.contact import (
     ContactForces,
@@ -256,7 +255,9 @@ def solve_on_triangle_level_sequence(
     for part in FIRST_FRICTION_FRACTIONS:
         with suppress(NoAnswer):
             before = solve_brake_on_one_triangle_mesh(
-                vary(brake, {"friction": part * brake.friction}), CONTACT_FINDING_LEVEL, before
+                brake.brake_with_scaled_friction(part * brake.friction),
+                CONTACT_FINDING_LEVEL,
+                before,
             )
     # The coarse mesh is graded again until the ends of the contact stay in their places.
     for _ in range(MOST_FINDING_PASSES):

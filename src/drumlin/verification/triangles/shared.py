@@ -130,7 +130,7 @@ def _solve_shoe_under_force(
 
 def _force_of_foot_on_strut(brake: Brake, face: CondensedFace, solved: _SolvedShoe) -> float:
     """The force [N] by which the foot of a solved shoe presses on the strut behind it."""
-    drum = brake.friction * brake.sign_of_motion * face.tangent - face.normal
+    drum = brake.signed_friction_per_pressure(solved.shoe) * face.tangent - face.normal
     reaction = -(solved.forces.force[:, None] * drum).sum(axis=0)
     reaction = reaction - solved.shoe.actuation.force_vector
     return float(np.hypot(*reaction))

@@ -82,14 +82,14 @@ def solution_from_contact_forces(
     a = np.flatnonzero(found.active)
     p = np.zeros(len(one.theta))
     p[a] = np.linalg.solve(one.mass[np.ix_(a, a)], found.force[a])
-    drag = brake.friction * brake.sign_of_motion
+    drag = brake.signed_friction_per_pressure(shoe)
     on_normal = -(found.force[:, None] * one.normal).sum(axis=0)
     on_tangent = drag * (found.force[:, None] * one.tangent).sum(axis=0)
     return ShoeSolution(
         theta=one.theta,
         pressure=p,
         order=one.degree,
-        torque=brake.friction * brake.size * float(found.force.sum()),
+        torque=abs(drag) * brake.size * float(found.force.sum()),
         normal_force=float(np.hypot(*on_normal)),
         hinge_reaction=-(on_normal + on_tangent + shoe.actuation.force_vector),
         arcs=_first_and_last_angles_of_contacts(one.theta, p, found.active, one.degree),

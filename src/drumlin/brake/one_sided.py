@@ -1,0 +1,223 @@
+"""One-sided supports: anchors, abutments and struts that push on a shoe and cannot pull.
+
+Which of them bear is part of the solution. The force of each support is not negative, its opening
+is not negative, and one of the two is zero, as at a contact node of a lining.
+"""
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
+from drumlin.brake.brake import Brake
+from drumlin.brake.components import Actuation
+from drumlin.brake.fields import Point
+from drumlin.brake.support import Held, work_of_force_in_rigid_body_motions
+
+LARGEST_PULL = 1e-9
+"""Largest pull of a support that counts as round-off, relative to the largest force of the brake.
+
+A larger pull means that the support does not bear. The same fraction of the largest displacement is
+the deepest overlap of an open support that counts as none. The value is far above the round-off of
+an equilibrium, 1e-12, and far below any force in a brake file.
+"""
+SINGULAR_SUPPORT = 1e-9
+"""Relative singular value of the supports' matrix below which the supports hold no more motions.
+
+Motions are measured by displacements, and a turn by its angle times the size of the brake. Above
+the value the supports that bear hold as many motions as they are, below it one of them is
+redundant. The value is a judgement: it lies far above round-off, and no lever arm in a brake is so
+small.
+"""
+
+
+class SideOfSupport(NamedTuple):
+    """The push of a one-sided support on one shoe.
+
+    `shoe` is the position of the shoe in the brake, `push` a force of 1 N with its line of action.
+    """
+
+    shoe: int
+    push: Actuation
+
+
+class OneSidedSupport(NamedTuple):
+    """A support that can push and not pull: an anchor, an abutment or a strut.
+
+    Attributes
+    ----------
+    name : text that names the support in messages
+    sides : the push on each shoe that bears on it: one for a fixed face, two for a strut
+    clearance : opening of the support while nothing acts [m]
+    """
+
+    name: str
+    sides: tuple[SideOfSupport, ...]
+    clearance: float
+
+    @property
+    def is_strut(self) -> bool:
+        """Whether the support is a strut between two shoes."""
+        return len(self.sides) == 2
+
+
+def one_sided_supports_of_brake(brake: Brake) -> tuple[OneSidedSupport, ...]:
+    """The one-sided supports of a brake: of each shoe with anchors its anchors and its abutment.
+
+    A strut between the feet of two such shoes is one support in place of both abutments.
+    """
+    numbers = {shoe.name: i for i, shoe in enumerate(brake.shoes)}
+    found, on_strut = [], set()
+    for link in brake.links:
+        ends = [brake.shoes[numbers[name]] for name in (link.source, link.to)]
+        if not all(shoe.anchors for shoe in ends):
+            continue
+        sides = []
+        for shoe in ends:
+            assert shoe.abutment is not None
+            on_strut.add(shoe.name)
+            push = _unit_push(shoe.abutment.point, shoe.abutment.direction)
+            sides.append(SideOfSupport(numbers[shoe.name], push))
+        name = f"the strut from {link.source!r} to {link.to!r}"
+        found.append(OneSidedSupport(name, tuple(sides), 0.0))
+    for i, shoe in enumerate(brake.shoes):
+        if not shoe.anchors:
+            continue
+        if shoe.abutment is not None and shoe.name not in on_strut:
+            push = _unit_push(shoe.abutment.point, shoe.abutment.direction)
+            side = SideOfSupport(i, push)
+            found.append(OneSidedSupport(f"the abutment of {shoe.name!r}", (side,), 0.0))
+        for j, anchor in enumerate(shoe.anchors):
+            number = f" {j + 1}" if len(shoe.anchors) > 1 else ""
+            side = SideOfSupport(i, _unit_push(anchor.point, anchor.direction))
+            name = f"anchor{number} of {shoe.name!r}"
+            found.append(OneSidedSupport(name, (side,), anchor.clearance))
+    return tuple(found)
+
+
+def _unit_push(point: Point, direction: float) -> Actuation:
+    """A force of 1 N at a point in a direction [rad]."""
+    return Actuation(force=1.0, direction=direction, point=point)
+
+
+class SupportForce(NamedTuple):
+    """The force of a one-sided support on a shoe in a solution: not negative, 0 if it is left.
+
+    `name` is the text that names the support, `push` the force [N] with its line of action.
+    """
+
+    name: str
+    push: Actuation
+
+
+Bearing = tuple[bool, ...]
+"""Whether each one-sided support bears on its shoes, in the order of the supports."""
+
+
+def possible_bearings(count: int, first: Bearing = ()) -> Iterator[Bearing]:
+    """Yield every choice of which of `count` supports bear, `first` before all others.
+
+    Each choice comes once, so that a search among them ends.
+    """
+    if first:
+        yield first
+    for bearing in itertools.product((True, False), repeat=count):
+        if bearing != first:
+            yield bearing
+
+
+def forces_of_supports_on_shoe(
+    supports: Sequence[OneSidedSupport], forces: Floats, shoe: int
+) -> tuple[SupportForce, ...]:
+    """The forces of the supports on which a shoe bears or could bear.
+
+    `forces` (m,) [N] are those of all supports, and `shoe` is the number of the shoe in them. The
+    round-off of a force that is zero may be a pull; it is left out.
+    """
+    found = []
+    for support, force in zip(supports, np.maximum(forces, 0.0).tolist(), strict=True):
+        for side in support.sides:
+            if side.shoe == shoe:
+                push = side.push.model_copy(update={"force": force})
+                found.append(SupportForce(support.name, push))
+    return tuple(found)
+
+
+def work_of_push_in_motions(shoe: Held, push: Actuation) -> Floats:
+    """The work (k,) of a push on the rigid-body modes of a shoe.
+
+    For a push of 1 N it is also the opening of the support that pushes, per unit of each mode.
+    """
+    return work_of_force_in_rigid_body_motions(
+        shoe.freedoms().motions, push.force_vector, push.point.xy
+    )
+
+
+class HeldMotions(NamedTuple):
+    """The rigid-body motions that bearing supports hold, and those that they leave free.
+
+    Attributes
+    ----------
+    free : motions (k, k - c) that no bearing support opposes, per unit of each
+    held : motions (k, c), the j-th of which opens the j-th bearing support by 1 and no other
+    """
+
+    free: Floats
+    held: Floats
+
+
+def divide_motions_by_supports(opening: Floats, sizes: Floats) -> HeldMotions | None:
+    """Divide k motions into those that c bearing supports hold and those that they leave free.
+
+    The result is None if a support is redundant, since then the supports hold fewer motions than
+    they are.
+
+    Parameters
+    ----------
+    opening : opening (c, k) of the bearing supports per unit of each motion
+    sizes : amount (k,) of each motion that displaces points of the brake by about 1 m
+    """
+    count = len(opening)
+    if count > len(sizes):
+        return None
+    if not count:
+        return HeldMotions(np.diag(sizes), np.zeros((len(sizes), 0)))
+    left, values, right = np.linalg.svd(opening * sizes)
+    if values.min() <= SINGULAR_SUPPORT:
+        return None
+    held = sizes[:, None] * right[:count].T @ (left / values).T
+    return HeldMotions(sizes[:, None] * right[count:].T, held)
+
+
+def are_motions_resisted(closing: Floats, scale: float) -> bool:
+    """Whether the linings resist every motion that the bearing supports leave free.
+
+    A motion that closes no gap, such as a turn about the drum's centre, must be held by a support.
+
+    Parameters
+    ----------
+    closing : how much each of k free motions closes gaps along the linings, (n, k)
+    scale : largest such closing by a motion that displaces points of the brake by about 1 m
+    """
+    values = np.linalg.svd(closing, compute_uv=False)
+    return bool(values.min(initial=math.inf) > SINGULAR_SUPPORT * scale)
+
+
+def require_no_shoe_on_anchors(brake: Brake, what: str) -> None:
+    """Raise BadInput if a shoe of the brake rests on anchors; `what` names the computation."""
+    for i, shoe in enumerate(brake.shoes):
+        if shoe.anchors:
+            raise BadInput(
+                f"shoe[{i}].anchor: {what} takes no shoes that can leave their supports, "
+                f"as shoe {shoe.name!r} can"
+            )
+
+
+def names_of_bearing_supports(supports: Sequence[OneSidedSupport], bearing: Bearing) -> str:
+    """The names of the supports that bear, as a text; "none" if no support bears."""
+    names = [support.name for support, bears in zip(supports, bearing, strict=True) if bears]
+    return ", ".join(names) or "none"

@@ -1,0 +1,418 @@
+"""The rigid-shoe law of shoes on one-sided supports: anchors, and struts between their feet.
+
+Each shoe has three rigid-body motions y: the turn about its pin and two translations. Its lining
+has the stiffness E/t per area, so that the pressure is E/t times the closing of the gap. With the
+matrices N and F of `shoe_contact`, the opening V y of the supports and their forces f,
+
+    E/t (N - mu s F) y = Q + V^T f,    V y >= 0,  f >= 0,  f V y = 0
+
+The supports that bear hold some of the motions; the equilibria in the other motions give y, and
+those in the held motions give f. Each choice of bearing supports is tried. Clearances are
+neglected, as those of linings are.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
+from drumlin.base.lapack import block_diag
+from drumlin.brake.brake import Brake
+from drumlin.brake.one_sided import (
+    LARGEST_PULL,
+    Bearing,
+    HeldMotions,
+    OneSidedSupport,
+    SupportForce,
+    are_motions_resisted,
+    divide_motions_by_supports,
+    forces_of_supports_on_shoe,
+    names_of_bearing_supports,
+    one_sided_supports_of_brake,
+    possible_bearings,
+    work_of_push_in_motions,
+)
+from drumlin.brake.support import Freedoms
+from drumlin.laws.face import Arcs, Face, friction_surface_of_shoe
+from drumlin.laws.shoe_contact import (
+    MOST_CONTACT_STEPS,
+    RigidShoeContact,
+    equilibrium_matrices_of_rigid_shoe,
+    is_same_set_of_arcs,
+    smallest_singular_friction,
+)
+
+MOST_HALVED_FRICTIONS = 30
+"""Number of times that friction is halved until the supports that bear under it are found.
+
+A brake above its limit of self-locking has no solution that tells them. Thirty halvings end at
+1e-9 of the friction, where the brake is as good as frictionless; the number changes no result.
+"""
+NOT_HELD_TEXT = (
+    "no equilibrium, on no choice of its one-sided supports do pushes balance the actuation"
+)
+"""Text of the refusal of a shoe that its anchors, abutments and struts cannot hold by pushing."""
+SAME_FORCES = 1e-6
+"""Relative difference of the supports' forces below which two equilibria count as the same.
+
+Without friction a support may bear with no force: then two choices of supports have one solution.
+The value lies far above round-off, and far below the difference of two real equilibria.
+"""
+
+
+class _ShoesOnAnchors(NamedTuple):
+    """Shoes on one-sided supports that are in equilibrium together, without their friction.
+
+    Attributes
+    ----------
+    members : positions of the shoes in the brake
+    faces, freedoms : friction surface, and rigid-body modes, of each shoe
+    stiffness : stiffness (shoes,) E/t of each lining per area, over that of the first lining
+    supports : the supports of the shoes
+    opening : opening (m, k) of the supports per unit of each rigid-body mode
+    sizes : amount (k,) of each mode that displaces points of the brake by about 1 m
+    """
+
+    members: tuple[int, ...]
+    faces: tuple[Face, ...]
+    freedoms: tuple[Freedoms, ...]
+    stiffness: Floats
+    supports: tuple[OneSidedSupport, ...]
+    opening: Floats
+    sizes: Floats
+
+
+class SolvedShoesOnAnchors(NamedTuple):
+    """Shoes on their bearing supports in equilibrium.
+
+    `forces` (m,) [N] are those of the supports, and `mu_lock` is the friction coefficient at which
+    the shoes lock on these supports and these arcs.
+    """
+
+    shoes: _ShoesOnAnchors
+    bearing: Bearing
+    contacts: dict[str, RigidShoeContact]
+    forces: Floats
+    mu_lock: float
+
+
+def groups_of_shoes_on_anchors(brake: Brake) -> list[tuple[int, ...]]:
+    """The positions of the shoes on anchors, in groups that struts join."""
+    groups: list[tuple[int, ...]] = []
+    joined: dict[int, tuple[int, ...]] = {}
+    for support in one_sided_supports_of_brake(brake):
+        if support.is_strut:
+            ends = tuple(sorted(side.shoe for side in support.sides))
+            joined |= dict.fromkeys(ends, ends)
+    for i, shoe in enumerate(brake.shoes):
+        group = joined.get(i, (i,))
+        if shoe.anchors and group not in groups:
+            groups.append(group)
+    return groups
+
+
+def _shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesOnAnchors:
+    """The shoes of a brake with these positions, on their one-sided supports."""
+    shoes = [brake.shoes[i] for i in members]
+    freedoms = tuple(shoe.freedoms() for shoe in shoes)
+    supports = tuple(
+        support
+        for support in one_sided_supports_of_brake(brake)
+        if support.sides[0].shoe in members
+    )
+    opening = np.zeros((len(supports), 3 * len(members)))
+    for j, support in enumerate(supports):
+        for side in support.sides:
+            k = members.index(side.shoe)
+            opening[j, 3 * k : 3 * k + 3] = work_of_push_in_motions(shoes[k], side.push)
+    # The linings count alike unless all of their stiffnesses are known.
+    stiffness = np.ones(len(shoes))
+    linings = [shoe.lining for shoe in shoes]
+    if all(lining.material is not None and lining.thickness for lining in linings):
+        stiffness = np.array([each.material.E_through / each.thickness for each in linings])
+    return _ShoesOnAnchors(
+        members,
+        tuple(friction_surface_of_shoe(brake, shoe) for shoe in shoes),
+        freedoms,
+        stiffness / stiffness[0],
+        supports,
+        opening,
+        np.tile([1 / brake.size, 1.0, 1.0], len(members)),
+    )
+
+
+class _Matrices(NamedTuple):
+    """The matrices N and F (k, k) of shoes on given arcs, times the stiffness of their linings.
+
+    F is also times the friction coefficient of each lining over that of the brake.
+    """
+
+    normal: Floats
+    friction: Floats
+
+
+def _matrices_on_arcs(brake: Brake, on: _ShoesOnAnchors, arcs: list[Arcs]) -> _Matrices:
+    """The matrices N and F of shoes whose linings touch on given arcs."""
+    found = []
+    for k, i in enumerate(on.members):
+        width = on.stiffness[k] * brake.shoes[i].lining.width
+        normal_work, friction_work = equilibrium_matrices_of_rigid_shoe(
+            on.faces[k], on.freedoms[k], width, arcs[k]
+        )
+        relative = brake.relative_friction_of_shoe(brake.shoes[i])
+        found.append((normal_work, relative * friction_work))
+    normal, friction = zip(*found, strict=True)
+    return _Matrices(block_diag(*normal), block_diag(*friction))
+
+
+def _motions_held_and_free(on: _ShoesOnAnchors, bearing: Bearing) -> HeldMotions | None:
+    """The motions that bearing supports hold and leave free; None if they do not hold the shoes."""
+    motions = divide_motions_by_supports(on.opening[np.array(bearing, dtype=bool)], on.sizes)
+    if motions is None:
+        return None
+    shapes = [
+        face.gap_closing_by_motions(free.motions).T
+        for face, free in zip(on.faces, on.freedoms, strict=True)
+    ]
+    closing = block_diag(*shapes)
+    scale = float(np.linalg.norm(closing * on.sizes, axis=0).max())
+    return motions if are_motions_resisted(closing @ motions.free, scale) else None
+
+
+class _SettledContact(NamedTuple):
+    """The equilibrium of shoes on given free motions, on the arcs where the pressure is positive.
+
+    Attributes
+    ----------
+    matrices : N and F of the shoes on these arcs
+    y : (k,) rigid-body motions, in the unit of the pressure over the first lining's stiffness
+    c : factors (2,) of the shape functions in the pressure of each shoe [Pa]
+    arcs : arcs in contact of each shoe
+    """
+
+    matrices: _Matrices
+    y: Floats
+    c: list[Floats]
+    arcs: list[Arcs]
+
+
+def _contact_on_free_motions(
+    brake: Brake, on: _ShoesOnAnchors, free: Floats, work: Floats
+) -> _SettledContact | None:
+    """The equilibrium of shoes that move in the free motions (k, k') only; None if there is none.
+
+    The arcs in contact are changed until they are those where the pressure is positive. `work` (k,)
+    is the work of the actuation on each motion.
+    """
+    linings = [brake.shoes[i].lining for i in on.members]
+    arcs: list[Arcs] = [((lining.start, lining.end),) for lining in linings]
+    before: list[list[Arcs]] = []
+    shapes = [
+        face.gap_closing_by_motions(modes.motions)
+        for face, modes in zip(on.faces, on.freedoms, strict=True)
+    ]
+    for _ in range(MOST_CONTACT_STEPS):
+        matrices = _matrices_on_arcs(brake, on, arcs)
+        K = matrices.normal - brake.drag * matrices.friction
+        try:
+            y = free @ np.linalg.solve(free.T @ K @ free, free.T @ work)
+        except np.linalg.LinAlgError:
+            break
+        c = [on.stiffness[k] * shape.T @ y[3 * k : 3 * k + 3] for k, shape in enumerate(shapes)]
+        after = [
+            face.arcs_of_positive_pressure(each, lining.start, lining.end)
+            for face, each, lining in zip(on.faces, c, linings, strict=True)
+        ]
+        if all(map(is_same_set_of_arcs, after, arcs)):
+            return _SettledContact(matrices, y, c, arcs)
+        # Without an arc a shoe leaves the surface, and arcs that come back go on in a circle.
+        back = any(all(map(is_same_set_of_arcs, after, each)) for each in before)
+        if back or not all(after):
+            break
+        before.append(arcs)
+        arcs = after
+    return None
+
+
+def _solve_on_bearing_supports(
+    brake: Brake, on: _ShoesOnAnchors, bearing: Bearing
+) -> SolvedShoesOnAnchors | None:
+    """The equilibrium of shoes on bearing supports; None without one, or if a support pulls."""
+    motions = _motions_held_and_free(on, bearing)
+    if motions is None:
+        return None
+    work = np.concatenate([modes.work for modes in on.freedoms])
+    settled = _contact_on_free_motions(brake, on, motions.free, work)
+    if settled is None:
+        return None
+    (normal, friction), free, y = settled.matrices, motions.free, settled.y
+    mu_lock = smallest_singular_friction(
+        free.T @ normal @ free, free.T @ friction @ free, brake.sign_of_motion
+    )
+    forces = np.zeros(len(bearing))
+    forces[np.array(bearing, dtype=bool)] = motions.held.T @ (
+        (normal - brake.drag * friction) @ y - work
+    )
+    if brake.friction >= mu_lock or not _is_bearing_as_assumed(on, bearing, y, forces):
+        return None
+    contacts = {}
+    for k, i in enumerate(on.members):
+        amounts = on.stiffness[k] * y[3 * k : 3 * k + 3]
+        contacts[brake.shoes[i].name] = RigidShoeContact(
+            on.faces[k], settled.c[k], amounts, settled.arcs[k], on.freedoms[k], 1
+        )
+    return SolvedShoesOnAnchors(on, bearing, contacts, forces, mu_lock)
+
+
+def _is_bearing_as_assumed(
+    on: _ShoesOnAnchors, bearing: Bearing, y: Floats, forces: Floats
+) -> bool:
+    """Whether no bearing support pulls and no open support overlaps its shoe.
+
+    Parameters
+    ----------
+    on : the shoes
+    bearing : whether each of the m supports bears
+    y : (k,) rigid-body motions of the shoes
+    forces : (m,) forces of the supports [N]
+    """
+    bears = np.array(bearing, dtype=bool)
+    actuation = max(float(np.abs(free.work).max()) for free in on.freedoms)
+    largest = max(float(np.abs(forces).max()), actuation * float(on.sizes[0]))
+    parts = on.opening * y
+    pulls = (forces[bears] < -LARGEST_PULL * largest).any()
+    overlaps = (parts.sum(axis=1)[~bears] < -LARGEST_PULL * np.abs(parts).max()).any()
+    return not (pulls or overlaps)
+
+
+def _equilibria(brake: Brake, members: tuple[int, ...]) -> Iterator[SolvedShoesOnAnchors]:
+    """Yield the equilibria of shoes on anchors, one for each choice of bearing supports with one.
+
+    Choices that lead to the same forces of the supports count once.
+    """
+    on = _shoes_on_anchors(brake, members)
+    found: list[Floats] = []
+    for bearing in possible_bearings(len(on.supports)):
+        solved = _solve_on_bearing_supports(brake, on, bearing)
+        if solved is None:
+            continue
+        size = max(float(np.abs(solved.forces).max()), math.ulp(1.0))
+        if not any(np.allclose(solved.forces, each, 0, SAME_FORCES * size) for each in found):
+            found.append(solved.forces)
+            yield solved
+
+
+def _equilibrium(brake: Brake, members: tuple[int, ...]) -> SolvedShoesOnAnchors:
+    """The first equilibrium of shoes on anchors. Raises NoAnswer if there is none."""
+    first = next(_equilibria(brake, members), None)
+    if first is not None:
+        return first
+    names = brake.names(members)
+    limit = _locking_friction(brake, members)
+    if brake.friction >= limit:
+        raise NoAnswer(
+            f"{names}: self-locking, friction {brake.friction:g} is not below mu_lock = "
+            f"{limit:.6g} of the rigid-shoe law"
+        )
+    raise NoAnswer(f"{names}: {NOT_HELD_TEXT}")
+
+
+def _locking_friction(brake: Brake, members: tuple[int, ...]) -> float:
+    """The friction coefficient at which shoes on anchors lock; inf if they never do.
+
+    It is that of the supports that bear at the brake's friction, or at the largest of its halves
+    that has an equilibrium.
+    """
+    friction = brake.friction
+    for _ in range(MOST_HALVED_FRICTIONS):
+        found = next(_equilibria(brake.brake_with_scaled_friction(friction), members), None)
+        if found is not None:
+            return found.mu_lock
+        friction /= 2
+    return math.inf
+
+
+def _group_of_shoe(brake: Brake, index: int) -> tuple[int, ...]:
+    """The positions of the shoes that are in equilibrium together with shoe `index`."""
+    return next(group for group in groups_of_shoes_on_anchors(brake) if index in group)
+
+
+def contact_of_shoe_on_anchors(brake: Brake, index: int) -> RigidShoeContact:
+    """The contact of shoe `index`, which is on anchors.
+
+    Raises NoAnswer if the shoe locks itself, or if no choice of its supports holds it.
+    """
+    return _equilibrium(brake, _group_of_shoe(brake, index)).contacts[brake.shoes[index].name]
+
+
+def locking_friction_of_shoes_on_anchors(brake: Brake, index: int) -> float:
+    """The friction coefficient at which shoe `index`, which is on anchors, locks; inf if never.
+
+    The friction coefficients of all linings grow in proportion; the result is that of this shoe.
+    """
+    limit = _locking_friction(brake, _group_of_shoe(brake, index))
+    return limit * brake.relative_friction_of_shoe(brake.shoes[index])
+
+
+def bearing_of_rigid_shoes(brake: Brake, members: tuple[int, ...]) -> Bearing:
+    """Which one-sided supports of some shoes bear by the law, in the order of the brake.
+
+    It is () if the law has no equilibrium. `members` are the positions of the shoes in the brake.
+    """
+    bears: dict[str, bool] = {}
+    for group in groups_of_shoes_on_anchors(brake):
+        if group[0] not in members:
+            continue
+        found = next(_equilibria(brake, group), None)
+        if found is None:
+            return ()
+        names = [support.name for support in found.shoes.supports]
+        bears |= dict(zip(names, found.bearing, strict=True))
+    order = [support.name for support in one_sided_supports_of_brake(brake)]
+    return tuple(bears[name] for name in order if name in bears)
+
+
+class AnchoredAnswer(NamedTuple):
+    """The equilibria of all shoes on anchors of a brake by the law.
+
+    Attributes
+    ----------
+    contacts : contact of each shoe, by its name
+    supports : forces of the one-sided supports on each shoe, by its name
+    warnings : a line for each group of shoes with more than one equilibrium, which names the
+        choices of supports that bear
+    """
+
+    contacts: dict[str, RigidShoeContact]
+    supports: dict[str, tuple[SupportForce, ...]]
+    warnings: tuple[str, ...]
+
+
+def solve_shoes_on_anchors(brake: Brake) -> AnchoredAnswer:
+    """Solve all shoes on anchors of a brake by the rigid-shoe law.
+
+    Raises NoAnswer for shoes that lock themselves or that no choice of their supports holds.
+    """
+    contacts: dict[str, RigidShoeContact] = {}
+    supports: dict[str, tuple[SupportForce, ...]] = {}
+    warnings = []
+    for members in groups_of_shoes_on_anchors(brake):
+        found = list(_equilibria(brake, members)) or [_equilibrium(brake, members)]
+        first = found[0]
+        contacts |= first.contacts
+        for i in members:
+            supports[brake.shoes[i].name] = forces_of_supports_on_shoe(
+                first.shoes.supports, first.forces, i
+            )
+        if len(found) > 1:
+            choices = "; ".join(
+                names_of_bearing_supports(each.shoes.supports, each.bearing) for each in found
+            )
+            warnings.append(
+                f"warning: {brake.names(members)}: more than one equilibrium by the rigid-shoe "
+                f"law, on the supports {choices}; the law takes the first"
+            )
+    return AnchoredAnswer(contacts, supports, tuple(warnings))

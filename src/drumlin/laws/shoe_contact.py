@@ -1,0 +1,116 @@
+"""The contact of a rigid shoe: its equilibria on given arcs, and where friction makes it lock."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.brake.support import Freedoms
+from drumlin.laws.face import Arcs, Face
+
+MOST_CONTACT_STEPS = 200
+"""Largest number of iterations for the arcs of a lining in contact; beyond it the solve fails."""
+
+
+class RigidShoeContact(NamedTuple):
+    """The contact of a rigid shoe in equilibrium.
+
+    Attributes
+    ----------
+    face : surface on which the shoe presses
+    c : (2,) [Pa], factors of the surface's two shape functions in the pressure
+    amounts : (k,) [Pa per m of gap], factors of the rigid-body modes in the pressure
+    arcs : begin and end of each arc of the lining in contact
+    freedoms : rigid-body modes and test modes of the shoe
+    sense : sense in which friction acts on a foot at an abutment
+    """
+
+    face: Face
+    c: Floats
+    amounts: Floats
+    arcs: Arcs
+    freedoms: Freedoms
+    sense: int
+
+    @property
+    def tip_motion_over_compliance(self) -> float:
+        """Displacement of the actuation point along its force, over the lining's compliance [Pa].
+
+        The compliance is the compression of the lining per pressure [m/Pa].
+        """
+        return float(self.freedoms.tip @ self.amounts)
+
+
+def equilibrium_matrices_of_rigid_shoe(
+    face: Face, free: Freedoms, width: float, arcs: Arcs
+) -> tuple[Floats, Floats]:
+    """Matrices N and F (k, k) of the equilibria (N - mu s F) a = Q of a rigid shoe.
+
+    N belongs to the pressure and F to the friction. The unknowns a are the factors of the k
+    rigid-body modes in the pressure. Q is the work of the actuation on the test modes.
+
+    Parameters
+    ----------
+    face : surface on which the shoe presses
+    free : rigid-body modes and test modes of the shoe
+    width : width of the lining [m]
+    arcs : arcs of the lining in contact
+    """
+    products, shapes = (
+        width * face.integrals_of_shape_products(arcs),
+        face.gap_closing_by_motions(free.motions),
+    )
+    N = face.gap_closing_by_motions(free.tests) @ products[:2] @ shapes.T
+    return N, face.slide_by_rigid_shoe_motions(free.tests) @ products @ shapes.T
+
+
+def self_locking_friction_on_arcs(
+    face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int
+) -> float:
+    """Friction coefficient mu_lock at which a rigid shoe locks itself; inf if it never does.
+
+    It is the smallest mu > 0 at which the equilibria (N - mu s F) a = Q become singular.
+
+    Parameters
+    ----------
+    face : surface on which the shoe presses
+    free : rigid-body modes and test modes of the shoe
+    width : width of the lining [m]
+    arcs : arcs of the lining in contact
+    spin : sense s in which the drum or the sliding body moves, +1 or -1
+    """
+    return smallest_singular_friction(
+        *equilibrium_matrices_of_rigid_shoe(face, free, width, arcs), spin
+    )
+
+
+def smallest_singular_friction(N: Floats, F: Floats, spin: int) -> float:
+    """The smallest friction coefficient mu > 0 at which N - mu s F is singular; inf without one.
+
+    N and F (k, k) are the matrices of `equilibrium_matrices_of_rigid_shoe`, and `spin` is the sense
+    s of the motion, +1 or -1.
+    """
+    # With one mode the matrices are numbers, and N - mu s F vanishes at mu = N/(s F).
+    if len(N) == 1:
+        drags = spin * float(F[0, 0]) / float(N[0, 0]) if N[0, 0] else 0.0
+        return 1 / drags if drags > 1e-14 else math.inf
+    # The modes have different units, so rows and columns are scaled to a diagonal of ones.
+    size = np.sqrt(np.abs(np.diagonal(N))) + 1e-300
+    N, F = N / np.outer(size, size), F / np.outer(size, size)
+    # N - mu s F is singular where 1/mu is an eigenvalue of s N^-1 F.
+    try:
+        found = np.linalg.eigvals(np.linalg.solve(N, spin * F))
+    except np.linalg.LinAlgError:
+        return math.inf
+    # Complex and negative eigenvalues belong to no friction coefficient.
+    real = found.real[np.abs(found.imag) <= 1e-9 * np.abs(found)]
+    return min((1 / float(x) for x in real if x > 1e-14), default=math.inf)
+
+
+def is_same_set_of_arcs(a: Arcs, b: Arcs) -> bool:
+    """Whether two sets of contact arcs are equal up to round-off."""
+    if len(a) != len(b):
+        return False
+    round_off = 1e-13 * max(1.0, np.abs(b).max())
+    return bool(np.allclose(a, b, rtol=0, atol=round_off))

@@ -1,0 +1,646 @@
+"""Find the value of a key of a brake file at which a brake has a wanted torque or peak pressure.
+
+The range of the key is tried at some values first. Between two of them the value is found by
+Brent's method (scipy.optimize), which needs a change of sign and no slope. Values without an answer
+(a brake that locks itself, a geometry that is not allowed) bound the search, and the refusal names
+their reason.
+"""
+
+import math
+from bisect import insort
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.brake.file import (
+    is_allowed_range_an_interval,
+    numerical_value_of_brake_key,
+    si_unit_of_brake_key,
+    values_of_brake_key,
+    vary,
+)
+from drumlin.fem.preparation.cache import Cache
+from drumlin.models import model_with_name_that_applies_to_brake
+from drumlin.response.response import Response
+
+LARGEST = "largest"
+"""The value of --torque that asks for the largest torque of the range."""
+
+RANGE_FACTOR = 10.0
+"""Factor by which a quantity with one sign is varied to both sides, if no range is given.
+
+The value is a judgement. The range is printed with the answer, and the user may give another one.
+"""
+ANGLE_RANGE = math.radians(30)
+"""Angle [rad] by which an angle is varied to both sides, if no range is given; a judgement."""
+
+COORDINATE_RANGE = 0.25
+"""Length by which a coordinate is varied to both sides, relative to the size of the brake.
+
+It holds for coordinates of points if no range is given, and is a judgement.
+"""
+FIRST_TRIALS = 9
+"""Number of values at which the range is tried first.
+
+A torque that crosses the wanted one twice between two of these values is not seen. More values take
+more time.
+"""
+BORDER_TRIALS = 16
+"""Number of bisections that locate where the answers of a range end, as at self-locking.
+
+The border is then known to 1e-5 of the distance between two of the first trials.
+"""
+SLOPE_STEP = 1e-2
+"""Step of the slope that turns an error of the torque into an error of the key.
+
+It is relative to the value, or to the range of an angle or a coordinate. The slope is a difference,
+whose error is some 1 % of it. A smaller step would feel the errors of the two torques.
+"""
+EXTREME_RESOLUTION = 1e-4
+"""Distance to which the place of a largest torque is found, relative to that of its neighbours.
+
+The torque is then within 1e-8 of its rise above the neighbours. A smaller value takes more time.
+"""
+SOLVED_SHARE = 0.01
+"""Part of the stated error of a torque at which the search for this torque ends."""
+
+EXACT = 1e-14
+"""Relative difference at which the search ends where no error is stated: round-off of a double."""
+
+PRINTED_UNITS = {"m": ("mm", 1e3), "rad": ("deg", math.degrees(1)), "Pa": ("MPa", 1e-6)}
+"""The unit in which a quantity is printed, and its number per SI unit, by the SI unit."""
+
+
+class Trial(NamedTuple):
+    """A value of the key that was tried, with the answer of the brake.
+
+    Attributes
+    ----------
+    value : value of the key [SI]
+    torque : torque of the brake [N m], on a plane its braking force [N]; nan without an answer
+    peak_pressure : largest peak pressure of the shoes [Pa]; nan without an answer
+    errors : stated relative errors of "torque" and "peak_pressure"; empty if none is stated
+    failure : the reason why there is no answer; "" if there is one
+    """
+
+    value: float
+    torque: float
+    peak_pressure: float
+    errors: Mapping[str, float]
+    failure: str = ""
+
+
+@dataclass(frozen=True)
+class Question:
+    """A question about a brake: which value of a key gives a torque or a peak pressure.
+
+    Attributes
+    ----------
+    brake : the brake, whose key has the value of its file
+    key : the key, written as for `vary`
+    model : name of the model that solves the brakes
+    options : options of the model
+    torque : wanted torque [N m], LARGEST for the largest one, or None
+    peak_pressure : wanted peak pressure [Pa]; with a wanted torque the largest allowed one; or None
+    low, high : ends of the range of the key [SI]; None for a range about the value of the file
+    say : called with a line of text before each trial
+    """
+
+    brake: Brake
+    key: str
+    model: str
+    options: Mapping[str, Any]
+    torque: float | str | None
+    peak_pressure: float | None
+    low: float | None = None
+    high: float | None = None
+    say: Callable[[str], None] = lambda words: None
+    cache: Cache = field(default_factory=Cache)
+
+    @cached_property
+    def unit(self) -> str:
+        """The SI unit of the key."""
+        return si_unit_of_brake_key(self.brake, self.key) or ""
+
+    @cached_property
+    def value_of_file(self) -> float:
+        """The value of the key in the brake file. Raises BadInput if it is no single number."""
+        if set(map(type, values_of_brake_key(self.brake, self.key))) == {type(None)}:
+            raise BadInput(f"{self.key}: has no value in the brake file to start from; write one")
+        return numerical_value_of_brake_key(self.brake, self.key)
+
+    @cached_property
+    def is_of_one_sign(self) -> bool:
+        """Whether the key holds a length, force, modulus or number that keeps its sign."""
+        return is_allowed_range_an_interval(self.brake, self.key)
+
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """The ends of the range of the key. Raises BadInput for a range without values."""
+        value = self.value_of_file
+        if self.unit == "rad":
+            ends = (value - ANGLE_RANGE, value + ANGLE_RANGE)
+        elif not self.is_of_one_sign:
+            reach = COORDINATE_RANGE * self.brake.size
+            ends = (value - reach, value + reach)
+        else:
+            first, second = sorted((value / RANGE_FACTOR, value * RANGE_FACTOR))
+            ends = (first, second)
+        low = ends[0] if self.low is None else self.low
+        high = ends[1] if self.high is None else self.high
+        if not low < high:
+            raise BadInput(f"--from = {self.text(low)}: must be less than --to = {self.text(high)}")
+        return low, high
+
+    def first_values(self) -> list[float]:
+        """The values that are tried first, in growing order; the value of the file is among them.
+
+        Lengths, forces and moduli are spaced by equal factors.
+        """
+        low, high = self.ends
+        spaced = np.geomspace if self.is_of_one_sign and low * high > 0 else np.linspace
+        values = {float(x) for x in spaced(low, high, FIRST_TRIALS)} | {low, high}
+        if low <= self.value_of_file <= high:
+            values.add(self.value_of_file)
+        return sorted(value for value in values if low <= value <= high)
+
+    def text(self, value: float) -> str:
+        """A value of the key in words, such as "12 mm"."""
+        return quantity_in_words(value, self.unit)
+
+    def torque_text(self, torque: float) -> str:
+        """A torque in words; on a plane a braking force."""
+        return quantity_in_words(torque, self.brake.surface.effect_unit)
+
+    def solve(self, value: float) -> Response:
+        """The response of the brake at a value of the key. Raises BadInput and NoAnswer."""
+        self.say(f"sizing: {self.key} = {self.text(value)}")
+        varied = vary(self.brake, {self.key: value})
+        options = dict(self.options)
+        if self.model in {"fem", "solid"}:
+            options["cache"] = self.cache
+        return model_with_name_that_applies_to_brake(self.model, varied).solve(varied, **options)
+
+    def trial(self, value: float) -> Trial:
+        """Try a value of the key. A brake without an answer, or not allowed, gives a failure."""
+        try:
+            response = self.solve(value)
+        except (BadInput, NoAnswer) as error:
+            return Trial(value, math.nan, math.nan, {}, str(error))
+        stated = response.error or {}
+        peak = max(shoe.peak_pressure for shoe in response.shoes)
+        errors = {"torque": stated.get("torque", 0.0), "peak_pressure": stated.get("peak", 0.0)}
+        return Trial(value, float(response.effect), float(peak), errors)
+
+
+@dataclass(frozen=True)
+class Sizing:
+    """The value of a key at which a brake has a wanted torque or peak pressure.
+
+    Attributes
+    ----------
+    key : the key of the brake file
+    unit : SI unit of the key
+    value : the value [SI]
+    value_of_file : the value of the brake file [SI]
+    torque : torque [N m], on a plane braking force [N]
+    peak_pressure : largest peak pressure of the shoes [Pa]
+    slope : change of the wanted quantity per value of the key, a difference of two answers; None
+        where the torque is largest
+    errors : error of the value [SI] by the stated error of the finite elements ("elements") and by
+        that of plane stress itself ("plane_stress"); without errors that are not stated
+    range : ends of the range that was searched [SI]
+    others : further values [SI] that give the same, as far as the search has seen them
+    remark : what bounds the largest torque; "" for other questions
+    brake : the brake with the value
+    response : its response, with its stated errors and notes
+    """
+
+    key: str
+    unit: str
+    value: float
+    value_of_file: float
+    torque: float
+    peak_pressure: float
+    slope: float | None
+    errors: Mapping[str, float]
+    range: tuple[float, float]
+    others: tuple[float, ...]
+    remark: str
+    brake: Brake
+    response: Response
+
+    def as_dict(self) -> dict[str, Any]:
+        """The answer as plain data for JSON, in SI; `response` is that of `drumlin solve`."""
+        data = {name: value for name, value in vars(self).items() if name != "brake"}
+        return data | {
+            "errors": dict(self.errors),
+            "range": list(self.range),
+            "others": list(self.others),
+            "response": self.response.as_dict(),
+        }
+
+    def lines(self) -> list[str]:
+        """Lines of text: the value, its errors, the range, and further values."""
+        text, surface = quantity_in_words, self.brake.surface
+        low, high = (text(end, self.unit) for end in self.range)
+        lines = [
+            f"{self.key} = {text(self.value, self.unit)} "
+            f"({text(self.value_of_file, self.unit)} in the file): "
+            f"{surface.effect} {text(self.torque, surface.effect_unit)}, "
+            f"peak pressure {text(self.peak_pressure, 'Pa')}"
+        ]
+        words = {"elements": "the finite elements", "plane_stress": "plane stress itself"}
+        stated = [f"{text(self.errors[name], self.unit)} by {words[name]}" for name in self.errors]
+        if stated:
+            lines.append(f"error of this value: {', '.join(stated)}")
+        others = f"; the same at {', '.join(text(x, self.unit) for x in self.others)}"
+        lines.append(
+            f"searched: {low} to {high}{others if self.others else ''}"
+            f"{'; ' + self.remark if self.remark else ''}"
+        )
+        return lines
+
+
+def quantity_in_words(value: float, si: str) -> str:
+    """A quantity with six digits and a unit that people use, such as "12.5 mm"."""
+    unit, per_si = PRINTED_UNITS.get(si, (si, 1.0))
+    return f"{value * per_si:.6g} {unit}".rstrip()
+
+
+def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizing:
+    """Find the value of a key that gives a wanted torque or peak pressure.
+
+    Parameters
+    ----------
+    question : the brake, the key and what is wanted
+    answer : function that solves the brake with the value found, with all stated errors
+
+    Raises
+    ------
+    BadInput
+        for an unknown key, a key without one number, a range without values, a wanted quantity that
+        is not positive, or none at all
+    NoAnswer
+        where it is not possible, with the reason and the range that was searched
+    """
+    _check_wanted_quantities(question)
+    trials = _first_trials(question)
+    if question.torque == LARGEST:
+        found, remark = _value_with_largest_torque(question, trials)
+        return _sizing_of_value(question, found, (), answer, remark)
+    name = "peak_pressure" if question.torque is None else "torque"
+    roots = _values_with_wanted_quantity(question, trials, name)
+    allowed = [root for root in roots if _is_peak_pressure_allowed(question, root)]
+    if not allowed:
+        raise NoAnswer(_text_on_peak_pressure_above_limit(question, trials, roots[0]))
+    allowed.sort(key=lambda root: abs(root.value - question.value_of_file))
+    others = tuple(sorted(root.value for root in allowed[1:]))
+    return _sizing_of_value(question, allowed[0], others, answer)
+
+
+def _check_wanted_quantities(question: Question) -> None:
+    """Raise BadInput unless a positive torque or peak pressure is wanted of a known key."""
+    if question.torque is None and question.peak_pressure is None:
+        raise BadInput("--torque, --peak-pressure: give at least one of both")
+    wanted = {"--torque": question.torque, "--peak-pressure": question.peak_pressure}
+    for option, value in wanted.items():
+        if isinstance(value, float | int) and not 0 < value < math.inf:
+            raise BadInput(f"{option} = {value:g}: must be greater than 0")
+    if (
+        question.value_of_file == 0
+        and question.is_of_one_sign
+        and None
+        in (
+            question.low,
+            question.high,
+        )
+    ):
+        raise BadInput(f"{question.key} = 0: the range to search is missing; give --from and --to")
+    # A key that the brake does not let change is bad input, as a force that follows from a drive.
+    vary(question.brake, {question.key: question.value_of_file})
+    model_with_name_that_applies_to_brake(question.model, question.brake)
+
+
+def _first_trials(question: Question) -> list[Trial]:
+    """The first trials of the range. Raises NoAnswer if none of them has an answer."""
+    trials = [question.trial(value) for value in question.first_values()]
+    if all(trial.failure for trial in trials):
+        nearest = min(trials, key=lambda trial: abs(trial.value - question.value_of_file))
+        raise NoAnswer(
+            f"{_not_possible(question)}, because no value of the range has an answer; "
+            f"{question.key} = {question.text(nearest.value)}: {nearest.failure}"
+        )
+    return trials
+
+
+def _values_with_wanted_quantity(question: Question, trials: list[Trial], name: str) -> list[Trial]:
+    """The trials at which the wanted quantity has its wanted value.
+
+    The first trials are searched, then the borders beyond which there is no answer, then the
+    largest and the smallest value between the trials.
+
+    Parameters
+    ----------
+    question : the question
+    trials : the trials up to now in growing order, to which further ones are added
+    name : the wanted quantity, "torque" or "peak_pressure"
+
+    Raises
+    ------
+    NoAnswer
+        if the quantity does not have this value in the range
+    """
+    wanted = question.torque if name == "torque" else question.peak_pressure
+    assert isinstance(wanted, float | int)
+    searches: tuple[Callable[[], None], ...] = (
+        lambda: None,
+        lambda: _add_trials_at_borders(question, trials),
+        lambda: _add_trial_at_extreme(question, trials, name, wanted),
+    )
+    for search in searches:
+        search()
+        roots = list(_roots_between_trials(question, trials, name, wanted))
+        if roots:
+            return roots
+    raise NoAnswer(_text_on_value_out_of_reach(question, trials, name, wanted))
+
+
+def _roots_between_trials(
+    question: Question, trials: Sequence[Trial], name: str, wanted: float
+) -> Iterator[Trial]:
+    """Yield the trials at which a quantity crosses a wanted value, by Brent's method."""
+    for before, after in pairwise(trials):
+        off = [getattr(trial, name) - wanted for trial in (before, after)]
+        # A trial that has the value exactly ends one interval and begins the next one.
+        if off[0] == 0 or off[0] * off[1] < 0:
+            yield _root_between_two_trials(question, before, after, name, wanted)
+    if trials and getattr(trials[-1], name) == wanted:
+        yield trials[-1]
+
+
+def _root_between_two_trials(
+    question: Question, before: Trial, after: Trial, name: str, wanted: float
+) -> Trial:
+    """The trial between two others at which a quantity has a wanted value.
+
+    Raises NoAnswer if a brake between both has no answer.
+    """
+    known = {before.value: before, after.value: after}
+
+    def difference_from_wanted_value(value: float) -> float:
+        """The quantity less its wanted value; 0 within a small part of its stated error."""
+        if value not in known:
+            known[value] = question.trial(value)
+        trial = known[value]
+        if trial.failure:
+            raise NoAnswer(
+                f"{_not_possible(question)}, because {question.key} = {question.text(value)} "
+                f"has no answer: {trial.failure}"
+            )
+        off = float(getattr(trial, name) - wanted)
+        close = max(EXACT, SOLVED_SHARE * trial.errors[name]) * wanted
+        return 0.0 if abs(off) <= close else off
+
+    root = brentq(
+        difference_from_wanted_value,
+        before.value,
+        after.value,
+        xtol=EXACT * abs(after.value - before.value),
+        rtol=4 * np.finfo(float).eps,
+    )
+    difference_from_wanted_value(float(root))
+    return known[float(root)]
+
+
+def _add_trials_at_borders(question: Question, trials: list[Trial]) -> None:
+    """Add trials on both sides of each border beyond which there is no answer, by bisection."""
+    for before, after in list(pairwise(trials)):
+        if bool(before.failure) == bool(after.failure):
+            continue
+        low, high = before.value, after.value
+        for _ in range(BORDER_TRIALS):
+            middle = question.trial(0.5 * (low + high))
+            insort(trials, middle, key=lambda trial: trial.value)
+            if bool(middle.failure) == bool(before.failure):
+                low = middle.value
+            else:
+                high = middle.value
+
+
+def _add_trial_at_extreme(
+    question: Question, trials: list[Trial], name: str, wanted: float
+) -> None:
+    """Add the trial at which a quantity is nearest to a wanted value beyond its reach.
+
+    It is the largest value if all trials are below the wanted one, and the smallest otherwise. It
+    is sought between the neighbours of the best trial, if both have an answer.
+    """
+    solved = [trial for trial in trials if not trial.failure]
+    sign = 1 if all(getattr(trial, name) < wanted for trial in solved) else -1
+    best = max(solved, key=lambda trial: sign * getattr(trial, name))
+    at = trials.index(best)
+    if not 0 < at < len(trials) - 1:
+        return
+    ends = trials[at - 1], trials[at + 1]
+    if not any(end.failure for end in ends):
+        refined = _extreme_between(question, (ends[0].value, ends[1].value), name, sign)
+        if not refined.failure:
+            insort(trials, refined, key=lambda trial: trial.value)
+
+
+def _extreme_between(question: Question, ends: tuple[float, float], name: str, sign: int) -> Trial:
+    """The trial between two values of the key with the largest (sign 1) or smallest quantity."""
+    seen: list[Trial] = []
+
+    def negative_quantity(value: float) -> float:
+        """The quantity to minimise; infinite where there is no answer."""
+        seen.append(question.trial(float(value)))
+        return math.inf if seen[-1].failure else -sign * float(getattr(seen[-1], name))
+
+    resolution = EXTREME_RESOLUTION * (ends[1] - ends[0])
+    minimize_scalar(negative_quantity, bounds=ends, method="bounded", options={"xatol": resolution})
+    solved = [trial for trial in seen if not trial.failure]
+    return max(solved or seen, key=lambda trial: sign * getattr(trial, name))
+
+
+def _value_with_largest_torque(question: Question, trials: list[Trial]) -> tuple[Trial, str]:
+    """The trial of the largest torque with an allowed peak pressure, and what bounds it.
+
+    Raises NoAnswer if the peak pressure is above its limit in the whole range.
+    """
+    _add_trials_at_borders(question, trials)
+    limit, bounded = question.peak_pressure, []
+    if limit is not None:
+        bounded = list(_roots_between_trials(question, trials, "peak_pressure", limit))
+    solved = [trial for trial in trials if not trial.failure]
+    allowed = [trial for trial in solved if _is_peak_pressure_allowed(question, trial)] + bounded
+    if not allowed:
+        raise NoAnswer(_text_on_value_out_of_reach(question, trials, "peak_pressure", limit or 0.0))
+    best = max(allowed, key=lambda trial: trial.torque)
+    if best in bounded:
+        return best, "the peak pressure bounds the torque"
+    at = trials.index(best)
+    if not 0 < at < len(trials) - 1:
+        return best, "the torque is largest at the end of the range"
+    failure = trials[at - 1].failure or trials[at + 1].failure
+    if failure:
+        return best, f"the torque is largest before there is no answer: {failure}"
+    refined = _extreme_between(question, (trials[at - 1].value, trials[at + 1].value), "torque", 1)
+    if refined.torque > best.torque and _is_peak_pressure_allowed(question, refined):
+        best = refined
+    return best, "the torque is largest inside the range"
+
+
+def _is_peak_pressure_allowed(question: Question, trial: Trial) -> bool:
+    """Whether the peak pressure of a trial is at most its limit, where both are limited."""
+    limit = question.peak_pressure
+    if limit is None or question.torque is None:
+        return True
+    return trial.peak_pressure <= limit * (1 + SOLVED_SHARE * trial.errors["peak_pressure"])
+
+
+def _sizing_of_value(
+    question: Question,
+    found: Trial,
+    others: tuple[float, ...],
+    answer: Callable[[Brake], Response],
+    remark: str = "",
+) -> Sizing:
+    """The answer to a question: the value, the response of its brake, and the errors of the value.
+
+    Parameters
+    ----------
+    question, answer : parameters of `size_brake`
+    found : the trial with the value
+    others : further values that give the same
+    remark : what bounds the largest torque
+    """
+    brake = vary(question.brake, {question.key: found.value})
+    response = answer(brake)
+    by_pressure = question.torque is None or remark == "the peak pressure bounds the torque"
+    name = "peak_pressure" if by_pressure else "torque"
+    slope = None
+    if not remark or by_pressure:
+        slope = _slope_at_trial(question, found, name)
+    return Sizing(
+        key=question.key,
+        unit=question.unit,
+        value=found.value,
+        value_of_file=question.value_of_file,
+        torque=float(response.effect),
+        peak_pressure=float(max(shoe.peak_pressure for shoe in response.shoes)),
+        slope=slope,
+        errors=_errors_of_value(response, name, getattr(found, name), slope),
+        range=question.ends,
+        others=others,
+        remark=remark,
+        brake=brake,
+        response=response,
+    )
+
+
+def _slope_at_trial(question: Question, found: Trial, name: str) -> float | None:
+    """The slope of a quantity by the key, by a difference.
+
+    It is None where no neighbour of the trial has an answer.
+    """
+    low, high = question.ends
+    size = abs(found.value) if question.is_of_one_sign else high - low
+    steps = (SLOPE_STEP * size, -SLOPE_STEP * size)
+    near = [question.trial(found.value + step) for step in steps]
+    solved = [trial for trial in near if not trial.failure] + [found]
+    first, last = solved[0], solved[1] if len(solved) > 1 else found
+    if first.value == last.value:
+        return None
+    rise = float(getattr(first, name) - getattr(last, name))
+    return rise / (first.value - last.value)
+
+
+def _errors_of_value(
+    response: Response, name: str, quantity: float, slope: float | None
+) -> dict[str, float]:
+    """The errors of a value of the key [SI], from the stated errors of a quantity over its slope.
+
+    Parameters
+    ----------
+    response : the response with the stated errors
+    name : the quantity, "torque" or "peak_pressure"
+    quantity : value of the quantity
+    slope : slope of the quantity by the key; None if it is not known
+    """
+    if not slope:
+        return {}
+    of_elements = (response.error or {}).get("torque" if name == "torque" else "peak")
+    of_model = None
+    if name == "torque" and response.plane_stress_error is not None:
+        of_model = response.plane_stress_error.brake.get("torque")
+    stated = {"elements": of_elements, "plane_stress": of_model}
+    return {
+        key: abs(error * quantity / slope) for key, error in stated.items() if error is not None
+    }
+
+
+# Texts of refusals
+
+
+def _not_possible(question: Question) -> str:
+    """The words with which a refusal begins: what is wanted, and the range that was searched."""
+    wanted = []
+    if question.torque is not None:
+        torque = question.torque
+        shown = torque if isinstance(torque, str) else question.torque_text(torque)
+        wanted.append(f"--torque = {shown}")
+    if question.peak_pressure is not None:
+        wanted.append(f"--peak-pressure = {quantity_in_words(question.peak_pressure, 'Pa')}")
+    low, high = map(question.text, question.ends)
+    return f"{', '.join(wanted)}: not possible with {question.key} from {low} to {high}"
+
+
+def _text_on_value_out_of_reach(
+    question: Question, trials: Sequence[Trial], name: str, wanted: float
+) -> str:
+    """The refusal of a quantity that does not have its wanted value in the range."""
+    solved = [trial for trial in trials if not trial.failure]
+    below = all(getattr(trial, name) < wanted for trial in solved)
+    best = (max if below else min)(solved, key=lambda trial: getattr(trial, name))
+    what, extreme = name.replace("_", " "), "largest" if below else "smallest"
+    if name == "torque":
+        what = question.brake.surface.effect
+    unit = "Pa" if name == "peak_pressure" else question.brake.surface.effect_unit
+    reached = quantity_in_words(getattr(best, name), unit)
+    text = (
+        f"{_not_possible(question)}, because the {extreme} {what} is {reached}, "
+        f"at {question.text(best.value)}"
+    )
+    at = trials.index(best)
+    if not 0 < at < len(trials) - 1:
+        return f"{text}, the end of the range"
+    failure = trials[at - 1].failure or trials[at + 1].failure
+    if failure:
+        return f"{text}; beyond it there is no answer: {failure}"
+    return f"{text}, inside the range: the {what} is not monotonic"
+
+
+def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], root: Trial) -> str:
+    """The refusal of a torque whose peak pressure is too high, with the largest possible torque."""
+    peak = quantity_in_words(root.peak_pressure, "Pa")
+    text = (
+        f"{_not_possible(question)}, because {question.key} = {question.text(root.value)}, "
+        f"which gives this torque, gives a peak pressure of {peak}"
+    )
+    try:
+        best, _ = _value_with_largest_torque(question, trials)
+    except NoAnswer:
+        return text
+    return (
+        f"{text}; the largest {question.brake.surface.effect} within the limit is "
+        f"{question.torque_text(best.torque)}, at {question.text(best.value)}"
+    )

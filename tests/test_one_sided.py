@@ -1,0 +1,252 @@
+"""Supports that push and cannot pull: anchors, and the strut and anchor of a duo-servo brake."""
+
+import math
+
+import numpy as np
+import pytest
+
+import drumlin
+from anchored_shoes import CYLINDER, FOOT, FORCE, PIN, WIDTH, R, duo_servo, shoe_between_anchors
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.file import make_drum_brake_from_data, vary
+from drumlin.fem.analysis import holding
+from drumlin.fem.analysis.prepared import prepared_model_for_analysis
+from drumlin.fem.solve import solve
+from drumlin.models import MODELS
+
+SENSES = (1, -1)
+FULL = (0.8, 0.8)
+"""Half arcs [rad] of linings that touch along their whole lengths up to a friction of 0.2."""
+
+
+def shoe_equations(hand: int, half: float, spin: int, mu: float) -> np.ndarray:
+    """Forces x and y and moment about O on a shoe, (3, 2), of p = A cos + B sin with A, B = 1.
+
+    The integrals over the lining by hand: cos^2, sin cos, sin^2, cos and sin.
+    """
+    a, b = (0.0 if hand > 0 else math.pi) + np.array([-half, half])
+    cc = (b - a) / 2 + (math.sin(2 * b) - math.sin(2 * a)) / 4
+    ss = (b - a) / 2 - (math.sin(2 * b) - math.sin(2 * a)) / 4
+    cs = (math.sin(b) ** 2 - math.sin(a) ** 2) / 2
+    c, s = math.sin(b) - math.sin(a), math.cos(a) - math.cos(b)
+    drag, area = mu * spin, WIDTH * R
+    return area * np.array(
+        [
+            [-cc - drag * cs, -cs - drag * ss],
+            [-cs + drag * cc, -ss + drag * cs],
+            [drag * R * c, drag * R * s],
+        ]
+    )
+
+
+def duo_servo_by_hand(spin: int, mu: float, half: float) -> tuple[float, float, float]:
+    """Torque, strut force and anchor force of a duo-servo brake from three equations a shoe.
+
+    The drum drags the shoes with its spin, so that the shoe on the side of the spin's hand bears on
+    the anchor and the other one floats. Each equation balances forces x, y or moments about O.
+    """
+    free, bears = -spin, spin
+    # The floating shoe: A, B and the strut's force, which is outwards at the foot.
+    at_tip = FORCE * free * np.array([1.0, 0.0, -CYLINDER])
+    strut = free * np.array([1.0, 0.0, -FOOT])
+    own = np.column_stack([shoe_equations(free, half, spin, mu), strut])
+    A, B, S = np.linalg.solve(own, -at_tip)
+    torque = abs(shoe_equations(free, half, spin, mu)[2] @ [A, B])
+    # The shoe on the anchor: A, B and the anchor's force under cylinder and strut.
+    load = FORCE * bears * np.array([1.0, 0.0, -CYLINDER])
+    load += S * bears * np.array([1.0, 0.0, -FOOT])
+    anchor = bears * np.array([1.0, 0.0, -PIN])
+    own = np.column_stack([shoe_equations(bears, half, spin, mu), anchor])
+    A, B, f = np.linalg.solve(own, -load)
+    torque += abs(shoe_equations(bears, half, spin, mu)[2] @ [A, B])
+    return torque, S, f
+
+
+def forces(response: drumlin.Response) -> dict[str, float]:
+    return {s.name: s.push.force for shoe in response.shoes for s in shoe.supports}
+
+
+@pytest.mark.parametrize("spin", SENSES)
+@pytest.mark.parametrize("mu", (0.05, 0.1, 0.2))
+def test_a_duo_servo_is_its_closed_form_in_both_senses(spin: int, mu: float) -> None:
+    response = drumlin.solve(duo_servo(spin, mu, FULL), "rigid")
+    assert all(
+        arc == pytest.approx((m - 0.8, m + 0.8))
+        for shoe, m in zip(response.shoes, (0.0, math.pi), strict=True)
+        for arc in shoe.contact_arcs
+    )
+    torque, strut, anchor = duo_servo_by_hand(spin, mu, 0.8)
+    found = forces(response)
+    bears, left = ("right", "left") if spin > 0 else ("left", "right")
+    assert response.torque == pytest.approx(torque, rel=1e-9)
+    assert found["the strut from 'right' to 'left'"] == pytest.approx(strut, rel=1e-9)
+    assert found[f"anchor of {bears!r}"] == pytest.approx(anchor, rel=1e-9)
+    assert found[f"anchor of {left!r}"] == 0.0
+    # The anchor alone balances the drum's torque on the pair of shoes.
+    assert anchor * PIN == pytest.approx(torque, rel=1e-9)
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("spin", SENSES)
+def test_elements_on_soft_contact_are_the_closed_form(spin: int) -> None:
+    """With a contact far softer than the bodies the shoes are rigid: the error falls with it."""
+    torque, strut, anchor = duo_servo_by_hand(spin, 0.2, 0.8)
+    brake = duo_servo(spin, 0.2, FULL)
+    soft = drumlin.solve(brake, penalty=1e-10, model_error=False)
+    assert soft.torque == pytest.approx(torque, rel=1e-9)
+    found = forces(soft)
+    bears = "right" if spin > 0 else "left"
+    assert found[f"anchor of {bears!r}"] == pytest.approx(anchor, rel=1e-9)
+    assert found["the strut from 'right' to 'left'"] == pytest.approx(strut, rel=1e-9)
+    assert max(soft.balance.force, soft.balance.moment) < 1e-9
+
+
+def test_an_elastic_duo_servo_boosts_both_ways_and_its_mirror_image_is_alike() -> None:
+    one, other = (solve(duo_servo(s, half=(0.7, 0.7)), elements=16) for s in SENSES)
+    assert one.torque == pytest.approx(other.torque, rel=1e-9)
+    assert forces(one)["anchor of 'right'"] == pytest.approx(
+        forces(other)["anchor of 'left'"], rel=1e-9
+    )
+    assert forces(one)["anchor of 'left'"] == forces(other)["anchor of 'right'"] == 0.0
+    for response in (one, other):
+        assert min(forces(response).values()) >= 0.0
+        assert max(response.balance.force, response.balance.moment) < 1e-9
+        anchors = sum(f for name, f in forces(response).items() if name.startswith("anchor"))
+        assert anchors * PIN == pytest.approx(response.torque, rel=1e-8)
+
+
+def test_neither_the_order_of_shoes_nor_the_size_matters() -> None:
+    """All lengths times ten and forces times a hundred leave the stresses as they are."""
+    brakes = [
+        duo_servo(half=(0.6, 0.7), order=order, scale=scale)
+        for order, scale in ((1, 1.0), (-1, 1.0), (1, 10.0))
+    ]
+    for model, options in (("rigid", {}), ("fem", {"elements": 12})):
+        a, b, c = (MODELS[model].solve(brake, **options) for brake in brakes)
+        assert b.torque == pytest.approx(a.torque, rel=1e-9)
+        assert c.torque == pytest.approx(1e3 * a.torque, rel=1e-9)
+
+
+@pytest.mark.parametrize("spin", SENSES)
+@pytest.mark.parametrize("clearance", (0.0, 1e-4))
+def test_a_shoe_rests_on_the_anchor_towards_which_it_is_dragged(
+    spin: int, clearance: float
+) -> None:
+    """The drag is mu N b r, the anchor's force its moment over the arm 0.12 m, without a pull."""
+    brake = shoe_between_anchors(spin, clearance=clearance)
+    for model in ("rigid", "fem"):
+        options = {"elements": 16} if model == "fem" else {}
+        response = drumlin.solve(brake, model, **options)
+        first, second = (s.push.force for s in response.shoes[0].supports)
+        bears, left = (second, first) if spin > 0 else (first, second)
+        assert left == 0.0
+        assert bears == pytest.approx(response.torque / 0.12, rel=1e-8)
+    # The clearance is closed by a motion of the shoe along the anchor's direction.
+    (_, dy, turn) = response.shoes[0].motion
+    assert bool(abs(dy) + abs(0.1 * turn) > 1e-5) == bool(clearance)
+
+
+def test_a_shoe_on_one_anchor_is_a_shoe_on_an_abutment() -> None:
+    plain = vary(
+        shoe_between_anchors(-1),
+        {"shoe.anchor": (), "shoe.abutment": {"point": {"x": 0.12, "y": -0.1}, "direction": 1.2}},
+    )
+    anchor = {"point": {"x": 0.12, "y": -0.1}, "direction": 1.2}
+    anchored = vary(plain, {"shoe.abutment": None, "shoe.anchor": [anchor]})
+    for model, options in (("rigid", {}), ("fem", {"elements": 16})):
+        a, b = (drumlin.solve(brake, model, **options) for brake in (plain, anchored))
+        assert b.torque == pytest.approx(a.torque, rel=1e-9)
+        assert b.shoes[0].hinge_reaction == pytest.approx(a.shoes[0].hinge_reaction, rel=1e-8)
+
+
+def test_a_shoe_that_no_support_holds_is_refused() -> None:
+    """The abutment of the shoe would have to pull where the drum turns the other way."""
+    brake = shoe_between_anchors(1)
+    brake = vary(brake, {"shoe.anchor": brake.shoes[0].anchors[:1]})
+    for model in ("rigid", "fem"):
+        options = {"elements": 12} if model == "fem" else {}
+        with pytest.raises(NoAnswer, match="on no choice of its one-sided supports do pushes"):
+            drumlin.solve(brake, model, **options)
+
+
+@pytest.mark.slow
+def test_a_holding_duo_servo_reverses_through_its_anchor() -> None:
+    """Turned to full slip and back, it holds with the torque of each sliding sense."""
+    brake = duo_servo(half=(0.6, 0.7))
+    scene = prepared_model_for_analysis(brake, "fem", elements=16)
+    full = holding.find_full_slip_rotation(scene, brake)
+    back = holding.find_full_slip_rotation(scene, brake.brake_with_reversed_motion())
+    rotations = np.concatenate([np.linspace(0, full, 5), np.linspace(full, -full - 4 * back, 12)])
+    states = holding.states_of_holding_brake_at_rotations(scene, brake, rotations)
+    forwards = drumlin.solve(brake, elements=16).torque
+    backwards = drumlin.solve(brake.brake_with_reversed_motion(), elements=16).torque
+    assert abs(forwards / backwards - 1) > 1e-5
+    # At rest the pair floats: without an anchor's force the drum has no torque.
+    assert abs(states[0].torque) < 1e-9 * forwards
+    assert states[4].torque == pytest.approx(forwards, rel=1e-8)
+    assert states[-1].torque == pytest.approx(-backwards, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    (
+        (
+            {"shoe.right.hinge": {"x": 0.0, "y": 0.1}},
+            "anchor: a shoe on anchors can leave them, hinge holds it both ways",
+        ),
+        (
+            {"shoe.right.abutment": {"point": {"x": 0.02, "y": -0.1}, "direction": 0.3}},
+            "a strut pushes the feet of both shoes apart along one line",
+        ),
+        (
+            {"shoe.right.anchor": ()},
+            "a strut between shoes on anchors bears on an abutment of each",
+        ),
+        ({"actuation": {"force": 1.0}}, "takes a force of its own or of a cylinder"),
+        (
+            {
+                "shoe.right.abutment": {
+                    "point": {"x": 0.025, "y": FOOT},
+                    "direction": 0.0,
+                    "friction": 0.2,
+                }
+            },
+            "abutment.friction = 0.2: a shoe with anchors takes abutments without friction",
+        ),
+    ),
+)
+def test_what_does_not_fit_anchors_is_named(changes, line) -> None:
+    data = duo_servo().model_dump(by_alias=True)
+    for key, value in changes.items():
+        if key == "actuation":
+            data[key] = value
+        else:
+            data["shoe"][0][key.split(".")[-1]] = value
+    with pytest.raises(BadInput, match=line):
+        make_drum_brake_from_data(data)
+
+
+def test_what_takes_no_anchors_says_so() -> None:
+    brake = duo_servo()
+    with pytest.raises(BadInput, match=r"^shoe\[0\]\.anchor: sensitivity takes no shoes"):
+        drumlin.sensitivity(brake, elements=8)
+    with pytest.raises(BadInput, match=r"^shoe\[0\]\.anchor: the reference by triangles"):
+        drumlin.reference(brake)
+
+
+def test_a_brake_file_with_anchors_is_written_and_read_again(tmp_path) -> None:
+    brake = duo_servo()
+    path = tmp_path / "duo.toml"
+    drumlin.write_brake(brake, path)
+    assert drumlin.read_brake(path).model_dump() == brake.model_dump()
+
+
+@pytest.mark.slow
+def test_a_worn_in_duo_servo_is_its_law() -> None:
+    """Rigid shoes under steady wear press as rigid shoes on springs do."""
+    brake = duo_servo(1, 0.2, FULL)
+    worn = drumlin.solve(brake, worn_in=True, elements=40)
+    law = drumlin.solve(brake, "rigid")
+    assert worn.torque == pytest.approx(law.torque, rel=1e-3)
+    assert abs(solve(brake, elements=40).torque / law.torque - 1) > 0.02
