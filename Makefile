@@ -67,10 +67,13 @@ newest:
 truths: .venv/ready
 	$(BIN)/python -m drumlin_studies.stored_truth tests/truths
 
-# The factors of the error estimate, fitted anew on random brakes: twenty minutes on two cores.
+# The factors of the error estimates, fitted anew on random brakes: some forty minutes on two cores.
 calibrate: .venv/ready
 	$(BIN)/drumlin study calibration
 	cp reports/calibration/factors.json src/drumlin/fem/error_control/factors.json
+	cp reports/calibration/width_factors.json src/drumlin/fem/width/factors.json
+	mkdir -p reports/reference/calibration
+	cp reports/calibration/width_rows.csv reports/reference/calibration/width_rows.csv
 
 # What the eight numbers of the levels' rule do to errors and times: fifteen minutes. make levels ARGS="fall=6".
 levels: .venv/ready

@@ -53,7 +53,15 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "WIDTH_LEVEL": "level 0 of the rule that the levels of a solve follow",
         "WIDTH_DEGREE": "the least degree that varies in a part of one width",
     },
-    "fem/solid/width_fields.py": {"FEWEST_STEPS": "points of fields that are written or drawn"},
+    "fem/analysis/solid_fields.py": {
+        "FEWEST_STEPS": "points of fields that are written or drawn",
+        "_TURNED": FORMAT,
+    },
+    "peers/hexahedra.py": {
+        "HEXAHEDRA_ALONG_LINING": "default of an option: a minute of work",
+        "SIDE_SIZE": "mesh of another program, which has no stated errors",
+        **dict.fromkeys(("CORNERS", "_BOTTOM", "_CORNERS_IN_VTK_ORDER", "_EDGES"), FORMAT),
+    },
     "fem/width/face.py": {"FACE_STEPS": "points of a face that is written or drawn"},
     "fem/width/functions.py": {
         "SAME_SIDE": ROUND_OFF,
@@ -61,6 +69,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     },
     "fem/width/integrals.py": {"SYMMETRIES": DEFINITION},
     "fem/width/ladder.py": {
+        "LARGEST_STATED_DEGREE": DEFINITION,
         "LOOKED_AHEAD": "one even and one odd degree",
         "SECTION_DEGREE": "the least degree that varies across a lining beside its web",
         "SECTION_SHARE": "half of a tolerance for each of two parts of the error",
@@ -203,15 +212,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     },
     "fem/analysis/sensitivity.py": {"PERCENT_PER_MM": DEFINITION},
     "fem/equilibrium/sharing.py": {"LARGEST_FORCE_THAT_DOES_NOT_PUSH": ROUND_OFF},
-    "fem/solid/__init__.py": {"MOST_ELEMENTS": MEMORY, "MOST_ACROSS": MEMORY},
-    "fem/solid/body.py": {"HALVES": DEFINITION},
-    "fem/solid/fields.py": dict.fromkeys(("_BOTTOM", "_CORNERS", "_EDGES", "_TURNED"), FORMAT),
-    "fem/solid/mesh.py": {"SIDE_SIZE": "mesh of a model without stated errors", "CORNERS": FORMAT},
-    "fem/solid/model.py": {
-        "DEFAULT_SOLID_TOLERANCE": "default of an option that is said",
-        "SOLID_LINING_ELEMENTS": "default of an option: a minute of work",
-        "STIFFNESS": MEMORY,
-    },
+    "fem/solid.py": {"DEFAULT_SOLID_TOLERANCE": "default of an option that is said"},
     "fem/solve.py": {"REPORTED_IMBALANCE": SAID},
     "response/limits.py": {"LARGE_STRAIN": SAID, "LARGEST_STRAIN": SAID},
     "response/response.py": {

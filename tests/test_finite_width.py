@@ -152,7 +152,7 @@ def test_where_the_coarse_section_has_no_answer_it_is_refused(brake, monkeypatch
     def refuse(*_, **__):
         raise NoAnswer("no equilibrium")
 
-    monkeypatch.setattr(error, "prepare_brake_with_widths", refuse)
+    monkeypatch.setattr(error, "prepare_divided_brake_with_widths", refuse)
     said = "--finite-width: the correction is not known: on a coarse section, .*no equilibrium"
     with pytest.raises(NoAnswer, match=said):
         solve(brake, elements=8, finite_width=True)

@@ -273,7 +273,10 @@ def test_heat_without_its_data_is_refused(changes, words):
 @pytest.mark.parametrize(
     ("ask", "words"),
     [
-        (lambda brake: drumlin.solve(brake, "solid"), "the solid model takes no heated shoes"),
+        (
+            lambda brake: drumlin.solve(brake, "solid"),
+            "the model of the width takes no heated shoes",
+        ),
         (drumlin.sensitivity, "the analysis of slopes takes no heated shoes"),
     ],
 )

@@ -510,7 +510,7 @@ def test_foundation_solid_and_width_refuse_directions_in_a_line():
         == f"drum.ring.material is orthotropic; a closed-form law takes {only}"
     )
     with pytest.raises(
-        BadInput, match=rf"lining\.material is orthotropic; the solid model takes {only}"
+        BadInput, match=rf"lining\.material is orthotropic; the model of the width takes {only}"
     ):
         model_with_name_that_applies_to_brake("solid", with_lining(MAIN))
     with pytest.raises(

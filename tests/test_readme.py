@@ -8,6 +8,7 @@ import pytest
 
 import drumlin
 from conftest import ROOT, STUDY
+from drumlin_studies.plane_stress_limits import ranges_within_limits
 from drumlin_studies.stated_true import JUDGED_QUANTITIES, stated_over_true_error_of_row
 from kept_reports import rows
 from picking import having, picked
@@ -210,3 +211,37 @@ def test_plane_stress_against_the_solid_model():
         assert count == len(maps)
         digits(plane, 100 * max(abs(float(row[name])) for row in maps))
         digits(corrected, 100 * max(abs(float(row[f"corrected_{name}"])) for row in maps))
+
+
+def test_the_brakes_for_which_plane_stress_is_enough():
+    table = rows("plane_stress/limits.csv")
+    for row in table:
+        row.update({name: float(row[name]) for name in ("value", "pressure", "torque")})
+    found = {
+        (each.varied, each.brake, each.quantity, each.limit): (each.low, each.high)
+        for each in ranges_within_limits(table)
+    }
+    (largest_nu,) = quoted(r"Poisson's ratio of the lining is at most ([\d.]+)\. On the shoe")
+    nu = "Poisson's ratio of the lining", "one width"
+    assert found[*nu, "torque", 0.01] == found[*nu, "pressure", 0.05] == (0.0, largest_nu)
+    (overhang,) = quoted(r"beyond the web by at most ([\d.]+) times the table's thickness")
+    assert found["overhang / table thickness", "T-section", "pressure", 0.05][1] == overhang
+    (modulus,) = quoted(r"lining's modulus may be at most (\d+) MPa")
+    assert found["modulus of the lining [MPa]", "T-section", "pressure", 0.05][1] == modulus
+    assert max(row["torque"] for row in table) < 0.05
+    assert max(row["pressure"] for row in table) < 0.2
+
+
+def test_error_against_the_solid_shoe():
+    made = rows("error_vs_runtime/solid_plane_stress_brake.csv")
+    (plane,) = quoted(r"plane stress is ([\d.]+) % off the pressure of the solid shoe")
+    for row in having(made, family="degree 0"):
+        digits(plane, 100 * float(row["solid_pressure"]))
+    error, seconds = quoted(r"across the width is ([\d.]+) % off after ([\d.]+) s")
+    degree = having(made, family="degree 2")[0]
+    digits(error, 100 * float(degree["solid_pressure"]))
+    digits(seconds, float(degree["seconds"]))
+    error, seconds = quoted(r"hexahedra is ([\d.]+) % off after ([\d.]+) s")
+    peer = having(made, family="CalculiX")[-1]
+    digits(error, 100 * float(peer["solid_pressure"]))
+    digits(seconds, float(peer["seconds"]))

@@ -20,7 +20,7 @@ from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solid.mesh import mesh_of_half_solid_shoe
+from drumlin.peers.hexahedra import mesh_of_half_solid_shoe
 from drumlin.verification.triangles.outline import make_shoe_outline
 from drumlin_studies.reduced import make_function_that_prepares_surrogates
 from held_shoes import BODY, brake_of
@@ -196,7 +196,7 @@ def test_the_second_solver_has_the_same_plates() -> None:
     np.testing.assert_array_equal(new.thickness, old.thickness)
 
 
-def test_the_plates_of_a_t_section_have_their_widths_in_solids(flexible: Brake) -> None:
+def test_the_plates_of_a_t_section_have_their_widths_in_hexahedra(flexible: Brake) -> None:
     """Volumes of half a shoe, plate by plate, in closed form; the hinge holds the web's width."""
     brake = vary(
         flexible, {"shoe.body.table": {"thickness": 3e-3, "width": 0.04}, "shoe.body.width": 5e-3}

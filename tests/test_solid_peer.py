@@ -6,7 +6,7 @@ import pytest
 from command_line import drumlin
 from drumlin import peers
 from drumlin.brake.file import vary
-from drumlin.fem.solid import model
+from drumlin.fem import solid as solid_shoes
 from drumlin.peers import solid_deck
 from drumlin.peers.deck import DeckSetting
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
@@ -158,17 +158,21 @@ def test_the_command_writes_the_decks(root, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("section", ["one width", "T-section"])
 def test_calculix_answers_alike(flexible, section):
-    """CalculiX agrees on solid shoes: the torque to 1e-3, the mean pressure to 2 %.
+    """CalculiX agrees on solid shoes: the torque to 5e-4, the mean pressure to 1.5 %.
 
-    The mesh is the same; the edges of the lining are left out.
+    The programs share only the brake: drumlin has polynomials across the width, CalculiX has
+    hexahedra C3D20R. On twice as many hexahedra these differences are as large, so that most of
+    them is CalculiX's penalty and its own mesh. The ends of the lining are left out.
     """
     brake = t_section(flexible) if section == "T-section" else flexible
-    mine = model.solve(brake, elements=24, across=3)
-    other = solid_deck.solve_solid_by_calculix(brake, elements=24, across=3).response
+    mine = solid_shoes.solve(brake, across=3)
+    other = solid_deck.solve_solid_by_calculix(brake, elements=14, across=3).response
     for a, b in zip(mine.shoes, other.shoes, strict=True):
-        assert abs(relative_error_of_number(b.torque, a.torque)) < 1e-3
+        off = abs(relative_error_of_number(b.torque, a.torque))
+        assert off < 5e-4 + a.error["torque"]
+        assert off < 1e-3
         zone = brake.shoes[0].lining.thickness / brake.drum.radius / 2
-        assert relative_distance_of_pressures(b, a, zone) < 0.02
+        assert relative_distance_of_pressures(b, a, zone) < 0.015
         np.testing.assert_allclose(
             b.hinge_reaction, a.hinge_reaction, atol=2e-3 * np.linalg.norm(a.hinge_reaction)
         )

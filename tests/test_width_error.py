@@ -126,7 +126,7 @@ def test_where_the_coarse_section_has_no_answer_it_says_so(brake, monkeypatch):
     def refuse(*_, **__):
         raise error.NoAnswer("no equilibrium")
 
-    monkeypatch.setattr(error, "prepare_brake_with_widths", refuse)
+    monkeypatch.setattr(error, "prepare_divided_brake_with_widths", refuse)
     found = estimate_error_of_plane_stress(brake, solve(brake))
     assert found.brake == {}
     assert found.unknown == "on a coarse section, with its width: no equilibrium"

@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drumlin.brake.file import read_brake
+from drumlin.fem.analysis.solid_fields import face_of_shoe_with_width
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.solid import model as hexahedra
-from drumlin.fem.solid.width_fields import face_of_shoe_with_width
 from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_brake_with_widths
 from drumlin.response.face import pressure_on_face_of_lining
 from drumlin.response.response import length_of_edge_zone_without_peak
@@ -81,14 +79,3 @@ def test_without_contact_or_width_there_is_no_pressure_on_a_face(solved):
     brake, _, response = solved
     plane = replace(response, shoes=(replace(response.shoes[0], surface=None),))
     assert pressure_on_face_of_lining(brake, plane, 0) is None
-
-
-@pytest.mark.slow
-def test_the_mean_of_hexahedra_is_the_pressure_of_the_response(root):
-    brake = read_brake(root / "studies" / "plane_stress" / "brake.toml")
-    response = hexahedra.solve(brake, elements=8)
-    for i, shoe in enumerate(response.shoes):
-        face = pressure_on_face_of_lining(brake, response, i)
-        np.testing.assert_allclose(
-            face.mean_over_width, shoe.pressure, atol=1e-12 * shoe.peak_pressure
-        )

@@ -6,22 +6,19 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
 
 from conftest import partly
 from drumlin.base.errors import BadInput
+from drumlin.fem import solid as solid_shoes
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
+from drumlin.fem.analysis.solid_fields import (
+    fields_in_part_of_shoe,
+    recover_fields_in_solid_shoes,
+)
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import divide_shoe_into_hp_elements
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solid import model as hexahedra
-from drumlin.fem.solid.fields import recover_fields_in_solid_shoe
-from drumlin.fem.solid.width_fields import (
-    fields_in_part_of_shoe,
-    recover_fields_in_shoe_with_width,
-)
 from drumlin.fem.width.functions import (
     functions_across_width_of_shoe,
     matrix_from_node_values_to_function_factors,
@@ -29,7 +26,7 @@ from drumlin.fem.width.functions import (
 from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin.fem.width.recovery import WidthUnknowns
 from drumlin.response.response import length_of_edge_zone_without_peak
-from wide_shoes import HELD, plane
+from wide_shoes import HELD
 
 PUT_AT = ([0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2])
 """Rows and columns of the six stresses of a node in its stress tensor."""
@@ -67,7 +64,7 @@ def test_stresses_on_the_face_are_pressure_and_friction(kind):
     # Beside a web of 15 mm under a lining of 40 mm degree 2 is 3 % off.
     within = 0.05 if kind == "narrow body in a grip" else 5e-3
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        fields = recover_fields_in_shoe_with_width(scene, brake, response, i)
+        fields = recover_fields_in_solid_shoes(scene, brake, response)[i]
         on = pressed_nodes_away_from_ends(brake, i, fields, answer)
         assert len(on) > 20
         # On a plane the normal is y, on a drum it is the radius.
@@ -120,7 +117,7 @@ def test_the_face_moves_to_the_drum(kind):
     scene = prepare_brake_with_widths(brake, LEVELS[0], 2)
     response = solve_prepared_model(scene, brake)
     for i, shoe in enumerate(brake.shoes):
-        fields = recover_fields_in_shoe_with_width(scene, brake, response, i)
+        fields = recover_fields_in_solid_shoes(scene, brake, response)[i]
         on = fields.pressure > 0.01 * fields.pressure.max()
         x, y = fields.points[on, :2].T
         normal = np.array([0 * x, 1 + 0 * y] if shoe.flat else np.array([x, y]) / np.hypot(x, y))
@@ -141,7 +138,7 @@ def test_at_degree_zero_stresses_are_those_of_plane_stress():
     flat = stress_and_displacement_fields_of_shoe(
         plane, brake, solve_prepared_model(plane, brake), 0
     )
-    solid = recover_fields_in_shoe_with_width(wide, brake, solve_prepared_model(wide, brake), 0)
+    solid = recover_fields_in_solid_shoes(wide, brake, solve_prepared_model(wide, brake))[0]
     middle = solid.points[:, 2] == 0
     # Both have the same nodes, in the order of the parts.
     np.testing.assert_allclose(solid.points[middle, :2], flat.points, atol=1e-12)
@@ -159,7 +156,7 @@ def test_at_degree_zero_stresses_are_those_of_plane_stress():
 def test_cells_fill_the_half_shoe_once():
     brake = HELD["T-section"]()
     scene = prepare_brake_with_widths(brake, LEVELS[0], 1)
-    fields = recover_fields_in_shoe_with_width(scene, brake, solve_prepared_model(scene, brake), 1)
+    fields = recover_fields_in_solid_shoes(scene, brake, solve_prepared_model(scene, brake))[1]
     corners = fields.points[fields.cells]
     # The sum of six tetrahedra around the diagonal from corner 0 to corner 6.
     ring, volume = (1, 2, 3, 7, 4, 5, 1), np.zeros(len(corners))
@@ -178,7 +175,7 @@ def test_cells_fill_the_half_shoe_once():
 
 def test_a_solve_to_a_tolerance_writes_the_fields(tmp_path):
     brake, path = HELD["rigid"](), tmp_path / "shoes.vtu"
-    response = hexahedra.solve(brake, tolerance=0.05, fields=path)
+    response = solid_shoes.solve(brake, tolerance=0.05, fields=path)
     grid = meshio.read(path)
     (cells,) = grid.cells
     assert cells.type == "hexahedron"
@@ -188,32 +185,4 @@ def test_a_solve_to_a_tolerance_writes_the_fields(tmp_path):
     p = grid.point_data["pressure [Pa]"]
     assert p.max() == pytest.approx(surface.pressure.max(), rel=1e-3)
     with pytest.raises(BadInput, match=r"--fields = 'shoes.png': must end in .vtu"):
-        hexahedra.solve(brake, tolerance=0.05, fields=Path("shoes.png"))
-
-
-@pytest.mark.slow
-def test_on_a_t_section_displacements_are_those_to_which_hexahedra_converge():
-    brake = HELD["T-section"]()
-    points = singular_points_of_all_linings(brake, plane(brake, LEVELS[1]))
-    scene = prepare_brake_with_widths(brake, LEVELS[0], 4, points)
-    mine = solve_prepared_model(scene, brake)
-    others = []
-    for elements in (10, 16):
-        solids = hexahedra.prepare_model_of_solid_shoes(brake, elements=elements, across=8)
-        others.append((solids, solve_prepared_model(solids, brake)))
-    for i in range(len(brake.shoes)):
-        own = recover_fields_in_shoe_with_width(scene, brake, mine, i)
-        few, many = (recover_fields_in_solid_shoe(*pair[:1], brake, pair[1], i) for pair in others)
-        size = np.abs(many.displacement).max()
-        assert largest_difference_at_common_points(own, many) < (
-            largest_difference_at_common_points(few, many)
-        )
-        assert largest_difference_at_common_points(own, many) < 0.05 * size
-
-
-def largest_difference_at_common_points(a, b):
-    """The largest difference of two displacement fields at points that both have [m]."""
-    far, at = cKDTree(a.points).query(b.points)
-    common = far < 1e-9
-    assert common.sum() > 40
-    return np.abs(a.displacement[at[common]] - b.displacement[common]).max()
+        solid_shoes.solve(brake, tolerance=0.05, fields=Path("shoes.png"))

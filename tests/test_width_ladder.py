@@ -6,19 +6,20 @@ from functools import partial
 import pytest
 
 from command_line import drumlin
-from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
+from drumlin.fem import solid
 from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.solid import model as solid
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import distance_of_plane_stress_from_widths
 from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.ladder import (
-    SECTION_SAFETY,
+    SOLID_FACTORS,
+    ErrorFactors,
     climb_levels_to_tolerance,
     coarsest_level_within_tolerance,
     section_to_compare_width_degrees,
@@ -34,6 +35,7 @@ from drumlin_studies.solid_error import (
     functions_across_width_graded_to_sides,
     response_with_graded_width_functions,
     table_lines_of_stated_over_true_quantiles,
+    table_lines_of_stated_plane_stress_errors,
 )
 from sections import t_section
 
@@ -135,20 +137,6 @@ def test_the_command_line_takes_a_tolerance_for_solid_shoes(root, truth, tmp_pat
     assert "plane_stress_error" not in data
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"elements": 12}, "leave out --elements = 12"),
-        ({"across": 3}, "leave out --across = 3"),
-    ],
-)
-def test_options_of_hexahedra_do_not_go_with_a_tolerance(brake, options, said):
-    with pytest.raises(BadInput, match=f"chooses degree and division of the solid; {said}"):
-        solid.solve(brake, tolerance=1e-2, **options)
-    with pytest.raises(BadInput, match="--tolerance = 1: must be greater than 0"):
-        solid.solve(brake, tolerance=1.0)
-
-
 @pytest.mark.slow
 def test_divisions_follow_the_contact_that_the_width_has_found():
     brake = DRAWN["free"](2000)
@@ -167,7 +155,8 @@ def test_the_error_of_the_section_beside_a_web_covers_that_of_a_higher_degree():
     brake, loose = DRAWN["built"](3111), Tolerance(0.1, 0.1)
     plane, answer = solve(brake), partial(solve_prepared_model, penalty=PENALTY)
     climb = climb_levels_to_tolerance(brake, loose, answer, Cache(), LEVELS[:2], plane)
-    section = coarsest_level_within_tolerance(brake, climb, loose, SECTION_SAFETY)
+    factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
+    section = coarsest_level_within_tolerance(brake, climb, loose, factors)
     first, second = (
         solve_level_of_section_with_width_degree(brake, level, 3, plane).response
         for level in LEVELS[:2]
@@ -193,11 +182,22 @@ def test_the_table_of_solid_errors_counts_the_too_small_ones():
         names = dict.fromkeys(JUDGED_ERRORS, 1e-3)
         stated = dict.fromkeys(JUDGED_ERRORS, ratio * 1e-3)
         unsure = dict.fromkeys(JUDGED_ERRORS, 1e-3 if ratio == unjudged else 1e-6)
-        return SolidErrorRow("t", names, stated, unsure, 10 * ratio, reached, "how")
+        plane_true = dict.fromkeys(JUDGED_ERRORS, 0.02)
+        plane_stated = dict.fromkeys(JUDGED_ERRORS, ratio * 0.02)
+        cost = 10 * ratio
+        return SolidErrorRow(
+            "t", names, stated, unsure, cost, reached, "how", plane_true, plane_stated
+        )
 
-    _, torque, _, reached, cost = table_lines_of_stated_over_true_quantiles(
-        [row(0.5, True), row(3.0, True), row(4.0, False), row(unjudged, True)]
-    )
+    rows = [row(0.5, True), row(3.0, True), row(4.0, False), row(unjudged, True)]
+    _, torque, *_, reached, cost = table_lines_of_stated_over_true_quantiles(rows)
     assert torque.split()[:4] == ["torque", "3", "33%", "0.50"]
     assert reached == "75% of 4 brakes reach the tolerance"
     assert cost.startswith("18 times")
+    small = row(1.0, True)._replace(plane_true=dict.fromkeys(JUDGED_ERRORS, 1e-3))
+    unknown = row(1.0, True)._replace(plane_stated={})
+    _, torque, *_ = table_lines_of_stated_plane_stress_errors(
+        [*rows, row(1.4, True), small, unknown]
+    )
+    # Of the ratios 0.5, 3, 4, 0.1 and 1.4 the last one is good, and 0.1 is poor.
+    assert torque.split() == ["torque", "5", "20%", "20%", "0.10", "1.40", "4.00"]

@@ -9,14 +9,17 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.solid import model as hexahedra
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
 from drumlin.fem.width.error import WIDTH_LEVEL
 from drumlin.fem.width.functions import WidthFunctions
-from drumlin.fem.width.prepare import prepare_brake_with_widths, reason_against_width_model
+from drumlin.fem.width.prepare import (
+    level_for_narrow_shoes,
+    prepare_brake_with_widths,
+    reason_against_width_model,
+)
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
 from drumlin_studies.random_kinds import draw_random_brake_of_kind
-from sections import t_section, widths, without_contraction
+from sections import widths, without_contraction
 from wide_shoes import HELD, plane
 
 QUICK = ("T-section", "post", "grip", "pad")
@@ -86,49 +89,27 @@ def test_rigid_body_modes_strain_nothing(kind):
 
 def test_as_the_width_goes_to_zero_the_difference_falls_in_proportion(brake):
     apart = []
-    for width in (40e-3, 8e-3, 2e-3):
+    for width in (40e-3, 8e-3, 2e-3, 5e-4):
         narrow = widths(brake, width)
-        own = wide(narrow, 2, LEVELS[1]), plane(narrow, LEVELS[1])
+        level = level_for_narrow_shoes(narrow, LEVELS[0])
+        own = wide(narrow, 2), plane(narrow, level)
         apart.append(abs(relative_error_of_number(own[0].torque, own[1].torque)))
-    first, second, third = apart
+    first, second, third, fourth = apart
     # 40 mm is wider than the lining is thick, where the difference has nearly saturated.
-    assert third / second == pytest.approx(1 / 4, rel=0.3)
     assert second < first / 2
+    assert third / second == pytest.approx(1 / 4, rel=0.05)
+    assert fourth / third == pytest.approx(1 / 4, rel=0.05)
 
 
-@pytest.mark.slow
 def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(brake):
     points = singular_points_of_all_linings(brake, plane(brake, LEVELS[1]))
     functions = WidthFunctions((0.0, 17e-3, 20e-3), 4)
     mine = wide(brake, lambda shoe: functions, LEVELS[1], points)
-    # 448.7310 N m is the limit of hexahedra, 80 of them along each lining.
+    # 448.7310 N m is the limit of quadratic hexahedra, 80 of them along each lining, which an
+    # earlier solver of drumlin extrapolated.
     assert mine.torque == pytest.approx(448.7310, rel=1e-5)
     ungraded = wide(brake, 4, LEVELS[1], points)
     assert ungraded.torque == pytest.approx(448.7310, rel=2e-4)
-    others = [
-        solve_prepared_model(hexahedra.prepare_model_of_solid_shoes(brake, elements=n), brake)
-        for n in (14, 20)
-    ]
-    for other in others:
-        assert other.torque == pytest.approx(mine.torque, rel=2e-4)
-        assert relative_distance_of_pressures(other.shoes[0], mine.shoes[0]) < 0.03
-
-
-@pytest.mark.slow
-def test_on_a_t_section_it_is_the_solid_shoes_to_which_hexahedra_converge(brake):
-    section = t_section(brake)
-    points = singular_points_of_all_linings(section, plane(section, LEVELS[1]))
-    mine = wide(section, 4, LEVELS[0], points)
-    few, many = (
-        solve_prepared_model(
-            hexahedra.prepare_model_of_solid_shoes(section, elements=n, across=8), section
-        )
-        for n in (14, 20)
-    )
-    # At the corners of table and web the error of hexahedra falls as their size.
-    limit = many.torque - (few.torque - many.torque) * 14 / (20 - 14)
-    assert mine.torque == pytest.approx(limit, rel=2e-4)
-    assert abs(many.torque - mine.torque) < 0.8 * abs(few.torque - mine.torque)
 
 
 @pytest.mark.slow

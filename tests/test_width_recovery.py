@@ -8,12 +8,17 @@ import pytest
 
 from conftest import partly
 from drumlin.base.lapack import dtrtrs
+from drumlin.brake.file import vary
 from drumlin.fem.analysis.fields import nodal_displacements_of_shoe
+from drumlin.fem.analysis.solid_fields import (
+    face_of_shoe_with_width,
+    unknowns_of_shoe_with_width,
+)
 from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.hp.division import divide_shoe_into_hp_elements
 from drumlin.fem.hp.element import reference_element_of_degree
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solid.width_fields import face_of_shoe_with_width, unknowns_of_shoe_with_width
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
 from drumlin.fem.width.columns import (
     BackEdge,
@@ -26,11 +31,13 @@ from drumlin.fem.width.columns import (
 )
 from drumlin.fem.width.functions import (
     WidthFunctions,
+    functions_across_width_of_shoe,
     integrals_over_width_of_part,
     matrix_from_node_values_to_function_factors,
 )
 from drumlin.fem.width.integrals import LameConstants, section_integrals_of_any_shape
 from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.recovery import WidthUnknowns
 from drumlin.response.balance import brake_with_forces_of_response
 from sections import without_contraction
 from wide_shoes import HELD
@@ -179,3 +186,34 @@ def test_the_stated_number_of_unknowns_is_that_of_the_columns(kind, degree):
         columns = unknowns_of_shoe_with_width(body).columns_from_hinge_to_far_end()
         of_columns = [part for each in columns for part in (each.kept, each.rest, *each.within)]
         assert body.unknowns == len(np.unique(np.concatenate(of_columns)))
+
+
+def test_loads_on_the_end_of_a_t_section_are_even_over_the_width_of_table_and_web(flexible):
+    """The work of a unit load on u = z^2 is the mean of z^2 over each plate, half width^2 / 3."""
+    table = {"thickness": 3e-3, "width": 0.04}
+    brake = vary(flexible, {"shoe.body.table": table, "shoe.body.width": 6e-3})
+    shoe = brake.shoes[0]
+    functions = functions_across_width_of_shoe(shoe, 2)
+    division = divide_shoe_into_hp_elements(shoe, brake.size, LEVELS[0])
+    unknowns = WidthUnknowns(shoe, brake.size, division, functions)
+    nodes, line = (
+        unknowns.grid.sets["actuation"],
+        unknowns.layers.unknowns_across_body_thickness(division),
+    )
+    end, forces = unknowns.layers.unit_loads_on_end_face(
+        division, unknowns.grid.doflocs[:, nodes], np.zeros(1)
+    )
+    half = functions.breaks[-1]
+    z = functions.node_distances_across_part(half)
+    factors = matrix_from_node_values_to_function_factors(functions, half) @ z**2
+    web = shoe.body.thickness
+    share = 3e-3 / (3e-3 + web)
+    mean = share * 0.02**2 / 3 + (1 - share) * 0.003**2 / 3
+    for component in (0, 1):
+        along = (line.z == 0) & (line.component == component)
+        work = factors[line.function[along]] @ forces[along]
+        assert work[component] == pytest.approx(mean, rel=1e-10)
+        # The resultant is that of the plane section.
+        total = forces[along & (line.function == 0)].sum(axis=0)
+        assert total[component] == pytest.approx(1.0, rel=1e-12)
+    assert end.forces.shape == (2 * len(nodes), 3)

@@ -125,8 +125,7 @@ def solve(
     brake : the brake, or the path of its file
     model : "fem" for finite elements in plane stress, "solid" for finite elements in three
         dimensions, "foundation" for a beam on springs, or a law such as "sine"
-    elements : number of finite elements along each lining; None: as the error needs ("fem",
-        "solid")
+    elements : number of finite elements along each lining; None: as the error needs ("fem")
     kind : "quad2", "quad1", "tri2" or "tri1", the elements of the parametric mesh ("fem")
     penalty : contact stiffness as a multiple of E/t of the lining, up to inf ("fem", "solid")
     tolerance : relative error of p (L2) and of the torque that is to be reached ("fem", "solid")
@@ -134,7 +133,7 @@ def solve(
     worn_in : whether the linings are worn until their pressure no longer changes ("fem")
     model_error : whether the error of plane stress itself is estimated, with `finite_width` the
         error that remains; not for worn-in linings ("fem")
-    across : number of elements over half the width of a lining ("solid")
+    across : degree of the polynomials across the width; None: as the error needs ("solid")
     fields : path of a .vtu file for displacements and stresses in the shoes ("solid")
     sections : number of sections along each beam ("foundation")
     lift : names of simplifications of the model to remove, or ["all"] ("foundation")

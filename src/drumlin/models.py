@@ -71,16 +71,16 @@ def _reason_why_not_foundation_model(brake: Brake) -> str | None:
 
 def _solve_brake_with_shoes_in_three_dimensions(brake: Brake, **options: Any) -> Response:
     """Solve a brake by finite elements in three dimensions, with shoes of finite width."""
-    from drumlin.fem.solid import model
+    from drumlin.fem import solid
 
-    return model.solve(brake, **options)
+    return solid.solve(brake, **options)
 
 
 def _reason_why_not_solid_shoes(brake: Brake) -> str | None:
     """Why the model of solid shoes does not apply to a brake; None if it applies."""
-    from drumlin.fem.solid import model
+    from drumlin.fem.width.prepare import reason_against_width_model
 
-    return model.reason_why_solid_model_does_not_apply(brake)
+    return reason_against_width_model(brake)
 
 
 class ShortShoeLaw(NamedTuple):
@@ -244,7 +244,7 @@ def options_that_user_has_given(**options: Any) -> dict[str, Any]:
 
 OWN_OPTIONS: Mapping[str, tuple[str, ...]] = {
     "fem": ("elements", "kind", "penalty", "tolerance", "finite-width"),
-    "solid": ("elements", "across", "penalty", "tolerance", "fields"),
+    "solid": ("across", "penalty", "tolerance", "fields"),
     "foundation": ("sections", "lift"),
 }
 """The names of the options of each model, as the command line spells them.

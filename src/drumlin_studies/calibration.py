@@ -233,7 +233,7 @@ class Samples(NamedTuple):
         needed = np.maximum(most, 0.0) / np.maximum(
             self.step + weight * self.chance, np.finfo(float).tiny
         )
-        return _round_up_to_significant_digits(
+        return round_up_to_significant_digits(
             max(
                 float(np.quantile(needed, STATED_QUANTILE)),
                 0.5 * float(np.quantile(needed, HALF_STATED_QUANTILE)),
@@ -280,7 +280,7 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     return Factors(
         pressure,
         of_forces,
-        _round_up_to_significant_digits(of_forces * weight),
+        round_up_to_significant_digits(of_forces * weight),
         peak,
     )
 
@@ -300,7 +300,7 @@ def _median_stated_over_true_error(quantities: Sequence[Samples], weight: float)
     return float(np.median(np.concatenate(ratios)))
 
 
-def _round_up_to_significant_digits(value: float) -> float:
+def round_up_to_significant_digits(value: float) -> float:
     """The value rounded up to SIGNIFICANT_DIGITS significant digits."""
     # The small number keeps a value that is already rounded from being rounded up again.
     scale = 10.0 ** (math.floor(math.log10(value)) - SIGNIFICANT_DIGITS + 1)

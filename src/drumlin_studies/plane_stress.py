@@ -1,8 +1,9 @@
-"""Errors of the plane-stress model against solid shoes, which are meshed in three dimensions.
+"""Errors of the plane-stress model against solid shoes with polynomials across their width.
 
 There are tables, maps of the errors over two quantities, and the wear of solid linings across their
-width. Both models use the same mesh of the shoe's section, so that the error of this mesh nearly
-cancels in their difference. A comparison on three meshes shows the error that remains.
+width. Both models use the same division of the shoe's section into hp elements, so that the error
+of this division nearly cancels in their difference. A comparison on three divisions shows the error
+that remains.
 """
 
 import time
@@ -17,12 +18,14 @@ from drumlin.base.arrays import Floats
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.hp.division import Level
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solid import model as solid
-from drumlin.fem.solid.face import ContactFace
 from drumlin.fem.solve import solve as by_elements
 from drumlin.fem.width.correction import correct_response_for_shoe_widths
+from drumlin.fem.width.face import WidthFace
+from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, hinged, solve_brake_by_sine_law
 from drumlin.lining_wear.archard import WearLaw, wear_linings_in_given_steps
@@ -40,10 +43,8 @@ from drumlin.response.response import (
 )
 from drumlin_studies.tables import values_of_key_in_rows
 from drumlin_studies.uncertainty import (
-    Index,
     Validation,
     compare_simulated_value_with_reference_value,
-    grid_convergence_index_of_three_values,
 )
 
 WIDTH_QUANTITIES = {
@@ -61,6 +62,8 @@ WIDTH_QUANTITIES = {
 """
 SAID = {"torque": "the torque of each shoe", "pressure": "its mean pressure"}
 """Words for two of these quantities in sentences of the report, by key."""
+STUDY_DEGREE = 3
+"""Degree across the width of solid shoes."""
 READER_LIMITS = (0.01, 0.05, 0.20)
 """Relative errors for which the report says in which range plane stress is that exact."""
 
@@ -77,22 +80,13 @@ class SolidAndPlane(NamedTuple):
     corrected: Response
 
 
-def solve_by_solid_and_plane_stress(
-    brake: Brake, elements: int, across: int | None = None
-) -> SolidAndPlane:
-    """The responses of a brake by the three models of `SolidAndPlane`, on one mesh of the section.
+def solve_by_solid_and_plane_stress(brake: Brake, across: int = STUDY_DEGREE) -> SolidAndPlane:
+    """The responses of a brake by the three models of `SolidAndPlane`, on one section.
 
-    Parameters
-    ----------
-    brake : Brake
-        The brake.
-    elements : int
-        Elements along a lining.
-    across : int, optional
-        Elements across half the width of the solid shoes; by default the solid model chooses.
+    across : degree across the width of the solid shoes.
     """
-    plane = _solve_in_plane_stress(brake, elements)
-    true = _solve_with_solid_shoes(brake, elements, across)
+    plane = solve_prepared_model(make_prepared_model(brake, LEVELS[0]), brake)
+    true = solve_with_solid_shoes(brake, across)
     return SolidAndPlane(brake, true, plane, correct_response_for_shoe_widths(brake, plane))
 
 
@@ -244,7 +238,6 @@ def map_plane_stress_errors(
     brake_at: Callable[[float, float], Brake],
     x: Sequence[float],
     y: Sequence[float],
-    elements: int,
     say: Callable[[str], None],
 ) -> PlaneErrorMap:
     """The map of the errors of plane stress over a grid of brakes.
@@ -258,8 +251,6 @@ def map_plane_stress_errors(
         Returns the brake for a value of each quantity.
     x, y : sequence of float
         Values of the first and of the second quantity.
-    elements : int
-        Elements along a lining.
     say : function
         Is called with a line of text on the progress.
     """
@@ -269,7 +260,7 @@ def map_plane_stress_errors(
         for i, a in enumerate(x):
             say(f"{name}: {j * len(x) + i} of {len(x) * len(y)}")
             table = plane_stress_error_rows_of_shoes(
-                solve_by_solid_and_plane_stress(brake_at(a, b), elements)
+                solve_by_solid_and_plane_stress(brake_at(a, b))
             )
             for key in keys:
                 errors[key][j, i] = value_of_largest_size_in_rows(table, key)
@@ -292,59 +283,44 @@ def rows_of_shares_within_error_limits(charts: Sequence[PlaneErrorMap]) -> list[
     return table
 
 
-class TorqueOnThreeMeshes(NamedTuple):
-    """The torque of a brake on three meshes, each twice as fine as the one before.
+class TorqueOnLevels(NamedTuple):
+    """The torque of a brake on the levels of a solve, finer and finer divisions of the section.
 
     Attributes
     ----------
-    elements : tuple of int
-        Elements along a lining on each mesh, coarse to fine.
+    degrees : tuple of int
+        Degree of the section on each level, coarse to fine.
     values : tuple of float
-        Torque on each mesh [N m].
-    found : Index or None
-        Grid convergence index of the torque; None where the three values show no order of
-        convergence.
+        Torque on each level [N m].
     """
 
-    elements: tuple[int, ...]
+    degrees: tuple[int, ...]
     values: tuple[float, ...]
-    found: Index | None
 
     @property
     def uncertainty_of_finest_torque(self) -> float:
-        """Uncertainty of the torque on the finest mesh [N m].
-
-        It follows from the grid convergence index; without an index it is the range of the values.
-        """
-        fine = self.values[-1]
-        return self.found.fine * abs(fine) if self.found else float(np.ptp(self.values))
+        """Uncertainty of the torque on the finest level [N m]: the range of the values."""
+        return float(np.ptp(self.values))
 
 
-def solve_torque_on_three_meshes(
-    torque: Callable[[int], float], elements: Sequence[int]
-) -> TorqueOnThreeMeshes:
-    """The torque of a brake on three meshes with its grid convergence index.
+def solve_torque_on_levels(
+    torque: Callable[[Level], float], levels: Sequence[Level]
+) -> TorqueOnLevels:
+    """The torque of a brake on levels of a solve.
 
-    torque : returns the torque [N m] for a number of elements along a lining; elements : these
-    numbers, coarse to fine.
+    torque : returns the torque [N m] on a level; levels : the levels, coarse to fine.
     """
-    values = tuple(map(torque, elements))
-    # The three torques may show no order of convergence; they then have no index.
-    try:
-        index = grid_convergence_index_of_three_values(*values[::-1])
-    except ValueError:
-        index = None
-    return TorqueOnThreeMeshes(tuple(elements), values, index)
+    return TorqueOnLevels(tuple(level.degree for level in levels), tuple(map(torque, levels)))
 
 
 def compare_plane_stress_torque_with_solid(
-    plane: TorqueOnThreeMeshes, true: TorqueOnThreeMeshes
+    plane: TorqueOnLevels, true: TorqueOnLevels
 ) -> Validation:
     """The error of the torque by plane stress against the solid shoe, with its uncertainty.
 
-    The uncertainty is due to the meshes of both models.
+    The uncertainty is due to the divisions of both models.
 
-    plane, true : torque by plane stress and by solid shoes, each on three meshes.
+    plane, true : torque by plane stress and by solid shoes, each on the same levels.
     """
     return compare_simulated_value_with_reference_value(
         plane.values[-1],
@@ -394,22 +370,22 @@ def measure_time_and_errors_of_models(
 ) -> list[TimeAndErrors]:
     """Time and errors of laws, foundation model, plane stress and solid shoes on a brake.
 
-    Errors are taken against solid shoes on a fine mesh, and against the default solve in plane
-    stress.
+    Errors are taken against solid shoes of a high degree across the width, and against the default
+    solve in plane stress.
 
     Parameters
     ----------
     brake : Brake
         The brake.
     fine : int
-        Elements along a lining of the solid shoes that serve as the truth.
+        Degree across the width of the solid shoes that serve as the truth.
     meshes : sequence of int
         Elements along a lining of each solve in plane stress. Each mesh is used with and without
         the correction for the width.
     solids : sequence of int
-        Elements along a lining of each timed solve with solid shoes.
+        Degree across the width of each timed solve with solid shoes.
     """
-    truths = _solve_with_solid_shoes(brake, fine), by_elements(brake)
+    truths = solve_with_solid_shoes(brake, fine, LEVELS[1]), by_elements(brake)
     rungs = []
     for method, setting, solve_once in _list_brake_models_with_their_solve_functions(
         brake, meshes, solids
@@ -460,7 +436,7 @@ def _list_brake_models_with_their_solve_functions(
         models.append(ModelOnBrake("plane stress, corrected", setting, by_corrected))
     for n in solids:
         models.append(
-            ModelOnBrake("solid", f"{n} elements", partial(_solve_with_solid_shoes, brake, n))
+            ModelOnBrake("solid", f"degree {n}", partial(solve_with_solid_shoes, brake, n))
         )
     return models
 
@@ -487,14 +463,14 @@ def _solve_brake_with_width_correction(brake: Brake, elements: int) -> Response:
     return correct_response_for_shoe_widths(brake, _solve_in_plane_stress(brake, elements))
 
 
-def _solve_with_solid_shoes(brake: Brake, elements: int, across: int | None = None) -> Response:
+def solve_with_solid_shoes(
+    brake: Brake, across: int = STUDY_DEGREE, level: Level = LEVELS[0]
+) -> Response:
     """The response of a brake with solid shoes.
 
-    elements, across : number of elements along each lining and across half its width.
+    across, level : degree across the width, and level of the section.
     """
-    return solve_prepared_model(
-        solid.prepare_model_of_solid_shoes(brake, elements=elements, across=across), brake
-    )
+    return solve_prepared_model(prepare_brake_with_widths(brake, level, across), brake)
 
 
 class WornSolid(NamedTuple):
@@ -521,7 +497,7 @@ class WornSolid(NamedTuple):
 
 
 def wear_solid_linings(
-    brake: Brake, elements: int, distances: Sequence[float], across: int | None = None
+    brake: Brake, distances: Sequence[float], across: int = STUDY_DEGREE
 ) -> WornSolid:
     """The pressures of a brake's solid linings as they wear by Archard's law.
 
@@ -529,14 +505,12 @@ def wear_solid_linings(
     ----------
     brake : Brake
         The brake with new linings.
-    elements : int
-        Elements along a lining.
     distances : sequence of float
         Sliding distances in units of 1/(k K), as in `WornSolid`; the first is 0.
-    across : int, optional
-        Elements across half the width; by default the solid model chooses.
+    across : int
+        Degree across the width.
     """
-    scene = solid.prepare_model_of_solid_shoes(brake, elements=elements, across=across)
+    scene = prepare_brake_with_widths(brake, LEVELS[0], across)
     start, law = solve_prepared_model(scene, brake), solve_brake_by_sine_law(brake)
     setup = wear_setup_by_finite_elements(scene, brake)
     # The sliding distance 1/(k K) for a wear coefficient k of 1/Pa.
@@ -570,7 +544,7 @@ def _response_with_worn_lining_pressure(
 
     Parameters
     ----------
-    line : ContactFace
+    line : WidthFace
         Friction face of the lining.
     first : ShoeResponse
         The response of the shoe before wear.
@@ -579,7 +553,7 @@ def _response_with_worn_lining_pressure(
     p : array
         Pressures at the nodes of the worn lining's face [Pa].
     """
-    assert isinstance(line, ContactFace)
+    assert isinstance(line, WidthFace)
     _, mean = line.angles_and_mean_pressures(p)
     face = line.pressure_over_arc_and_width(p)
     surface = face._replace(pressure=face.pressure[forward])

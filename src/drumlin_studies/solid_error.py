@@ -3,8 +3,8 @@
     python -m drumlin_studies.solid_error KIND FIRST LAST [TOLERANCE [LEVEL]]
 
 solves the brakes of the seeds FIRST to LAST - 1 to TOLERANCE (0.01) by
-`solve_brake_with_widths_to_tolerance`. It prints a line for each brake and a table of stated over
-true errors. KIND is a name in DRAWN:
+`solve_brake_with_widths_to_tolerance`. It prints a line for each brake, a table of stated over true
+errors, and a table of the errors that plane stress states of itself. KIND is a name in DRAWN:
 
 - "free": brakes of draw_random_brake whose parts have several widths
 - "built": shoes as they are built. The table is as wide as the lining and 1/30 to 1/8 of this width
@@ -64,8 +64,18 @@ TABLE = (1 / 30, 1 / 8)
 """Smallest and largest thickness of a drawn table, over the lining's width."""
 WEB = (1 / 12, 1 / 4)
 """Smallest and largest width of a drawn web, over the lining's width."""
-JUDGED_ERRORS = ("torque", "pressure")
+BOUNDED_ERRORS = ("torque", "pressure")
 """The errors that a tolerance bounds, by their names in the response's `error`."""
+JUDGED_ERRORS = (*BOUNDED_ERRORS, "reaction")
+"""The stated errors that are judged."""
+LEAST_MODEL_ERROR = 0.01
+"""True relative error of plane stress from which on its estimate is judged."""
+GOOD_FACTOR, POOR_FACTOR = 1.5, 3.0
+"""Factors within which an estimate of the error of plane stress is good, and beyond which poor.
+
+Within the first one the estimate tells an engineer whether plane stress is enough. An estimate that
+is below a third of the error would mislead.
+"""
 TRUTH_FACTOR = 4.0
 """Smallest true error that is judged, over the uncertainty of the truth, as for stored truths."""
 LEAST_TRUE_ERROR = 1e-5
@@ -83,6 +93,8 @@ class SolidErrorRow(NamedTuple):
     cost : processor time of the solve, over that of a default solve by plane stress
     reached : whether the stated errors meet the tolerance
     how : degrees across the width and of the section, in words
+    plane_true, plane_stated : true and stated errors of plane stress, by the same names; without
+        stated ones the second is empty
     """
 
     title: str
@@ -92,6 +104,8 @@ class SolidErrorRow(NamedTuple):
     cost: float
     reached: bool
     how: str
+    plane_true: dict[str, float]
+    plane_stated: dict[str, float]
 
     def is_judged(self, name: str) -> bool:
         """Whether the true error is large enough beside its uncertainty to judge the stated one."""
@@ -195,12 +209,14 @@ def stated_and_true_width_errors_or_why_none(
             brake, Tolerance(tolerance, tolerance), must=False
         )
         done = time.process_time()
+        plane = solve(brake, model_error=True)
         truth, lower = (
             response_with_graded_width_functions(brake, level, degree)
             for degree in (GRADED_DEGREE, GRADED_DEGREE - 1)
         )
         true = distance_of_plane_stress_from_widths(brake, found, truth)
         unsure = distance_of_plane_stress_from_widths(brake, lower, truth)
+        plane_true = distance_of_plane_stress_from_widths(brake, plane, truth)
     except (NoAnswer, np.linalg.LinAlgError) as error:
         return str(error)
     stated = {name: (found.error or {})[name] for name in JUDGED_ERRORS}
@@ -210,8 +226,10 @@ def stated_and_true_width_errors_or_why_none(
         stated=stated,
         unsure={name: unsure.brake[name] for name in JUDGED_ERRORS},
         cost=(done - plane_done) / (plane_done - started),
-        reached=max(stated.values()) <= tolerance,
+        reached=max(stated[name] for name in BOUNDED_ERRORS) <= tolerance,
         how=found.notes[-1],
+        plane_true={name: plane_true.brake[name] for name in JUDGED_ERRORS},
+        plane_stated=dict(plane.plane_stress_error.brake) if plane.plane_stress_error else {},
     )
 
 
@@ -256,6 +274,26 @@ def table_lines_of_stated_over_true_quantiles(rows: list[SolidErrorRow]) -> list
     return lines
 
 
+def table_lines_of_stated_plane_stress_errors(rows: list[SolidErrorRow]) -> list[str]:
+    """Lines on the stated errors of plane stress: how many are good, and how many are poor.
+
+    Errors from LEAST_MODEL_ERROR on are judged, see GOOD_FACTOR and POOR_FACTOR.
+    """
+    lines = ["plane stress: error  brakes  within 1.5  below 1/3  least   half   most"]
+    for name in JUDGED_ERRORS:
+        ratios = [
+            row.plane_stated[name] / row.plane_true[name]
+            for row in rows
+            if row.plane_stated and row.plane_true[name] >= LEAST_MODEL_ERROR
+        ]
+        if ratios:
+            good = np.mean([1 / GOOD_FACTOR <= ratio <= GOOD_FACTOR for ratio in ratios])
+            poor = np.mean([ratio < 1 / POOR_FACTOR for ratio in ratios])
+            numbers = "  ".join(f"{v:5.2f}" for v in np.quantile(ratios, [0.0, 0.5, 1.0]))
+            lines.append(f"{name:19} {len(ratios):7}  {good:10.0%}  {poor:9.0%}  {numbers}")
+    return lines
+
+
 def main() -> None:
     """Print the rows and the table of a kind of brakes."""
     kind, first, last = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
@@ -275,7 +313,9 @@ def main() -> None:
         )
         sys.stdout.write(f"{row.title}: {errors}, cost {row.cost:.0f}, {row.how}\n")
         sys.stdout.flush()
-    sys.stdout.write("\n".join(table_lines_of_stated_over_true_quantiles(rows)) + "\n")
+    lines = table_lines_of_stated_over_true_quantiles(rows)
+    lines += table_lines_of_stated_plane_stress_errors(rows)
+    sys.stdout.write("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

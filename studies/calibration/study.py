@@ -13,6 +13,7 @@ import numpy as np
 from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
+from drumlin.fem.width.ladder import SolidFactors
 from drumlin.report import figures
 from drumlin.report.page import write_html_page
 from drumlin_studies.calibration import (
@@ -32,10 +33,23 @@ from drumlin_studies.calibration import (
 from drumlin_studies.side_by_side import PROCESSES, Case, compute_cases_in_parallel_with_journal
 from drumlin_studies.stated_true import RELEVANT
 from drumlin_studies.stated_true_figure import draw_shares_of_stated_over_true_ratios
+from drumlin_studies.width_calibration import (
+    SECTION_SEEDS,
+    WIDTH_FACTOR_MEANINGS,
+    WIDTH_QUANTILE,
+    WIDTH_SEEDS,
+    WidthRow,
+    fit_width_factors,
+    observe_width_errors_of_random_brake,
+    width_factors_as_json_text,
+    width_rows_as_csv_text,
+)
 
 HERE = Path(__file__).parent
 FEW = 4
 """Number of random brakes in a trial run of this study (option --short)."""
+SHORT_SEEDS = (1002, 1006, 1018)
+"""Seeds of the random solid shoes in a trial run of this study."""
 COMPUTING = (
     "src/drumlin/fem",
     "src/drumlin/contact",
@@ -49,11 +63,16 @@ The file that holds the factors lies in one of them, but is left out.
 
 
 class Result(NamedTuple):
-    """The errors of each random brake, the fitted factors, and the commit that computed them."""
+    """The errors of each random brake, the fitted factors, and the commit that computed them.
+
+    `width_rows` and `width_factors` are those of solid shoes.
+    """
 
     rows: list[dict[str, Any]]
     factors: Factors
     provenance: Provenance
+    width_rows: list[WidthRow]
+    width_factors: SolidFactors
 
 
 def study(
@@ -80,9 +99,38 @@ def study(
     commit, date = last_commit()
     brakes = sum(bool(row["levels"]) for row in rows)
     words = f"{seeds[0]} to {seeds[-1]}, {corners[0]} to {corners[-1]}"
+    width_rows = _observe_solid_shoes(journal, say, short=short)
     return Result(
-        rows, fit_safety_factors(levels), Provenance(words, brakes, len(levels), commit, date)
+        rows,
+        fit_safety_factors(levels),
+        Provenance(words, brakes, len(levels), commit, date),
+        width_rows,
+        fit_width_factors(width_rows),
     )
+
+
+def _observe_solid_shoes(
+    journal: Journal, say: Callable[[str], None], *, short: bool
+) -> list[WidthRow]:
+    """The rows of random solid shoes; `short` is whether few brakes are enough."""
+    cases = []
+    for part, kinds in (("width", WIDTH_SEEDS), ("section", SECTION_SEEDS)):
+        for kind, seeds in kinds.items():
+            for seed in seeds:
+                cases.append({"part": part, "kind": kind, "seed": seed})
+    if short:
+        # Shoes without bodies are solved in a tenth of a second.
+        cases = [{"part": "width", "kind": "free", "seed": seed} for seed in SHORT_SEEDS]
+    found = compute_cases_in_parallel_with_journal(
+        cases, _observe_solid_case, journal, say, 0 if short else PROCESSES, "solid shoes"
+    )
+    return [WidthRow(**row) for each in found for row in each["rows"]]
+
+
+def _observe_solid_case(case: Case) -> dict[str, Any]:
+    """The rows of a case's brake with solid shoes, as plain data."""
+    rows = observe_width_errors_of_random_brake(**case)
+    return {"rows": [row._asdict() for row in rows]}
 
 
 def _observe_case(case: Case) -> dict[str, Any]:
@@ -101,8 +149,8 @@ def levels_of(rows: list[dict[str, Any]]) -> list[LevelRecord]:
 
 def last_commit() -> tuple[str, str]:
     """Hash and date of the last commit that changed COMPUTING; empty outside a repository."""
-    own = ":!src/drumlin/fem/error_control/factors.json"
-    command = ["git", "log", "-1", "--format=%h %cs", "--", *COMPUTING, own]
+    own = (":!src/drumlin/fem/error_control/factors.json", ":!src/drumlin/fem/width/factors.json")
+    command = ["git", "log", "-1", "--format=%h %cs", "--", *COMPUTING, *own]
     try:
         run = subprocess.run(
             command, cwd=HERE.parents[1], capture_output=True, text=True, check=True
@@ -118,6 +166,12 @@ def report(result: Result, folder: Path) -> Path:
     write_text(
         folder / "factors.json", safety_factors_as_json_text(result.factors, result.provenance)
     )
+    provenance = result.provenance
+    text = width_factors_as_json_text(
+        result.width_factors, result.width_rows, provenance.commit, provenance.date
+    )
+    write_text(folder / "width_factors.json", text)
+    write_text(folder / "width_rows.csv", width_rows_as_csv_text(result.width_rows))
     levels = levels_of(result.rows)
     # Factor of each quantity, and weight of the change by random signs.
     force = result.factors.force
@@ -159,4 +213,7 @@ def report(result: Result, folder: Path) -> Path:
         quantile=STATED_QUANTILE,
         relevant=RELEVANT,
         failed=failed,
+        width_meaning=WIDTH_FACTOR_MEANINGS,
+        width_quantile=WIDTH_QUANTILE,
+        width_brakes=len({(row.kind, row.seed) for row in result.width_rows}),
     )

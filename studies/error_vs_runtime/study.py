@@ -16,6 +16,7 @@ from studies.error_vs_runtime.brakes import (
     brakes_with_omissions,
 )
 from studies.error_vs_runtime.figures import draw_error_over_time, draw_predicted_changes
+from studies.error_vs_runtime.solid import compute_solid_comparisons, draw_error_against_solid
 
 from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
@@ -93,6 +94,8 @@ class Result(NamedTuple):
         Why a brake is not in the study, by brake.
     left_out : list of dict
         Rows of omissions.
+    solid : dict
+        Rows of all models against solid shoes, and the uncertainty of this truth, by brake.
     unit : float
         The unit of time [s].
     seconds : float
@@ -104,6 +107,7 @@ class Result(NamedTuple):
     references: dict[str, dict[str, Any]]
     refused: dict[str, str]
     left_out: list[Row]
+    solid: dict[str, Row]
     unit: float
     seconds: float
 
@@ -159,12 +163,14 @@ def study(
                 )
             rows.append({"brake": name, **row})
     left = _omission_rows(journal, short, say)
+    solid = compute_solid_comparisons(journal, say, short=short)
     return Result(
         rows,
         floors,
         references,
         refused,
         left,
+        solid,
         median_seconds_of_unit_workload(rows),
         time.perf_counter() - start,
     )
@@ -196,6 +202,19 @@ def _method_row(
 def _process_row(path: Path, tolerance: float) -> Row:
     """Time of a whole `drumlin solve` of a brake file to a tolerance."""
     return {"process": wall_seconds_of_solve_command(path, "--tolerance", str(tolerance))}
+
+
+def _write_solid_files(result: Result, folder: Path) -> dict[str, str]:
+    """Write picture and table of each brake against solid shoes; returns the pictures' names."""
+    pictures = {}
+    for name, found in result.solid.items():
+        stem = f"solid_{name.replace('/', '_')}"
+        picture = draw_error_against_solid(found["rows"], found["uncertain"])
+        for ending in ("png", "svg"):
+            save_figure(picture, folder / f"{stem}.{ending}")
+        write_text(folder / f"{stem}.csv", table_as_csv_text(found["rows"]))
+        pictures[name] = f"{stem}.svg"
+    return pictures
 
 
 def _omission_rows(journal: Journal, short: bool, say: Callable[[str], None]) -> list[Row]:
@@ -269,6 +288,7 @@ def report(result: Result, folder: Path) -> Path:
         times=times,
         matrices=recommended_methods_by_brake_and_target(best),
         figures=pictures,
+        solid_figures=_write_solid_files(result, folder),
         first=next(iter(floors)),
         first_rows=method_rows_of_brake_with_given_name(rows, next(iter(floors))),
         failed=failed,

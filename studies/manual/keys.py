@@ -237,9 +237,8 @@ SWEEP: tuple[Table, ...] = (
         "finite_width": "whether the answer is corrected for the widths of the shoes",
         "model_error": "whether the error of plane stress itself is stated"}),
     ("`[model.solid]`", SolidOptions, {
-        "elements": "number of elements along each lining",
-        "across": "number of elements over half a lining's width",
-        "tolerance": "largest error of p (mean over the width) and of the torque, in place of both",
+        "across": "degree of the polynomials across the width",
+        "tolerance": "largest error of p (mean over the width) and of the torque, without `across`",
         "penalty": "contact stiffness over E/t of the lining"}),
     ("`[model.foundation]`", FoundationOptions, {
         "sections": "number of sections of each beam",

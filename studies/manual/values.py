@@ -25,9 +25,9 @@ from drumlin.fem.model import (
     LARGEST_UNREFINED_ROUND_OFF,
     PENALTY,
 )
-from drumlin.fem.solid.model import DEFAULT_SOLID_TOLERANCE
+from drumlin.fem.solid import DEFAULT_SOLID_TOLERANCE
 from drumlin.fem.width.correction import REMAINING_SHARE
-from drumlin.fem.width.ladder import SECTION_SAFETY
+from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE, SOLID_FACTORS
 from drumlin.fem.width.prepare import LARGEST_WIDTH_NU
 from drumlin.lining_wear.run_in import DEFAULT_WEAR_COEFFICIENT, WEAR_SETTLED, WORN_OUT_FRACTION
 from drumlin.response.response import EDGE_ZONE
@@ -63,7 +63,9 @@ def quoted_values() -> dict[str, str]:
         "most_raised_nodes": f"{MOST_RAISED_NODES:,}".replace(",", " "),
         "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
         "solid_tolerance": f"{100 * DEFAULT_SOLID_TOLERANCE:g} %",
-        "section_safety": f"{SECTION_SAFETY:g}",
+        "solid_degree": str(LARGEST_STATED_DEGREE),
+        "section_safety": f"{SOLID_FACTORS.section_pressure:g}",
+        "section_force_safety": f"{SOLID_FACTORS.section_force:g}",
         "analysis_degree": str(ANALYSIS_DEGREE),
         "wear_coefficient": f"{1e9 * DEFAULT_WEAR_COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",

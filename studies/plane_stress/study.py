@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from studies.plane_stress import figures
+from studies.plane_stress.limits import draw_plane_stress_limits, marked_values
 
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
@@ -16,10 +17,11 @@ from drumlin.brake.components import Beam
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import table_as_csv_text
 from drumlin.fem.analysis.fields import write_fields_to_vtu_file
+from drumlin.fem.analysis.solid_fields import recover_fields_in_solid_shoes
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solid import model as solid
-from drumlin.fem.solid.width_fields import recover_fields_in_shoes
+from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin.report.solid_picture import draw_solid_shoes_and_return_failure_reason
@@ -28,9 +30,10 @@ from drumlin_studies.plane_stress import (
     PlaneErrorMap,
     SolidAndPlane,
     TimeAndErrors,
-    TorqueOnThreeMeshes,
+    TorqueOnLevels,
     WornSolid,
 )
+from drumlin_studies.plane_stress_limits import ranges_within_limits, rows_of_plane_stress_limits
 from drumlin_studies.uncertainty import Validation
 
 HERE = Path(__file__).parent
@@ -65,29 +68,25 @@ class Setting:
 
     Attributes
     ----------
-    elements, fine : int
-        Elements along a lining, in maps and in the study's own brake.
-    doubled : tuple of three int
-        Elements of three meshes that double.
+    levels : int
+        Number of levels of the section on which the study's own brake is solved.
     every : int
         One in so many points of the maps is solved.
     truth : int
-        Elements of the solid that serves as truth of the ladder.
+        Degree across the width of the solid that serves as truth of the ladder.
     meshes, solids : tuple of int
-        Elements of the ladder in plane stress and of its solids.
+        Elements of the ladder in plane stress, and degrees of its solids.
     """
 
-    elements: int
-    fine: int
-    doubled: tuple[int, int, int]
+    levels: int
     every: int
     truth: int
     meshes: tuple[int, ...]
     solids: tuple[int, ...]
 
 
-FULL = Setting(24, 40, (14, 28, 56), 1, 60, (8, 16, 32, 64, 128), (8, 12, 16, 24, 32, 40))
-SHORT = Setting(10, 12, (6, 12, 24), 4, 20, (8, 16), (6, 12))
+FULL = Setting(3, 1, 6, (8, 16, 32, 64, 128), (1, 2, 3, 4, 5))
+SHORT = Setting(2, 4, 4, (8, 16), (1, 2))
 
 
 @dataclass(frozen=True)
@@ -97,12 +96,14 @@ class Result:
     three: SolidAndPlane
     scene: Any
     table: list[dict[str, Any]]
-    certain: tuple[TorqueOnThreeMeshes, TorqueOnThreeMeshes]
+    certain: tuple[TorqueOnLevels, TorqueOnLevels]
     validation: Validation
     maps: tuple[PlaneErrorMap, PlaneErrorMap]
     curves: dict[str, list[tuple[float, list[dict[str, Any]]]]]
     worn: WornSolid
     ladder: dict[str, list[TimeAndErrors]]
+    limits: list[dict[str, Any]]
+    marked: dict[str, dict[str, float]]
     seconds: float
 
 
@@ -115,28 +116,21 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     setting = SHORT if short else FULL
     brake = read_brake(HERE / "brake.toml")
     say("the brake itself")
-    scene = solid.prepare_model_of_solid_shoes(brake, elements=setting.fine)
-    three = rows.solve_by_solid_and_plane_stress(brake, setting.fine)
-    # Three meshes give the uncertainty of the torque in both models.
-    say("meshes that double")
-    true = rows.solve_torque_on_three_meshes(
-        lambda n: (
-            solve_prepared_model(
-                solid.prepare_model_of_solid_shoes(brake, elements=n), brake
-            ).torque
-        ),
-        setting.doubled,
+    scene = prepare_brake_with_widths(brake, LEVELS[0], rows.STUDY_DEGREE)
+    three = rows.solve_by_solid_and_plane_stress(brake)
+    # Finer divisions of the section give the uncertainty of the torque in both models.
+    say("levels of the section")
+    levels = LEVELS[: setting.levels]
+    true = rows.solve_torque_on_levels(
+        lambda level: rows.solve_with_solid_shoes(brake, level=level).torque, levels
     )
-    plane = rows.solve_torque_on_three_meshes(
-        lambda n: solve_prepared_model(make_prepared_model(brake, elements=n), brake).torque,
-        setting.doubled,
+    plane = rows.solve_torque_on_levels(
+        lambda level: solve_prepared_model(make_prepared_model(brake, level), brake).torque, levels
     )
     maps = _map_errors(brake, setting, say)
     curves = _error_curves(brake, setting, say)
     say("wear")
-    worn = rows.wear_solid_linings(
-        brake, setting.elements, DISTANCES if not short else DISTANCES[::3]
-    )
+    worn = rows.wear_solid_linings(brake, DISTANCES if not short else DISTANCES[::3])
     # Time and error of each model, on the car brake and on the post brake.
     ladder = {}
     for each in (brake, post_brake_on_rigid_drum()):
@@ -144,6 +138,9 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         ladder[each.title] = rows.measure_time_and_errors_of_models(
             each, setting.truth, setting.meshes, setting.solids
         )
+    varied = {"one width": read_brake(HERE.parent / "double_shoe" / "flexible.toml")}
+    varied["T-section"] = brake
+    limits = rows_of_plane_stress_limits(varied, setting.every, say)
     return Result(
         three=three,
         scene=scene,
@@ -154,6 +151,8 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         curves=curves,
         worn=worn,
         ladder=ladder,
+        limits=limits,
+        marked=marked_values(varied),
         seconds=time.perf_counter() - start,
     )
 
@@ -181,7 +180,6 @@ def _map_errors(
         with_lining,
         WIDTHS[::every],
         MODULI[::every],
-        setting.elements,
         say,
     )
     table_and_web = rows.map_plane_stress_errors(
@@ -190,7 +188,6 @@ def _map_errors(
         with_section,
         WEBS[::every],
         TABLES[::every],
-        setting.elements,
         say,
     )
     return one_width, table_and_web
@@ -212,7 +209,7 @@ def _error_curves(
         points = []
         for value in values[:: setting.every]:
             changed = vary(brake, {key: unit * value})
-            three = rows.solve_by_solid_and_plane_stress(changed, setting.elements)
+            three = rows.solve_by_solid_and_plane_stress(changed)
             points.append((value, rows.plane_stress_error_rows_of_shoes(three)))
         curves[name] = points
     return curves
@@ -234,13 +231,19 @@ def post_brake_on_rigid_drum() -> Brake:
     return vary(brake, changes)
 
 
-ENDINGS = {"map": ("svg", "png"), "ladder": ("svg", "png"), "face": ("png",)}
+ENDINGS = {
+    "limits": ("svg", "png"),
+    "map": ("svg", "png"),
+    "ladder": ("svg", "png"),
+    "face": ("png",),
+}
 """File formats of figures that are not only SVG."""
 
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures, tables and fields, and return the path of the page."""
     made = {
+        "limits": draw_plane_stress_limits(result.limits, result.marked),
         "map": figures.draw_error_maps(result.maps),
         "face": figures.draw_face_pressures(result.three, result.worn),
         "curves": figures.draw_error_curves(result.curves),
@@ -252,12 +255,13 @@ def report(result: Result, folder: Path) -> Path:
             drawing.save_figure(figure, folder / f"{name}.{ending}")
     brake, response = result.three.brake, result.three.solid
     write_fields_to_vtu_file(
-        folder / "solid.vtu", recover_fields_in_shoes(result.scene, brake, response)
+        folder / "solid.vtu", recover_fields_in_solid_shoes(result.scene, brake, response)
     )
     not_drawn = draw_solid_shoes_and_return_failure_reason(
         folder / "solid.vtu", folder / "solid.png", brake.title
     )
     write_text(folder / "errors.csv", table_as_csv_text(result.table))
+    write_text(folder / "limits.csv", table_as_csv_text(result.limits))
     rungs = [
         {"brake": name} | rung._asdict()
         for name, ladder in result.ladder.items()
@@ -285,6 +289,7 @@ def report(result: Result, folder: Path) -> Path:
         folder / "index.html",
         result=result,
         not_drawn=not_drawn,
+        ranges=[each._asdict() for each in ranges_within_limits(result.limits)],
         within=partial(_share_within, result.maps),
         largest=largest,
         shares=rows.rows_of_shares_within_error_limits(result.maps),

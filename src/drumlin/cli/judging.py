@@ -30,7 +30,8 @@ def cost(
         ),
     ] = False,
     model: Annotated[
-        str, typer.Option(metavar="fem|solid", help="solid: its table, up to 100 000 unknowns")
+        str,
+        typer.Option(metavar="fem|solid", help="solid: its table by the degree across the width"),
     ] = "fem",
 ) -> None:
     """Compare the time of a solve with that of its parts and of a further load case.

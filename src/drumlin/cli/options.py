@@ -51,7 +51,9 @@ Lift = Annotated[
     list[str] | None,
     typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift"),
 ]
-Across = Annotated[int | None, typer.Option(help="elements over half the width of a solid lining")]
+Across = Annotated[
+    int | None, typer.Option(help="degree of the polynomials across the width of solid shoes")
+]
 FieldsFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes"),

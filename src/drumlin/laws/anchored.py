@@ -214,9 +214,10 @@ def _contact_on_free_motions(
         face.gap_closing_by_motions(modes.motions)
         for face, modes in zip(on.faces, on.freedoms, strict=True)
     ]
+    drag = brake.friction * brake.sign_of_motion
     for _ in range(MOST_CONTACT_STEPS):
         matrices = _matrices_on_arcs(brake, on, arcs)
-        K = matrices.normal - brake.drag * matrices.friction
+        K = matrices.normal - drag * matrices.friction
         try:
             y = free @ np.linalg.solve(free.T @ K @ free, free.T @ work)
         except np.linalg.LinAlgError:
@@ -254,7 +255,7 @@ def _solve_on_bearing_supports(
     )
     forces = np.zeros(len(bearing))
     forces[np.array(bearing, dtype=bool)] = motions.held.T @ (
-        (normal - brake.drag * friction) @ y - work
+        (normal - brake.friction * brake.sign_of_motion * friction) @ y - work
     )
     if brake.friction >= mu_lock or not _is_bearing_as_assumed(on, bearing, y, forces):
         return None

@@ -1,7 +1,7 @@
 """Half a three-dimensional shoe against its drum as an input deck for CalculiX; mm, N, MPa.
 
-The mesh is drumlin's own mesh of hexahedra, without the nodes in the middle of faces and cells. The
-cells are then CalculiX's hexahedra with 20 nodes and reduced integration (C3D20R). The mid-plane is
+The mesh is that of `peers.hexahedra`, without the nodes in the middle of faces and cells. The cells
+are then CalculiX's hexahedra with 20 nodes and reduced integration (C3D20R). The mid-plane is
 a plane of symmetry: its nodes are fixed along z, and all forces are halved. The rest of the deck
 equals that of a shoe in plane stress.
 """
@@ -18,22 +18,9 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
+from drumlin.fem.analysis.solid_fields import hexahedra_turned_to_positive_volume
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
-from drumlin.fem.solid.body import (
-    friction_surface_of_solid_shoe,
-    nodal_forces_of_unit_loads_on_solid_end,
-    solid_nodes_that_move_with_pin,
-)
-from drumlin.fem.solid.fields import (
-    hexahedra_turned_to_positive_volume,
-    hexahedra_with_twenty_nodes_in_vtk_order,
-)
-from drumlin.fem.solid.mesh import Solid, mesh_of_half_solid_shoe
-from drumlin.fem.solid.model import (
-    SOLID_LINING_ELEMENTS,
-    default_element_count_over_half_width,
-    reason_why_solid_model_does_not_apply,
-)
+from drumlin.fem.width.prepare import reason_against_width_model
 from drumlin.peers import calculix
 from drumlin.peers.deck import (
     DRUM_LAYER,
@@ -52,6 +39,16 @@ from drumlin.peers.deck import (
     deck_lines_of_load_step,
     deck_lines_of_nodal_forces,
     require_lining_without_gap,
+)
+from drumlin.peers.hexahedra import (
+    HEXAHEDRA_ALONG_LINING,
+    Solid,
+    default_hexahedra_over_half_width,
+    hexahedra_with_twenty_nodes_in_vtk_order,
+    mesh_of_half_solid_shoe,
+    nodal_forces_of_unit_loads_on_solid_end,
+    nodes_over_width_of_boundary,
+    solid_nodes_that_move_with_pin,
 )
 from drumlin.peers.peer import (
     LoadedShoe,
@@ -95,7 +92,7 @@ def export_solid_calculix_decks(
     folder: Path,
     stem: str,
     *,
-    elements: int = SOLID_LINING_ELEMENTS,
+    elements: int = HEXAHEDRA_ALONG_LINING,
     across: int | None = None,
 ) -> tuple[list[Path], list[str]]:
     """Write a CalculiX deck of a three-dimensional shoe for each shoe of a brake.
@@ -125,7 +122,7 @@ def export_solid_calculix_decks(
 def solve_solid_by_calculix(
     brake: Brake,
     *,
-    elements: int = SOLID_LINING_ELEMENTS,
+    elements: int = HEXAHEDRA_ALONG_LINING,
     across: int | None = None,
     setting: DeckSetting | None = None,
 ) -> Peer:
@@ -167,7 +164,7 @@ def _solid_shoes_under_actuation(
 
     Raises BadInput if drumlin's model of solid shoes cannot solve the brake.
     """
-    reason = reason_why_solid_model_does_not_apply(brake)
+    reason = reason_against_width_model(brake)
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
     posed = []
@@ -177,7 +174,7 @@ def _solid_shoes_under_actuation(
             shoe,
             brake.size,
             elements,
-            across or default_element_count_over_half_width(shoe, elements),
+            across or default_hexahedra_over_half_width(shoe, elements),
         )
         posed.append(_SolidShoe(loaded, solid))
     return posed
@@ -212,7 +209,7 @@ def solid_shoe_deck_text(
     # back.
     mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
     bonded = held if shoe.body is None else held[:0]
-    face = friction_surface_of_solid_shoe(solid, shoe, brake.size).nodes
+    face = nodes_over_width_of_boundary(solid, "contact", "lining")
     lines = [
         *deck_header_lines(brake, loaded, setting, name),
         "** half of the shoe, z >= 0: what is called thickness above is that half",
@@ -294,7 +291,7 @@ def _deck_lines_of_solid_materials(shoe: Shoe) -> list[str]:
     """The lines of a deck for the materials of a shoe and of the drum."""
     moduli = {}
     for part, (material, _) in materials_and_widths_of_shoe_parts(shoe).items():
-        # `reason_why_solid_model_does_not_apply` refuses orthotropic materials.
+        # `reason_against_width_model` refuses orthotropic materials.
         assert isinstance(material, Material)
         moduli[part.upper()] = material.E, material.nu
     moduli["DRUM"] = DRUM_MODULUS * shoe.lining.material.E_through, 0.0
@@ -337,7 +334,7 @@ def _deck_lines_of_solid_actuation(
     """
     if "actuation" not in solid.section.boundaries:
         return deck_lines_of_load_on_pin(loaded, setting, grid)
-    unit, _ = nodal_forces_of_unit_loads_on_solid_end(solid)
+    unit = nodal_forces_of_unit_loads_on_solid_end(solid)
     nodal = (unit @ np.array([*loaded.force, loaded.couple]))[:, :2]
     forces = setting.thickness * loaded.shoe.frame.convert_to_brake_frame(
         _forces_moved_from_face_middles(solid, nodal)

@@ -6,8 +6,8 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from drumlin.brake.fields import Part
-from drumlin.fem import solid
 from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
+from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE
 
 
 class ContactOptions(Part):
@@ -39,15 +39,14 @@ class FemOptions(ContactOptions):
 class SolidOptions(ContactOptions):
     """Options of solid shoes, as on the command line."""
 
-    elements: Annotated[int, Field(ge=1, le=solid.MOST_ELEMENTS)] | None = None
-    across: Annotated[int, Field(ge=1, le=solid.MOST_ACROSS)] | None = None
+    across: Annotated[int, Field(ge=1, le=LARGEST_STATED_DEGREE)] | None = None
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
 
     @model_validator(mode="after")
-    def _require_not_both_division_and_tolerance(self) -> Self:
-        """Raise ValueError if both a tolerance and numbers of elements are given."""
-        if self.tolerance is not None and (self.elements is not None or self.across is not None):
-            raise ValueError("tolerance chooses the division; leave out elements and across")
+    def _require_not_both_degree_and_tolerance(self) -> Self:
+        """Raise ValueError if both a tolerance and a degree across the width are given."""
+        if self.tolerance is not None and self.across is not None:
+            raise ValueError("tolerance chooses the degree across the width; leave out across")
         return self
 
 

@@ -21,6 +21,7 @@ from scipy.sparse.linalg import splu
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.grading import LiningDivision, divide_lining_into_elements
 from drumlin.fem.model import PENALTY, solve_prepared_model
@@ -34,6 +35,7 @@ from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
+from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin.models import model_with_name_that_applies_to_brake
 
 COST_ELEMENTS = 140
@@ -48,8 +50,8 @@ TIMING_REPEATS = 7
 COST_TABLE_UNKNOWNS = (20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)
 """Number of unknowns of a shoe for each row of the table of cost by size."""
 
-SOLID_COST_ELEMENTS = (16, 24, 32, 48, 72)
-"""Elements along the lining of a three-dimensional shoe for each row of its table of cost."""
+SOLID_COST_DEGREES = (1, 2, 3, 4, 5)
+"""Degree across the width of solid shoes for each row of their table of cost."""
 
 LARGEST_FITTED_UNKNOWNS = 600_000
 """Number of unknowns above which a row is not used to fit the exponent k in time ~ unknowns^k.
@@ -266,32 +268,29 @@ class _SolidCost(NamedTuple):
 
 
 def solid_shoe_cost_table_lines(
-    brake: Brake, elements: Sequence[int] = SOLID_COST_ELEMENTS
+    brake: Brake, degrees: Sequence[int] = SOLID_COST_DEGREES
 ) -> Iterator[str]:
     """Yield the lines of a table of the cost of three-dimensional (solid) shoes.
 
-    There is a row for each number of elements along the lining in `elements`. Each row comes as
-    soon as it is measured. Times are seconds of processor time. A further load case is another
-    friction coefficient with the same stiffness.
+    There is a row for each degree across the width in `degrees`, on the first level of the section.
+    Each row comes as soon as it is measured. Times are seconds of processor time. A further load
+    case is another friction coefficient with the same stiffness.
     """
-    yield "unknowns  contact nodes  solve [s]  further [s]  peak memory [GiB]"
-    for count in elements:
+    yield "degree  unknowns  contact nodes  solve [s]  further [s]  peak memory [GiB]"
+    for degree in degrees:
         row: _SolidCost = _result_of_call_in_new_process(
-            _measure_time_and_memory_of_solid, brake, count
+            _measure_time_and_memory_of_solid, brake, degree
         )
         yield (
-            f"{row.unknowns:8d}  {row.nodes:13d}  {row.first:9.2f}  "
-            f"{row.further:11.2f}  {row.memory / 2**30:17.2f}"
+            f"{degree:6d}  {row.unknowns:8d}  {row.nodes:13d}  {row.first:9.3f}  "
+            f"{row.further:11.3f}  {row.memory / 2**30:17.2f}"
         )
 
 
-def _measure_time_and_memory_of_solid(brake: Brake, elements: int) -> _SolidCost:
-    """Solve a brake with solid shoes and measure it; `elements` are those along the lining."""
-    # Importing the solid model takes long, and only this function needs it.
-    from drumlin.fem.solid import model as solid  # noqa: PLC0415
-
+def _measure_time_and_memory_of_solid(brake: Brake, degree: int) -> _SolidCost:
+    """Solve a brake with solid shoes and measure it; `degree` is that across the width."""
     start = time.process_time()
-    scene = solid.prepare_model_of_solid_shoes(brake, elements=elements)
+    scene = prepare_brake_with_widths(brake, LEVELS[0], degree)
     solve_prepared_model(scene, brake)
     first = time.process_time() - start
     memory, start = peak_memory_of_process(), time.process_time()

@@ -370,7 +370,7 @@ class GridUnknowns:
 
     They are computed again from the contact displacements: first on the skeleton (the nodes on the
     boundaries of elements), then inside the elements one by one. The class is a
-    `substructure.body.InnerUnknowns`.
+    `substructure.body.InnerEquations`.
 
     Attributes
     ----------

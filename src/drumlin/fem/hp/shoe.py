@@ -76,7 +76,9 @@ class LoadedEnd(NamedTuple):
         return resultants
 
 
-def unit_actuation_loads_on_end_face(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
+def unit_actuation_loads_on_end_face(
+    xy: Floats, depths: Floats, p: int, share: Floats | float = 1.0
+) -> LoadedEnd:
     """The unit actuations on the straight end face of a shoe: force x, force y and couple.
 
     The forces are spread evenly over the end face. The couple is a traction that grows linearly
@@ -87,6 +89,7 @@ def unit_actuation_loads_on_end_face(xy: Floats, depths: Floats, p: int) -> Load
     xy : (2, n) nodes of the end face [m]
     depths : (n,) depths of the nodes, in proportion to the distance along the end face
     p : degree of the elements
+    share : (e,) factor of the traction on each element of the end face
     """
     # The ends of the elements along the end face, as positions from -1/2 to 1/2.
     ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5
@@ -94,9 +97,10 @@ def unit_actuation_loads_on_end_face(xy: Floats, depths: Floats, p: int) -> Load
     psi, _ = shape_functions_at_gauss_points(p)
     half = 0.5 * (ends[1:] - ends[:-1])[:, None]
     where = ends[:-1, None] + half * (1 + GAUSS)
-    even = np.bincount(at.ravel(), ((half * WEIGHTS) @ psi.T).ravel())
+    weights = half * WEIGHTS * np.reshape(share, (-1, 1))
+    even = np.bincount(at.ravel(), (weights @ psi.T).ravel())
     # The traction of a unit couple on an end of length 1 is 12 times the position.
-    linear = np.bincount(at.ravel(), ((half * WEIGHTS * where) @ psi.T).ravel()) * 12
+    linear = np.bincount(at.ravel(), ((weights * where) @ psi.T).ravel()) * 12
     end = xy[:, -1] - xy[:, 0]
     centre = 0.5 * (xy[:, -1] + xy[:, 0])
     load = np.zeros((xy.shape[1], 2, FRAME))

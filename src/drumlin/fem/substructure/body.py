@@ -12,7 +12,7 @@ flexibility. The forces L_fc Y then hold the frame, with L_fc = S_fc L_cc^-T.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -78,7 +78,7 @@ class InnerSystem(NamedTuple):
         return cls(A.tocsc(), constraints, loads)
 
     def equations_of_body_before_condensation(self) -> "InnerSystem":
-        """Return the system itself, as the interface `InnerUnknowns` asks of every body."""
+        """Return the system itself, as the interface `InnerEquations` asks of every body."""
         return self
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
@@ -107,7 +107,20 @@ class InnerSystem(NamedTuple):
 
 
 class InnerUnknowns(Protocol):
-    """The unknowns of a body that condensation has eliminated, and the body's unit loads.
+    """The unknowns of a body that condensation has eliminated, as far as every body has them."""
+
+    def nodal_displacements_in_load_cases(
+        self, nodal: Floats, frame: Floats, loads: Floats
+    ) -> Floats:
+        """Displacements (2 nodes, m) of all nodes [m] in m load cases.
+
+        The parameters are those of `CondensedBody.displacements`.
+        """
+
+
+@runtime_checkable
+class InnerEquations(InnerUnknowns, Protocol):
+    """The eliminated unknowns of a body in plane stress, with its equations and its unit loads.
 
     An `InnerSystem` holds the whole stiffness. A body of hp elements assembles its stiffness only
     when a method needs it, see `hp.grid.GridUnknowns`.
@@ -119,16 +132,8 @@ class InnerUnknowns(Protocol):
     def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The unit loads and the stiffness of the body, condensed to its contact and its frame."""
 
-    def body_system_with_further_loads(self, forces: Floats) -> "InnerUnknowns":
+    def body_system_with_further_loads(self, forces: Floats) -> "InnerEquations":
         """The same unknowns with nodal forces (2 nodes, k) as k more unit loads, after its own."""
-
-    def nodal_displacements_in_load_cases(
-        self, nodal: Floats, frame: Floats, loads: Floats
-    ) -> Floats:
-        """Displacements (2 nodes, m) of all nodes [m] in m load cases.
-
-        The parameters are those of `CondensedBody.displacements`.
-        """
 
 
 @dataclass(frozen=True)
@@ -161,9 +166,16 @@ class CondensedBody:
     force_imbalance: float = 0.0
     rigid_mode_error: Floats | None = None
 
+    @property
+    def inner_equations(self) -> InnerEquations:
+        """The eliminated unknowns with their equations."""
+        # Shoes with widths have displacements only, and the callers of this property refuse them.
+        assert isinstance(self.inner, InnerEquations)
+        return self.inner
+
     def assemble_equations_of_whole_body(self) -> InnerSystem:
         """Assemble and return the equations of the body on all its nodes, before condensation."""
-        return self.inner.equations_of_body_before_condensation()
+        return self.inner_equations.equations_of_body_before_condensation()
 
     @property
     def multi_point_constraints(self) -> Constraints:
@@ -230,7 +242,7 @@ class CondensedBody:
         """
         if taken := self.columns.column_slice_of_each_load.keys() & loads.keys():
             raise ValueError(f"the body has loads of these names already: {sorted(taken)}")
-        inner = self.inner.body_system_with_further_loads(
+        inner = self.inner_equations.body_system_with_further_loads(
             np.concatenate(list(loads.values()), axis=1)
         )
         eliminated = inner.condense_loads_and_stiffness()

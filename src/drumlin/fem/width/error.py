@@ -9,6 +9,7 @@ the width of a shoe whose parts have one width.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -19,12 +20,15 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.levels import LEVEL_RULE, LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
-from drumlin.fem.hp.division import Level
+from drumlin.fem.hp.division import Level, ShoeDivision
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache, first_shoes_of_equal_shape
-from drumlin.fem.preparation.columns import PointsByShape
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.width.prepare import prepare_brake_with_widths, reason_against_width_model
+from drumlin.fem.width.prepare import (
+    level_for_narrow_shoes,
+    prepare_divided_brake_with_widths,
+    reason_against_width_model,
+)
 from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import (
     ModelError,
@@ -57,12 +61,11 @@ off by 0.5 or more. All other contacts are off by 0.05 at most.
 class CoarseSection(NamedTuple):
     """The division of a brake's section on which degrees across the width are compared.
 
-    `level` is the division, `points` are the singular points of each shape of shoe, and `plane` is
-    the answer of plane stress on this division.
+    `divisions` are the divisions into hp elements by the position of the first shoe of each shape,
+    and `plane` is the answer of plane stress on them.
     """
 
-    level: Level
-    points: PointsByShape
+    divisions: Mapping[int, ShoeDivision]
     plane: Response
 
 
@@ -115,13 +118,13 @@ def plane_stress_solution_on_given_hp_elements(
     NoAnswer
         where plane stress has no answer on the level
     """
-    alike = first_shoes_of_equal_shape(brake)
+    alike, level = first_shoes_of_equal_shape(brake), level_for_narrow_shoes(brake, level)
     points = singular_points_of_all_linings(
         brake, response, alike, level.pressure_error_by_column_ratio
     )
     scene = make_prepared_model(brake, level, points, alike=alike, cache=cache)
     plane = solve_prepared_model(scene, brake, penalty=penalty, start=response)
-    return CoarseSection(level, points, plane)
+    return CoarseSection(scene.divisions, plane)
 
 
 class CoarseAnswers(NamedTuple):
@@ -147,8 +150,8 @@ def coarse_solutions_with_and_without_widths(
         section = plane_stress_solution_on_coarse_division(
             brake, response, penalty=penalty, cache=cache
         )
-        scene = prepare_brake_with_widths(
-            brake, section.level, WIDTH_DEGREE, section.points, cache=cache
+        scene = prepare_divided_brake_with_widths(
+            brake, section.divisions, WIDTH_DEGREE, cache=cache
         )
         wide = solve_prepared_model(scene, brake, penalty=penalty, start=response)
     except (NoAnswer, np.linalg.LinAlgError) as error:

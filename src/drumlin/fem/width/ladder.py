@@ -4,9 +4,10 @@ The error has two parts, which are chosen and stated one by one and then added u
 
 - The section's part is that of a low degree across the width, which is solved on finer and finer
   levels until SECTION_SHARE of the tolerance is met. For shoes of one width the degree is 0, plane
-  stress; for shoes of several widths it is SECTION_DEGREE, and the error is multiplied by
-  SECTION_SAFETY. The coarsest level is taken whose answer is within the share, by its distance from
-  the answer of the last level plus the error stated for this last answer.
+  stress; for shoes of several widths it is SECTION_DEGREE, and the error is multiplied by the
+  factors of SOLID_FACTORS for a section. The coarsest level is taken whose answer is within the
+  share, by its distance from the answer of the last level plus the error stated for this last
+  answer.
 - The width's part may take what the section's part leaves of the tolerance. It comes from one
   section for all degrees: a coarse one, on which degrees cost little, or the first level of a solve
   where a shoe has parts of several widths. The larger of the distances from the degree q to the
@@ -16,14 +17,15 @@ The error has two parts, which are chosen and stated one by one and then added u
 
 The error e falls as a power of the degree where a side of the shoe is free or a part overhangs
 another part. From e(q) = C q^-k follows e(q) = d / (1 - (q/(q + 2))^k) with the distance
-d = e(q) - e(q + 2). The estimate is this e(q) times WIDTH_SAFETY. Its power k is SLOWEST_FALL and
-not the power that the degrees show, because the distances of few degrees scatter. With k = 1 the
+d = e(q) - e(q + 2). The estimate is this e(q) times a factor of SOLID_FACTORS: that of pressures,
+or the larger one of forces, whose distances cancel by accident. Its power k is SLOWEST_FALL and not
+the power that the degrees show, because the distances of few degrees scatter. With k = 1 the
 distance is multiplied by (q + 2)/2.
 
 A finer section asks for higher degrees beside a web, where the pressure changes fast across the
 width and along it. With distances from the coarse section the estimate without its safety factor
-would be below the true error in 8 % of 106 cases, at worst 0.44 of it (17 brakes, see
-WIDTH_SAFETY).
+would be below the true error in 8 % of 106 cases, at worst 0.44 of it (17 brakes, "free" from 2000
+and "built" of `drumlin_studies.solid_error`).
 
 The contact of a shoe with widths ends elsewhere than that of plane stress. So each level is divided
 anew with small elements at the ends that the model with the widths has found, until they no longer
@@ -31,9 +33,11 @@ move. With elements for the ends of plane stress, the first two levels of one ra
 2000 of `drumlin_studies.solid_error`) differ by 3.7 % of the pressure, and else by 0.23 %.
 """
 
-from collections.abc import Iterator, Sequence
+import json
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import NamedTuple
 
 from drumlin.base.errors import NoAnswer
@@ -46,8 +50,7 @@ from drumlin.fem.error_control.levels import (
     SolvedLevel,
     solve_on_finer_and_finer_levels,
 )
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
-from drumlin.fem.hp.division import Level
+from drumlin.fem.hp.division import Level, ShoeDivision
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.columns import PointsByShape
@@ -62,6 +65,7 @@ from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
     MakeFunctions,
     prepare_brake_with_widths,
+    prepare_divided_brake_with_widths,
 )
 from drumlin.response.response import Response
 
@@ -70,20 +74,9 @@ SLOWEST_FALL = 1.0
 
 Polynomials of degree q up to a singularity r^a of the displacements leave an error of q^-2a in the
 energy norm (Babuska, Szabo & Katz 1981, SIAM J. Numer. Anal. 18, 515). The strongest singularity at
-a corner has a = 1/2, and so k = 1. A larger k states errors smaller, a smaller k larger. On the
-random brakes of WIDTH_SAFETY the smallest stated over true error without a safety factor is 1.6
+a corner has a = 1/2, and so k = 1. A larger k states errors smaller, a smaller k larger. On 17
+random brakes of several widths the smallest stated over true error without a safety factor is 1.6
 with k = 1, and 1.2 with k = 1.5.
-"""
-WIDTH_SAFETY = 1.5
-"""Safety factor of the width's part of the error, relative to the extrapolated distance.
-
-On 17 random brakes of several widths the estimate without this factor is at least 1.6 times the
-true error on the first level of the section, and 2.3 times in the median (71 errors of torque and
-pressure of the degrees 2 to 5). `python -m drumlin_studies.solid_error` draws brakes in the same
-way: "free" from the seeds 2000 to 2013, and "built". The factor 1.5 is a reserve for finer
-sections: on one brake the true error of degree 3 grew by 1.17 from the first to the second level.
-With a factor of 0.75 the error of the torque of the main brake is stated an eighth too small. A
-larger factor asks for higher degrees than are needed.
 """
 SECTION_DEGREE = 1
 """Degree across the width with which the section's error is estimated for several widths.
@@ -92,15 +85,6 @@ It has the bending of a table over its web as straight lines. On ten random brak
 3117 of `drumlin_studies.solid_error`) the first two levels differ by 0.2 to 2.3 times as much of
 the pressure with degree 1 as with degree 2, and in the median by 0.9 times. In plane stress they
 differ by up to 9.5 times less. With degree 2 the second level takes 5 times as long.
-"""
-SECTION_SAFETY = 2.0
-"""Factor of the section's error for shoes of several widths, relative to that of SECTION_DEGREE.
-
-On the ten brakes of SECTION_DEGREE the distance of the first two levels with degree 3 is 1.0 times
-that with degree 1 in the median for the pressure. The largest ratios are 1.9, 2.2 and, on one
-brake, 6.5. The stated error of the first level exceeds the distance of the levels by the error of
-the second level, so that the factor covers all but this one. A smaller factor states errors too
-small, a larger one asks for finer sections than are needed.
 """
 MOST_SECTION_LEVELS = 2
 """Number of levels on which the section's error is estimated for shoes of several widths.
@@ -120,6 +104,45 @@ SECTION_SHARE = 0.5
 """Largest part of the tolerance for the section's error; the width's error may take the rest."""
 LOOKED_AHEAD = 2
 """Number of further degrees across the width that give the error of a degree: one even, one odd."""
+LARGEST_STATED_DEGREE = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD
+"""Largest degree across the width whose error can be stated."""
+
+
+class SolidFactors(NamedTuple):
+    """The safety factors of the stated errors of solid shoes; a force is a torque or a reaction.
+
+    Attributes
+    ----------
+    pressure, force : of the width's part, relative to the extrapolated distance of degrees across
+        the width
+    section_pressure, section_force : of the section's part of shoes with several widths, relative
+        to that of SECTION_DEGREE
+    """
+
+    pressure: float
+    force: float
+    section_pressure: float
+    section_force: float
+
+
+def read_solid_factors(path: Path) -> SolidFactors:
+    """Read the factors of solid shoes from a file that `make calibrate` has written."""
+    data = json.loads(path.read_text(encoding="utf-8"))
+    return SolidFactors(**{name: data[name]["value"] for name in SolidFactors._fields})
+
+
+SOLID_FACTORS = read_solid_factors(Path(__file__).with_name("factors.json"))
+"""The factors of the stated errors of solid shoes, which `make calibrate` fits.
+
+The file factors.json says on which brakes they are fitted, and what each factor does.
+"""
+
+
+class ErrorFactors(NamedTuple):
+    """Factors of the errors of pressures, and of forces: torques and reactions."""
+
+    pressure: float
+    force: float
 
 
 class SolidErrors(NamedTuple):
@@ -156,10 +179,12 @@ class SolidErrors(NamedTuple):
             shoes.append(both | {"peak": min(both["peak"], 1.0)})
         return SolidErrors(self.torque + other.torque, tuple(shoes))
 
-    def errors_times_factor(self, factor: float) -> "SolidErrors":
-        """All errors multiplied by a factor."""
-        shoes = [{name: factor * own for name, own in shoe.items()} for shoe in self.shoes]
-        return SolidErrors(factor * self.torque, tuple(shoes))
+    def errors_times_factors(self, factors: ErrorFactors) -> "SolidErrors":
+        """The errors of pressures and those of torques and reactions, each times its factor."""
+        by_name = dict.fromkeys(QUANTITIES, factors.force)
+        by_name |= {"pressure": factors.pressure, "peak": factors.pressure}
+        shoes = [{name: by_name[name] * own for name, own in shoe.items()} for shoe in self.shoes]
+        return SolidErrors(factors.force * self.torque, tuple(shoes))
 
 
 class SectionError(NamedTuple):
@@ -172,12 +197,12 @@ class SectionError(NamedTuple):
 class ComparedSection(NamedTuple):
     """The section on which degrees across the width are compared.
 
-    `level` is its division into hp elements, and `points` are the singular points of each shape of
-    shoe.
+    `divisions` are its divisions into hp elements by the position of the first shoe of each shape,
+    and `answers` are answers on them that are known already, by degree.
     """
 
-    level: Level
-    points: PointsByShape
+    divisions: Mapping[int, ShoeDivision]
+    answers: Mapping[int, Response]
 
 
 class LevelClimb(NamedTuple):
@@ -220,6 +245,7 @@ def solve_and_keep_brake_with_widths(
     tolerance: Tolerance,
     *,
     must: bool = True,
+    across: int | None = None,
     penalty: float = PENALTY,
     cache: Cache | None = None,
 ) -> SolvedLevel:
@@ -232,6 +258,7 @@ def solve_and_keep_brake_with_widths(
         torque
     must : whether a tolerance that is not reached is an error; otherwise the best answer is
         returned
+    across : degree across the width; None: the smallest one that meets the tolerance
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
 
@@ -247,27 +274,28 @@ def solve_and_keep_brake_with_widths(
     cache = cache or Cache()
     answer = partial(solve_prepared_model, penalty=penalty)
     climb = climb_levels_to_tolerance(brake, share, answer, cache)
-    plane, factor = climb.response, 1.0
-    largest_degree = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD
+    plane, factors = climb.response, ErrorFactors(1.0, 1.0)
+    largest_degree = LARGEST_STATED_DEGREE
     if has_several_widths_on_any_shoe(brake):
-        factor = SECTION_SAFETY
-        asked = Tolerance(share.pressure / factor, share.torque / factor)
+        factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
+        asked = Tolerance(share.pressure / factors.pressure, share.torque / factors.force)
         levels = LEVELS[: MOST_SECTION_LEVELS + 1] if must else LEVELS[:MOST_SECTION_LEVELS]
         climb = climb_levels_to_tolerance(brake, asked, answer, cache, levels, plane)
         if not must:
             largest_degree = MOST_DEGREE
-    section = coarsest_level_within_tolerance(brake, climb, share, factor)
+    section = coarsest_level_within_tolerance(brake, climb, share, factors)
     compared = section_to_compare_width_degrees(brake, plane, penalty=penalty, cache=cache)
     left = Tolerance(
         max(tolerance.pressure - section.error.largest_pressure_error, share.pressure),
         max(tolerance.torque - section.error.torque, share.torque),
     )
+    degrees = range(WIDTH_DEGREE, largest_degree + 1) if across is None else (across,)
     width = smallest_width_degree_within_tolerance(
-        brake, plane, compared, left, largest_degree, penalty=penalty, cache=cache
+        brake, plane, compared, left, degrees, penalty=penalty, cache=cache
     )
     if not width.error.is_within_error_tolerance(left):
         # A section that is finer than the degree across the width deserves would be lost work.
-        section = coarsest_level_within_tolerance(brake, climb, width.error.as_tolerance, factor)
+        section = coarsest_level_within_tolerance(brake, climb, width.error.as_tolerance, factors)
     found = section.error.sum_with_other_errors(width.error)
     warning = ""
     if not found.is_within_error_tolerance(tolerance):
@@ -398,7 +426,10 @@ def climb_levels_to_tolerance(
 
 
 def coarsest_level_within_tolerance(
-    brake: Brake, climb: LevelClimb, tolerance: Tolerance, factor: float
+    brake: Brake,
+    climb: LevelClimb,
+    tolerance: Tolerance,
+    factors: ErrorFactors,
 ) -> SectionError:
     """The coarsest level of a climb whose error is within a tolerance, else the last level.
 
@@ -407,7 +438,7 @@ def coarsest_level_within_tolerance(
     brake : the brake
     climb : the levels
     tolerance : relative errors that are allowed for the section's part
-    factor : safety factor of the errors
+    factors : safety factors of the errors
     """
     last = climb.response
     stated = SolidErrors(
@@ -417,7 +448,7 @@ def coarsest_level_within_tolerance(
     sections = []
     for step in climb.levels:
         moved = _relative_differences_from_better_response(brake, step.response, last)
-        error = moved.sum_with_other_errors(stated).errors_times_factor(factor)
+        error = moved.sum_with_other_errors(stated).errors_times_factors(factors)
         sections.append(SectionError(by_degree[step.response.shoes[0].order], error))
     within = (each for each in sections if each.error.is_within_error_tolerance(tolerance))
     return next(within, sections[-1])
@@ -465,14 +496,11 @@ def section_to_compare_width_degrees(
         coarse = plane_stress_solution_on_coarse_division(
             brake, plane, penalty=penalty, cache=cache
         )
-        return ComparedSection(coarse.level, coarse.points)
+        return ComparedSection(coarse.divisions, {})
     wide = solve_level_of_section_with_width_degree(
         brake, LEVELS[0], WIDTH_DEGREE, plane, penalty=penalty, cache=cache
     )
-    points = singular_points_of_all_linings(
-        brake, wide.response, error=LEVELS[0].pressure_error_by_column_ratio
-    )
-    return ComparedSection(LEVELS[0], points)
+    return ComparedSection(wide.scene.divisions, {WIDTH_DEGREE: wide.response})
 
 
 def smallest_width_degree_within_tolerance(
@@ -480,14 +508,14 @@ def smallest_width_degree_within_tolerance(
     plane: Response,
     section: ComparedSection,
     tolerance: Tolerance,
-    largest_degree: int = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD,
+    degrees: Sequence[int] = range(WIDTH_DEGREE, LARGEST_STATED_DEGREE + 1),
     *,
     penalty: float = PENALTY,
     cache: Cache | None = None,
 ) -> DegreeError:
     """The smallest degree across the width that meets a tolerance, with its error.
 
-    If no degree meets the tolerance, the largest degree whose error can be estimated is returned.
+    If no degree meets the tolerance, the last degree whose error can be estimated is returned.
 
     Parameters
     ----------
@@ -496,23 +524,21 @@ def smallest_width_degree_within_tolerance(
     section : the section of the brake on which degrees are compared, see
         `section_to_compare_width_degrees`
     tolerance : relative errors that are allowed for the width's part
-    largest_degree : largest degree that is tried
+    degrees : degrees that are tried, in this order
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
     """
-    answers: dict[int, Response] = {}
+    answers = dict(section.answers)
 
     def solve_with_degree_across_width(degree: int) -> Response:
         """The answer of a degree across the width on the section."""
         if degree not in answers:
-            scene = prepare_brake_with_widths(
-                brake, section.level, degree, section.points, cache=cache
-            )
+            scene = prepare_divided_brake_with_widths(brake, section.divisions, degree, cache=cache)
             answers[degree] = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
         return answers[degree]
 
     found: DegreeError | None = None
-    for degree in range(WIDTH_DEGREE, largest_degree + 1):
+    for degree in degrees:
         try:
             ahead = range(degree + 1, degree + LOOKED_AHEAD + 1)
             further = [solve_with_degree_across_width(each) for each in ahead]
@@ -540,17 +566,16 @@ def _error_of_degree_across_width(
     for own in zip(*(each.shoes for each in moved), strict=True):
         shoes.append({name: max(each[name] for each in own) for name in QUANTITIES})
     largest = SolidErrors(max(each.torque for each in moved), tuple(shoes))
-    return DegreeError(
-        degree,
-        largest.errors_times_factor(_error_over_difference_from_next_degrees(degree)),
-        response,
-    )
+    falls = extrapolated_over_largest_distance(degree)
+    factors = ErrorFactors(falls * SOLID_FACTORS.pressure, falls * SOLID_FACTORS.force)
+    error = largest.errors_times_factors(factors)
+    return DegreeError(degree, error, response)
 
 
-def _error_over_difference_from_next_degrees(degree: int) -> float:
-    """The stated error of a degree, over its distance from the next LOOKED_AHEAD degrees."""
+def extrapolated_over_largest_distance(degree: int) -> float:
+    """The extrapolated error of a degree, over its distance from the next LOOKED_AHEAD degrees."""
     left = (degree / (degree + LOOKED_AHEAD)) ** SLOWEST_FALL
-    return WIDTH_SAFETY / (1 - left)
+    return 1 / (1 - left)
 
 
 def _relative_differences_from_better_response(

@@ -20,13 +20,8 @@ from drumlin.fem.hp.body import grid_of_all_nodes_of_shoe
 from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.element import reference_element_of_degree
 from drumlin.fem.hp.grid import ColumnGrid
-from drumlin.fem.hp.shoe import node_positions_of_element_row, unit_actuation_loads_on_end_face
-from drumlin.fem.substructure.body import (
-    InnerSystem,
-    InnerUnknowns,
-    rigid_body_displacements_of_nodes,
-)
-from drumlin.fem.substructure.elimination import SINGULAR_BODY, CondensedSystem
+from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
+from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.width.columns import (
     AssembledColumns,
     BackEdge,
@@ -40,14 +35,10 @@ from drumlin.fem.width.columns import (
 )
 from drumlin.fem.width.functions import (
     WidthFunctions,
-    integrals_over_width_of_part,
     matrix_from_node_values_to_function_factors,
 )
 from drumlin.fem.width.integrals import SectionIntegrals, section_integrals_of_any_shape
 from drumlin.fem.width.shoe import WidthLayers, layers_with_width_functions
-
-ONLY_DISPLACEMENTS = "a shoe with a width recovers displacements only"
-"""Text of the error for an operation on all equations of a shoe with a width."""
 
 
 class _LineFactor(NamedTuple):
@@ -128,18 +119,6 @@ class WidthUnknowns:
         even, odd = functions.even_functions_across_width, functions.odd_functions_across_width
         return 2 * len(even) + len(odd)
 
-    def equations_of_body_before_condensation(self) -> InnerSystem:
-        """Raise NotImplementedError instead of returning the body's equations on all nodes."""
-        raise NotImplementedError(ONLY_DISPLACEMENTS)
-
-    def condense_loads_and_stiffness(self) -> CondensedSystem:
-        """Raise NotImplementedError instead of condensing the unit loads to contact and frame."""
-        raise NotImplementedError(ONLY_DISPLACEMENTS)
-
-    def body_system_with_further_loads(self, forces: Floats) -> InnerUnknowns:
-        """Raise NotImplementedError instead of adding unit loads to the unknowns."""
-        raise NotImplementedError(ONLY_DISPLACEMENTS)
-
     def nodal_displacements_in_load_cases(
         self, nodal: Floats, frame: Floats, loads: Floats
     ) -> Floats:
@@ -212,13 +191,10 @@ class WidthUnknowns:
         The loads are those of `shoe.condense_shoe_with_width`.
         """
         div, nodes = self.division, self.grid.sets["actuation"]
-        depths = node_positions_of_element_row(
-            div.depths[div.index_of_first_body_layer :], div.degree
-        )
-        end = unit_actuation_loads_on_end_face(self.grid.doflocs[:, nodes], depths, div.degree)
+        loads = self.layers.unit_loads_on_end_face(
+            div, self.grid.doflocs[:, nodes], np.zeros(1)
+        ).forces
         line = self.layers.unknowns_across_body_thickness(div)
-        even = integrals_over_width_of_part(self.functions, line.half).even
-        loads = line.expand_section_vectors_by_width_functions(end.forces, even[0] / even[0, 0])
         at = self._numbers_of_displacements(nodes[line.row], line.function, line.component, line.z)
         return at, loads
 

@@ -4,7 +4,7 @@ The frame is the rigid line of the shoe that its hinge holds. The section is div
 stacks of hp elements from the contact inwards (hp.columns).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +23,7 @@ from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.element import replace_by_schur_complement
 from drumlin.fem.hp.shoe import (
     CondensedShoe,
+    LoadedEnd,
     angles_of_displacement_axes,
     condensed_shoe_with_balanced_loads,
     condensed_shoe_with_held_back,
@@ -101,7 +102,46 @@ class WidthLayers(NamedTuple):
             unknowns_along_half_row(div.degree, 0).left
         )
         z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
-        return BodyLine(z, component, row, function, self.halves[div.index_of_first_body_layer])
+        return BodyLine(z, component, row, function)
+
+    def unit_loads_on_end_face(
+        self, div: ShoeDivision, xy: Floats, angle: Floats
+    ) -> "EndFaceLoads":
+        """The unit loads on the loaded end face of the body, even over the width of each layer.
+
+        Parameters
+        ----------
+        div : division of the shoe
+        xy : (2, rows) nodes of the end face [m]
+        angle : angle by which the axes of its displacements are turned [rad]
+        """
+        first, p, line = (
+            div.index_of_first_body_layer,
+            div.degree,
+            self.unknowns_across_body_thickness(div),
+        )
+        depths = node_positions_of_element_row(div.depths[first:], p)
+        # A load acts on each even function in proportion to the function's integral over the width
+        # of the layer. In a narrow layer functions of wide layers have no such integral.
+        share = np.zeros((len(self.halves) - first, line.function[line.z == 0].max() + 1))
+        for row, half in zip(share, self.halves[first:], strict=True):
+            even = integrals_over_width_of_part(self.functions, half).even[0]
+            row[: len(even)] = even / even[0]
+        forces = [unit_actuation_loads_on_end_face(xy, depths, p, own).forces for own in share.T]
+        turned = [rotate_axes_of_all_nodes_by_one_angle(own, angle) for own in forces]
+        return EndFaceLoads(
+            unit_actuation_loads_on_end_face(xy, depths, p), line.values_on_unknowns(turned)
+        )
+
+
+class EndFaceLoads(NamedTuple):
+    """The unit loads of a plane section's `end`, and the `forces` (n, 3) on a shoe with a width.
+
+    The forces are those on the unknowns of the shoe's `BodyLine`.
+    """
+
+    end: LoadedEnd
+    forces: Floats
 
 
 class BodyLine(NamedTuple):
@@ -113,25 +153,24 @@ class BodyLine(NamedTuple):
     component : 0 for a displacement along the radius, 1 for a displacement around the drum
     row : row of nodes, counted from the outer face of the body
     function : number of the function across the width
-    half : half width of the body's first layer [m]
     """
 
     z: Ints
     component: Ints
     row: Ints
     function: Ints
-    half: float
 
-    def expand_section_vectors_by_width_functions(self, vectors: Floats, share: Floats) -> Floats:
-        """Vectors (n, m) on the unknowns of the line from vectors of the plane section (2 rows, m).
+    def values_on_unknowns(self, by_function: Sequence[Floats]) -> Floats:
+        """Values (n, m) on the unknowns of the line, 0 for displacements or forces along z.
 
-        Displacements or forces along z are zero. `share` (functions,) is the factor of each even
-        function.
+        `by_function` has the values (2 rows, m) on the rows of the section for each of the first
+        even functions; those of further functions are 0.
         """
-        by_row = vectors.reshape(-1, 2, vectors.shape[1])
-        spread = by_row[self.row, self.component] * share[self.function * (1 - self.z), None]
-        spread[self.z == 1] = 0.0
-        return np.asarray(spread)
+        found = np.zeros((len(self.z), by_function[0].shape[1]))
+        for function, vectors in enumerate(by_function):
+            of = (self.z == 0) & (self.function == function)
+            found[of] = vectors[2 * self.row[of] + self.component[of]]
+        return found
 
 
 def layers_with_width_functions(
@@ -423,27 +462,18 @@ def _condense_hinged_shoe_with_width(
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], p)
     near, far = div.before[-1], div.after[-1]
     line = layers.unknowns_across_body_thickness(div)
-    even = integrals_over_width_of_part(layers.functions, line.half).even
-    # A rigid-body motion is the function 1 alone. A load even over the width acts on each even
-    # function in proportion to the function's integral over the width.
-    only_first, evenly = np.zeros(len(even)), even[0] / even[0, 0]
-    only_first[0] = 1.0
     modes = rotate_axes_of_all_nodes_by_one_angle(
         rigid_body_displacements_of_nodes(place(depths, near), pin),
         angles_of_displacement_axes(shoe, near),
     )
-    end = unit_actuation_loads_on_end_face(place(depths, far), depths, p)
-    end_forces = line.expand_section_vectors_by_width_functions(
-        rotate_axes_of_all_nodes_by_one_angle(end.forces, angles_of_displacement_axes(shoe, far)),
-        evenly,
+    end, end_forces = layers.unit_loads_on_end_face(
+        div, place(depths, far), angles_of_displacement_axes(shoe, far)
     )
 
     # The assembled columns have the unknowns [frame | face | loads].
     columns = row.under.copy()
-    tied, modes = (
-        np.flatnonzero(line.z == 0),
-        line.expand_section_vectors_by_width_functions(modes, only_first)[line.z == 0],
-    )
+    # A rigid-body motion is the function 1 alone.
+    tied, modes = np.flatnonzero(line.z == 0), line.values_on_unknowns([modes])[line.z == 0]
     if row.before:
         held = _column_with_left_side_tied_to_frame(row.before[0], tied, modes)
         body = assemble_row_of_element_columns([held, *row.before[1:]], 0)

@@ -1,7 +1,9 @@
-"""The mesh of a solid shoe: the plane mesh of its section, extruded over the widths of its parts.
+"""A solid shoe in hexahedra: the plane mesh of its section, extruded over the widths of its parts.
 
 The mesh goes from the mid-plane z = 0 outwards, so that it is half of the shoe. Its elements are
-isoparametric quadratic hexahedra with 27 nodes. Its groups are those of the section.
+isoparametric quadratic hexahedra with 27 nodes. Its groups are those of the section. CalculiX
+solves this mesh and so judges drumlin's own model of the width, which shares only the brake with
+it.
 """
 
 from collections.abc import Mapping
@@ -16,10 +18,14 @@ from scipy.spatial import cKDTree
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.grading import LiningDivision, points_graded_to_both_ends
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.substructure.body import scalar_finite_element_basis_of_mesh
+from drumlin.fem.substructure.interface import nodal_forces_of_unit_loads_on_loaded_end
 
+HEXAHEDRA_ALONG_LINING = 48
+"""Default number of hexahedra along a lining. The work of CalculiX grows with its fourth power."""
 SIDE_SIZE = 1 / 8
 """Size of an element at a free side, relative to an element in the middle of the width.
 
@@ -31,6 +37,19 @@ CORNERS = [2, 2, 1, 3, 1, 3, 0, 0], [1, 0, 1, 1, 0, 0, 1, 0]
 The first list has the corner of the section's quadrilateral, the second list 1 for the outer level
 and 0 for the inner level.
 """
+# Hexahedra with 20 nodes stand in the order of VTK: the corners of the bottom and of the top, then
+# the middles of the edges.
+# fmt: off
+_BOTTOM = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+_CORNERS_IN_VTK_ORDER = np.array(
+    [*_BOTTOM, *((x, y, 1) for x, y, _ in _BOTTOM)], dtype=float
+)
+_EDGES = [
+    (0, 1), (1, 2), (2, 3), (3, 0),
+    (4, 5), (5, 6), (6, 7), (7, 4),
+    (0, 4), (1, 5), (2, 6), (3, 7),
+]
+# fmt: on
 
 
 @dataclass(frozen=True)
@@ -168,3 +187,64 @@ def _mesh_of_hexahedra_with_straight_edges(
     used, t = np.unique(corners, return_inverse=True)
     points = np.vstack([section.p[:, used % count], levels[used // count]])
     return skfem.MeshHex1(np.ascontiguousarray(points), np.ascontiguousarray(t.reshape(8, -1)))
+
+
+def default_hexahedra_over_half_width(shoe: Shoe, elements: int) -> int:
+    """Default number of hexahedra over half the width of a lining with `elements` along it.
+
+    The pressure is uneven over about the lining's thickness from its sides, and smooth there.
+    """
+    slender = shoe.lining.width / (2 * shoe.lining.thickness)
+    return max(2, round(elements / HEXAHEDRA_ALONG_LINING * min(2 + slender, 6)))
+
+
+def hexahedra_with_twenty_nodes_in_vtk_order(cells: Ints) -> Ints:
+    """Nodes (m, 20) of hexahedra in the order of VTK and of CalculiX's C3D20.
+
+    `cells` (27, m) are the nodes in the order of skfem.
+    """
+    middles = _CORNERS_IN_VTK_ORDER[np.array(_EDGES)].mean(axis=1)
+    places = np.vstack([_CORNERS_IN_VTK_ORDER, middles])
+    same = (skfem.ElementHex2.doflocs == places[:, None]).all(axis=2)
+    return np.asarray(cells[same.argmax(axis=1)].T)
+
+
+def nodes_over_width_of_boundary(solid: Solid, boundary: str, part: str) -> Ints:
+    """The nodes (n, m) of a solid above the nodes of a boundary of its section.
+
+    `part` is the subdomain over whose width the nodes are taken, on m levels.
+    """
+    line = np.unique(nodes_along_element_edges(solid.plane, solid.section.boundaries[boundary]))
+    return solid.node[line, : solid.levels(part)]
+
+
+def solid_nodes_that_move_with_pin(solid: Solid, shoe: Shoe) -> Ints:
+    """Nodes that move as a rigid line with the pin, across the whole width.
+
+    The hinge holds the body, or the back part of a rigid shoe's lining.
+    """
+    held = "lining" if shoe.backing is None else "backing"
+    return nodes_over_width_of_boundary(
+        solid, "hinge", held if shoe.body is None else "shoe"
+    ).ravel()
+
+
+def nodal_forces_of_unit_loads_on_solid_end(solid: Solid) -> Floats:
+    """Nodal forces (nodes, 3, 3) of the unit loads on the loaded end of the whole width.
+
+    The last axis counts unit force x, unit force y and unit couple, the second one the components.
+    The loads are even over the width.
+    """
+    edges = solid.section.boundaries["actuation"]
+    line, _ = nodal_forces_of_unit_loads_on_loaded_end(solid.plane, edges)
+    nodes = np.unique(nodes_along_element_edges(solid.plane, edges))
+    numbers = nodes_over_width_of_boundary(solid, "actuation", "shoe")
+    z = solid.z[: numbers.shape[1]]
+    # The integrals of the quadratic functions over the levels are the weights of Simpson's rule.
+    share = np.zeros(len(z))
+    for k in range(0, len(z) - 2, 2):
+        share[k : k + 3] += (z[k + 2] - z[k]) / 6 * np.array([1, 4, 1])
+    forces = np.zeros((solid.basis.N, 3, 3))
+    each = line.reshape(-1, 2, 3)[nodes]
+    forces[numbers, :2] = each[:, None] * (share / share.sum())[:, None, None]
+    return forces

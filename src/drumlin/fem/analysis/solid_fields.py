@@ -1,4 +1,4 @@
-"""Displacements and stresses inside shoes with a width, solved with polynomials across the width.
+"""Displacements and stresses inside solid shoes, with polynomials across the width.
 
 The fields are sampled at the nodes of the section times points across the width. They are recovered
 only where a picture or a file asks for them.
@@ -11,23 +11,16 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.fem.analysis.fields import nodal_displacements_of_shoe, nodal_means_of_element_tensors
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solid.fields import (
-    SolidFields,
-    hexahedra_turned_to_positive_volume,
-    recover_fields_in_solid_shoe,
-    stress_components_in_brake_frame,
-    von_mises_stress_of_solid,
-)
 from drumlin.fem.width.face import WidthFace
 from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.integrals import LameConstants
 from drumlin.fem.width.recovery import WidthUnknowns
 from drumlin.response.balance import brake_with_forces_of_response
-from drumlin.response.response import Response
+from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_lobatto_points
 
 FEWEST_STEPS = 2
@@ -36,6 +29,40 @@ FEWEST_STEPS = 2
 With one step the sides of a shoe would be drawn flat. A degree above this number has a step for
 each degree, so that the samples determine the polynomial.
 """
+
+
+_TURNED = [4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19]
+"""The nodes of a hexahedron in the order of VTK, with bottom and top exchanged.
+
+Corners come first and then the middles of the edges.
+"""
+
+
+class SolidFields(NamedTuple):
+    """Displacement and stress in half a shoe (z >= 0), in the brake's frame.
+
+    A node stands once for each material that meets in it.
+
+    Attributes
+    ----------
+    points : (n, 3) nodes [m]
+    cells : (m, 8) nodes of each hexahedron
+    part : (m,) number of the subdomain of each cell
+    displacement : (n, 3) displacement of the nodes [m]
+    solid_stress : (n, 6) stresses xx, yy, zz, xy, yz, xz [Pa]
+    von_mises : (n,) von Mises stress [Pa]
+    pressure : (n,) pressure on the friction surface [Pa], 0 elsewhere
+    cell_type : name of the cells in meshio
+    """
+
+    points: Floats
+    cells: Ints
+    part: Ints
+    displacement: Floats
+    solid_stress: Floats
+    von_mises: Floats
+    pressure: Floats
+    cell_type: str = "hexahedron"
 
 
 class _Piece(NamedTuple):
@@ -74,42 +101,32 @@ class _PartFields(NamedTuple):
     stress: Floats
 
 
-def recover_fields_in_shoes(
+def recover_fields_in_solid_shoes(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> list[SolidFields]:
-    """The fields in half of each shoe of a brake, in hexahedra or in shoes with a width.
+    """The fields in half of each shoe of a brake, from the contact pressure of its response.
 
-    Parameters
-    ----------
-    scene : the prepared model of solid shoes
-    brake : the brake
-    response : response of the brake on the model
-    """
-    found = []
-    for i, body in enumerate(scene.bodies):
-        recover = (
-            recover_fields_in_shoe_with_width
-            if isinstance(body.line, WidthFace)
-            else recover_fields_in_solid_shoe
-        )
-        found.append(recover(scene, brake, response, i))
-    return found
-
-
-def recover_fields_in_shoe_with_width(
-    scene: PreparedModel, brake: Brake, response: Response, index: int
-) -> SolidFields:
-    """The fields in half of shoe `index` of a brake, from the contact pressure of its response.
-
-    Parameters
-    ----------
-    scene : the prepared model of shoes with widths
-    brake : the brake
-    response : response of the brake on the model
-    index : position of the shoe in the brake
+    `response` is the answer of the brake on the prepared model `scene` of shoes with widths.
     """
     brake = brake_with_forces_of_response(brake, response)
-    shoe, body, answer = brake.shoes[index], scene.bodies[index], response.shoes[index]
+    return [
+        _recover_fields_in_solid_shoe(body, brake, shoe, answer)
+        for body, shoe, answer in zip(scene.bodies, brake.shoes, response.shoes, strict=True)
+    ]
+
+
+def _recover_fields_in_solid_shoe(
+    body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse
+) -> SolidFields:
+    """The fields in half of a shoe.
+
+    Parameters
+    ----------
+    body : the condensed shoe
+    brake : the brake, with the forces of its response
+    shoe : the shoe
+    answer : response of the shoe
+    """
     face = face_of_shoe_with_width(body)
     p = np.zeros(len(face.nodes))
     if answer.surface is not None:
@@ -145,7 +162,6 @@ def recover_fields_in_shoe_with_width(
         von_mises=von_mises_stress_of_solid(stress),
         solid_stress=stress_components_in_brake_frame(stress, shoe.frame),
         pressure=np.concatenate(pressures),
-        cell_type="hexahedron",
     )
 
 
@@ -271,3 +287,32 @@ def _pressure_at_samples(face: WidthFace, p: Floats, lining: _PartFields) -> Flo
     found = np.zeros(len(lining.z))
     found[touching] = on_face[lining.nodes[touching], level[touching]]
     return found
+
+
+def hexahedra_turned_to_positive_volume(points: Floats, cells: Ints) -> Ints:
+    """The hexahedra `cells` (m, 8) or (m, 20), turned over where their volume is negative.
+
+    A mirror image makes volumes negative. `points` (n, 3) are the nodes.
+    """
+    a, b, c, d = (points[cells[:, i]] for i in (0, 1, 3, 4))
+    volume = np.einsum("mi,mi->m", np.cross(b - a, c - a), d - a)
+    return np.where((volume > 0)[:, None], cells, cells[:, _TURNED[: cells.shape[1]]])
+
+
+def von_mises_stress_of_solid(stress: Floats) -> Floats:
+    """The von Mises stress (n,) [Pa] of stresses (n, 3, 3) [Pa]."""
+    deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
+    return np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2)))
+
+
+def stress_components_in_brake_frame(stress: Floats, frame: ShoeFrame) -> Floats:
+    """The stresses xx, yy, zz, xy, yz, xz (n, 6) [Pa] in the brake's frame.
+
+    `stress` (n, 3, 3) [Pa] are the stresses in the shoe's frame.
+    """
+    # Stresses are tensors: both of their indices turn with the frame.
+    turn = np.eye(3)
+    turn[:2, :2] = frame.convert_to_brake_frame(np.eye(2))
+    turned = np.einsum("ia,nij,jb->nab", turn, stress, turn, optimize=True)
+    rows, columns = [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]
+    return np.asarray(turned[:, rows, columns])

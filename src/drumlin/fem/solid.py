@@ -1,0 +1,82 @@
+"""Solid shoes, `--model solid`: the answer of the model of the width, and its file of fields."""
+
+from pathlib import Path
+
+from drumlin.base.errors import BadInput
+from drumlin.brake.brake import Brake
+from drumlin.fem.error_control.adapt import Tolerance, require_tolerance_between_zero_and_one
+from drumlin.fem.model import PENALTY, require_positive_penalty
+from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE, solve_and_keep_brake_with_widths
+from drumlin.fem.width.prepare import reason_against_width_model
+from drumlin.response.merit import response_with_figures_of_merit
+from drumlin.response.response import Response
+
+DEFAULT_SOLID_TOLERANCE = 0.01
+"""Tolerance of a solve of solid shoes without options: 1 % of the mean pressure and the torque."""
+
+
+def solve(
+    brake: Brake,
+    *,
+    across: int | None = None,
+    tolerance: float | None = None,
+    penalty: float = PENALTY,
+    fields: Path | None = None,
+    cache: Cache | None = None,
+) -> Response:
+    """The response of a brake's solid shoes, with its stated errors.
+
+    Without a tolerance DEFAULT_SOLID_TOLERANCE is tried, and a note says what is reached.
+
+    Parameters
+    ----------
+    brake : the brake
+    across : degree of the polynomials across the width; None: the smallest that the tolerance needs
+    tolerance : relative error of p (mean over the width, L2) and of the torque that must be reached
+    penalty : factor alpha of the contact stiffness alpha E/t
+    fields : name of a .vtu file for the displacements and stresses inside the shoes; half of each
+        shoe, on one side of its mid-plane
+    cache : bodies of earlier models; found ones are taken from it, and new ones put there
+
+    Raises
+    ------
+    BadInput
+        where the model does not apply, for a degree or a tolerance out of range, for both of them,
+        and for a file of another kind
+    NoAnswer
+        where the contact has no answer, and where a given tolerance is not reached
+    """
+    require_positive_penalty(penalty)
+    if fields is not None and fields.suffix != ".vtu":
+        raise BadInput(f"--fields = {str(fields)!r}: must end in .vtu")
+    if across is not None and not 1 <= across <= LARGEST_STATED_DEGREE:
+        raise BadInput(f"--across = {across}: must be from 1 to {LARGEST_STATED_DEGREE}")
+    asked = DEFAULT_SOLID_TOLERANCE
+    if tolerance is not None:
+        require_tolerance_between_zero_and_one(tolerance)
+        asked = tolerance
+        if across is not None:
+            raise BadInput(
+                f"--tolerance = {tolerance:g}: chooses the degree across the width; leave out "
+                f"--across = {across}"
+            )
+    reason = reason_against_width_model(brake)
+    if reason is not None:
+        raise BadInput(f"solid does not apply to this brake: {reason}")
+    solved = solve_and_keep_brake_with_widths(
+        brake,
+        Tolerance(asked, asked),
+        must=tolerance is not None,
+        across=across,
+        penalty=penalty,
+        cache=cache,
+    )
+    if fields is not None:
+        # The fields load only where they are asked for.
+        from drumlin.fem.analysis.fields import write_fields_to_vtu_file  # noqa: PLC0415
+        from drumlin.fem.analysis.solid_fields import recover_fields_in_solid_shoes  # noqa: PLC0415
+
+        recovered = recover_fields_in_solid_shoes(solved.scene, brake, solved.response)
+        write_fields_to_vtu_file(fields, recovered)
+    return response_with_figures_of_merit(brake, solved.response)

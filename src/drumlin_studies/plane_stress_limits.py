@@ -1,0 +1,216 @@
+"""Where plane stress is right to 1, 5 and 20 %, by the model with functions across the width.
+
+Two brakes are varied: one whose shoes have one width, and one with shoes of T-section. Each error
+is the distance of plane stress from shoes whose displacements vary across the width with the degree
+LIMIT_DEGREE.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from drumlin.base.errors import DrumlinError
+from drumlin.brake.brake import Brake
+from drumlin.brake.fields import Material
+from drumlin.brake.file import vary
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.solve import solve
+from drumlin.fem.width.error import distance_of_plane_stress_from_widths
+from drumlin.fem.width.ladder import (
+    has_several_widths_on_any_shoe,
+    solve_level_of_section_with_width_degree,
+)
+
+LIMIT_DEGREE = 3
+"""Degree across the width of the shoes with which plane stress is compared."""
+LIMITS = (0.01, 0.05, 0.20)
+"""Relative errors for which the ranges are stated."""
+LIMIT_QUANTITIES = {"pressure": "mean p over the width", "torque": "torque"}
+"""Names of the compared quantities by their key in the error of plane stress."""
+
+
+class Variation(NamedTuple):
+    """A quantity that is varied.
+
+    Attributes
+    ----------
+    name : name of the quantity
+    values : its values
+    value : returns the quantity's value on a brake
+    changed : returns the brake with another value
+    needs_web : whether the quantity exists only on shoes of several widths
+    """
+
+    name: str
+    values: tuple[float, ...]
+    value: Callable[[Brake], float]
+    changed: Callable[[Brake, float], Brake]
+    needs_web: bool = False
+
+
+def lining_width_over_thickness(brake: Brake) -> float:
+    """The width of the first lining over its thickness."""
+    lining = brake.shoes[0].lining
+    return lining.width / lining.thickness
+
+
+def brake_with_width_over_thickness(brake: Brake, ratio: float) -> Brake:
+    """The brake whose linings are `ratio` times as wide as thick; the bodies keep their share."""
+    shoe = brake.shoes[0]
+    width = ratio * shoe.lining.thickness
+    changes = {"shoe.lining.width": width}
+    if shoe.body is not None:
+        changes["shoe.body.width"] = width * web_over_lining_width(brake)
+    return vary(brake, changes)
+
+
+def web_over_lining_width(brake: Brake) -> float:
+    """The width of the first web over that of its lining."""
+    shoe = brake.shoes[0]
+    assert shoe.body is not None and shoe.body.width is not None
+    return shoe.body.width / shoe.lining.width
+
+
+def brake_with_web_over_lining_width(brake: Brake, ratio: float) -> Brake:
+    """The brake whose webs are `ratio` times as wide as their linings."""
+    return vary(brake, {"shoe.body.width": ratio * brake.shoes[0].lining.width})
+
+
+def overhang_over_table_thickness(brake: Brake) -> float:
+    """The distance from the web's side to the lining's side, over the thickness of the table."""
+    shoe = brake.shoes[0]
+    assert shoe.backing is not None
+    overhang = (1 - web_over_lining_width(brake)) * shoe.lining.width / 2
+    return overhang / shoe.backing.thickness
+
+
+def brake_with_overhang_over_table(brake: Brake, ratio: float) -> Brake:
+    """The brake whose linings overhang their webs by `ratio` times the thickness of the table."""
+    shoe = brake.shoes[0]
+    assert shoe.backing is not None
+    thickness = shoe.backing.thickness * overhang_over_table_thickness(brake) / ratio
+    return vary(brake, {"shoe.backing.thickness": thickness})
+
+
+def isotropic_lining_material(brake: Brake) -> Material:
+    """The material of the first lining, which must be isotropic."""
+    material = brake.shoes[0].lining.material
+    assert isinstance(material, Material)
+    return material
+
+
+VARIATIONS = (
+    Variation(
+        "lining width / thickness",
+        (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0),
+        lining_width_over_thickness,
+        brake_with_width_over_thickness,
+    ),
+    Variation(
+        "web width / lining width",
+        (0.08, 0.125, 0.2, 0.3, 0.45, 0.7, 1.0),
+        web_over_lining_width,
+        brake_with_web_over_lining_width,
+        needs_web=True,
+    ),
+    Variation(
+        "overhang / table thickness",
+        (1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 14.0),
+        overhang_over_table_thickness,
+        brake_with_overhang_over_table,
+        needs_web=True,
+    ),
+    Variation(
+        "Poisson's ratio of the lining",
+        (0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.45),
+        lambda brake: isotropic_lining_material(brake).nu,
+        lambda brake, nu: vary(brake, {"shoe.lining.material.nu": nu}),
+    ),
+    Variation(
+        "modulus of the lining [MPa]",
+        (30.0, 100.0, 300.0, 1000.0, 3000.0),
+        lambda brake: 1e-6 * isotropic_lining_material(brake).E,
+        lambda brake, modulus: vary(brake, {"shoe.lining.material.E": 1e6 * modulus}),
+    ),
+    Variation(
+        "friction",
+        (0.05, 0.1, 0.2, 0.3, 0.4, 0.5),
+        lambda brake: brake.friction,
+        lambda brake, friction: vary(brake, {"friction": friction}),
+    ),
+)
+"""The quantities of the figure, each varied alone."""
+
+
+def error_of_plane_stress_by_width_model(brake: Brake) -> dict[str, float]:
+    """The relative errors of plane stress on a brake, by the keys of LIMIT_QUANTITIES.
+
+    Raises
+    ------
+    NoAnswer
+        where a model has no answer
+    BadInput
+        where the model of the width does not apply
+    """
+    plane = solve(brake)
+    wide = solve_level_of_section_with_width_degree(brake, LEVELS[0], LIMIT_DEGREE, plane).response
+    found = distance_of_plane_stress_from_widths(brake, plane, wide).brake
+    return {name: found[name] for name in LIMIT_QUANTITIES}
+
+
+def rows_of_plane_stress_limits(
+    brakes: Mapping[str, Brake],
+    every: int = 1,
+    say: Callable[[str], None] = lambda _: None,
+) -> list[dict[str, Any]]:
+    """A row for each variation, brake and value: the errors of plane stress.
+
+    A value without an answer has no row.
+
+    Parameters
+    ----------
+    brakes : the brakes that are varied, by name
+    every : one in so many values is computed
+    say : is called with a line of text on the progress
+    """
+    rows = []
+    for variation in VARIATIONS:
+        for name, brake in brakes.items():
+            if variation.needs_web and not has_several_widths_on_any_shoe(brake):
+                continue
+            say(f"{variation.name}: {name}")
+            for value in variation.values[::every]:
+                try:
+                    errors = error_of_plane_stress_by_width_model(variation.changed(brake, value))
+                except DrumlinError:
+                    continue
+                rows.append({"varied": variation.name, "brake": name, "value": value, **errors})
+    return rows
+
+
+class LimitRange(NamedTuple):
+    """The values of a varied quantity with which the error of plane stress is within a limit.
+
+    `low` and `high` are the smallest and the largest of them; None if no value is within the limit.
+    """
+
+    varied: str
+    brake: str
+    quantity: str
+    limit: float
+    low: float | None
+    high: float | None
+
+
+def ranges_within_limits(rows: Sequence[Mapping[str, Any]]) -> list[LimitRange]:
+    """The ranges of the varied quantities in which plane stress is within each of LIMITS."""
+    groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+    for row in rows:
+        groups.setdefault((row["varied"], row["brake"]), []).append(row)
+    found = []
+    for (varied, brake), own in groups.items():
+        for quantity in LIMIT_QUANTITIES:
+            for limit in LIMITS:
+                within = [row["value"] for row in own if row[quantity] <= limit]
+                ends = (min(within), max(within)) if within else (None, None)
+                found.append(LimitRange(varied, brake, quantity, limit, *ends))
+    return found

@@ -1,0 +1,250 @@
+"""Error and run time of all models against solid shoes, beside their error against plane stress.
+
+A model of the shoe's section can be exact for plane stress and still miss the shoe, whose pressure
+varies over its width. So each row has two errors. The solid truth is the answer of functions across
+the width that are graded to the sides of all parts. The truth in plane stress is the answer on the
+level FINE_PLANE_LEVEL.
+"""
+
+import math
+import time
+from collections.abc import Callable
+from functools import partial
+from statistics import median
+from typing import NamedTuple
+
+from drumlin.base.errors import DrumlinError
+from drumlin.brake.brake import Brake
+from drumlin.fem.error_control.adapt import Tolerance
+from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.width.error import distance_of_plane_stress_from_widths
+from drumlin.fem.width.ladder import (
+    solve_brake_with_widths_to_tolerance,
+    solve_level_of_section_with_width_degree,
+)
+from drumlin.models import model_with_name_that_applies_to_brake, reasons_why_models_do_not_apply
+from drumlin.peers.solid_deck import solve_solid_by_calculix
+from drumlin.response.response import Response
+from drumlin_studies.solid_error import GRADED_DEGREE, response_with_graded_width_functions
+from drumlin_studies.work_precision import LEAST_SAMPLE
+
+FINE_PLANE_LEVEL = 5
+"""Number of the section's level of the truth in plane stress; no compared level is as fine."""
+FAST = 1.0
+"""Processor time [s] up to which a solve is repeated, and its median is taken."""
+REPEATS = 3
+"""Number of repeats of a fast solve, after a first one that is not counted."""
+
+
+class SolidTruth(NamedTuple):
+    """The solid truth of a brake, and the level of the section that it is on.
+
+    `lower` is the answer of functions of one degree less, and `coarser` that of the level before.
+    Their distances from `response` show how certain the truth is.
+    """
+
+    level: int
+    response: Response
+    lower: Response
+    coarser: Response
+
+
+class SolidWorkRow(NamedTuple):
+    """The run time of a model on a brake, and its two errors.
+
+    Attributes
+    ----------
+    family : str
+        The kind of model; rows of one family make one curve.
+    name : str
+        The setting, for example the level of the section.
+    seconds : float
+        Processor time of a cold solve [s]; for CalculiX the time that it reports.
+    solid_torque, solid_pressure : float
+        Relative errors of the torque and of the mean pressure (L2) against solid shoes.
+    plane_torque, plane_pressure : float
+        The same errors against plane stress.
+    """
+
+    family: str
+    name: str
+    seconds: float
+    solid_torque: float
+    solid_pressure: float
+    plane_torque: float
+    plane_pressure: float
+
+
+class TimedModel(NamedTuple):
+    """A model with its setting, and a function that returns its response."""
+
+    family: str
+    name: str
+    solve: Callable[[], Response]
+
+
+class SolidSetting(NamedTuple):
+    """How many solves are made.
+
+    Attributes
+    ----------
+    truth : int
+        Number of the section's level of the solid truth, from 1.
+    levels : int
+        Number of levels of plane stress and of each degree across the width.
+    degrees : tuple of int
+        Degrees across the width.
+    tolerances : tuple of float
+        Tolerances of solves that state their errors.
+    elements : tuple of int
+        Elements along each lining of CalculiX.
+    """
+
+    truth: int
+    levels: int
+    degrees: tuple[int, ...]
+    tolerances: tuple[float, ...]
+    elements: tuple[int, ...]
+
+
+def solve_solid_truth_of_brake(brake: Brake, level: int) -> SolidTruth:
+    """The solid truth of a brake on a level of the section, with answers that show its error.
+
+    level : number of the level, from 2.
+    """
+    fine, coarse = LEVELS[level - 1], LEVELS[level - 2]
+    return SolidTruth(
+        level,
+        response_with_graded_width_functions(brake, fine),
+        response_with_graded_width_functions(brake, fine, GRADED_DEGREE - 1),
+        response_with_graded_width_functions(brake, coarse, GRADED_DEGREE - 1),
+    )
+
+
+def uncertainty_of_solid_truth(brake: Brake, truth: SolidTruth) -> dict[str, float]:
+    """The relative uncertainty of the torque and the mean pressure of a solid truth.
+
+    It is the distance of one degree less plus the distance of one level less, with that degree.
+    """
+    by_degree = distance_of_plane_stress_from_widths(brake, truth.lower, truth.response).brake
+    by_level = distance_of_plane_stress_from_widths(brake, truth.coarser, truth.lower).brake
+    return {name: by_degree[name] + by_level[name] for name in ("torque", "pressure")}
+
+
+def list_models_beside_solid(brake: Brake, setting: SolidSetting) -> list[TimedModel]:
+    """All models of a brake, from the laws to CalculiX, with their settings."""
+    models = []
+    refused = reasons_why_models_do_not_apply(brake)
+    for law in ("sine", "cosine", "uniform"):
+        if law not in refused:
+            answer = partial(model_with_name_that_applies_to_brake(law, brake).solve, brake)
+            models.append(TimedModel("law", law, answer))
+    if "foundation" not in refused:
+        foundation = model_with_name_that_applies_to_brake("foundation", brake).solve
+        models.append(TimedModel("foundation", "lifted", partial(foundation, brake, lift=["all"])))
+    for degree in (0, *setting.degrees):
+        for number in range(1, setting.levels + 1):
+            answer = partial(_solve_with_degree, brake, number, degree)
+            models.append(TimedModel(f"degree {degree}", f"level {number}", answer))
+    for tolerance in setting.tolerances:
+        models.append(
+            TimedModel(
+                "error stated",
+                f"to {tolerance:.2g}",
+                partial(
+                    solve_brake_with_widths_to_tolerance, brake, Tolerance(tolerance, tolerance)
+                ),
+            )
+        )
+    return models
+
+
+def _solve_with_degree(brake: Brake, number: int, degree: int) -> Response:
+    """The response of a brake with a degree across the width, on one level of the section.
+
+    Degree 0 is plane stress, whose answer on the first level starts the solve of other degrees.
+
+    Parameters
+    ----------
+    brake : the brake
+    number : number of the level, from 1
+    degree : degree across the width
+    """
+    levels = LEVELS[:1] if degree or number == 1 else (LEVELS[0], LEVELS[number - 1])
+    *_, solved = solve_on_finer_and_finer_levels(brake, solve_prepared_model, levels=levels)
+    if degree == 0:
+        return solved.response
+    return solve_level_of_section_with_width_degree(
+        brake, LEVELS[number - 1], degree, solved.response
+    ).response
+
+
+def measure_models_beside_solid(
+    brake: Brake,
+    setting: SolidSetting,
+    solid: Response,
+    say: Callable[[str], None] = lambda _: None,
+) -> list[SolidWorkRow]:
+    """The run time and both errors of all models on a brake.
+
+    Models that give no answer have no row.
+
+    Parameters
+    ----------
+    brake : the brake
+    setting : the solves that are made
+    solid : response of the solid truth
+    say : is called with a line of text on the progress
+    """
+    plane = _solve_with_degree(brake, FINE_PLANE_LEVEL, 0)
+    rows = []
+    for model in list_models_beside_solid(brake, setting):
+        say(f"{model.family}, {model.name}")
+        try:
+            timed = measure_cold_solve(model.solve)
+        except DrumlinError:
+            continue
+        rows.append(_row_of_timed_response(brake, model, timed, (solid, plane)))
+    for elements in setting.elements:
+        say(f"CalculiX, {elements} elements")
+        peer = solve_solid_by_calculix(brake, elements=elements)
+        model = TimedModel("CalculiX", f"{elements} elements", lambda: solid)
+        timed = TimedResponse(peer.response, peer.seconds)
+        rows.append(_row_of_timed_response(brake, model, timed, (solid, plane)))
+    return rows
+
+
+class TimedResponse(NamedTuple):
+    """A response, and the processor time [s] of its solve."""
+
+    response: Response
+    seconds: float
+
+
+def measure_cold_solve(solve_once: Callable[[], Response]) -> TimedResponse:
+    """The response of a solve with its processor time, the median of REPEATS where it is fast."""
+    start = time.process_time()
+    response = solve_once()
+    first = time.process_time() - start
+    if first > FAST:
+        return TimedResponse(response, first)
+    loops = max(1, math.ceil(LEAST_SAMPLE / max(first, 1e-6)))
+    samples = []
+    for _ in range(REPEATS):
+        start = time.process_time()
+        for _ in range(loops):
+            solve_once()
+        samples.append((time.process_time() - start) / loops)
+    return TimedResponse(response, median(samples))
+
+
+def _row_of_timed_response(
+    brake: Brake, model: TimedModel, timed: TimedResponse, truths: tuple[Response, Response]
+) -> SolidWorkRow:
+    """The row of a model from its response; `truths` are the solid one and that in plane stress."""
+    errors: list[float] = []
+    for truth in truths:
+        true = distance_of_plane_stress_from_widths(brake, timed.response, truth).brake
+        errors += [true["torque"], true["pressure"]]
+    return SolidWorkRow(model.family, model.name, timed.seconds, *errors)

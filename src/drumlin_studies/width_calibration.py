@@ -1,0 +1,288 @@
+"""Fits the safety factors of the stated errors of solid shoes on random brakes.
+
+`observe_width_errors_of_random_brake` solves a brake by several degrees across the width on one
+section, and by two levels of the section. A row has an estimate without its safety factor and the
+true error. `fit_width_factors` finds the smallest factors with which the estimates are large
+enough. The command
+
+    make calibrate
+
+runs the study `calibration`, which calls these functions, writes the file of the factors, and keeps
+the table of the rows.
+"""
+
+import csv
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.fem.error_control.adapt import Tolerance
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.solve import solve
+from drumlin.fem.width.error import distance_of_plane_stress_from_widths
+from drumlin.fem.width.ladder import (
+    LOOKED_AHEAD,
+    MOST_SECTION_LEVELS,
+    ErrorFactors,
+    SolidFactors,
+    climb_levels_to_tolerance,
+    coarsest_level_within_tolerance,
+    extrapolated_over_largest_distance,
+    section_to_compare_width_degrees,
+    solve_level_of_section_with_width_degree,
+)
+from drumlin.fem.width.prepare import (
+    MakeFunctions,
+    prepare_divided_brake_with_widths,
+    reason_against_width_model,
+)
+from drumlin.response.response import Response
+from drumlin_studies.calibration import round_up_to_significant_digits
+from drumlin_studies.solid_error import (
+    DRAWN,
+    functions_across_width_graded_to_sides,
+)
+
+WIDTH_SEEDS: dict[str, Sequence[int]] = {
+    "free": range(1000, 1021),
+    "built": range(3100, 3107),
+}
+"""Seeds of the random brakes whose degrees are fitted, by their kind in `solid_error.DRAWN`."""
+SECTION_SEEDS: dict[str, Sequence[int]] = {
+    "built": (3100, 3102, 3104, 3105, 3106, 3108, 3109, 3110, 3111, 3117),
+}
+"""Seeds of the random brakes whose section is fitted. Their second level takes up to 110 s each."""
+FITTED_DEGREES = (2, 3, 4, 5)
+"""Degrees across the width whose errors are fitted, up to `ladder.MOST_DEGREE`."""
+SECTION_TRUE_DEGREE = 3
+"""Degree across the width whose distance of the first two levels is the section's true error."""
+WIDTH_QUANTILE = 0.99
+"""Fraction of the true errors that must not exceed the stated errors in the fit."""
+LARGEST_SHORTFALL = 2.0
+"""Largest true over stated error that the fit leaves."""
+LEAST_FITTED = {"pressure": 1e-3, "torque": 1e-5, "reaction": 1e-5}
+"""True relative errors from which on a row is fitted.
+
+Smaller ones are of the size of the round-off and of the noise of contact ends, which move from node
+to node.
+"""
+WIDTH_FACTOR_MEANINGS = {
+    "pressure": "Width's part of the error of p in the L2 norm, over the distance of a degree "
+    "across the width from the next two degrees, extrapolated to all degrees with the power "
+    "SLOWEST_FALL. If the factor is too small, stated errors of p are too small. If it is too "
+    "large, solves take a higher degree than they need.",
+    "force": "The same part of the error of a torque or a reaction. The distances of a force "
+    "cancel by accident where those of p do not, and so this factor is larger. If the factor is "
+    "too small, stated errors of forces are too small. If it is too large, they are needlessly "
+    "large.",
+    "section_pressure": "Section's part of the error of p of shoes with several widths, over the "
+    "part that SECTION_DEGREE across the width shows. If the factor is too small, stated errors "
+    "are too small. If it is too large, solves take a finer section than they need.",
+    "section_force": "The same part of the error of a torque or a reaction. A factor that is too "
+    "small or too large has the same effects as that of the pressure.",
+}
+"""The meaning of each factor, as the file of the factors states it."""
+
+
+class WidthRow(NamedTuple):
+    """An estimate without its safety factor, and the true error.
+
+    Attributes
+    ----------
+    kind, seed : of the random brake
+    part : "width" or "section"
+    degree : degree across the width
+    quantity : "pressure", "torque" or "reaction"
+    estimate : the estimated error without its safety factor
+    true : the true error
+    """
+
+    kind: str
+    seed: int
+    part: str
+    degree: int
+    quantity: str
+    estimate: float
+    true: float
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether the true error is large enough for the fit."""
+        return self.true > LEAST_FITTED[self.quantity]
+
+
+def observe_width_errors_of_random_brake(part: str, kind: str, seed: int) -> list[WidthRow]:
+    """The rows of a random brake; none where the brake is not covered or a solve has no answer.
+
+    Parameters
+    ----------
+    part : "width" or "section"
+    kind : how the brake is drawn, a name in `solid_error.DRAWN`
+    seed : seed of the brake
+    """
+    observe = observe_errors_of_degrees if part == "width" else observe_error_of_section
+    try:
+        brake = DRAWN[kind](seed)
+        if reason_against_width_model(brake) is not None:
+            return []
+        rows = observe(brake, solve(brake))
+    except (BadInput, NoAnswer, np.linalg.LinAlgError):
+        return []
+    return [row._replace(kind=kind, seed=seed) for row in rows]
+
+
+def observe_errors_of_degrees(brake: Brake, plane: Response) -> list[WidthRow]:
+    """Rows of the degrees FITTED_DEGREES on the section on which degrees are compared.
+
+    The true errors are distances from functions that are graded to the sides of all parts.
+    """
+    cache = Cache()
+    section = section_to_compare_width_degrees(brake, plane, cache=cache)
+
+    def answer(across: int | MakeFunctions) -> Response:
+        """The answer with these functions across the width on the section."""
+        scene = prepare_divided_brake_with_widths(brake, section.divisions, across, cache=cache)
+        return solve_prepared_model(scene, brake, start=plane)
+
+    truth = answer(functions_across_width_graded_to_sides)
+    last = FITTED_DEGREES[-1] + LOOKED_AHEAD
+    answers = {degree: answer(degree) for degree in range(FITTED_DEGREES[0], last + 1)}
+    rows = []
+    for degree in FITTED_DEGREES:
+        ahead = [
+            distance_of_plane_stress_from_widths(brake, answers[degree], answers[further]).brake
+            for further in range(degree + 1, degree + LOOKED_AHEAD + 1)
+        ]
+        true = distance_of_plane_stress_from_widths(brake, answers[degree], truth).brake
+        factor = extrapolated_over_largest_distance(degree)
+        for name in LEAST_FITTED:
+            estimate = factor * max(distance[name] for distance in ahead)
+            rows.append(WidthRow("", 0, "width", degree, name, estimate, true[name]))
+    return rows
+
+
+def observe_error_of_section(brake: Brake, plane: Response) -> list[WidthRow]:
+    """Rows of the first level: its error by SECTION_DEGREE, and by SECTION_TRUE_DEGREE.
+
+    The true error is the distance of the first two levels with SECTION_TRUE_DEGREE.
+    """
+    levels, loose = LEVELS[:MOST_SECTION_LEVELS], Tolerance(1.0, 1.0)
+    cache = Cache()
+    climb = climb_levels_to_tolerance(brake, loose, solve_prepared_model, cache, levels, plane)
+    section = coarsest_level_within_tolerance(brake, climb, loose, ErrorFactors(1.0, 1.0))
+    first, second = (
+        solve_level_of_section_with_width_degree(
+            brake, level, SECTION_TRUE_DEGREE, plane, cache=cache
+        ).response
+        for level in levels
+    )
+    true = distance_of_plane_stress_from_widths(brake, first, second).brake
+    rows = []
+    for name in LEAST_FITTED:
+        stated = (
+            section.error.torque
+            if name == "torque"
+            else max(shoe[name] for shoe in section.error.shoes)
+        )
+        rows.append(WidthRow("", 0, "section", SECTION_TRUE_DEGREE, name, stated, true[name]))
+    return rows
+
+
+def smallest_width_factor(rows: Sequence[WidthRow]) -> float:
+    """The smallest factor that makes estimates large enough, rounded up to two digits.
+
+    With it the share WIDTH_QUANTILE of the solves is covered (of few, all but one), and no true
+    error is more than LARGEST_SHORTFALL times the stated one. A solve, of a brake with a degree,
+    needs the largest factor of its quantities. The factor is nan without usable rows.
+    """
+    by_solve: dict[tuple[str, int, int], float] = {}
+    for row in rows:
+        if row.is_usable:
+            solve_key = (row.kind, row.seed, row.degree)
+            by_solve[solve_key] = max(row.true / row.estimate, by_solve.get(solve_key, 0.0))
+    if not by_solve:
+        return math.nan
+    needed = list(by_solve.values())
+    share = min(WIDTH_QUANTILE, 1 - 1 / len(needed))
+    covering = float(np.quantile(needed, share))
+    return round_up_to_significant_digits(max(covering, max(needed) / LARGEST_SHORTFALL))
+
+
+def fit_width_factors(rows: Sequence[WidthRow]) -> SolidFactors:
+    """The factors of the stated errors of solid shoes, the smallest sufficient ones."""
+    factors = []
+    for part in ("width", "section"):
+        for of_pressure in (True, False):
+            own = [
+                row
+                for row in rows
+                if row.part == part and (row.quantity == "pressure") == of_pressure
+            ]
+            factors.append(smallest_width_factor(own))
+    return SolidFactors(*factors)
+
+
+def width_factors_as_json_text(
+    factors: SolidFactors, rows: Sequence[WidthRow], commit: str, date: str
+) -> str:
+    """The JSON text of the factors' file: the brakes, and each factor with its meaning.
+
+    Parameters
+    ----------
+    factors : the fitted factors
+    rows : the rows of the fit
+    commit, date : commit of the source code and its date
+    """
+    brakes = {(row.kind, row.seed) for row in rows}
+    provenance = {
+        "brakes": len(brakes),
+        "rows": sum(row.is_usable for row in rows),
+        "commit": commit,
+        "date": date,
+        "quantile": WIDTH_QUANTILE,
+    }
+    data = {
+        "written by": "make calibrate; read by drumlin.fem.width.ladder; not to be edited by hand",
+        "provenance": provenance,
+        **{
+            name: {"value": value, "meaning": WIDTH_FACTOR_MEANINGS[name]}
+            for name, value in factors._asdict().items()
+        },
+    }
+    return json.dumps(data, indent=1) + "\n"
+
+
+def width_rows_as_csv_text(rows: Sequence[WidthRow]) -> str:
+    """The kept table of the rows, with errors of four digits."""
+    lines = [",".join(WidthRow._fields)]
+    for row in rows:
+        errors = [f"{value:.4g}" for value in row[-2:]]
+        lines.append(",".join([*map(str, row[:-2]), *errors]))
+    return "\n".join(lines) + "\n"
+
+
+def read_width_rows(path: Path) -> list[WidthRow]:
+    """The rows of a kept table."""
+    rows = []
+    with path.open(encoding="utf-8", newline="") as file:
+        for one in csv.DictReader(file):
+            rows.append(
+                WidthRow(
+                    kind=one["kind"],
+                    seed=int(one["seed"]),
+                    part=one["part"],
+                    degree=int(one["degree"]),
+                    quantity=one["quantity"],
+                    estimate=float(one["estimate"]),
+                    true=float(one["true"]),
+                )
+            )
+    return rows

@@ -1,0 +1,129 @@
+"""All models against solid shoes: the cases of the journal, the picture and the table."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from drumlin.base.journal import Journal
+from drumlin.brake.file import read_brake
+from drumlin.report.figures import STYLE
+from drumlin.report.palette import BLUE, BROWN, GREEN, INK, OCHRE, PURPLE, RED, SHADE, SKY
+from drumlin_studies.solid_work import (
+    SolidSetting,
+    measure_models_beside_solid,
+    solve_solid_truth_of_brake,
+    uncertainty_of_solid_truth,
+)
+
+STUDIES = Path(__file__).parents[1]
+ONE_WIDTH = SolidSetting(3, 3, (2, 3, 4), (2e-2, 1e-2, 3e-3), (8, 16, 24))
+"""Setting for a brake of one width, whose solves are fast."""
+T_SECTION = SolidSetting(2, 2, (2, 3, 4), (5e-2, 2e-2), (8, 16, 24))
+"""Setting for shoes with table and web. The second level takes seconds there."""
+SHORT = SolidSetting(2, 1, (2,), (2e-2,), ())
+"""Setting of the short study."""
+BRAKES = {"double_shoe/brake": ONE_WIDTH, "plane_stress/brake": T_SECTION}
+"""Brakes that are solved as solids, with their settings."""
+FAMILIES = {
+    "law": ("laws", PURPLE, "X", ""),
+    "foundation": ("elastic foundation", GREEN, "P", ""),
+    "degree 0": ("plane stress", BLUE, "o", "-"),
+    "degree 2": ("solid, degree 2", OCHRE, "s", "-"),
+    "degree 3": ("solid, degree 3", RED, "^", "-"),
+    "degree 4": ("solid, degree 4", BROWN, "v", "-"),
+    "error stated": ("solid, error stated", INK, "*", ""),
+    "CalculiX": ("CalculiX, C3D20R", SKY, "D", "--"),
+}
+"""Name in the key, colour, marker and line of each family of models."""
+PANELS = {"plane": "compared with plane stress", "solid": "compared with the solid shoe"}
+"""Title of the panel of each truth."""
+LOWEST = 0.5
+"""Smallest error that is drawn, over the uncertainty of the solid truth."""
+
+Row = dict[str, Any]
+
+
+def compute_solid_comparisons(
+    journal: Journal, say: Callable[[str], None], *, short: bool
+) -> dict[str, Row]:
+    """The rows of all models and the uncertainty of the solid truth, by brake.
+
+    Parameters
+    ----------
+    journal : finished cases
+    say : is called with a line of text on the progress
+    short : whether one brake and few solves are enough
+    """
+    found = {}
+    for name, setting in BRAKES.items():
+        if short and name != next(iter(BRAKES)):
+            continue
+
+        def compute(name: str = name, setting: SolidSetting = SHORT if short else setting) -> Row:
+            """The solid truth of the brake, and all models against it."""
+            brake = read_brake(STUDIES / f"{name}.toml")
+            say(f"{name}: solid truth")
+            truth = solve_solid_truth_of_brake(brake, setting.truth)
+            rows = measure_models_beside_solid(brake, setting, truth.response, say)
+            return {
+                "title": brake.title,
+                "uncertain": uncertainty_of_solid_truth(brake, truth),
+                "rows": [row._asdict() for row in rows],
+            }
+
+        found[name] = journal.get_or_compute_result(
+            {"brake": name, "solid": True, "short": short}, compute
+        )
+    return found
+
+
+def draw_error_against_solid(
+    rows: Sequence[Mapping[str, Any]], uncertain: Mapping[str, float], key: str = "pressure"
+) -> Figure:
+    """Error of all models over run time: against plane stress above, against the solid below.
+
+    The figure is as wide as a column of text.
+
+    Parameters
+    ----------
+    rows : rows of `measure_models_beside_solid`, as mappings
+    uncertain : uncertainty of the solid truth
+    key : "pressure" or "torque"
+    """
+    with mpl.rc_context(STYLE | {"font.size": 7.5, "axes.titlesize": 8.0}):
+        figure = Figure(figsize=(3.35, 5.3), layout="constrained")
+        grid = figure.subplots(2, 1, sharex=True, sharey=True)
+        for axes, (truth, title) in zip(grid, PANELS.items(), strict=True):
+            lowest = 100 * LOWEST * uncertain[key] if truth == "solid" else 0.0
+            _draw_errors_against_truth(axes, rows, f"{truth}_{key}", lowest)
+            axes.set_title(title)
+            axes.set_ylabel("error of mean p, L2 [%]" if key == "pressure" else "of torque [%]")
+        grid[1].axhspan(
+            50 * LOWEST * uncertain[key], 100 * uncertain[key], color=SHADE, alpha=0.7, lw=0
+        )
+        grid[1].set_xlabel("run time of a cold solve [ms]")
+        handles, labels = grid[1].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=7.5)
+    return figure
+
+
+def _draw_errors_against_truth(
+    axes: Axes, rows: Sequence[Mapping[str, Any]], key: str, lowest: float
+) -> None:
+    """Draw the errors `key` of each family; errors below `lowest` [%] are drawn there."""
+    for family, (name, color, marker, line) in FAMILIES.items():
+        own = [row for row in rows if row["family"] == family]
+        if not own:
+            continue
+        x = [1e3 * row["seconds"] for row in own]
+        y = [max(100 * row[key], lowest) for row in own]
+        axes.plot(x, y, marker=marker, ls=line, color=color, ms=4, lw=1.1, label=name)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.minorticks_off()

@@ -1,0 +1,103 @@
+"""The factors of solid shoes are the smallest sufficient ones, and can be fitted anew."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from drumlin.fem.width import ladder
+from drumlin.fem.width.ladder import SOLID_FACTORS, read_solid_factors
+from drumlin_studies.width_calibration import (
+    LARGEST_SHORTFALL,
+    LEAST_FITTED,
+    SECTION_SEEDS,
+    WIDTH_QUANTILE,
+    WIDTH_SEEDS,
+    WidthRow,
+    fit_width_factors,
+    observe_width_errors_of_random_brake,
+    read_width_rows,
+    smallest_width_factor,
+    width_factors_as_json_text,
+    width_rows_as_csv_text,
+)
+
+
+@pytest.fixture(scope="module")
+def kept(root):
+    """The rows that the command `make calibrate` has kept."""
+    return read_width_rows(root / "reports" / "reference" / "calibration" / "width_rows.csv")
+
+
+def made_up(ratios, quantity="pressure"):
+    """Rows of one brake each, with these ratios of true errors to estimates."""
+    return [
+        WidthRow("free", seed, "width", 2, quantity, 0.01, 0.01 * ratio)
+        for seed, ratio in enumerate(ratios)
+    ]
+
+
+def test_the_factors_are_those_of_the_kept_rows(kept):
+    assert fit_width_factors(kept) == SOLID_FACTORS
+    brakes = {(row.part, row.kind, row.seed) for row in kept}
+    for part, kinds in (("width", WIDTH_SEEDS), ("section", SECTION_SEEDS)):
+        for kind, seeds in kinds.items():
+            own = {seed for one, two, seed in brakes if (one, two) == (part, kind)}
+            assert own <= set(seeds)
+            assert len(own) >= 0.9 * len(seeds)
+
+
+def test_the_errors_that_were_observed_are_stated(kept):
+    """Nearly all true errors are below the stated ones, and none is more than twice as large."""
+    for part, pressure, force in (
+        ("width", SOLID_FACTORS.pressure, SOLID_FACTORS.force),
+        ("section", SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force),
+    ):
+        for names, factor in ((("pressure",), pressure), (("torque", "reaction"), force)):
+            ratios = [
+                factor * row.estimate / row.true
+                for row in kept
+                if row.part == part and row.quantity in names and row.is_usable
+            ]
+            assert len(ratios) > 9
+            assert sum(ratio < 1 for ratio in ratios) <= max(2, (1 - WIDTH_QUANTILE) * len(ratios))
+            assert min(ratios) > 0.99 / LARGEST_SHORTFALL
+
+
+def test_the_smallest_factor_covers_all_but_the_share_that_may_be_missed():
+    many = made_up([k / 1000 for k in range(1, 1001)])
+    assert 0.99 <= smallest_width_factor(many) <= 1.0
+    # Of few brakes all but one are covered, if it is not missed by more than twice.
+    few = made_up([0.5] * 20 + [0.6])
+    assert 0.5 <= smallest_width_factor(few) < 0.6
+    missed = made_up([0.5] * 20 + [3.0])
+    assert smallest_width_factor(missed) == pytest.approx(3.0 / LARGEST_SHORTFALL)
+
+
+def test_errors_that_are_nothing_are_left_out():
+    tiny = [row._replace(true=0.5 * LEAST_FITTED["pressure"]) for row in made_up([1.0])]
+    assert math.isnan(smallest_width_factor(tiny))
+    assert smallest_width_factor([*tiny, *made_up([1.0, 1.0])]) == 1.0
+
+
+def test_the_file_that_the_code_reads_was_written_by_the_command(kept):
+    path = Path(ladder.__file__).with_name("factors.json")
+    data = json.loads(path.read_text(encoding="utf-8"))
+    written = data["provenance"]
+    text = width_factors_as_json_text(SOLID_FACTORS, kept, written["commit"], written["date"])
+    assert path.read_text(encoding="utf-8") == text
+    assert read_solid_factors(path) == SOLID_FACTORS
+    assert written["commit"] and written["date"]
+
+
+def test_what_is_observed_today_is_what_was_kept(kept, tmp_path):
+    (kind, seed) = ("free", 1002)
+    rows = observe_width_errors_of_random_brake("width", kind, seed)
+    (tmp_path / "rows.csv").write_text(width_rows_as_csv_text(rows), encoding="utf-8")
+    old = [row for row in kept if (row.part, row.kind, row.seed) == ("width", kind, seed)]
+    assert len(old) == len(rows) > 0
+    for one, two in zip(read_width_rows(tmp_path / "rows.csv"), old, strict=True):
+        assert one[:5] == two[:5]
+        assert one.estimate == pytest.approx(two.estimate, rel=1e-2, abs=1e-8)
+        assert one.true == pytest.approx(two.true, rel=1e-2, abs=1e-8)
