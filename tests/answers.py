@@ -1,14 +1,14 @@
 """Write what drumlin answers to many commands, or compare two such files.
 
-A change of the code that should leave all answers as they are is held to the comparison.
+The comparison shows whether a change of the code has left all answers as they were.
 
     python tests/answers.py write FILE.json [BRAKES]
     python tests/answers.py compare BEFORE.json AFTER.json
 
-`write` runs the commands of COMMANDS on every brake file of studies/ and meshes/ and on random
-brakes, BRAKES of them (by default 100), and keeps exit status, printed text and JSON of each.
-`compare` names every command whose status, words or numbers differ. Times are left out; numbers may
-differ by CLOSE, relative to the largest of their array.
+`write` runs the commands of COMMANDS on every brake file of studies/ and meshes/ and on BRAKES
+random brakes (by default 100). It stores exit status, printed text and JSON of each command.
+`compare` prints every command whose status, words or numbers differ. Times are not compared.
+Numbers may differ by CLOSE, relative to the largest number of their array.
 """
 
 import json
@@ -61,14 +61,14 @@ NOT_COMPARED = {"seconds", "brake_file"}
 
 
 class Difference(NamedTuple):
-    """A command whose answers differ, and how."""
+    """A command whose two answers differ, and a description of the differences."""
 
     case: str
     how: str
 
 
 def brake_files(folder: Path, count: int) -> Iterator[Path]:
-    """All brake files of the project, then `count` random brakes that are written into a folder."""
+    """The paths of all brake files of the project, and of `count` random ones in a folder."""
     for path in [
         *sorted((ROOT / "studies").rglob("*.toml")),
         *sorted((ROOT / "meshes").glob("*.toml")),
@@ -107,7 +107,7 @@ def answer(command: list[str], brake: Path, folder: Path) -> dict[str, Any]:
 
 
 def write(file: str, count: str = "100") -> int:
-    """Write the answers of all commands on all brakes into a file; 0."""
+    """Write the answers of all commands on all brakes into a file, and return the exit status 0."""
     found = {}
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
@@ -122,7 +122,7 @@ def write(file: str, count: str = "100") -> int:
 
 
 def differences(before: Any, after: Any, where: str = "") -> Iterator[str]:
-    """In words, where two JSON values differ; times are not compared."""
+    """Descriptions of the places where two JSON values differ. Times are not compared."""
     if isinstance(before, dict) and isinstance(after, dict):
         for key in sorted({*before, *after} - NOT_COMPARED):
             if key not in before or key not in after:
@@ -139,7 +139,7 @@ def differences(before: Any, after: Any, where: str = "") -> Iterator[str]:
 
 
 def _of_lists(before: list[Any], after: list[Any], where: str) -> Iterator[str]:
-    """The differences of two lists, those of numbers relative to the largest of them."""
+    """The differences of two lists. Differences of numbers are relative to the largest number."""
     if len(before) != len(after):
         yield f"{where}: {len(before)} and {len(after)} entries"
     elif all(isinstance(x, int | float) for x in [*before, *after]):
@@ -153,7 +153,7 @@ def _of_lists(before: list[Any], after: list[Any], where: str) -> Iterator[str]:
 
 
 def compare(before_file: str, after_file: str) -> int:
-    """Print every command whose answers differ; 1 where there is one."""
+    """Print every command whose answers differ, and return the exit status: 1 if there is any."""
     before, after = (
         json.loads(Path(file).read_text(encoding="utf-8")) for file in (before_file, after_file)
     )

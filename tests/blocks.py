@@ -1,8 +1,9 @@
 """A double-shoe brake whose lining has many blocks, and its pressure by curved triangles.
 
-`python tests/blocks.py` writes the pressures and torques that the tests compare with into
-blocks_truth.json, by `drumlin.verification.triangles`, which shares nothing with the finite
-elements of the solver but the brake; it takes a few minutes.
+`python tests/blocks.py` computes the reference pressures and torques of the tests, and writes them
+to blocks_truth.json. It takes a few minutes. The references come from
+`drumlin.verification.triangles`, which shares only the description of the brake with the finite
+elements of the solver.
 """
 
 import json
@@ -24,7 +25,10 @@ DEPTH = 3e-6  # m
 
 
 def brake_of(steps: int) -> Brake:
-    """The left shoe alone, on so many even blocks, which stand back by up to 3 um in a disorder."""
+    """The left shoe alone, with a lining of equal blocks.
+
+    The faces of the blocks stand back irregularly by 0 to 3 um.
+    """
     whole = read_brake(HERE.parent / "studies" / "double_shoe" / "brake.toml")
     brake = whole.model_copy(update={"shoes": whole.shoes[:1]})
     lining = brake.shoes[0].lining
@@ -34,7 +38,10 @@ def brake_of(steps: int) -> Brake:
 
 
 def angles_of(brake: Brake) -> np.ndarray:
-    """Even angles [rad] at which the pressure is stored, over 0.2 deg from the lining's ends."""
+    """Evenly spaced angles [rad] of the stored pressures.
+
+    The angles keep 0.2 deg away from the lining's ends.
+    """
     lining = brake.shoes[0].lining
     return np.linspace(lining.start + 0.005, lining.end - 0.005, ANGLES)
 
@@ -42,8 +49,8 @@ def angles_of(brake: Brake) -> np.ndarray:
 def stored(steps: int) -> dict[str, Any]:
     """The stored solution by triangles of `brake_of(steps)`.
 
-    `torque` [N m], `pressure` (ANGLES,) [Pa], and `moved`: how far the last refinement of the
-    triangles moved p in L2.
+    `torque` [N m], `pressure` (ANGLES,) [Pa], and `moved`, the relative L2 change of the pressure
+    by the last refinement of the triangles.
     """
     found: dict[str, Any] = json.loads(STORED.read_text())[str(steps)]
     return found

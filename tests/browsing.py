@@ -1,4 +1,7 @@
-"""The page to play with in a real browser without a screen: serving it, moving its sliders."""
+"""Functions that serve the interactive page of a brake and move its sliders in a real browser.
+
+The browser runs without a screen.
+"""
 
 import signal
 import subprocess
@@ -18,7 +21,7 @@ PROGRAM = [sys.executable, "-c", "from drumlin.cli import main; main()"]
 
 @contextmanager
 def served(program=PROGRAM, brake_file=STUDY / "brake.toml", **process):
-    """The page of a brake, served by a process of its own: its address."""
+    """The address of the interactive page of a brake, which a separate process serves."""
     command = [*map(str, program), "explore", str(brake_file), "--port", "0", "--no-browser"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **process) as server:
         try:
@@ -35,7 +38,7 @@ def served(program=PROGRAM, brake_file=STUDY / "brake.toml", **process):
 
 @contextmanager
 def browser(folder):
-    """A browser without a screen that keeps to this machine."""
+    """A browser without a screen that makes no connections to other machines."""
     from selenium import webdriver
     from selenium.webdriver.chrome.options import Options
     from selenium.webdriver.chrome.service import Service

@@ -1,4 +1,4 @@
-"""The command line as tests call it: in this process, or in one of its own."""
+"""Functions that run drumlin commands for tests, in this process or in a separate one."""
 
 import io
 import subprocess
@@ -13,7 +13,7 @@ DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]
 
 
 def process(*words, code=None, **options):
-    """The command in an interpreter of its own, which runs `code`."""
+    """The command line that runs `code` in a separate Python interpreter."""
     command = DRUMLIN if code is None else [sys.executable, "-c", code]
     return subprocess.run(
         [*command, *map(str, words)], capture_output=True, text=True, check=False, **options
@@ -21,7 +21,7 @@ def process(*words, code=None, **options):
 
 
 def drumlin(*words):
-    """The drumlin command run in this process: output and exit status as a shell sees them.
+    """Run a drumlin command in this process; returns output and exit status as in a shell.
 
     This saves the second that an interpreter takes to start.
     """

@@ -1,4 +1,4 @@
-"""The brakes that the tests share, and what becomes of tests that are skipped."""
+"""Brakes and study results that several tests share, and the treatment of skipped tests."""
 
 import os
 import signal
@@ -34,7 +34,7 @@ settings.register_profile("quick", settings.get_profile("all"), max_examples=8)
 
 
 def partly(cases: Iterable[Any], quick: Container[Any]) -> list[Any]:
-    """Cases to parametrise a test by; those that are not quick are slow."""
+    """Cases for `pytest.mark.parametrize`. Cases that are not quick get the mark `slow`."""
     return [
         pytest.param(
             *(case if isinstance(case, tuple) else (case,)),
@@ -61,18 +61,18 @@ def root() -> Path:
 
 @pytest.fixture(scope="module")
 def module(request: pytest.FixtureRequest) -> Any:
-    """The study's module, for test modules that name their study in STUDY_NAME."""
+    """The module of the study that a test module names in STUDY_NAME."""
     return import_study(request.module.STUDY_NAME)[0]
 
 
 @pytest.fixture(scope="module")
 def result(module: Any) -> Any:
-    """The study's result on its short setting."""
+    """The study's result of a trial run (option --short)."""
     return module.study(short=True)
 
 
 def settled_sizes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """The nodes of each contact problem that self_locking settles from now on, as it goes."""
+    """A list that grows by the number of nodes of each contact problem of `self_locking`."""
     sizes: list[int] = []
     settle = self_locking.solve_contact_by_block_pivoting
 
@@ -105,7 +105,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 class Skips:
-    """Notes in pytest's cache what is skipped; with workers, where their reports meet."""
+    """Records the skipped tests in pytest's cache; with several workers, in the main process."""
 
     KEY = "drumlin/skipped"
 

@@ -1,4 +1,4 @@
-"""Pads on a plane, held in every way."""
+"""Brakes with pads on a plane, one for each kind of support."""
 
 from math import pi
 from typing import Any

@@ -20,7 +20,10 @@ KINDS: dict[str, dict[str, Any]] = {
 
 
 def brake_of(kind: str, spin: int, mu: float = 0.35, **more: Any) -> Brake:
-    """One internal shoe held so, its lining 2 rad about +x, of 1 mm, rigid unless it has a body."""
+    """One internal shoe with a given support. The shoe is rigid unless it has a body.
+
+    The lining is 1 mm thick and covers an angle of 2 rad, symmetrical about +x.
+    """
     direction, point = (
         (0.05, {"x": 0.1, "y": 0.01}) if kind == "guide" else (0.0, {"x": 0.02, "y": 0.08})
     )

@@ -1,11 +1,11 @@
 """A second solver for the same brake, which shares no code with drumlin's finite elements.
 
-Triangles, skfem's own forms, pointwise contact, one sparse system.
+The solver shares only the package skfem with drumlin's finite elements. It has quadratic triangles
+with curved edges and solves one sparse system.
 
-Shares no code with drumlin's finite elements beyond skfem: cubic-free P2 triangles with curved
-edges, the hinge by rows of the unknown turn, contact as a stiff layer at the quadrature points of
-the lining, whose contact set is iterated pointwise. Wear by implicit Euler steps of a clearance
-that grows at those points.
+The rotation of the shoe about its hinge is a further unknown of the system. The contact is a stiff
+elastic layer at the quadrature points of the lining. The set of points in contact is found by
+iteration. Wear increases the clearance at these points by implicit Euler steps.
 """
 
 from collections.abc import Callable
@@ -30,7 +30,7 @@ SINE_LAW = 435.2162
 
 
 class Shoe(NamedTuple):
-    """One shoe without contact, as `pressed` needs it.
+    """The matrices and quadrature points of one shoe without contact, from which `pressed` starts.
 
     At the quadrature points (m, q): angle `theta`, `radius` and integration `weight`.
     """
@@ -49,7 +49,7 @@ class Shoe(NamedTuple):
 
 
 def shoe(brake: Brake, index: int, elements: int) -> Shoe:
-    """A shoe with an arc body; spring: the lining's E b / t per area [N/m^3]."""
+    """A shoe with an arc body. `spring` is the stiffness E b/t of the lining per area [N/m^3]."""
     spec = brake.shoes[index]
     R, side = brake.size, spec.sign
     lining, body = spec.lining, spec.body
@@ -157,7 +157,7 @@ def closing(one: Shoe, u: np.ndarray) -> np.ndarray:
 
 
 def pressed(one: Shoe, stiffness: float, gap: np.ndarray) -> np.ndarray:
-    """Pressure times width (m, q) [N/m] of a stiff layer against a clearance (m, q)."""
+    """Pressure times width (m, q) [N/m] in a stiff contact layer, for the clearances (m, q)."""
     on = np.ones_like(gap)
     for _ in range(60):
         matrix, load = contact_forms(one, stiffness, on, gap)
@@ -180,7 +180,7 @@ def solve(
     penalty: float,
     clearance: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> tuple[float, np.ndarray, np.ndarray]:
-    """Torque [N m], and angles [rad] with pressures [Pa] at quadrature points, of one arc shoe."""
+    """Torque [N m] of one arc shoe, and angles [rad] and pressures [Pa] at quadrature points."""
     one = shoe(brake, index, elements)
     gap = np.zeros_like(one.theta) if clearance is None else clearance(one.theta)
     force = pressed(one, penalty * one.spring, gap)
@@ -207,12 +207,12 @@ def torque(name: str) -> float:
 def worn(
     brake: Brake, index: int, elements: int, coefficient: float, distance: float, steps: int
 ) -> tuple[Any, ...]:
-    """Archard's wear of a lining that bears all over: angles, and pressures and depths there.
+    """Wear by Archard's law of a lining in full contact: angles, pressures, and depths of wear.
 
     Pressures and depths have the shape (steps + 1, angles).
 
-    A step ds makes the layer softer, p = e (closing - gap - k ds p): one factorisation serves every
-    step.
+    An implicit step ds acts as a softer layer, p = e (closing - gap - k ds p). All steps therefore
+    have the same matrix, which is factorised once.
     """
     one, ds, width = shoe(brake, index, elements), distance / steps, brake.shoes[index].lining.width
     gap, e = np.zeros_like(one.theta), 1e4 * one.spring

@@ -1,4 +1,4 @@
-"""Endings of a command that the judge of broken inputs must refuse, and what was given."""
+"""Ways to end a command that the fuzzing tests must count as faults, with the inputs given."""
 
 from drumlin_studies.fuzzing.endings import Ending
 from drumlin_studies.fuzzing.inputs import BrokenInput

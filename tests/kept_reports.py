@@ -1,4 +1,4 @@
-"""Tables of the reports that are kept."""
+"""Tables of the reference reports that the repository keeps in reports/reference."""
 
 import csv
 

@@ -1,24 +1,25 @@
-"""Changes each number that was found by trying, and runs the tests that notice it.
+"""Changes each number of drumlin that was found by trial, and runs the tests that should fail.
 
     make noticed [ARGS="MODULE or CONSTANT ..."], or python tests/mutations.py [MODULE or CONSTANT
     ...]
 
-A number that no test notices is useless or unguarded. For each number of TUNED, and for both sides,
-this copies src/, changes the number in the copy, and runs the named tests there until one fails.
-The tests judge answers, refusals, balances and counts of work that a user would see, never the
-number itself.
+If no test fails after the change, the number is useless or its tests are too weak. For each number
+of TUNED, once for a larger and once for a smaller value, this module copies src/, changes the
+number in the copy, and runs the named tests there until one fails. The tests judge answers, error
+messages, balances and counts of steps that a user would see, and never the number itself.
 
-How a number x changes, `moved`:
+The function `moved` changes a number x as follows:
 - a whole number below 50 goes one up or one down;
 - a number between 0 and 1, a ratio or a power, is doubled, but goes at most half of its way to one,
   or is halved;
 - any other number is doubled or halved.
-A constant that is a single number is changed as a whole, whatever the expression that it is
-computed by. Of a table the numbers change one by one.
+If a constant is a single number, its value is changed, even if an expression computes it. The
+numbers of a table are changed one by one.
 
-A number is guarded where its unsafe side is red. The command prints a line for each change: module,
-constant, side, new value, and the test that noticed. Its exit status is 1 where an unsafe side is
-green, or where a test is red without a change.
+A number is guarded if a test fails when the number is changed to its unsafe side, on which answers
+become wrong. The command prints a line for each change: module, constant, side, new value, and the
+test that failed. Its exit status is 1 if no test fails for an unsafe side, or if a test fails
+without a change.
 """
 
 import ast
@@ -44,7 +45,8 @@ idle cores, so that a change which makes them five times slower is one that a us
 class Guard(NamedTuple):
     """The `tests` that notice a constant, and its `unsafe` side: up, down, both, or either of them.
 
-    Where an `either` is enough, one red side guards the number. slow: the tests are slow ones.
+    For `either` it is enough that a test fails for one of the sides. `slow` tells that the tests
+    have the mark `slow`.
     """
 
     unsafe: str = "either"
@@ -155,7 +157,7 @@ class Change(NamedTuple):
 
 
 def moved(number: float, side: str) -> float:
-    """A number on its upper or lower side, by the rule of the module's docstring."""
+    """The changed number, larger or smaller, by the rule in the module's docstring."""
     if isinstance(number, int) and abs(number) < 50:
         return number + 1 if side == "up" else number - 1
     if side == "down":
@@ -168,7 +170,7 @@ def moved(number: float, side: str) -> float:
 def changes(module: str, name: str) -> Iterator[Change]:
     """All changes of a constant of a module of src/drumlin, both sides of each of its numbers.
 
-    Raises LookupError for a constant that does not stand on a line of its own.
+    Raises LookupError for a constant whose assignment does not start a line.
     """
     text = (PACKAGE / module).read_text(encoding="utf-8")
     if module.endswith(".json"):
@@ -178,7 +180,7 @@ def changes(module: str, name: str) -> Iterator[Change]:
 
 
 def in_source(text: str, name: str, value: object = None) -> Iterator[Change]:
-    """All changes of a constant in a source text; value: of the constant, where it is known."""
+    """All changes of a constant in a source text. `value` is the constant's value, if known."""
     expression = _expression(ast.parse(text), name)
     if isinstance(value, int | float):
         groups: list[list[tuple[ast.expr, float]]] = [[(expression, value)]]
@@ -308,8 +310,9 @@ def red_unchanged(guard: Guard) -> str:
 
 
 def unguarded(guard: Guard, noticed: dict[tuple[str, str], str]) -> list[str]:
-    """What is not noticed though it is unsafe; noticed: what noticed each (constant, side), or
-    empty.
+    """The unsafe sides of constants for which no test failed.
+
+    `noticed` holds the test that failed for each pair of constant and side, or an empty text.
     """
     found = []
     for name in dict.fromkeys(name for name, _ in noticed):
@@ -324,7 +327,10 @@ def unguarded(guard: Guard, noticed: dict[tuple[str, str], str]) -> list[str]:
 
 
 def tried(module: str, name: str, *, safe: bool = True) -> Iterator[tuple[Change, str]]:
-    """The changes of a constant of TUNED, and what noticed each. safe: its safe side as well."""
+    """The changes of a constant of TUNED, and the test that failed for each.
+
+    `safe` tells whether the safe side is tried as well.
+    """
     guard = TUNED[module][name]
     for change in changes(module, name):
         if safe or guard.unsafe_at(change.side):
@@ -332,8 +338,9 @@ def tried(module: str, name: str, *, safe: bool = True) -> Iterator[tuple[Change
 
 
 def main(*wanted: str) -> int:
-    """Try the changes of some modules or constants of TUNED, by default of all; 1 where one is not
-    guarded.
+    """Try the changes of some modules or constants of TUNED, by default of all.
+
+    Returns 1 if a constant is not guarded.
     """
     open_ = []
     for module, guards in TUNED.items():

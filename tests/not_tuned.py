@@ -1,9 +1,10 @@
 """Module-level numbers of fem, contact and response that were not found by trying: the reason of
 each.
 
-A definition follows from a formula or a name; a format from a file or a library; a limit bounds
-memory, time or passes, and a brake beyond it is refused or cut short with a word; round-off is far
-above the arithmetic's and far below what a user sees; a threshold rules when a line is said and
+There are five kinds of reasons. A definition follows from a formula or a name. A format comes from
+a file or a library. A limit bounds memory, time or repetitions; beyond the limit drumlin prints a
+message and refuses the brake or stops early. A round-off bound lies far above the errors of double
+precision and far below what a user sees. A threshold decides when a line of text is printed, and
 changes no answer.
 """
 

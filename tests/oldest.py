@@ -13,7 +13,7 @@ TOOLS = ("mypy", "ruff", "import-linter", "drumlin")
 
 
 def oldest(data: dict[str, Any]) -> list[str]:
-    """The requirements, each at its lower bound."""
+    """The required packages, each with the oldest allowed version."""
     extras = data["project"]["optional-dependencies"]
     used = [line for name in ("distributed", "manual", "parquet", "dev") for line in extras[name]]
     wanted = dict.fromkeys([*data["project"]["dependencies"], *used])

@@ -1,4 +1,4 @@
-"""Values, rows and notes picked from lists of results."""
+"""Functions that select values, rows and notes from lists of results."""
 
 from collections.abc import Iterable, Mapping
 from operator import attrgetter
@@ -8,9 +8,9 @@ Names = str | tuple[str, ...]
 
 
 def field(thing: Any, name: Names) -> Any:
-    """One key of a row or one attribute of an object, such as "torque" or "lining.thickness".
+    """The value of a row's key or an object's attribute, such as "torque" or "lining.thickness".
 
-    Several names give a tuple of their fields.
+    For several names the function returns a tuple of values.
     """
     if isinstance(name, tuple):
         return tuple(field(thing, one) for one in name)
@@ -32,7 +32,7 @@ def having(things: Iterable[Any], **values: Any) -> list[Any]:
 
 
 def keyed(things: Iterable[Any], key: Names, value: Names | None = None) -> dict[Any, Any]:
-    """Rows or objects by one of their fields, or one of their fields by another."""
+    """A dictionary of rows or objects, or of one of their fields, by another of their fields."""
     return {field(one, key): one if value is None else field(one, value) for one in things}
 
 

@@ -1,4 +1,4 @@
-"""Brakes whose shoes share a force: under a cam, and by a strut."""
+"""Brakes whose shoes share a force, because a cam or a strut acts on both."""
 
 import math
 from math import pi, radians

@@ -1,4 +1,4 @@
-"""Parts and cases that tests of many modules give their brakes."""
+"""Parts of brakes and cases of sweeps that tests of several modules use."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -23,7 +23,7 @@ def drum_ring(thickness: float, support: str) -> dict[str, Any]:
 
 
 def solve_on_elements_of_files(brake: Brake) -> Response:
-    """The response on the mesh files of a brake as they are, by elements of the files' degree."""
+    """The response of a brake on unrefined mesh files, by elements of the files' degree."""
     return solve_prepared_model(make_prepared_model(brake), brake)
 
 
@@ -33,7 +33,7 @@ def friction_cases(brake: Brake, frictions: Iterable[float], model: str = "sine"
 
 
 def modulus_slopes(found: Any) -> list[float]:
-    """The slopes of the torque over all moduli of all shoes, as `sensitivity` finds them."""
+    """The derivatives of the torque by all moduli of all shoes, computed by `sensitivity`."""
     return [slope for shoe in found.shoes for slope in shoe.moduli.values()]
 
 
@@ -43,5 +43,5 @@ def of_shoes(key: str, values: Iterable[Any]) -> dict[str, Any]:
 
 
 def scaled_pressures(shoes: Iterable[Any], factor: float) -> tuple[Any, ...]:
-    """Answers of shoes whose pressures are multiplied by a factor, all else as it was."""
+    """Responses of shoes with only the pressures multiplied by a factor."""
     return tuple(replace(shoe, pressure=factor * shoe.pressure) for shoe in shoes)

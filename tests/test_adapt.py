@@ -1,4 +1,4 @@
-"""Levels of columns: errors against independent references, steps, refusals, refined meshes."""
+"""Solves on finer and finer hp meshes (levels): errors, numbers of levels, and refusals."""
 
 import math
 import time
@@ -22,7 +22,7 @@ CLEARANCE = {"shoe.lining.clearance": 1e-4}
 
 
 def contact_ends(brake, response):
-    """Contact ends of all shoes inside their linings, phi in the shoes' own frame."""
+    """Angles [rad] of the ends of contact inside the linings, each in the frame of its shoe."""
     phi = [
         float(shoe.frame.phi(end))
         for shoe, answer in zip(brake.shoes, response.shoes, strict=True)
@@ -34,7 +34,7 @@ def contact_ends(brake, response):
 
 
 def distance(response, truth):
-    """Relative L2 distance of p, of the worst shoe."""
+    """Relative L2 difference of two pressures, for the shoe with the largest difference."""
     return max(
         starmap(relative_distance_of_pressures, zip(response.shoes, truth.shoes, strict=True))
     )
@@ -43,11 +43,12 @@ def distance(response, truth):
 @pytest.mark.parametrize("name", ["brake", "flexible"])
 @pytest.mark.slow
 def test_two_references_agree_and_levels_meet_their_tolerance(name, request):
-    """References agree on p to 1e-4 and on the torque to 1e-6; levels meet their tolerance.
+    """Two references agree on p to 1e-4 and on the torque to 1e-6; levels meet their tolerance.
 
-    On a level p is within 0.5 % in 0.3 s and within 0.1 % in 1 s.
+    A solve finds p within 0.5 % in 0.3 s, and within 0.1 % in 1 s.
 
-    The times are those of a quiet machine; here they only must not be several times as long.
+    These times hold for a machine without other work. The test requires only that the times are not
+    several times as long.
     """
     brake = vary(request.getfixturevalue(name), CLEARANCE)
     first = solve(brake, tolerance=1e-3)
@@ -75,7 +76,7 @@ def test_two_references_agree_and_levels_meet_their_tolerance(name, request):
 def test_a_shoe_that_lifts_off_in_places_is_followed_to_its_contact_ends(brake):
     """A 5 mm steel shoe behind a stiff lining bears at both ends only; its contact ends are found.
 
-    Meshes six times as fine are the reference.
+    The reference has meshes with elements of a sixth of the size.
     """
     thin = vary(brake, {"shoe.body.thickness": 5e-3, "shoe.lining.material.E": 1e9})
     coarse, truth = solve(thin, tolerance=5e-3), solve(thin, tolerance=3e-4)

@@ -1,4 +1,4 @@
-"""The comparison of two files of answers sees differences but not times or reordered sums."""
+"""The comparison of two files of answers finds differences, but ignores times and round-off."""
 
 import pytest
 

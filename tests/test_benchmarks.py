@@ -1,4 +1,4 @@
-"""The history of benchmarks: measured, appended, and shown by the manual."""
+"""Benchmarks: their measurement, the file with their history, and its display in the manual."""
 
 import json
 import math
@@ -17,7 +17,7 @@ from studies.manual import history  # noqa: E402
 
 @pytest.fixture(scope="module")
 def measured():
-    """A measurement of one brake on few repeats."""
+    """A measurement of the run time of one brake with few repeats."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(benchmarks, "TIMED_SOLVES", ("double_shoe",))
         patch.setattr(benchmarks, "COUNTED_BRAKES", ("double_shoe",))
@@ -48,7 +48,7 @@ def test_figures_are_ratios_in_their_range(measured):
 
 
 def test_a_ratio_is_the_median_of_neighbours():
-    """A slow phase of the machine doubles both times of a repeat, and the ratio stays."""
+    """If the machine is slow during a repeat, both times double and their ratio is the same."""
     timed = iter([2.0, 4.0, 2.0, 9.0, 2.0])
     compared = iter([1.0, 2.0, 1.0, 1.0, 1.0])
     assert (

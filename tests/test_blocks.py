@@ -1,4 +1,4 @@
-"""Linings of many blocks and tables of many rows: the stated error covers the true one."""
+"""Linings of many blocks, and gaps given by long tables: stated errors exceed true errors."""
 
 import math
 from itertools import islice
@@ -36,8 +36,8 @@ def off(one: np.ndarray, true: np.ndarray) -> float:
 def test_a_lining_of_many_blocks_reaches_the_tolerance_and_says_its_error(steps: int) -> None:
     """A lining of many blocks meets the tolerance, and its stated error covers the true one.
 
-    Curved triangles are the reference (`python tests/blocks.py`). Without columns that end at steps
-    the estimate stays at a tenth of p.
+    The reference has curved triangles (`python tests/blocks.py`). If element boundaries did not lie
+    at the steps between the blocks, the estimated error would stay at a tenth of p.
     """
     brake, true = blocks.brake_of(steps), blocks.stored(steps)
     response = solve(brake)
@@ -54,7 +54,11 @@ def test_a_lining_of_many_blocks_reaches_the_tolerance_and_says_its_error(steps:
 def test_columns_at_steps_shrink_with_the_levels_where_the_lining_presses_and_not_elsewhere() -> (
     None
 ):
-    """Where nothing presses two columns follow the cubic of a step exactly."""
+    """Elements at steps become smaller from level to level only where the lining presses.
+
+    The gap at a step is a cubic. Where the lining does not press, two columns of elements describe
+    this cubic exactly.
+    """
     brake = blocks.brake_of(12)
     shoe, R = brake.shoes[0], brake.size
     (start, end), step = shoe.arc, shoe.lining.step
@@ -79,8 +83,9 @@ def test_columns_at_steps_shrink_with_the_levels_where_the_lining_presses_and_no
 def test_an_end_of_the_contact_beside_a_step_ends_a_column() -> None:
     """An end of the contact beside a step of the lining ends a column.
 
-    This holds too where the end is nearer to the step than columns are wide there: with the step's
-    place in its stead errors stayed the same from the second level to the sixth.
+    An element boundary lies at the end of the contact even if the step is nearer than the width of
+    an element. With a boundary at the step instead, the errors did not fall from the second level
+    to the sixth.
     """
     brake = blocks.brake_of(12)
     shoe, R = brake.shoes[0], brake.size
@@ -96,7 +101,7 @@ def test_an_end_of_the_contact_beside_a_step_ends_a_column() -> None:
 
 
 def curved(brake: Brake, rows: int) -> Brake:
-    """A lining that stands back by 0.1 mm in its middle, by a table."""
+    """A lining whose middle stands back by 0.1 mm, with the clearances given by a table."""
     lining = brake.shoes[0].lining
     theta = np.linspace(lining.start, lining.end, rows)
     table = np.column_stack([theta, 1e-4 * np.cos(theta) ** 2]).tolist()
@@ -104,7 +109,7 @@ def curved(brake: Brake, rows: int) -> Brake:
 
 
 def solved(brake: Brake, monkeypatch: pytest.MonkeyPatch) -> tuple[Response, Response]:
-    """The default response, and that on the second level with all kinks as places."""
+    """The default response, and the one on the second level with an element end at every kink."""
     found = solve(brake)
     monkeypatch.setattr("drumlin.fem.error_control.singular_points.NEGLIGIBLE_KINKS", 0.0)
     (*_, true) = islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), 2)
@@ -112,10 +117,10 @@ def solved(brake: Brake, monkeypatch: pytest.MonkeyPatch) -> tuple[Response, Res
 
 
 def test_the_chords_of_a_table_are_seen_where_they_matter(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Kinks of a table of clearances end columns where p feels them.
+    """Elements end at those kinks of a table of clearances that influence the pressure.
 
-    The table has 41 rows; all kinks as places are the reference. Without columns that end at kinks
-    0.15 % is stated of p, and the error is 0.40 %.
+    The table has 41 rows. The reference has an element end at every kink. If no elements ended at
+    kinks, the stated error of p would be 0.15 %, but the true error 0.40 %.
     """
     found, true = solved(
         curved(vary(blocks.brake_of(12), {"shoe[0].lining.misfit": {}}), 41), monkeypatch
@@ -134,7 +139,8 @@ def test_the_chords_of_a_table_are_seen_where_they_matter(monkeypatch: pytest.Mo
 def test_what_the_chords_of_a_table_change_in_p_is_foretold() -> None:
     """The change of p by a table's chords is predicted for a rigid shoe with a thin lining.
 
-    There p = M (closed - gap)/t, and the gap strays from its curve by a known parabola.
+    Its pressure is p = M (closed - gap)/t. The straight lines of the table deviate from the smooth
+    gap by a known parabola.
     """
     brake = blocks.brake_of(10)
     shoe, R = brake.shoes[0], brake.size
@@ -157,9 +163,9 @@ def test_what_the_chords_of_a_table_change_in_p_is_foretold() -> None:
 
 
 def test_kinks_that_p_does_not_feel_are_no_places(brake: Brake) -> None:
-    """Kinks whose chords change p by less than a level's error end no columns.
+    """No elements end at kinks that change p by less than the error of the level.
 
-    A table of that many rows is treated as a curve.
+    A table with so many rows is treated as a smooth curve.
     """
     many = curved(brake, 2001)
     response = solve(many)
@@ -177,7 +183,10 @@ def test_kinks_that_p_does_not_feel_are_no_places(brake: Brake) -> None:
 def test_ends_of_the_contact_that_go_to_and_fro_are_left(
     monkeypatch: pytest.MonkeyPatch, brake: Brake
 ) -> None:
-    """Places of two passes in turn: a third pass would have the columns of the first."""
+    """Contact ends that alternate between two meshes are no longer followed.
+
+    A third mesh would have the same elements as the first.
+    """
     last = SingularPoint(1.2, 1.0, Singularity.END)
     turns = [{0: [SingularPoint(first, 1.0, Singularity.END), last]} for first in (0.2, 0.3)]
     seen: list[Any] = []

@@ -36,9 +36,9 @@ PROVENANCE = Provenance("1 to 3", 3, 9, "abc", "2000-01-01")
 
 
 def made_up(count, part, beside=1e-9, seed=0):
-    """Made-up levels whose true errors are a share of their steps, at most `part`.
+    """Invented levels whose true errors are random fractions, at most `part`, of their changes.
 
-    Each level also has the change that columns of random signs would cause.
+    Each level also has the change of the force if the elements contributed with random signs.
     """
     rng = np.random.default_rng(seed)
     levels = []
@@ -73,7 +73,8 @@ def test_the_fit_finds_the_factors_that_cover_all_but_the_share_that_may_be_miss
 def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel():
     """An error far above its accidentally small step is covered by the cancellation floor.
 
-    One step in ten is a thousandth of its size before the cancellation.
+    In one level of ten the contributions of the elements cancel, so that the change is a
+    thousandth.
     """
     rng = np.random.default_rng(1)
     levels = []

@@ -1,4 +1,4 @@
-"""Distances, extrapolation and tables."""
+"""Comparison of models: differences of pressures, extrapolation to a limit, and tables."""
 
 import math
 

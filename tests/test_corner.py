@@ -54,7 +54,7 @@ def test_friction_towards_the_corner_bounds_the_pressure_and_away_from_it_makes_
 
 @pytest.mark.parametrize(("power", "degree"), [(-0.2, 0), (-0.2, 5), (-0.35, 7), (0.5, 4)])
 def test_what_a_polynomial_leaves_of_a_power_is_its_distance_by_gauss_and_jacobi(power, degree):
-    """By Legendre coefficients: 1 - the sum of their squares over that of x^(2a)."""
+    """The distance of x^a from its best polynomial agrees with that by Legendre coefficients."""
     coefficients = [
         math.gamma(power + 1) ** 2 / (math.gamma(power + n + 2) * math.gamma(power - n + 1))
         for n in range(degree + 1)
@@ -66,7 +66,10 @@ def test_what_a_polynomial_leaves_of_a_power_is_its_distance_by_gauss_and_jacobi
 
 
 def test_columns_at_a_tip_leave_the_error_that_they_are_made_for():
-    """Of ln x on both sides, by least squares on many points."""
+    """Columns of elements graded to a tip approximate ln x with the error for which they are made.
+
+    A least-squares fit on many points, on both sides of the tip, gives the error.
+    """
     degree, error, length = 4, 1e-2, 3.0
     size = element_column_size_for_gap_tip_error(length, degree, error)
     x, weight = np.polynomial.legendre.leggauss(400)
@@ -80,9 +83,9 @@ def test_columns_at_a_tip_leave_the_error_that_they_are_made_for():
 def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
     """A solved contact has the closed-form power of its corner over two decades.
 
-    Columns are polynomials there, without a power of their own. Slopes of log p are taken between
-    0.0003 and 0.01 of the contact, where neither the elements at the corner nor the rest of the
-    lining matter.
+    The elements there have polynomials as shape functions, without a special function for the
+    power. Slopes of log p are taken between 0.0003 and 0.01 of the contact, where neither the
+    elements at the corner nor the rest of the lining matter.
     """
     stored = read_stored_fine_solution(TRUTHS / "corner_dragged_inwards.json")
     *_, last = islice(solve_on_finer_and_finer_levels(stored.brake, solve_prepared_model), 5)
@@ -134,7 +137,7 @@ def test_half_the_force_of_the_steepest_pressure_lies_where_it_is_said():
 
 
 def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
-    """The pieces of degree 5 that stand for x^-0.3 near a corner follow it between their nodes."""
+    """Polynomials of degree 5 for x^-0.3 near a corner agree with it between their nodes."""
     power, order = -0.3, 5
     ends = np.concatenate([[0.0], 1e-4 * 2.4 ** np.arange(11)])
     inner = np.diff(ends)[:, None] * 0.5 * (1 + gauss_lobatto_points(order)[:-1])
@@ -173,7 +176,7 @@ def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, 
 def test_what_is_left_of_p_is_known_where_it_has_no_bound():
     """The error of p beside a singular point is known: under a tip it is the true one.
 
-    At a corner far smaller columns leave little error.
+    At a corner, far smaller elements leave little error.
     """
     stored = read_stored_fine_solution(TRUTHS / "tip_short.json")
     *_, last = islice(solve_on_finer_and_finer_levels(stored.brake, solve_prepared_model), 4)

@@ -1,4 +1,4 @@
-"""Every answer says how far friction is from locking the brake, and warns if it is near."""
+"""Every answer tells how far the friction is from the limit of self-locking, and warns near it."""
 
 import json
 import math

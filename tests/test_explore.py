@@ -1,4 +1,4 @@
-"""The page to explore a brake: knobs, answers and pictures, then a browser that moves a slider."""
+"""The interactive page of a brake: sliders, answers and pictures, also in a real browser."""
 
 import http.client
 import json
@@ -313,7 +313,7 @@ def test_a_brake_on_a_plane_is_explored_too():
 
 
 def test_how_far_the_fixed_division_is_off_is_said(explorer):
-    """The page states the distance from `solve`, whose own estimate stands beside it."""
+    """The page states the difference of its quick answer from `solve`, and the error of `solve`."""
     data = json.loads(http_reply_to_requested_address(explorer, "/locking?friction=0.4", "b").text)
     answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, friction=0.4))
     solved = drumlin.solve(answer.brake)

@@ -1,4 +1,4 @@
-"""The brake file that the page saves is valid and is the same brake, whatever its names."""
+"""The brake file that the interactive page saves is valid and describes the same brake."""
 
 import os
 import shutil
@@ -79,7 +79,7 @@ def test_the_server_sends_it(name, explorer):
 
 
 def copied(folder: Path) -> Path:
-    """The brake with mesh files, in a folder."""
+    """The path of a copy of the brake, with its mesh files, in a folder."""
     folder.mkdir()
     for file in ("double_shoe.toml", "double_shoe_left.msh", "double_shoe_right.msh"):
         shutil.copy(ROOT / "meshes" / file, folder)

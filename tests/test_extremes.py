@@ -1,4 +1,4 @@
-"""Extreme stiffnesses, sizes and arcs: the stated error covers a graded mesh's, or a refusal."""
+"""Extreme stiffnesses, sizes and arcs: stated errors exceed true ones, or drumlin refuses."""
 
 import pytest
 
@@ -25,7 +25,7 @@ SLOW = [
 
 
 def check(case):
-    """Check that a brake's errors are within the stated ones, as far as a graded mesh can tell.
+    """Check that a brake's true errors, found by a graded mesh, are at most the stated errors.
 
     Corners converge slowly on a mesh: its last step may be half of the error that is left.
     """

@@ -59,7 +59,10 @@ def test_the_first_inputs_of_a_generator_end_as_promised(generator):
 
 @pytest.mark.slow
 def test_no_broken_input_ends_in_a_fault():
-    """As many of each generator as fit; the same ones in the same order every time."""
+    """No random broken input ends in a fault.
+
+    Each generator makes as many inputs as the time allows, always the same ones in the same order.
+    """
     start, number, faults = time.monotonic(), 0, []
     while number < 30 or (time.monotonic() - start < SECONDS and number < 300):
         faults += [
@@ -83,7 +86,10 @@ def test_a_process_of_its_own_ends_alike(generator):
 
 
 def test_words_that_no_process_can_be_given_are_tried_in_this_one():
-    """A NUL, half of a surrogate pair: both are among the words."""
+    """Words that the operating system cannot pass to a process are tried in this process.
+
+    Examples are a NUL character and half of a surrogate pair.
+    """
     numbers = [
         n
         for n in range(60)

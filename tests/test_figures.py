@@ -1,4 +1,4 @@
-"""Figures that everybody can read: colours for the colour-blind, named and cut curves."""
+"""Figures: colours that the colour-blind can tell apart, names of curves, and curves cut off."""
 
 from itertools import combinations
 
@@ -41,7 +41,7 @@ APART = 25.0
 
 
 def texts_of(artists):
-    """The words of Matplotlib's texts."""
+    """The strings of Matplotlib's text objects."""
     return [artist.get_text() for artist in artists]
 
 
@@ -51,7 +51,7 @@ def labelled(panels):
 
 
 def lab(colour, sight):
-    """CIE L*a*b* of a colour #rrggbb as it is seen."""
+    """The CIE L*a*b* coordinates of a colour #rrggbb."""
     c = np.array(list(bytes.fromhex(colour[1:]))) / 255
     linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
     x = TO_XYZ @ np.clip(np.array(SIGHT[sight]) @ linear, 0, 1) / WHITE
@@ -145,7 +145,10 @@ def drawn(path):
     ],
 )
 def test_forces_are_written_once_a_place(root, name, words):
-    """Of a cam their sum: 900 N m over 12.7 mm, .75 of it."""
+    """Forces at the same place have one label; that of a cam is the sum of its forces.
+
+    The cam has 0.75 of 900 N m at an arm of 12.7 mm.
+    """
     _, texts, _ = drawn(root / f"studies/brakes/{name}.toml")
     assert saying(texts, "kN") == words
 
@@ -186,7 +189,7 @@ def test_the_top_of_a_colour_bar_is_round_in_its_quarters_and_near():
 
 
 def test_panels_of_other_angles_say_their_own(root, brake):
-    """Panels of blocks at other angles have an axis each; both rotations of a shoe share one."""
+    """Panels of blocks at different angles have separate axes; rotations of a shoe share one."""
     band = read_any(root / "studies/brakes/band.toml")
     blocks = [(shoe.name, {"rigid": shoe}) for shoe in solve(band, "rigid").shoes]
     shown = [

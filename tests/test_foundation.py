@@ -29,7 +29,7 @@ PAPER = {"tilt": False, "wedge": False, "plane_stress": False}
 def upright(
     R=2.0, D=2.5, arc=40.0, EI=5e8, layer=5e8, mu=0.4, spin=1, gap=0.0, force=1e5, **more
 ) -> Brake:
-    """One post on the right of a rigid drum, hinge below, its lining without a block."""
+    """A post brake with one post on the right of a rigid drum, hinged below, without blocks."""
     data = {
         "title": "post",
         "rotation": "counter-clockwise" if spin > 0 else "clockwise",
@@ -57,7 +57,7 @@ def upright(
 
 
 def soft(**more) -> Brake:
-    """A post whose spring is soft enough that all of the lining bears."""
+    """A post with a lining so soft that all of it is in contact."""
     return upright(layer=1e7, **more)
 
 
@@ -90,7 +90,7 @@ def test_ring_coefficients_are_their_fourier_series(d):
 
 
 def test_two_opposite_forces_are_twice_one_and_the_known_ring():
-    """F R^3/EI under a diametral pair: 0.148778/2 under a force, 0.136620/2 across."""
+    """Two opposite forces deflect a ring by 0.148778/2 F R^3/EI each, and by 0.136620/2 across."""
     d = np.linspace(0, 2 * math.pi, 50)
     assert ring.deflection_series_of_two_opposite_forces(d) == pytest.approx(
         ring.deflection_series_of_one_radial_force(d)
@@ -194,7 +194,10 @@ def test_stations_end_at_the_linings_ends_and_their_number_is_as_asked():
 
 @pytest.mark.parametrize("spin", [1, -1])
 def test_a_stiff_beam_on_a_rigid_drum_turns_as_a_rigid_body(spin):
-    """Paper: p ~ x cos(theta), the beam moves straight to the drum. With tilt: the sine law."""
+    """A stiff beam on a rigid drum has the sine law if its sections tilt, else p ~ x cos(theta).
+
+    In the published model the sections do not tilt and move straight to the drum.
+    """
     stiff = upright(EI=1e18, layer=1e9, spin=spin)
     shoe = foundation.solve_brake_by_foundation_model(stiff).shoes[0]
     expected = (2.3 + 2.0 * np.sin(shoe.theta)) * np.cos(shoe.theta)
@@ -431,7 +434,7 @@ def test_without_friction_and_with_tilt_lifted_the_flexibility_is_symmetric():
 
 
 def test_equal_pressures_half_a_turn_apart_are_the_papers_twin():
-    """On a point-symmetric pair of posts each pressure is the twin's, so both ways agree."""
+    """On two point-symmetric posts the published simplification of equal pressures is exact."""
     data = POST.model_dump(by_alias=True)
     left = data["shoe"][1]
     left["hinge"] = {"x": -data["shoe"][0]["hinge"]["x"], "y": -data["shoe"][0]["hinge"]["y"]}

@@ -81,7 +81,10 @@ def test_the_mesh_fills_beam_block_and_lining_and_nothing_else():
 
 
 def test_a_beam_given_by_its_bending_stiffness_bends_as_one_of_that_section():
-    """Same EI from the section alone and with another modulus that bending_stiffness overrules."""
+    """A beam given by its bending stiffness bends like a beam of the same EI from its section.
+
+    The given bending stiffness overrules the modulus.
+    """
     EI = POST.shoes[0].body.section.bending_stiffness
     assert pytest.approx(3e8) == EI
     plain = vary(POST, {"drum.ring": None, "shoe.body.width": 12 * EI / (2.1e11 * 0.5**3)})
@@ -203,7 +206,7 @@ def test_what_cannot_be_meshed_is_refused_and_the_foundation_model_still_answers
 
 
 def test_beam_and_rim_of_the_finite_elements_move_as_those_of_the_foundation_model():
-    """Where the assumptions hold."""
+    """Beam and ring have the displacements of the foundation model where its assumptions hold."""
     ring = {
         "thickness": 0.06,
         "width": 0.4,

@@ -1,4 +1,4 @@
-"""Helpers of tests stand in modules of their own, so that test modules stay independent."""
+"""No test module imports another: functions that several of them use are in separate modules."""
 
 import ast
 from pathlib import Path

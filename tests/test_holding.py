@@ -1,4 +1,4 @@
-"""The holding brake on brakes of all kinds: full slip and back, another solver, refusals."""
+"""Holding brakes of all kinds: rotation to full slip and back, a second solver, and refusals."""
 
 import math
 from collections import Counter
@@ -33,9 +33,9 @@ OTHER = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
 def any_brake(seed):
     """A random brake below self-locking, for the tests of `hold`.
 
-    Every third has a ring, every third a lining of another radius.
+    One brake in three has an elastic ring, one in three a lining whose radius is not the drum's.
 
-    Also its scene.
+    The prepared model of the brake is returned as well.
     """
     rng = np.random.default_rng(seed)
     brake = draw_random_brake(seed, ("locking", "opposed")[seed % 2])
@@ -56,7 +56,7 @@ def any_brake(seed):
 
 @pytest.mark.parametrize("count", [4, pytest.param(12, marks=pytest.mark.slow)])
 def test_random_brakes_go_through_full_slip_and_back(count):
-    """The moment is that of the sliding drum, by `respond`, whichever way it is turned."""
+    """At full slip in either direction, random brakes have the moment of the sliding drum."""
     ends = Counter()
     for seed in range(count):
         brake, scene = any_brake(seed)
@@ -91,7 +91,10 @@ def test_random_brakes_go_through_full_slip_and_back(count):
 
 
 def test_at_the_rotation_of_full_slip_no_path_sticks():
-    """A pad whose last node comes to slip later the finer the path is that leads there."""
+    """At the rotation of full slip no node sticks, however small the increments are.
+
+    On this pad the last node begins to slip later if the increments are smaller.
+    """
     pad = draw_brake_of_support_kind(410003, "pad on a pivot")
     scene = make_prepared_model(pad, elements=12)
     end = find_full_slip_rotation(scene, pad, increments=1)
@@ -104,8 +107,7 @@ def test_at_the_rotation_of_full_slip_no_path_sticks():
 def test_an_increment_that_does_not_settle_is_halved():
     """An increment of `hold` that does not settle is halved.
 
-    A shoe that stands off its drum goes at once through forty times the rotation to full slip,
-    forth and back.
+    A shoe with a gap is turned in one increment by forty times the rotation to full slip, and back.
     """
     brake = draw_random_brake_with_clearances(420078)
     scene = make_prepared_model(brake, elements=12)
@@ -174,7 +176,10 @@ def test_every_increment_obeys_contact_and_friction():
     ],
 )
 def test_both_paths_lead_to_the_answer_of_newtons_method(seed, monkeypatch, left):
-    """From the states at hand, and from wide gaps."""
+    """Both numerical paths lead to the answer of Newton's method.
+
+    One path begins with the present states of the nodes, the other with wide gaps.
+    """
     brake, scene = any_brake(seed)
     rotations = find_full_slip_rotation(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
     expected = states_of_holding_brake_at_rotations(scene, brake, rotations)
@@ -215,7 +220,7 @@ def test_another_discretisation_and_another_method_give_the_same_history():
 
 @pytest.mark.slow
 def test_the_history_converges_with_the_increment():
-    """With a gap to close, forth and back, errors of moment and energy fall with the increment."""
+    """Errors of moment and dissipated energy fall with the increment, also with a gap to close."""
     brake, scene = any_brake(7)
     brake = vary(brake, {"shoe[0].lining.clearance": 1e-4 * brake.size})
     end = find_full_slip_rotation(scene, brake)

@@ -96,12 +96,12 @@ POST = {
 
 
 def contact_end(at, length):
-    """An end of a contact of this length as a singular point."""
+    """The singular point at an end of a contact of the given length."""
     return SingularPoint(at, length, Singularity.END)
 
 
 def curved(p):
-    """A mesh of skfem with curved quadrilaterals, and our nodes (e, 2, a) of the same elements."""
+    """A skfem mesh of curved quadrilaterals, and the nodes (e, 2, a) of its elements in drumlin."""
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 2, 4))
     mesh = skfem.MeshQuad2.from_mesh(grid)
     r, angle = 1 + mesh.doflocs[0], mesh.doflocs[1]
@@ -263,7 +263,7 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
 
 
 def every_unknown_at_once(K, p):
-    """The outermost edges' stiffness of condensed elements side by side, by one dense solve.
+    """The stiffness of a row of condensed elements for its outermost edges, by one dense solve.
 
     The elements have the shape (layers, columns, n, n).
     """
@@ -290,7 +290,7 @@ def body_and_parts(brake, index=0, level=LEVELS[1]):
 
 
 def factorised_at_once(shoe, body):
-    """The shoe condensed by one sparse factorisation; its contact stiffness must be the body's."""
+    """The shoe condensed by one sparse factorisation, after a check of its contact stiffness."""
     _, ties, loads = body.condensed.assemble_equations_of_whole_body()
     other = condense_body_to_contact_and_frame(
         body.basis.stiffness(elastic_layers_of_shoe(shoe)),
@@ -501,7 +501,10 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
 
 @pytest.mark.parametrize("seed", [1, 19])
 def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
-    """To 2 % of its length, within which the pressure rises from nothing to much of its peak."""
+    """Elements of the first level end where a short contact ends, to 2 % of its length.
+
+    Within this distance the pressure rises from zero to much of its peak.
+    """
     brake = draw_random_brake(seed, "small contact")
     found = next(solve_on_finer_and_finer_levels(brake, solve_prepared_model))
     line, shoe = found.scene.bodies[0].line, found.response.shoes[0]
@@ -585,8 +588,9 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
 def test_most_short_contacts_are_known_by_default_on_the_third_level():
     """Most short contacts meet the default tolerance on the third level.
 
-    The estimate there is a share of the step from the second level, which must know p well: with
-    wider columns at the ends the fourth level, three times as dear, would be needed more often.
+    The estimate there is a fraction of the change from the second level, on which the pressure must
+    already be accurate. With wider elements at the ends of the contact, the fourth level, which
+    takes three times as long, would be needed more often.
     """
 
     def steps_of_p():
@@ -607,8 +611,8 @@ def test_most_short_contacts_are_known_by_default_on_the_third_level():
 def test_a_short_contact_is_graded_faster():
     """A short contact is graded faster, which costs less and changes p by less than its error.
 
-    Its pressure rises from its ends as a root: columns graded as for a long contact are a fifth
-    more.
+    The pressure rises from the ends as a square root. The grading for a long contact would have a
+    fifth more columns of elements.
     """
     brake = draw_random_brake(2, "small contact")
     true = picked(solve_on_finer_and_finer_levels(brake, solve_prepared_model), "response")[-1]
@@ -680,7 +684,7 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
 
 
 def test_a_table_of_many_clearances_is_a_curve(brake):
-    """A table of many clearances is a smooth curve whose rows end no columns.
+    """A long table of clearances is treated as a smooth curve; no elements end at its rows.
 
     The table costs as much as a smooth gap, and another kind of mesh gives the same torque.
     """
@@ -715,10 +719,10 @@ def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_rea
 
 @pytest.mark.parametrize("at_start", [True, False])
 def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, at_start):
-    """A strip open beside an end of the lining has columns of its own on the finer levels.
+    """On finer levels, elements end where a narrow open strip beside an end of the lining begins.
 
-    The contact ends at 0.4 % of its length from the lining's end. On levels whose columns at the
-    ends of a contact are longer than this gap the contact counts as reaching the lining's end.
+    The contact ends at 0.4 % of its length from the lining's end. On levels whose elements at the
+    ends of a contact are longer than this strip, the contact counts as reaching the lining's end.
     """
     shoe, R = brake.shoes[0], brake.drum.radius
     start, end = shoe.arc
@@ -737,7 +741,7 @@ def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, a
 def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
     """A contact that ends 0.4 % of its length from the lining's end converges.
 
-    Without a column that ends with the contact p is 0.3 % off on the fourth level.
+    If no element ended with the contact, p would be wrong by 0.3 % on the fourth level.
     """
     *_, one, other = (
         step.response.shoes[0]
@@ -780,9 +784,9 @@ def test_an_open_node_between_two_that_press_is_a_place(brake):
 
 
 def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
-    """An opening far shorter than its contact ends no columns.
+    """No elements end at an opening that is far shorter than its contact.
 
-    Between columns of 1e-6 rad, as at an end of the contact, nodes may open and close in turn.
+    With elements of 1e-6 rad, as at an end of the contact, nodes might open and close alternately.
     """
     response = solve(brake, elements=40)
     shoe = response.shoes[0]

@@ -52,7 +52,10 @@ def filled(path, stamp="a"):
 
 
 def damaged(data, rng):
-    """Flipped bits, lost, doubled and zeroed stretches, in up to five places."""
+    """The bytes of a journal, damaged in up to five places.
+
+    Bits are flipped, or parts are lost, doubled or set to zero.
+    """
     data = bytearray(data)
     for _ in range(rng.randint(1, 5)):
         at, length = rng.randrange(len(data)), rng.randrange(1, 200)
@@ -72,7 +75,10 @@ def damaged(data, rng):
 
 @pytest.mark.parametrize("seed", range(100))
 def test_damage_costs_the_damaged_records_alone(tmp_path, seed):
-    """What is read is right; all else is missing, and the next run has the whole."""
+    """Damage costs only the damaged records.
+
+    All records that are read are right, and the next run computes the others.
+    """
     path = tmp_path / "journal"
     whole = filled(path)
     data = damaged(whole, random.Random(seed))
@@ -99,7 +105,7 @@ def test_damage_costs_the_damaged_records_alone(tmp_path, seed):
 
 @pytest.mark.parametrize("head", (b'{"stomp": "a"}', b'{"stamp": "b"}', b"\0\0\0", b"[[[["))
 def test_a_damaged_head_costs_nothing(head, tmp_path):
-    """Nor does one that reads as another drumlin's."""
+    """A damaged first line costs no records, even if it looks like that of another version."""
     path = tmp_path / "journal"
     data = filled(path)
     path.write_bytes(head + data[data.index(b"\n") :])

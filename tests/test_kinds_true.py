@@ -1,4 +1,4 @@
-"""Shoes of every kind against curved triangles, which share no code with the columns."""
+"""Answers for shoes of every kind agree with those by curved triangles, a separate solver."""
 
 import math
 from typing import Any
@@ -71,7 +71,7 @@ def rows_of(kind: str, seeds: range, tolerance: float) -> list[dict[str, Any]]:
 def test_what_a_solve_states_is_what_it_has(kind: str) -> None:
     """The true error is within the tolerance and at most twice the stated one.
 
-    The truth's own uncertainty is granted on top.
+    The uncertainty of the true answer is added to the allowed error.
     """
     for one in rows_of(kind, range(4), 1e-3):
         assert one["outcome"] == "reached", one

@@ -1,4 +1,4 @@
-"""The benchmark ladder: every case within its tolerance, closed forms judged by limits."""
+"""Benchmarks of rising difficulty with known answers (the ladder): all within their tolerances."""
 
 import math
 
@@ -88,7 +88,7 @@ def test_lames_ring_tends_to_the_boiler_formula():
     ("mu", "exponent"), [(0.0, 1.0), (0.1, 0.887), (0.3, 0.7095), (0.5, 0.564)]
 )
 def test_exponents_of_the_corner(mu, exponent):
-    """The digits known at nu = .3; towards mu = 0 the singularity goes."""
+    """The exponents agree with known digits for nu = 0.3, and tend to 1 as mu tends to 0."""
     assert closed_forms.pressure_exponent_at_sliding_corner(mu, 0.3) == approx(
         exponent, abs=5e-5 if mu == 0.3 else 5e-4
     )
@@ -126,7 +126,10 @@ def test_tensions_of_a_belt_multiply():
 
 
 def test_a_short_shoe_on_springs_locks_as_a_block_does():
-    """A lining at 90 deg, a = R: m = n at mu = 1; and a short block's friction is its own."""
+    """A short shoe 90 deg from a hinge on the drum's rim locks itself at mu = 1.
+
+    The equivalent friction of a short block is its own friction.
+    """
     assert closed_forms.sine_shoe_locking_friction(
         0.2, 0.2, math.pi / 2 - 1e-3, math.pi / 2 + 1e-3
     ) == approx(1.0, rel=1e-5)

@@ -1,4 +1,4 @@
-"""The triangular solve that stands beside scipy's public routines."""
+"""The solution of triangular systems by LAPACK agrees with that by scipy's public function."""
 
 import numpy as np
 import pytest

@@ -39,7 +39,7 @@ SIDES = st.sampled_from(["internal", "external"])
 
 @st.composite
 def arcs(draw: st.DrawFn) -> tuple[float, float]:
-    """An arc of 6 to 150 deg within 0..180 deg of the hinge, as every law allows it."""
+    """A random arc of 6 to 150 deg between 0 and 180 deg from the hinge, which every law allows."""
     half = draw(st.floats(0.05, 1.3))
     middle = draw(st.floats(half, pi - half))
     return middle - half, middle + half
@@ -47,7 +47,7 @@ def arcs(draw: st.DrawFn) -> tuple[float, float]:
 
 @st.composite
 def layouts(draw: st.DrawFn) -> Layout:
-    """A shoe as the laws see it."""
+    """A random shoe, described by the data that the rigid-shoe laws need."""
     return Layout(
         *draw(arcs()), R=draw(st.floats(0.05, 2.0)), a=draw(st.floats(0.05, 3.0)), dD=draw(SIGNS)
     )
@@ -55,7 +55,10 @@ def layouts(draw: st.DrawFn) -> Layout:
 
 @st.composite
 def brakes(draw: st.DrawFn) -> Brake:
-    """A hinged shoe at any angle, either hand and side, with friction below and above mu_lock."""
+    """A random hinged shoe, leading or trailing, inside or outside the drum.
+
+    Its friction is below or above mu_lock.
+    """
     return brake_with_one_hinged_shoe(
         R=draw(st.floats(0.05, 2.0)),
         a=draw(st.floats(0.05, 3.0)),
@@ -78,7 +81,7 @@ def unlocked(name: str, brake: Brake) -> ShoeResponse:
 
 
 def forces(brake: Brake, shoe: ShoeResponse) -> tuple[np.ndarray, float]:
-    """Force (2,) and moment about O of p(theta) on the shoe, by trapezoids of its tractions."""
+    """Force (2,) and moment about O of pressure and friction, by the trapezoidal rule."""
     theta = np.linspace(shoe.theta[0], shoe.theta[-1], 40001)
     p = shoe.pressure_at(theta) * brake.shoes[0].lining.width * brake.size
     outward = 1 if brake.shoes[0].side == "internal" else -1
@@ -204,7 +207,7 @@ def test_shoe_factor_by_barecki_from_the_position_of_the_resultant(brake: Brake,
 def test_every_law_becomes_the_short_shoe_as_the_arc_shrinks(
     middle: float, R: float, a: float, dD: int, mu: float
 ) -> None:
-    """The difference in eta falls with the square of the arc."""
+    """The difference in the brake factor eta is proportional to the square of the arc."""
     errors = {}
     for half in (0.02, 0.01):
         arc = Layout(middle - half, middle + half, R, a, dD)
@@ -225,7 +228,10 @@ def test_every_law_becomes_the_short_shoe_as_the_arc_shrinks(
 @many
 @given(brakes(), LAW_NAMES)
 def test_external_is_internal_with_all_forces_reversed(brake: Brake, name: str) -> None:
-    """Shoe outside for inside, other rotation, force reversed: same pressure, opposite reaction."""
+    """An external shoe with reversed rotation and force has the pressure of the internal shoe.
+
+    Its hinge reaction is opposite.
+    """
     inside = unlocked(name, brake)
     shoe = brake.shoes[0]
     other = vary(
@@ -250,7 +256,7 @@ def test_external_is_internal_with_all_forces_reversed(brake: Brake, name: str) 
 @many
 @given(brakes(), LAW_NAMES)
 def test_mirrored_brake_gives_the_mirrored_answer(brake: Brake, name: str) -> None:
-    """Mirrored on the x axis, with mirrored rotation."""
+    """A brake mirrored on the x axis, with mirrored rotation, has the mirrored answer."""
     here = unlocked(name, brake)
     shoe = brake.shoes[0]
     there = unlocked(

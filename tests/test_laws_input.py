@@ -1,4 +1,4 @@
-"""What the laws refuse, in one plain line each, and which laws apply to which kind of brake."""
+"""Brakes that the laws refuse with a line of text, and the laws for each kind of brake."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""The laws' study and its report, and the drawing of every kind of brake."""
+"""The study of the rigid-shoe laws, its report, and the drawing of every kind of brake."""
 
 import json
 from pathlib import Path

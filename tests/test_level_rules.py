@@ -1,4 +1,4 @@
-"""What a changed rule of the levels does is told from where solves would stop."""
+"""A changed rule for refining meshes is judged by the level at which each solve would stop."""
 
 import math
 
@@ -18,7 +18,7 @@ FACTORS = Factors(pressure=0.5, force=0.5, cancelled=0.1, peak=1.0)
 
 
 def level(step, chance=0.0, true=1e-9):
-    """A level that moved every quantity by `step`."""
+    """A level on which every quantity differs by `step` from the level before."""
     return LevelRecord(
         step=dict.fromkeys(QUANTITIES, step),
         chance=dict.fromkeys(QUANTITIES, chance),

@@ -40,13 +40,13 @@ def everywhere(strain):
 
 
 def heated(condensed, basis, layers, strain=EVEN):
-    """The body with the column of a free strain in all of its layers."""
+    """The body with a further load: a free strain in all of its layers."""
     forces = expansion_forces(basis, layers, dict.fromkeys(layers, everywhere(strain)))
     return condensed.body_with_further_loads({HEAT: forces[:, None]})
 
 
 def displacement(body, **factors):
-    """Displacements (2, nodes) of a body under loads alone, with the factors of these loads."""
+    """Displacements (2, nodes) of a body under its loads without contact, by load factors."""
     loads = body.columns.factors_of_all_load_columns(
         {name: np.array([value]) for name, value in factors.items()}
     )
@@ -147,7 +147,7 @@ def test_a_free_straight_body_swells_through_its_layers_alone(root, level):
 
 
 def test_further_columns_are_those_of_one_elimination_of_all_loads(brake):
-    """The elimination of elements one by one, and that of the whole grid at once."""
+    """A further load has the same result by element-wise elimination and by elimination at once."""
     shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[0]).bodies[0]
     warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     assert warm.columns.sizes == ((ACTUATION, 3), (HEAT, 1))

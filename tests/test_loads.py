@@ -1,4 +1,4 @@
-"""Load columns by name: a body takes further unit loads beside those of its actuation."""
+"""Unit loads of a body by name: a body takes further unit loads in addition to its actuation."""
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def with_further_force(xy, depths, p):
 
 @pytest.fixture
 def further(monkeypatch):
-    """Every body in hp elements has the further column."""
+    """Every condensed body in hp elements has the further unit load."""
     for module in (shoe_path, body_path):
         monkeypatch.setattr(module, "unit_actuation_loads_on_end_face", with_further_force)
 

@@ -1,4 +1,4 @@
-"""Self-locking as an eigenvalue that is followed; unique answers below it, none beyond it."""
+"""The friction at which a brake locks itself: one answer below it, and none above it."""
 
 import math
 
@@ -30,7 +30,7 @@ RING = drum_ring(0.015, "free")
 
 
 def one_node(a=1.0, lever=0.5):
-    """One node on a hinge: p = h / (1 - lever mu); it locks at 1 / lever."""
+    """A contact problem of one node with p = h/(1 - lever mu). It locks itself at mu = 1/lever."""
     still = ContactProblem(
         np.array([[a]]), np.array([-1.0]), np.array([[-1.0]]), np.array([[-1.0]]), np.array([-1.0])
     )

@@ -431,7 +431,7 @@ def mentioned():
 
 
 def test_dotted_names_in_docstrings_and_pages_exist():
-    """A name that begins with drumlin or with one of its modules must exist.
+    """A name in a text that begins with drumlin or with one of its modules must exist.
 
     Other dotted names are files, keys of a brake file, or attributes of an object in a sentence.
     """

@@ -25,7 +25,7 @@ GAP = 20e-6
 
 @pytest.fixture
 def standing_off(tmp_path, brake):
-    """The brake with one shoe, whose mesh file stands off the drum by GAP at all contact nodes."""
+    """The brake with one shoe, whose mesh is GAP away from the drum at all contact nodes."""
     shoe = brake.shoes[0]
     mesh = parametric_mesh_of_shoe(shoe, brake.size, ELEMENTS, "tri1")
     on_drum = np.unique(mesh.facets[:, mesh.boundaries["contact"]])

@@ -1,4 +1,4 @@
-"""The runner that changes tuned numbers changes what it says; every number is known to it."""
+"""The runner that changes numbers changes only the stated one, and knows every number."""
 
 import ast
 import json

@@ -1,4 +1,4 @@
-"""One name, one meaning: a name of a class or of a module constant stands for one thing."""
+"""Each name of a class or of a module constant has one meaning in the whole source."""
 
 import ast
 from collections import defaultdict
@@ -62,7 +62,7 @@ def test_a_name_has_one_meaning():
 
 
 def test_what_is_excused_is_double():
-    """A name that has become unique leaves its list."""
+    """Names in the list of exceptions are really defined twice."""
     unique = (STILL_DOUBLE | set(ALLOWED)) - set(doubles(ROOT / "src"))
     assert not unique, f"remove from the lists of test_names.py: {sorted(unique)}"
     assert len(ALLOWED) <= MOST_ALLOWED

@@ -80,8 +80,8 @@ def test_what_is_left_out_exactly_changes_nothing_but_round_off():
 def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(support):
     """The surrogate ring yields as a thick-walled ring and, when thin, as bending theory says.
 
-    Mode 0 against Lame, high modes against the half-plane, modes 2 to 5 of a thin free ring against
-    bending.
+    Mode 0 is compared with Lame's solution, high modes with the half-plane, and modes 2 to 5 of a
+    thin free ring with bending theory.
     """
     R, t, E, nu = 0.15, 0.02, 1.2e11, 0.25
     ring = Ring(thickness=t, width=0.04, material=IRON, support=support)
@@ -155,7 +155,10 @@ LADDER = {
     "case", partly(LADDER, {"shoe stiff", "ring fixed", "ring free", "backing", "drag, stiff shoe"})
 )
 def test_predictions_are_within_a_factor_two_of_the_truth(case):
-    """p and the shoes' torques, between 1e-4 and 0.3; never 1.5 times too small."""
+    """Predicted changes of p and of the shoes' torques are within a factor of two of true changes.
+
+    This holds for changes between 1e-4 and 0.3. No prediction is 1.5 times too small.
+    """
     brake, part = LADDER[case]
 
     def make(spec):

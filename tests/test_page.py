@@ -1,4 +1,4 @@
-"""A page filled from a template: what is escaped, embedded and left out, and what is refused."""
+"""HTML pages filled from templates: escaping, embedded files, omitted parts, and refusals."""
 
 import base64
 import re
@@ -73,7 +73,10 @@ def test_what_is_not_given_is_an_error_and_leaves_no_page(page, tmp_path):
 
 
 def test_a_large_number_has_no_exponent_and_keeps_its_digits():
-    """In a column of torques some would have one and some not."""
+    """A large number is printed without an exponent, and keeps its digits.
+
+    Otherwise only some of the torques in a column would have an exponent.
+    """
     given = (
         (238918.3, ".5g"),
         (85245.2, ".5g"),
@@ -94,7 +97,7 @@ def test_a_large_number_has_no_exponent_and_keeps_its_digits():
 
 
 def test_every_percentage_is_written_alike():
-    """A space before the sign; formats of Python's own would leave it out."""
+    """Every percentage has a space before the % sign, unlike Python's own formats."""
     assert [
         number_as_text(x, form)
         for x, form in ((0.18, ".0%"), (-0.0123, "+.1%"), (-1e-9, "+.1%"), (0.5, ".1f"))

@@ -1,4 +1,4 @@
-"""The paper: its length, its parts, and that what it quotes is what the kept reports say."""
+"""The paper: its length and sections, and the agreement of its numbers with the kept reports."""
 
 import re
 
@@ -32,7 +32,7 @@ def page(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def text(page):
-    """The words between title and references."""
+    """The text of the paper between its title and its references."""
     inside = re.search(r"<main>(.*?)</main>", page, re.DOTALL)[1]
     return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", inside))
 

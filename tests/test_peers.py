@@ -52,7 +52,7 @@ needs_getfem = pytest.mark.skipif(
 
 
 class Parsed:
-    """A deck as its keywords with their rows of words."""
+    """A CalculiX deck, read as a list of keywords with their data lines."""
 
     def __init__(self, text):
         self.sections = []
@@ -510,8 +510,8 @@ def test_getfem_on_other_brakes():
 def test_calculix_agrees():
     """CalculiX's pressure is within 2 % of drumlin's in L2, away from the ends.
 
-    One lining thickness is left out there. The torque is compared on another mesh, whose elements
-    bear no load across their thickness.
+    One lining thickness at each end is left out. The torque is compared on another mesh, whose
+    elements are free to swell across their thickness.
     """
     peer, own = (
         peers.solve_brake_by_calculix_or_getfem("calculix", MAIN, elements=20),
@@ -526,7 +526,7 @@ def test_calculix_agrees():
 
 
 def torques(brake, elements, setting=None):
-    """Relative distance of each shoe's torque by CalculiX from drumlin's, same mesh and penalty."""
+    """Relative difference of each shoe's torque by CalculiX and by drumlin, on equal meshes."""
     own = solve(brake, elements=elements, kind="quad2", penalty=(setting or DeckSetting()).penalty)
     other = peers.solve_brake_by_calculix_or_getfem(
         "calculix", brake, elements=elements, setting=setting
@@ -537,7 +537,10 @@ def torques(brake, elements, setting=None):
 @pytest.mark.slow
 @needs_calculix
 def test_calculix_has_drumlins_torque_where_nothing_strains_across():
-    """Its elements have a real thickness, which swells under pressure unless nu = 0."""
+    """CalculiX has drumlin's torque if Poisson's ratio is zero.
+
+    Its elements have a real thickness, which swells under pressure unless nu = 0.
+    """
     even = vary(MAIN, {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0})
     assert np.abs(torques(even, 20)).max() < 4e-5
     assert np.abs(torques(even, 20, DeckSetting(thickness=0.1))).max() < 4e-5
@@ -556,7 +559,7 @@ def test_calculix_has_drumlins_torque_where_nothing_strains_across():
     ],
 )
 def test_calculix_comes_nearer_with_the_mesh(changes):
-    """Of first order in the size of the elements, of higher order with nu = 0."""
+    """The difference from CalculiX falls with the element size, faster with nu = 0."""
     brake = vary(MAIN, changes)
     coarse, fine = np.abs(torques(brake, 10)), np.abs(torques(brake, 40))
     assert (coarse > 2.5 * fine).all() and (fine < 4e-4).all()

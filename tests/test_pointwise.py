@@ -1,4 +1,4 @@
-"""The textbook penalty at quadrature points: right where it converges, and it says where not."""
+"""The textbook method of contact springs at quadrature points is right, or does not converge."""
 
 import math
 from pathlib import Path

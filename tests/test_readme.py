@@ -24,7 +24,7 @@ def quoted(pattern):
 
 
 def digits(said, value):
-    """What is said, as a number of the same digits: half a unit of its last one is allowed."""
+    """A quoted number, with a tolerance of half a unit of its last digit."""
     unit = 10.0 ** -len(f"{said:g}".partition(".")[2])
     assert abs(said - value) <= 0.5 * unit * (1 + 1e-9), (said, value)
 
@@ -170,7 +170,10 @@ def test_run_in():
 
 
 def test_stated_against_true_errors():
-    """Of all that are judged: p, torque, peak and reaction of every brake, to every tolerance."""
+    """The shares of stated errors that README quotes are those of the kept report.
+
+    They count pressure, torque, peak and reaction of every brake at every tolerance.
+    """
     (brakes,) = quoted(r"\| stated errors of (\d+) random brakes \|")
     (above,) = quoted(r"smaller than the true error \| ([\d.]+) %")
     (whole,) = quoted(r"finer solution counts as an error of drumlin \| ([\d.]+) %")

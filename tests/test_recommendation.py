@@ -1,4 +1,4 @@
-"""What is recommended for a target, from rows made by hand."""
+"""The method recommended for a target error, from rows made by hand."""
 
 from drumlin_studies.recommendation import (
     AIMS,
@@ -46,8 +46,8 @@ def test_luck_is_no_recommendation_and_ties_go_to_the_more_exact():
 def test_what_to_use_is_a_matrix_of_brakes_and_targets():
     """The recommendation is a matrix of brakes and target errors.
 
-    Three brakes: a law that is right, one for finite elements alone, one whose reference knows too
-    little.
+    On one of three brakes the law is right. On another only finite elements are. On the third the
+    reference is not accurate enough for a judgement.
     """
     law = {
         "family": "law",

@@ -49,7 +49,7 @@ def known():
 
 @pytest.fixture(scope="module")
 def quick(brake):
-    """Reference values by coarser divisions than those that are stored."""
+    """Reference values by coarser meshes than those of the stored reference values."""
     return compute_reference_values(
         brake, "text", "command", solve_brake_for_reference_values(brake, QUICK)
     )

@@ -1,4 +1,4 @@
-"""Brakes that run in: to their law, in balance, as every other model sees them."""
+"""Brakes that run in: their final state, the balance of forces, and agreement with other models."""
 
 import math
 from itertools import pairwise
@@ -58,7 +58,7 @@ def states(setup):
 
 
 def holds(setup, states, law_torque):
-    """What must hold after run-in, in one place."""
+    """Check everything that must hold after run-in."""
     assert (
         relative_difference_from_end_of_wear(
             setup, states[-1], end_of_wear_by_rigid_shoe_law(setup)
@@ -296,7 +296,10 @@ def test_what_cannot_be_worn_in_is_refused(brake, scene, flexible):
 
 
 def test_the_worn_brake_is_a_brake_file_apart(setup, states, brake):
-    """Its clearance is that of the file plus the depth; the new one is the brake itself."""
+    """The clearance of the worn brake is that of the file plus the depth of wear.
+
+    Without wear, the worn brake is the brake itself.
+    """
     new = brake_with_worn_linings(setup, states[0])
     assert all(abs(c) < 1e-15 for shoe in new.shoes for _, c in shoe.lining.clearance)
     end = brake_with_worn_linings(setup, states[-1])

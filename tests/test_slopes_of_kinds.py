@@ -1,4 +1,4 @@
-"""Slopes of every kind of brake against differences of whole solves, from the mesh up."""
+"""Derivatives of the torque for every kind of brake agree with differences of whole solves."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -53,7 +53,7 @@ def slopes(brake: Brake) -> Sensitivity:
 
 
 def differences(brake: Brake, changes: Callable[[float], dict[str, Any]], step: float) -> float:
-    """Of the fourth order."""
+    """A finite difference of the fourth order."""
 
     def at(x: float) -> float:
         return drumlin.solve(vary(brake, changes(x)), elements=ELEMENTS).effect

@@ -1,4 +1,4 @@
-"""Slopes along points that move a shoe's body, and by bending stiffness, against differences."""
+"""Derivatives by a body's points and by bending stiffness agree with finite differences."""
 
 import json
 import math

@@ -1,5 +1,5 @@
-"""What judges drumlin: random brakes, known answers, run times, true errors and broken inputs.
+"""Tests of drumlin: random brakes, known answers, run times, true errors and broken inputs.
 
-Only studies and tests import this package. It stands on `drumlin`, and nothing in `drumlin` stands
-on it.
+Only studies and tests import this package. It imports `drumlin`, and no module of `drumlin` imports
+it.
 """

@@ -1,7 +1,7 @@
 """Brakes of every kind, solved by finite elements and by rigid-shoe laws in both senses of motion.
 
-Finite elements solve each brake with new linings and with worn-in linings. The tables show how far
-the laws are off.
+Finite elements solve each brake with new linings and with worn-in linings. The tables show the
+errors of the laws.
 """
 
 import math
@@ -33,7 +33,7 @@ from drumlin_studies.tables import values_of_key_in_rows
 TRUSTED_LAW_ERROR = 0.05
 """Relative error up to which the study's report says that a rigid-shoe law can be trusted."""
 ROUGH_LAW_ERROR = 0.15
-"""Relative error up to which the text says that a rigid-shoe law is an estimate."""
+"""Relative error up to which the study's report calls a rigid-shoe law a rough estimate."""
 NO_EFFECT_ERROR = 1e-9
 """Relative error of the law's torque below which the torque follows from equilibrium alone.
 

@@ -3,9 +3,10 @@
 drumlin solves a brake on a sequence of finer and finer hp meshes, called levels. It estimates the
 error by the change from one level to the next, multiplied by a safety factor.
 `true_and_estimated_errors_of_random_brake` records this change for a random brake, and the true
-error against a far finer solution. `fit_safety_factors` finds the smallest factors with which the
-stated errors are at least as large as the true errors, except for the small share 1 - QUANTILE.
-`safety_factors_as_json_text` writes the factors together with the brakes of the fit. The command
+error, which is the difference from a far finer solution. `fit_safety_factors` finds the smallest
+factors with which the stated errors are at least as large as the true errors, except for the small
+share 1 - STATED_QUANTILE. `safety_factors_as_json_text` writes the factors together with the brakes
+of the fit. The command
 
     make calibrate
 
@@ -80,7 +81,9 @@ change. `fit_safety_factors` takes the candidate with the smallest median of sta
 HALF_STATED_QUANTILE = 0.999
 """Fraction of the true errors that must not exceed twice the stated errors in the fit.
 
-QUANTILE limits how many stated errors are too small; HALF limits by how much they are too small."""
+STATED_QUANTILE limits how many stated errors are too small. HALF_STATED_QUANTILE limits by how much
+they are too small.
+"""
 
 SIGNIFICANT_DIGITS = 2
 """Number of significant digits of a safety factor. Further digits depend on the brakes drawn."""
@@ -92,8 +95,8 @@ class LevelRecord(NamedTuple):
     Attributes
     ----------
     step : relative change since the level before, the largest of all shoes
-    chance : change that the hp elements' contributions would cause with random signs
-    beside : penalty and round-off errors
+    chance : change that a force would have if the elements contributed to it with random signs
+    beside : sum of the error by the finite contact stiffness (penalty) and of the round-off error
     true : true error, relative to a far finer solution
     unsure : uncertainty of the true error
     """
@@ -219,10 +222,11 @@ class Samples(NamedTuple):
         return np.asarray((self.true >= RELEVANT) & (self.true > CERTAIN * self.unsure))
 
     def smallest_safety_factor(self, weight: float) -> float:
-        """The smallest safety factor with which the conditions QUANTILE and HALF are satisfied.
+        """The smallest safety factor with which few enough stated errors are too small.
 
-        The stated error is factor * (step + weight * chance) + beside. For a true error that is not
-        certain, any factor counts as large enough.
+        The fractions of stated errors that may be too small are set by STATED_QUANTILE and
+        HALF_STATED_QUANTILE. The stated error is factor * (step + weight * chance) + beside. For a
+        true error that is not certain, any factor counts as large enough.
         """
         # The factor that each sample needs, so that its stated error equals its true error.
         most = np.where(self.is_true_error_usable, self.true - self.unsure - self.beside, 0.0)
@@ -247,19 +251,23 @@ class Samples(NamedTuple):
 
 def true_and_estimated_errors_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
     """The errors of one quantity on all meshes of all brakes, without those whose error is nan."""
-    rows = [
-        [of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])
-    ]
+    rows = []
+    for level in levels:
+        if not math.isnan(level.true[quantity]):
+            rows.append([errors[quantity] for errors in level])
     return Samples(*np.array(rows).reshape(-1, len(LevelRecord._fields)).T)
 
 
 def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
-    """The smallest safety factors with which QUANTILE and HALF are satisfied for each quantity.
+    """The smallest safety factors with which few enough stated errors are too small.
 
-    Torque and reaction share one factor, the larger of the two. The weight of the change by random
-    signs is that of CHANCE_WEIGHTS with the smallest median of stated over true error.
+    The fractions of stated errors that may be too small are set by STATED_QUANTILE and
+    HALF_STATED_QUANTILE. Torque and reaction have the same factor, the larger of their two factors.
+    The estimated error of a force has a term for the change that the force would have if the
+    elements contributed with random signs. Of the weights CHANCE_WEIGHTS of this term, the one with
+    the smallest median of stated over true error is taken.
     """
-    # The factor of forces depends on the weight of the change by random signs.
+    # The factor of forces depends on the weight of the term for contributions with random signs.
     forces = [
         true_and_estimated_errors_of_quantity(levels, name) for name in ("torque", "reaction")
     ]
@@ -278,14 +286,14 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
 
 
 def _common_safety_factor(quantities: Sequence[Samples], weight: float) -> float:
-    """The safety factor that all quantities need, for a weight of the change by random signs."""
+    """The safety factor that all quantities need, for a weight of the term with random signs."""
     return max(of.smallest_safety_factor(weight) for of in quantities)
 
 
 def _median_stated_over_true_error(quantities: Sequence[Samples], weight: float) -> float:
     """The median ratio of stated to true error of several quantities, with their safety factor.
 
-    The weight is that of the change by random signs.
+    The weight belongs to the term for contributions of the elements with random signs.
     """
     factor = _common_safety_factor(quantities, weight)
     ratios = [of.stated_over_true_errors(factor, weight) for of in quantities]

@@ -3,7 +3,8 @@
 Random brakes of every kind get linings with FEWEST_BLOCK_STEPS to MOST_BLOCK_STEPS steps in the
 height of their surface, one at the beginning of each block. The steps are smaller or larger than
 the compression of the lining under load, so that in some brakes all blocks press on the drum, in
-others few of them. The stated errors are compared with true errors against a finer solution.
+others few of them. The errors that drumlin states are compared with true errors: the differences
+from a far finer solution.
 """
 
 from typing import NamedTuple

@@ -111,7 +111,7 @@ def _row_of_default_solve_against_meshes(
     said: str = "",
     refused: bool = False,
 ) -> Check:
-    """A row of this check for a brake; the other arguments are attributes of `Check`."""
+    """A table row of this check: one brake, one quantity, and the difference of its two values."""
     return Check(
         "default solve = three meshes", brake.title, quantity, difference, allowed, said, refused
     )

@@ -42,8 +42,9 @@ drags the lining away from the corner.
 def stated_and_true_error_rows_of_seed(seed: int) -> list[dict[str, Any]]:
     """Rows of stated and true errors of the random brake of a seed, one for each tolerance.
 
-    The rows are those of `stated_true.row_of_stated_and_true_errors`, with the `kind` of the brake
-    and the smallest exponent (`power`) of p at its pressed corners, 0 without a pressed corner.
+    A row has the stated and the true error of each quantity, the `kind` of the brake, and the
+    smallest exponent (`power`) of the pressure at its corners that are in contact; 0 without such a
+    corner.
     """
     base: dict[str, Any] = {"seed": seed, "kind": "none", "power": 0.0}
     try:

@@ -69,8 +69,7 @@ class KnobCase:
         Thickness of the lining, relative to the drum's radius.
     arc : float
         Arc of the lining [deg].
-    clearance : float or str
-        Clearance [m], or a name of CLEARANCES.
+    clearance : float or str Clearance [m], or a name of CLEARANCE_TABLES.
     force : float
         Actuating force [N].
     lever : float

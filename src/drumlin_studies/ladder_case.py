@@ -31,8 +31,8 @@ class KnownAnswer:
         Known value of the quantity.
     tolerance : float
         Largest relative difference that counts as agreement.
-    tier : str
-        Reason of the tolerance: EXACT, PRINTED, DISCRETE or MODEL.
+    tier : str Reason of the tolerance, one of the four texts above: ROUND_OFF_TIER,
+        PRINTED_DIGITS_TIER, DISCRETISATION_TIER or MODEL_LIMIT_TIER.
     found : function
         Function that computes the quantity by drumlin.
     """

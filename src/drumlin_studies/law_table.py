@@ -68,7 +68,8 @@ def row_of_shoe_results(response: Response, index: int) -> Row:
 def rows_of_laws_that_cannot_solve_brakes(rows: Sequence[Row]) -> list[Row]:
     """A row for each brake file and reason, with the laws that could not solve the brake.
 
-    `rows` are those of `rows_of_shoe_results_by_every_law`.
+    `rows` holds a row for each shoe and law, or for a law that cannot solve a brake a row with the
+    reason.
     """
     laws: dict[tuple[str, str], Row] = {}
     for row in rows:

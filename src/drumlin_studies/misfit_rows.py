@@ -120,7 +120,7 @@ def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any
 
 
 def fraction_of_linings_in_contact(brake: Brake, response: Response) -> float:
-    """Contact arcs of all shoes in a response over the arcs of all linings, from 0 to 1."""
+    """Fraction, from 0 to 1, of the linings' arcs of all shoes that touches the drum."""
     arcs: float = 0
     for shoe in response.shoes:
         for start, end in shoe.contact_arcs:
@@ -245,7 +245,9 @@ class DrawnBrakes:
             self.values_of_quantity_for_random_brakes(state, "torque")
         ).relative_standard_deviation
 
-    def peak_pressures_over_pressure(self, pressure: float) -> tuple[float, float]:
+    def mean_and_95th_percentile_of_relative_peak_pressure(
+        self, pressure: float
+    ) -> tuple[float, float]:
         """Mean and 95th percentile of the peak pressures of new brakes, over `pressure` [MPa]."""
         peaks = self.values_of_quantity_for_random_brakes("new", "peak_pressure") / pressure
         return float(peaks.mean()), float(np.percentile(peaks, 95))

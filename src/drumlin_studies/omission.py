@@ -5,11 +5,11 @@ An omission replaces for example the elastic drum ring by a rigid drum.
 brake. `predict_response_change_by_omitting_parts` predicts the same change on two surrogates, which
 are coarse models of the whole and of the simpler brake (`reduced`). To first order the change is
 the response of the pressure p to the gap F p that the neglected flexibility F would open. The
-change grows with the ratio of the stiffnesses. Contact may open or close in the surrogates as well,
-and no factor is calibrated.
+surrogates also contain the change of the contact. The prediction has no factor that is fitted to
+data.
 
-A solve of drumlin neglects nothing: with hp elements the whole brake takes no longer than the
-decision on an omission.
+A solve of drumlin omits no part of the brake, because the prediction would take as long as the
+solve of the whole brake.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -130,8 +130,8 @@ def relative_change_from_whole_to_simpler_brake(
 ) -> OmissionChange:
     """The relative changes from the response of the whole brake to that of the simpler brake."""
     torques, pressures, reactions, peaks, each = [], [], [], [], []
-    # A change is not divided by zero: where the whole brake has no torque, peak or reaction, the
-    # absolute change counts.
+    # If torque, peak or reaction of the whole brake is zero, the absolute change is taken in place
+    # of the relative one.
     for a, b in zip(simple.shoes, whole.shoes, strict=True):
         torques.append(a.torque - b.torque)
         each.append(abs(a.torque - b.torque) / (b.torque or 1.0))
@@ -153,7 +153,7 @@ def relative_change_from_whole_to_simpler_brake(
 def _relative_pressure_change_of_shoe(a: ShoeResponse, b: ShoeResponse) -> float:
     """L2 distance between the pressures of responses a and b of a shoe, relative to b.
 
-    The result is 1 where the shoe presses in response a only.
+    The result is 1 if the shoe is in contact in response a only.
     """
     return relative_distance_of_pressures(a, b) if b.pressure.any() else float(a.pressure.any())
 

@@ -199,7 +199,7 @@ def _list_part_omissions_computed_for_brake(brake: Brake) -> list[_OmissionRow]:
 
 
 def _omission_change_as_row(found: OmissionChange, prefix: str) -> dict[str, float]:
-    """The attributes of `found`, relative changes by an omission, as keys and values of a row.
+    """The relative changes by an omission as keys and values of a table row.
 
     prefix : text before each key.
     """

@@ -1,4 +1,4 @@
-"""Tables of many trials, which are solves of extreme brakes (see `trial`).
+"""Tables of many trials; a trial is the solve of a brake with extreme parameters.
 
 The tables show faults, counts of outcomes, the least exact answers, times, and the effect of the
 penalty of the contact. A knob is a quantity of the brake that the trials vary.

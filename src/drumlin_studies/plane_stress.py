@@ -245,7 +245,8 @@ def map_plane_stress_errors(
     Parameters
     ----------
     name, axes : str, tuple of two str
-        Title of the map and names of its two quantities, as in `PlaneErrorMap`.
+        Title of the map and names of its two quantities, which become attributes of the
+        `PlaneErrorMap`.
     brake_at : function
         Returns the brake for a value of each quantity.
     x, y : sequence of float

@@ -90,9 +90,9 @@ class ErrorMap:
     ----------
     title : str
         Title of the map.
-    x, y : array (n,), array (m,)
-        Values of the group k R^4/EI of the beam and of the ring, as in
-        `dimensionless_stiffnesses_of_beam_and_ring`.
+    x, y : array (n,), array (m,) Values of the dimensionless group k R^4/EI of the beam and of the
+        ring, with the bending stiffness EI of the beam or the ring and the stiffness k of the
+        layers.
     error : array (m, n)
         Relative errors, nan where the model or the finite elements have no answer.
     """

@@ -189,8 +189,8 @@ def _draw_gap_as_function_of_factor(
         Data of the shoe, as in a brake file.
     radius : float
         Radius of the drum [m].
-    presses : str
-        The part of the lining that bears the force, as in `CornerKind.presses`.
+    presses : str The part of the lining that bears the force: "corner", "tip" or, for either,
+        "table".
     """
     lining = shoe["lining"]
     area = radius * (lining["end"] - lining["start"]) * lining["width"]
@@ -284,8 +284,8 @@ def _scale_gaps_to_random_contact_length(
         Generator of the random length.
     drawn : function
         Returns the brake for a factor on its gaps.
-    presses : str
-        The part of the lining that bears the force, as in `CornerKind.presses`.
+    presses : str The part of the lining that bears the force: "corner", "tip" or, for either,
+        "table".
     """
     # The wanted length of the contact is uniform in its logarithm; the first factor is 3.
     low, high = SHORT_CONTACT if rng.random() < SHORT_SHARE else LONG_CONTACT
@@ -322,7 +322,8 @@ def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str
 
     The shoes must press with MORE_FRICTION times the friction as well.
 
-    found : response of the brake; presses : part of the lining, as in `CornerKind.presses`.
+    found : response of the brake; presses : the part of the lining that must bear the force
+        ("corner", "tip" or, for either, "table").
     """
     more = solve(vary(brake, {"friction": MORE_FRICTION * brake.friction}), elements=16)
     if not all(shoe.contact_arcs for shoe in (*found.shoes, *more.shoes)):

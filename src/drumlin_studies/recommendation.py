@@ -1,9 +1,10 @@
 """The fastest method for each accuracy, and how long the peers take for the same accuracy.
 
 A target is the largest allowed relative error of a quantity. For each brake and target the fastest
-method is chosen whose error is below the target. Peers are other finite element programs. The rows
-are those of `work_precision` with the name of the brake under `brake`. The floor of a brake is the
-uncertainty of its reference: no method is said to be more exact.
+method is chosen whose error is below the target. Peers are other finite element programs. A row is
+the result of one method on one brake: its errors and times, with the name of the brake under
+`brake`. The floor of a brake is the uncertainty of the reference from which errors are taken;
+smaller errors are not claimed.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -196,8 +197,8 @@ class PeerTimes(NamedTuple):
     best, own : mapping or None
         Rows of the fastest solve of the peer (best) and of drumlin (own) with an error below the
         target; None where there is no such solve.
-    aims : tuple of two
-        Time of the peer over that of drumlin that the project aims at, as in AIMS.
+    aims : tuple of two Ratios of the peer's time to drumlin's time that the project aims at: for a
+        solve from the start, and for a further load case.
     """
 
     peer: str

@@ -1,8 +1,8 @@
 """Surrogates: coarse models of brakes, with linings on coarse meshes, shoes and ring as formulas.
 
 A surrogate is solved like any other prepared model. The flexibilities of shoe and drum ring are
-added to that of the lining's contact nodes. The difference of two surrogates predicts the change by
-an omission: see `omission`.
+added to that of the lining's contact nodes. The difference between the answers of two surrogates
+predicts how much the answer changes if a part of the brake is omitted.
 
 The shoe is a bar. Each of its sections carries the contact forces and the actuation force that act
 on the shoe beyond the section, seen from the hinge (Timoshenko, Strength of Materials II). Two unit
@@ -310,8 +310,8 @@ class _BarAxis(NamedTuple):
 
     Attributes
     ----------
-    at, tangent, along, foot : array
-        As in `_Bar`.
+    at, tangent, along, foot : array The axis as in the attributes of `_Bar`: points, tangents,
+        distances from the hinged end, and hinged end.
     ds : array (m,)
         Length of each section [m].
     stiffnesses : array (3, m) or (3, 1)

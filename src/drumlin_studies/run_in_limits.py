@@ -171,10 +171,10 @@ def prepare_wear_setup_by_model(model: str, brake: Brake, elements: int) -> Wear
     return wear_setup_by_finite_elements(make_prepared_model(own, elements=elements), own)
 
 
-def limit_pressure_form_and_law_torque(model: str, brake: Brake) -> tuple[str, float]:
-    """The form of the pressure to which the wear of a model tends, and the law's torque [N m].
+def worn_in_pressure_formula_and_law_torque(model: str, brake: Brake) -> tuple[str, float]:
+    """The formula that the pressure approaches as the lining wears in, and the law's torque [N m].
 
-    The form is a formula in words, for example "sin" for p ~ sin(phi) with the angle phi from the
+    The formula is a short text, for example "sin" for p ~ sin(phi) with the angle phi from the
     hinge. model : one of the models of `list_wear_models_of_brake`.
     """
     if model == "guided":
@@ -208,7 +208,7 @@ def table_row_and_wear_run_of_brake(
     try:
         setup = prepare_wear_setup_by_model(model, brake, elements)
         one = wear_brake_until_pressure_settles(f"{name}, {model}", setup)
-        row["law"], torque = limit_pressure_form_and_law_torque(model, brake)
+        row["law"], torque = worn_in_pressure_formula_and_law_torque(model, brake)
     except NoAnswer as error:
         return {**row, "status": f"failed: {error}"}, None
     row |= {
@@ -446,7 +446,7 @@ def _largest_relative_difference_on_linings(
 
 @dataclass(frozen=True)
 class EqualStepsEnd:
-    """The last state of a run in equal steps.
+    """The last state of a brake whose linings have worn in steps of equal size.
 
     Attributes
     ----------
@@ -466,7 +466,7 @@ class EqualStepsEnd:
 def rows_of_runs_in_equal_steps(
     one: Run, end: float, steps: Sequence[float]
 ) -> tuple[list[dict[str, Any]], list[EqualStepsEnd]]:
-    """Table rows and last states of runs in equal steps, by implicit and by explicit steps.
+    """Table rows and last states of wear runs in steps of equal size, implicit and explicit ones.
 
     The torque of each run is compared with that of a run in fine steps of controlled error.
 
@@ -505,9 +505,10 @@ def rows_of_runs_in_equal_steps(
 def _list_implicit_and_explicit_runs(
     one: Run, end: float, steps: Sequence[float]
 ) -> Iterator[tuple[str, float, Callable[[], list[WearState]]]]:
-    """For each size of steps an implicit and an explicit run: name, size, function that runs it.
+    """For each size of wear step an implicit and an explicit run: name, size, function to run.
 
-    one, end, steps : the parameters of `rows_of_runs_in_equal_steps`.
+    one : a run of the brake; end : sliding distance of the runs; steps : sizes of the steps; both
+        in units of 1/(k K).
     """
     for size in steps:
         count, ds = round(end / size), size * one.unit

@@ -2,8 +2,8 @@
 
 The stated errors are compared with the true errors of brakes whose far finer solutions are stored
 as files (`stored_truth`). A stated error that is too small is a wrong number. A stated error that
-is ten times too large costs a level of hp elements that nobody needed. The ratio of stated to true
-error shows both. `stated_and_true_errors_of_stored_brake` solves one brake on all levels of
+is ten times too large makes drumlin solve on a finer level that is not needed. The ratio of stated
+to true error shows both. `stated_and_true_errors_of_stored_brake` solves one brake on all levels of
 refinement once, and finds the errors that a solve states by default and at two tolerances.
 `spreads_of_stated_over_true_errors` reduces the ratios of each quantity to two numbers. The command
 
@@ -44,12 +44,15 @@ SMALLEST_TOLERANCE = "1e-4"
 """Name of the smallest tolerance of ASKED, at which a solve is dearest."""
 
 PROMISED = 0.01
-"""Largest share of stated errors that may be smaller than the true errors, as README promises."""
+"""Largest fraction of stated errors that may be below the true errors, as README promises.
+"""
 
 SURE = 0.95
-"""Probability with which the test passes if exactly the share PROMISED of all stated errors is too
-small. It gives the number of errors that may be too small among those that are judged. Without this
-allowance a test on few errors would fail by chance although the promise is kept."""
+"""Probability that the test passes if the fraction PROMISED of all stated errors is too small.
+
+From this probability follows how many of the judged errors may be too small. Without this allowance
+a test on few errors would fail by chance although the promise is kept.
+"""
 
 ALLOWED_DRIFT = 0.3
 """Largest relative difference between a number of `Spread` and its value in FILE.
@@ -352,10 +355,8 @@ class Written(NamedTuple):
 def read_stored_spreads_of_stated_errors(folder: Path) -> Written:
     """The contents of FILE, the numbers at the last fit, in a folder of far finer solutions."""
     data = json.loads((folder / FILE).read_text(encoding="utf-8"))
-    spreads, quick_spreads = (
-        {quantity: Spread(**values) for quantity, values in data[key].items()}
-        for key in (SHARPNESS_KEY, QUICK_SHARPNESS_KEY)
-    )
+    spreads = {of: Spread(**values) for of, values in data[SHARPNESS_KEY].items()}
+    quick_spreads = {of: Spread(**values) for of, values in data[QUICK_SHARPNESS_KEY].items()}
     worths = {asked: AccuracyAndCost(**values) for asked, values in data["worth"].items()}
     return Written(spreads, quick_spreads, worths)
 
@@ -365,12 +366,12 @@ def _rounded_spreads_of_stated_over_true_errors(
 ) -> dict[str, dict[str, float]]:
     """Quantiles of stated over true errors, rounded to the digits of the kept file `FILE`.
 
-    The keys are those of `spreads_of_stated_over_true_errors`.
+    The first key is the quantity, such as "pressure". The inner keys are the names in `Spread`.
     """
-    return {
-        quantity: {which: round(value, 2) for which, value in spread._asdict().items()}
-        for quantity, spread in spreads_of_stated_over_true_errors(rows).items()
-    }
+    rounded = {}
+    for quantity, spread in spreads_of_stated_over_true_errors(rows).items():
+        rounded[quantity] = {name: round(value, 2) for name, value in spread._asdict().items()}
+    return rounded
 
 
 def main(folder: str) -> None:

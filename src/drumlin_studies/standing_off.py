@@ -1,7 +1,8 @@
 """Random brakes whose linings stand off the drum: clearances far above the lining's compression.
 
 The contact of these brakes is short, and it moves along the lining as friction grows. The brakes
-are drawn as in `random_kinds` and then get another lining modulus, a clearance and a smaller force.
+are drawn by the module `random_kinds` and then get another lining modulus, a clearance and a
+smaller force.
 """
 
 from typing import Any

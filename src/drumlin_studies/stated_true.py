@@ -105,7 +105,7 @@ class Truth:
 def solve_fine_reference_by_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake by curved triangles.
 
-    Raises BadInput and NoAnswer as `triangles.solve_brake_on_one_triangle_mesh` does.
+    Raises BadInput if triangles cannot mesh the brake, and NoAnswer if the brake has no solution.
     """
     begin = time.process_time()
     return reference_from_last_three_meshes(

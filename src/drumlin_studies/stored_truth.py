@@ -293,7 +293,7 @@ def solve_fine_solution_to_be_stored(name: str) -> StoredTruth:
 def solve_brake_by_fine_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake on a drum by the last three meshes of TRIANGLES.
 
-    Raises BadInput and NoAnswer as `triangles.solve_brake_on_one_triangle_mesh` does.
+    Raises BadInput if triangles cannot mesh the brake, and NoAnswer if the brake has no solution.
     """
     begin = time.process_time()
     return reference_from_last_three_meshes(
@@ -305,10 +305,9 @@ def solve_corner_or_tip_by_deep_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake that presses with a corner or under a tip.
 
     The meshes are DEEPEST under a tip and DEEP at a corner. The pressure has no bound next to a
-    pressed corner, where no triangle is small enough. A power law replaces the computed pressure
-    there, see `corner.pressure_with_power_law_at_corner`. The error of this power law is added to
-    the uncertainty. Raises BadInput and NoAnswer as `triangles.solve_brake_on_one_triangle_mesh`
-    does.
+    corner that is in contact, where no triangle is small enough. A power law replaces the computed
+    pressure there. The error of this power law is added to the uncertainty. Raises BadInput if
+    triangles cannot mesh the brake, and NoAnswer if the brake has no solution.
     """
     begin = time.process_time()
     # An AssertionError means that round-off has turned triangles of DEEPEST inside out.

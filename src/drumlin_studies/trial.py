@@ -175,19 +175,20 @@ def is_answer_accurate(row: dict[str, Any]) -> bool:
 def accuracy_of_answer_of_all_groups(
     scene: PreparedModel, brake: Brake, response: Response, penalty: float
 ) -> dict[str, Any]:
-    """Residuals, condition and correct digits of an answer; the worst group of shoes counts.
+    """Residuals, condition numbers and correct digits of an answer, for the worst group of shoes.
 
-    A group has the shoes that the ring, a cam or a link couples.
+    A group consists of shoes that the ring, a cam or a strut couples. The refined solution is a
+    second solution of the same equations, by iterative refinement in extended precision.
 
-    Keys of the result: `complementarity`, the largest product of pressure and gap or the deepest
-    penetration, with the gaps of the refined solution, relative to the largest pressure;
-    `condition`, an estimate in the 1-norm for the scaled contact equations; `torque_condition`, the
-    condition of the torque; `allowed`, the digits that this condition leaves in double precision;
-    `digits`, the digits of the torque that agree with the refined solution, at most 16; `sure`, the
-    digits to which the refined solution itself is known, which limit `digits`; `pressure_error`,
+    Keys of the result: `complementarity`, the largest violation of the contact conditions (product
+    of pressure and gap, or penetration), relative to the largest pressure; `condition`, an estimate
+    in the 1-norm for the scaled contact equations; `torque_condition`, the condition of the torque;
+    `allowed`, the digits that this condition leaves in double precision; `digits`, the number of
+    digits of the torque that agree with the refined solution, at most 16; `sure`, the number of
+    digits of the refined solution that are certain, an upper limit of `digits`; `pressure_error`,
     the relative error of the pressure in the maximum norm; `sets`, the number of contact sets that
-    the refinement tried; `seconds_whole`, the time of the refined solution. Where the refined
-    solution failed, `digits` is None and `whole` gives the reason.
+    the refinement tried; `seconds_whole`, the time of the refined solution. If the refined solution
+    failed, `digits` is None and the further key `whole` gives the reason.
     """
     groups = divide_pressed_shoes_into_groups(scene, brake, penalty)
     rows = [_accuracy_of_answer_of_group(response, group) for group in groups]
@@ -200,16 +201,13 @@ def accuracy_of_answer_of_all_groups(
     if len(known) < len(rows):
         failure = next(row["whole"] for row in rows if row["whole"])
         return {**worst, "digits": None, "allowed": 0.0, "whole": failure}
-    return worst | {
-        "complementarity": max(row["complementarity"] for row in rows),
-        "digits": min(row["digits"] for row in rows),
-        "allowed": min(row["allowed"] for row in rows),
-        "torque_condition": max((row["torque_condition"] or 0.0 for row in rows), default=0.0)
-        or None,
-        "pressure_error": max(row["pressure_error"] for row in rows),
-        "sure": min(row["sure"] for row in rows),
-        "sets": max(row["sets"] for row in rows),
-    }
+    for key in ("complementarity", "pressure_error", "sets"):
+        worst[key] = max(row[key] for row in rows)
+    for key in ("digits", "allowed", "sure"):
+        worst[key] = min(row[key] for row in rows)
+    # A group without a condition of its torque has None.
+    worst["torque_condition"] = max(row["torque_condition"] or 0.0 for row in rows) or None
+    return worst
 
 
 def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[str, Any]:

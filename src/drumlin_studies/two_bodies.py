@@ -95,7 +95,7 @@ def plane_mesh_of_ring_sector(angles: Floats, depths: Floats, radius: float, sig
 
 
 def plane_mesh_of_closed_ring(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
-    """The mesh of a closed ring; its parameters are those of `plane_mesh_of_ring_sector`."""
+    """The mesh of a closed ring with the boundaries "contact" at depth 0 and "support" opposite."""
     return quadratic_mesh_of_closed_ring(angles, depths, radius, sign, "body")
 
 

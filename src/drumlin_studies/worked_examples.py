@@ -66,11 +66,10 @@ def rows_of_printed_and_computed_numbers(example: Mapping[str, Any], folder: Pat
 
     Parameters
     ----------
-    example : mapping
-        `law`: name of the law; `file`: brake file in the folder; `changes`: values that replace
-        values of the file; `peak`: peak pressure to which the actuation force is scaled; `given`:
-        printed numbers as text by PRINTED_QUANTITIES; `source`, `origin`, `remark`: texts for the
-        rows, as in `row_of_printed_and_computed_number`.
+    example : mapping `law`: name of the law; `file`: brake file in the folder; `changes`: values
+        that replace values of the file; `peak`: peak pressure to which the actuation force is
+        scaled; `given`: printed numbers as text by PRINTED_QUANTITIES; `source`, `origin`,
+        `remark`: texts for the rows.
     folder : Path
         Folder of the brake files.
     """

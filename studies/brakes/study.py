@@ -29,20 +29,19 @@ HERE = Path(__file__).parent
 SHOWN = "simplex_abutted"
 """Brake whose pressures are drawn for the reference report as well."""
 SHORT = ("simplex_abutted", "s_cam", "rail_clamp")
-"""Brakes of the short setting."""
+"""The brakes that a trial run of this study (option --short) solves."""
 
 
 class Result(NamedTuple):
-    """Everything that the report shows.
+    """All results that the report of this study shows.
 
     Attributes
     ----------
     cases : list of BrakeInMotion
         Each brake in both senses of motion.
-    rows, others : list of dict
-        Rows of the brakes, and of the other models.
-    verdicts : dict
-        A sentence for each brake file.
+    rows, others : list of dict Rows of the report's tables: by the rigid-shoe law, and by all other
+        models.
+    verdicts : dict For each brake file a sentence on whether the law can be trusted.
     cams : dict
         Brake factor of worn-in S-cam brakes in closed form, by brake file.
     """
@@ -55,10 +54,10 @@ class Result(NamedTuple):
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """Solve all brakes by law and finite elements.
+    """Solve all brakes by their rigid-shoe law and by finite elements.
 
-    short : whether three brakes, coarser worn-in linings, no solid shoes and no limits of locking
-    are enough.
+    short : trial run with three brakes only, coarser worn-in linings, no solid model, and no search
+    for the friction at which a brake locks itself.
     """
     cases: list[BrakeInMotion] = []
     rows: list[dict[str, Any]] = []

@@ -47,20 +47,23 @@ from drumlin_studies.width_calibration import (
 
 HERE = Path(__file__).parent
 FEW = 4
-"""Number of brakes of the short setting."""
+"""Number of random brakes in a trial run of this study (option --short)."""
 SHORT_SEEDS = (1002, 1006, 1018)
-"""Seeds of the solid shoes of the short setting."""
+"""Seeds of the random solid shoes in a trial run of this study."""
 COMPUTING = (
     "src/drumlin/fem",
     "src/drumlin/contact",
     "src/drumlin/response",
     "src/drumlin_studies",
 )
-"""Folders on which the factors depend. The file of the factors itself does not count."""
+"""Source folders whose changes may change the fitted factors.
+
+The file that holds the factors lies in one of them, but is left out.
+"""
 
 
 class Result(NamedTuple):
-    """The observations of each brake, the fitted factors, and where they come from.
+    """The errors of each random brake, the fitted factors, and the commit that computed them.
 
     `width_rows` and `width_factors` are those of solid shoes.
     """
@@ -78,7 +81,7 @@ def study(
     say: Callable[[str], None] = lambda _: None,
     journal: Journal | None = None,
 ) -> Result:
-    """Observe all brakes in two processes and fit the factors.
+    """Compute the errors of all random brakes in two processes, and fit the factors to them.
 
     short : whether few brakes are enough; their factors mean nothing.
     """
@@ -131,12 +134,12 @@ def _observe_solid_case(case: Case) -> dict[str, Any]:
 
 
 def _observe_case(case: Case) -> dict[str, Any]:
-    """The levels of a case's brake, as of `true_and_estimated_errors_of_random_brake`."""
+    """True and estimated errors of one random brake on all of its meshes (levels)."""
     return true_and_estimated_errors_of_random_brake(case["seed"])
 
 
 def levels_of(rows: list[dict[str, Any]]) -> list[LevelRecord]:
-    """The levels of all brakes."""
+    """True and estimated errors of all random brakes on all of their meshes (levels)."""
     levels: list[LevelRecord] = []
     for row in rows:
         for level in row["levels"]:

@@ -1,4 +1,4 @@
-"""How far the sine law is from the elastic truth.
+"""The errors of the sine law on a double-shoe brake with elastic shoes.
 
 The study solves a double-shoe brake with stiff and with flexible shoes, in both rotations.
 """
@@ -40,7 +40,7 @@ FILES = {"brake.toml": "stiff shoes", "flexible.toml": "flexible shoes"}
 
 
 class Result(NamedTuple):
-    """Everything that the report shows."""
+    """All results that the report of this study shows."""
 
     comparisons: list[Comparison[Brake]]
     limit: list[dict[str, Any]]

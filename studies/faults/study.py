@@ -30,9 +30,9 @@ INPUTS = {
     "command lines": 1200,
     "words": 300,
 }
-"""Number of inputs of each generator."""
+"""Number of random broken inputs from each generator."""
 APART = 30
-"""Number of inputs of each generator that run in processes of their own as well."""
+"""Number of inputs of each generator that are also given to drumlin in a process of its own."""
 SWEEPS = {"one job": 4, "two jobs": 4, "Dask": 2}
 """Number of sweeps that are killed, by the way in which they run."""
 KILLS = 10
@@ -40,7 +40,7 @@ KILLS = 10
 
 
 class Result(NamedTuple):
-    """Everything that the report shows.
+    """All results that the report of this study shows.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ def study(
 ) -> Result:
     """Try all inputs and kill all sweeps.
 
-    short : whether five inputs of each generator and no kills are enough.
+    short : trial run with five inputs of each generator and without killed sweeps.
     """
     journal = journal or Journal()
     # Most inputs run in this process, which is faster; some run in their own.

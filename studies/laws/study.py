@@ -67,12 +67,12 @@ DRAWINGS = {
 
 
 class Result(NamedTuple):
-    """Everything that the report shows.
+    """All results that the report of this study shows.
 
     Attributes
     ----------
-    examples, applies, words : list of dict
-        Rows of the worked examples, of every brake file by every law, and of a source's words.
+    examples, applies, words : list of dict Rows of three tables: the worked examples, every brake
+        file by every law, and statements quoted from the sources of the laws.
     pressures : dict
         The response of one shoe by each law.
     """
@@ -134,7 +134,10 @@ def report(result: Result, folder: Path) -> Path:
     save_figure(draw_pressures_by_law(result.pressures), folder / "pressures.svg")
 
     def examples_of(law: str, source: str, but: str | None) -> list[dict[str, Any]]:
-        """The rows of the worked examples of a law from one source, without those of another."""
+        """The rows of a law's worked examples from one source.
+
+        Examples whose source also contains the text `but` are left out.
+        """
         rows = []
         for r in result.examples:
             if r["law"] == law and source in r["source"]:

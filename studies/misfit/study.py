@@ -1,4 +1,4 @@
-"""How misfit and manufacturing tolerances change a brake's torque, and how far run-in helps."""
+"""Change of a brake's torque by misfit and tolerances, before and after running in."""
 
 import math
 import time
@@ -70,7 +70,8 @@ DISTANCES = (
 )
 """Sliding distances of running in [1/(k K)]."""
 HEALED = 0.02
-"""Relative distance from their last values below which percentiles count as settled."""
+"""Percentiles count as settled if they differ from the last by less than this fraction.
+"""
 SEED = 20
 """Seed of the draws from the tolerances."""
 
@@ -110,7 +111,7 @@ FULL, SHORT = Setting(40, 160, 512, 31, 21, 96, 192, None), Setting(24, 24, 8, 7
 
 @dataclass(frozen=True)
 class Result:
-    """Everything that the report shows."""
+    """All results that the report of this study shows."""
 
     brake: Brake
     law: Response
@@ -142,7 +143,7 @@ def study(
 ) -> Result:
     """Compute single misfits, maps, a turn of the drum, tolerances and running in.
 
-    short : whether coarser meshes and fewer brakes are enough.
+    short : trial run with coarser meshes and fewer brakes.
     """
     start = time.perf_counter()
     setting = SHORT if short else FULL
@@ -353,7 +354,9 @@ def report(result: Result, folder: Path) -> Path:
         folder / "index.html",
         result=result,
         drawn=drawn,
-        peaks=drawn.peak_pressures_over_pressure(nominal_values["peak_pressure"]),
+        peaks=drawn.mean_and_95th_percentile_of_relative_peak_pressure(
+            nominal_values["peak_pressure"]
+        ),
         healed_after=misfit_rows.sliding_distance_until_torque_settles(
             DISTANCES, result.healed["torque"], HEALED
         ),

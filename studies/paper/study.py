@@ -21,7 +21,7 @@ Row = dict[str, Any]
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Mapping[str, Any]:
-    """The numbers that the prose quotes: errors as fractions, times in seconds.
+    """The numbers that the text of the paper quotes: errors as fractions, times in seconds.
 
     `short` changes nothing. Raises BadInput where a kept report is missing.
     """
@@ -50,7 +50,7 @@ def _row_of_values(cells: Mapping[str, str]) -> Row:
 
 
 def _cell_value(text: str) -> Any:
-    """A cell of a table, as a number where it is a number."""
+    """The content of a table's cell: a number if the text is a number, else the text."""
     try:
         return float(text)
     except ValueError:
@@ -101,10 +101,10 @@ def _run_time_numbers() -> Row:
 
 
 def _peer_time_ratios(rows: list[Row]) -> dict[str, list[float]]:
-    """Times of peers over those of drumlin, cold and for a further load case.
+    """Ratios of other programs' times to drumlin's, for a first solve and for a further load case.
 
-    Each is on its fastest graded mesh of a kind with an error of p within HALF. Only equal meshes
-    are compared.
+    For each kind of element, each program is timed on its fastest graded mesh whose relative error
+    of the pressure is at most HALF. A ratio is formed only if both programs have the same mesh.
     """
     found: dict[str, list[float]] = {}
     for family in PEER_FAMILIES:
@@ -119,7 +119,7 @@ def _peer_time_ratios(rows: list[Row]) -> dict[str, list[float]]:
 
 
 def _fastest_graded_row(rows: list[Row], family: str, kind: str) -> Row | None:
-    """The fastest row of a family on graded meshes of a kind with an error of p within HALF."""
+    """The fastest solve by a family of methods on graded meshes, with an error of p up to HALF."""
     fit = []
     for row in rows_with_given_values(rows, family=family, kind=kind):
         is_graded = row.get("even") != "True" and not row.get("layers")

@@ -1,6 +1,6 @@
 """Where sine law and foundation model hold on the post brake of a mine winder.
 
-Finite elements stand beside them.
+Both models are compared with finite elements.
 """
 
 import math
@@ -42,7 +42,10 @@ MERITS = {
 
 @dataclass(frozen=True)
 class Result:
-    """Everything that the report shows, with rows of tables from `post_brake_rows`."""
+    """All results that the report of this study shows.
+
+    The rows of the tables come from the module `post_brake_rows`.
+    """
 
     comparison: Comparison[Brake]
     lifts: list[dict[str, Any]]
@@ -62,7 +65,7 @@ class Result:
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
     """Compute all tables, curves and maps.
 
-    short : whether coarser meshes and fewer points are enough.
+    short : trial run with coarser meshes and fewer points in the maps.
     """
     start = time.perf_counter()
     elements, repeats = (24, 1) if short else (80, 5)

@@ -33,18 +33,21 @@ ROOT = HERE.parents[1]
 MAIN = ROOT / "studies" / "double_shoe" / "brake.toml"
 FLEXIBLE = ROOT / "studies" / "double_shoe" / "flexible.toml"
 SHORT = {"laws/block", "laws/pivoted_block", "double_shoe/brake"}
-"""Brakes of the short setting."""
+"""The brakes that a trial run of this study (option --short) runs in."""
 RATIOS = (1e-4, 1e-3, 1e-2, 1e-1)
 """Young's modulus of the lining over that of the shoe."""
 EXPONENTS = (0.5, 1.0, 1.5, 2.0, 3.0)
-"""Exponents m of a wear that goes with p^m."""
+"""Exponents m of wear laws in which the wear is proportional to p^m."""
 CURVES = {
     "stiff": (0.0, 0.3, 3.0, 10.0, 30.0),
     "flexible": (0.0, 3.0, 30.0, 100.0, 300.0),
 }
 """Sliding distances at which pressures are drawn [1/(k K)], for stiff and for flexible shoes."""
 OPEN_CURVES = (0.003, 0.03, 0.2)
-"""Sliding distances of the figure of the least contact, over the length of the whole run."""
+"""Sliding distances, relative to that of the whole run, of one figure's pressures.
+
+The figure shows the brake whose lining touches the drum least when new.
+"""
 REVERSALS = (10.0, 50.0, 250.0)
 """Sliding distances between two reversals of the drum [1/(k K)]."""
 END, STEPS = 3.0, (0.05, 0.5)
@@ -55,7 +58,10 @@ FAR = 0.01
 
 @dataclass(frozen=True)
 class Result:
-    """Everything that the report shows, with rows of tables from `run_in_limits`."""
+    """All results that the report of this study shows.
+
+    The rows of the tables come from the module `run_in_limits`.
+    """
 
     main: Run
     flexible: Run
@@ -74,9 +80,9 @@ class Result:
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """Run in every brake, and the main brake in many ways.
+    """Run in every brake, and the main brake with further ratios of stiffness and wear laws.
 
-    short : whether few brakes on coarse meshes are enough.
+    short : trial run with few brakes on coarse meshes.
     """
     start = time.perf_counter()
     elements = 30 if short else 80
@@ -142,7 +148,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 
 def brakes_that_run_in(*, short: bool) -> tuple[list[tuple[str, str, Brake]], list[str]]:
-    """Name, model and brake of all that can run in, and reasons for the files that cannot."""
+    """Name, model and brake for every file that can run in; a reason for every other file."""
     found, skipped = list[tuple[str, str, Brake]](), list[str]()
     for path in sorted([*(ROOT / "studies").glob("*/*.toml"), *(ROOT / "meshes").glob("*.toml")]):
         name = f"{path.parent.name}/{path.stem}"

@@ -1,6 +1,6 @@
 """Whether a brake with extreme parameters is solved right, or refused with the true reason.
 
-The textbook penalty at quadrature points stands beside drumlin.
+The answers are compared with those of the textbook method, contact springs at quadrature points.
 """
 
 import math
@@ -60,13 +60,14 @@ GRIDS = {
         ("penalty, multiple of E/t [-]", "lining thickness over R [-]"),
     ),
 }
-"""For each grid of two knobs its knobs along x and y, with their labels."""
+"""For each grid of two varied inputs: the inputs along x and y, and the labels of the axes.
+"""
 
 Row = dict[str, Any]
 
 
 class Result(NamedTuple):
-    """Everything that the report shows.
+    """All results that the report of this study shows.
 
     Attributes
     ----------
@@ -92,13 +93,13 @@ def study(
     say: Callable[[str], None] = lambda _: None,
     journal: Journal | None = None,
 ) -> Result:
-    """Try every case of the designed set in two processes.
+    """Solve every case with extreme inputs, in two processes.
 
-    short : whether some 70 cases in this process are enough.
+    short : trial run with some 70 cases, all solved in this process.
     """
     start = time.perf_counter()
     journal = journal or Journal()
-    # Cases that the journal has are not tried again.
+    # Cases whose results an earlier run left in the journal are not solved again.
     keys = {case: {"case": repr(case)} for case in all_extreme_cases(short=short)}
     left = [case for case, key in keys.items() if key not in journal]
     if short:
@@ -235,8 +236,7 @@ def draw_figures(
 
     Parameters
     ----------
-    result : Result
-        Everything that the report shows.
+    result : Result All results that the report of this study shows.
     known : list of dict
         Rows whose digits are known.
     swept : dict

@@ -1,6 +1,7 @@
-"""How many cases a second a sweep solves, and whether it survives being killed.
+"""How many cases a second a sweep solves, and whether a killed sweep can be continued.
 
-Processes stand beside Dask workers, cases with bodies of their own beside cases that share them.
+Processes are compared with Dask workers, and cases that need new stiffness matrices with cases that
+share those of other cases.
 """
 
 import importlib.util
@@ -43,7 +44,7 @@ FINE = 160
 
 @dataclass(frozen=True)
 class Result:
-    """Everything that the report shows."""
+    """All results that the report of this study shows."""
 
     measured: dict[str, list[Throughput]]
     same: bool
@@ -56,9 +57,9 @@ class Result:
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """Time both sweeps by all workers, judge coarser meshes, and kill runs.
+    """Time two sweeps by all kinds of workers, judge coarser meshes, and kill and continue a sweep.
 
-    short : whether few cases are enough.
+    short : trial run with few cases.
     """
     start = time.perf_counter()
     with_dask = not short and importlib.util.find_spec("distributed") is not None

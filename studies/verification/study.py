@@ -46,18 +46,22 @@ CASES: dict[str, dict[str, Any]] = {
 }
 """Changes of the double-shoe brake for each case, by name."""
 JUDGED, BRAKES, FEW = 700_000, 500, 3
-"""First seed of the random brakes, their number, and their number in the short setting.
+"""First seed of the random brakes, their number, and their number in a trial run (--short).
 
 No factor, level or rule of the error estimate was found on these brakes.
 """
 CORNERS = 40
 """Number of brakes that press with a corner or under a tip, four of each kind."""
 TENTH, THIRD = 10, 3
-"""Every TENTH brake has triangles as truth. Every THIRD is solved to the last tolerance as well."""
+"""Which random brakes are treated differently from the rest.
+
+For every TENTH brake the true answer comes from triangles instead of hp elements. Every THIRD brake
+is also solved to the last, smallest tolerance.
+"""
 
 
 class Result(NamedTuple):
-    """Everything that the report shows, as rows of tables.
+    """All results that the report of this study shows, as rows of tables.
 
     Attributes
     ----------
@@ -95,7 +99,7 @@ def study(
 ) -> Result:
     """Compute all tables.
 
-    short : whether coarser meshes and fewer brakes are enough.
+    short : trial run with coarser meshes and fewer brakes.
     """
     start = time.perf_counter()
     journal = journal or Journal()

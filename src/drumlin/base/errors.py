@@ -102,7 +102,7 @@ def error_line_and_exit_status(error: BaseException) -> tuple[str, int]:
 
 
 def _uncut_error_line_and_exit_status(error: BaseException) -> tuple[str, int]:
-    """Text about an exception and the exit status, as of `error_line_and_exit_status`.
+    """The line of text about an exception, and the exit status of the command.
 
     The text may still be too long, or have line breaks.
     """

@@ -20,7 +20,10 @@ def getattr_of_moved_module(
     """
 
     def object_of_new_module_with_warning(name: str) -> Any:
-        """The object that has this name in the new module. Raises AttributeError for `_name`."""
+        """The object with this name in the new module, after a warning that the module has moved.
+
+        Raises AttributeError for a private name, which begins with an underscore.
+        """
         if name.startswith("_"):
             # Python asks every module for private names such as __path__, and must not be warned.
             raise AttributeError(f"module {old!r} has no attribute {name!r}")

@@ -38,8 +38,8 @@ from drumlin.response.norms import relative_distance_of_pressures, relative_erro
 EXPLORE_LEVEL = LEVELS[1]
 """The fixed division of the shoes into hp elements, for shoes without a mesh file.
 
-Its torque is accurate to some 0.03 %, and the stiffness of the shoes takes 30 to 100 ms. A finer
-division would make the page lag behind its sliders.
+Its torque is accurate to some 0.03 %, and the stiffness of the shoes takes 30 to 100 ms to compute.
+With a finer division the page would follow its sliders too slowly.
 """
 
 WIDTH_EXPLORE_LEVEL, WIDTH_EXPLORE_DEGREE = LEVELS[0], 2
@@ -80,7 +80,7 @@ class ExploredAnswer:
         where the parts of the brake do not fit together
     found : response of the finite elements; None where they have no answer
     failure : reason why the finite elements have no answer; "" where they have one
-    law_name : name of the law beside the finite elements
+    law_name : name of the rigid-shoe law whose answer is shown beside that of the finite elements
     law : response of the law; None where the law has no answer
     law_failure : reason why the law has no answer; "" where it has one
     law_locking : smallest friction at which a shoe locks itself by the law; None on a plane
@@ -127,7 +127,8 @@ class StatedError(NamedTuple):
     ----------
     torque : relative difference of the torque
     pressure : relative difference of the pressure (L2) on the shoe where it is largest
-    own : estimated errors of the accurate answer; None where none is stated
+    own : estimated errors that `drumlin.solve` states for its accurate answer; None if it states
+        none
     """
 
     torque: float
@@ -147,7 +148,7 @@ class LatestValueCache:
         return self._value if key == self._key else None
 
     def get(self, key: Any, make: Callable[[], Any]) -> Any:
-        """The value for `key`: the stored value if it has this key, else a newly prepared model."""
+        """The stored value if it was made for `key`, else a new value that `make` returns."""
         if self._value is None or key != self._key:
             self._value = make()
             self._key = key
@@ -309,13 +310,13 @@ def _run_in_over_range_of_wear_knob(scene: PreparedModel, brake: Brake) -> _Wear
 
 
 def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> ExploredAnswer:
-    """An answer of finite elements, with that of a pressure law and its limit of self-locking."""
+    """The answer of finite elements, to which the answer of a rigid-shoe pressure law is added."""
     name, brake = answer.law_name, answer.brake
     if name is None or brake is None:
         return answer
     try:
-        # On a drum a formula gives the friction at which a shoe locks. The shoe that locks
-        # at the smallest friction counts.
+        # On a drum a formula of the law gives the friction at which each shoe locks itself. The
+        # smallest of these frictions is taken.
         if name in LAWS and not brake.surface.is_plane_and_not_drum:
             limits = []
             for shoe in brake.shoes:

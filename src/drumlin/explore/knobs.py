@@ -429,7 +429,10 @@ def _youngs_modulus_knob(
     largest = max(moduli.values())
 
     def elastic_moduli_at_knob_value(value: float) -> Changes:
-        """New moduli of all linings or all shoes, in proportion; the largest is `value` [unit]."""
+        """Changes that scale the moduli of all linings or shoes, so that the largest is `value`.
+
+        `value` has the unit of the knob.
+        """
         times = value * factor / largest
         made: Changes = {}
         for i in moduli:
@@ -454,8 +457,8 @@ def _youngs_modulus_knob(
 def _modulus_shown_by_knob(shoe: Shoe, part: str) -> float | None:
     """The modulus [Pa] that the knob shows: through a lining's thickness, or along a shoe's body.
 
-    This one of the moduli of an orthotropic material matters most to the contact pressure. It is
-    None where the part has no material.
+    Of the moduli of an orthotropic material, this modulus influences the contact pressure most. The
+    result is None if the part has no material.
     """
     if part == "lining":
         return None if shoe.lining.material is None else shoe.lining.material.E_through

@@ -85,7 +85,7 @@ class Lines(NamedTuple):
     ys: list[Floats]
 
     @classmethod
-    def picture_lines_from_outlines(cls, outlines: Sequence[Floats]) -> "Lines":
+    def lines_from_point_arrays(cls, outlines: Sequence[Floats]) -> "Lines":
         """Make lines from arrays (2, n) [mm], each with the x and y of one line's points."""
         return cls([x for x, _ in outlines], [y for _, y in outlines])
 
@@ -206,7 +206,7 @@ def _lines_of_force_arrows(brake: Brake) -> Lines:
         right = arrow.tip + 0.25 * (-0.5 * across - along)
         shaft, head = np.array([arrow.tail, arrow.tip]), np.array([left, arrow.tip, right])
         lines += [shaft.T * PAGE_MM, head.T * PAGE_MM]
-    return Lines.picture_lines_from_outlines(lines)
+    return Lines.lines_from_point_arrays(lines)
 
 
 class _Arrow(NamedTuple):
@@ -219,7 +219,8 @@ class _Arrow(NamedTuple):
 def _tail_and_tip_of_force_arrow(brake: Brake, shoe: Shoe) -> _Arrow:
     """Tail and tip [m] of the arrow of the force on a shoe.
 
-    The length is in proportion to the force; the largest force of the brake has the length ARROW.
+    The length is proportional to the force; the arrow of the largest force of the brake has the
+    length LARGEST_FORCE_ARROW_LENGTH.
     """
     largest = max(abs(shoe.actuation.force) for shoe in brake.shoes) or 1.0
     tip = _point_of_force_arrow_tip(shoe)
@@ -331,7 +332,7 @@ def error_of_finite_elements_as_html(
 
 
 def _relative_error_as_text(error: float) -> str:
-    """A relative error as text: a number, or "only rounding" up to ROUNDING."""
+    """A relative error as text: a number, or "only rounding" up to LARGEST_ROUNDING_ERROR."""
     return f"{error:.1e}" if error > LARGEST_ROUNDING_ERROR else "only rounding"
 
 
@@ -411,9 +412,9 @@ def drawing_lines_of_brake(brake: Brake) -> Mapping[str, Lines]:
     hinges = [shoe.pin.xy[:, None] * PAGE_MM for shoe in brake.shoes if shoe.guide is None]
     return {
         "drum": _line_of_drum_or_plane(brake),
-        "linings": Lines.picture_lines_from_outlines(linings),
-        "bodies": Lines.picture_lines_from_outlines(bodies),
-        "hinges": Lines.picture_lines_from_outlines(hinges),
+        "linings": Lines.lines_from_point_arrays(linings),
+        "bodies": Lines.lines_from_point_arrays(bodies),
+        "hinges": Lines.lines_from_point_arrays(hinges),
     }
 
 

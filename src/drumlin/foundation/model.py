@@ -348,10 +348,11 @@ def solve_brake_by_foundation_model(
 def _groups_of_shoes_solved_together(
     brake: Brake, touching: list[int], names: frozenset[str]
 ) -> list[list[int]]:
-    """The groups of the shoes numbered `touching` that influence each other.
+    """The groups of shoes, among those numbered `touching`, that must be solved together.
 
-    Shoes do so only if the own pressure of each shoe loads an elastic ring. `names` are those of
-    the effects to include.
+    Shoes influence each other only through an elastic ring that bends under the pressure of each
+    shoe (the effect "own-pressure"). Without it each shoe is a group of its own. `names` are the
+    effects that the solve includes.
     """
     together = brake.ring is not None and "own-pressure" in names
     return [touching] if together and touching else [[i] for i in touching]
@@ -410,7 +411,9 @@ def _solve_contact_of_shoe_group(
 
     Parameters
     ----------
-    brake, group, sections : parameters of `contact_problem_of_shoe_group`
+    brake : the brake
+    group : positions in the brake of the shoes of the group
+    sections : number of divisions of each beam
     parts : the contact problem of the group
     names : names in LIFTS of the effects to include
     start : first guess for the sectors in contact: a mask (n,) for each shoe of the brake

@@ -73,7 +73,10 @@ def divide_shoe_into_stations_and_sectors(
     brake, shoe : the brake and the shoe
     sections : number of divisions of the beam
     tilt : whether a cross-section of the beam that turns also moves the lining along the beam
-    wedge, plane_stress : parameters of `compression_of_layers_per_pressure`
+    wedge : whether the block fills the space between the lining's back and the beam's straight
+        face; otherwise the block has the thickness of the shoe's backing everywhere
+    plane_stress : whether the layers are bonded, so that they cannot spread along the arc and are
+        1/(1 - nu^2) times stiffer
     """
     body, lining, R = shoe.body, shoe.lining, brake.size
     # `reason_against_foundation_model` has refused brakes whose shoes are not beams.

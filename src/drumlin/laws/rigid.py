@@ -70,7 +70,8 @@ NEGLECTED_BY_RIGID_LAWS = {
 PRESSURE_NODES = 257
 """Number of nodes of the pressure over a lining on a drum.
 
-The nodes belong to quadratic pieces, whose integrals of the pressure are exact to 1e-10.
+Three nodes each carry a parabola, which interpolates the pressure. Integrals over these parabolas
+are right to a relative error of 1e-10.
 """
 
 
@@ -174,7 +175,8 @@ def _find_contact_for_friction_sense(
 
     Parameters
     ----------
-    brake, shoe, whole : parameters of `find_contact_of_rigid_shoe`
+    brake, shoe : the brake and the shoe
+    whole : whether the whole lining stays in contact, under tension if need be
     face : surface on which the shoe presses
     sense : sense of the friction on the foot at an abutment
 
@@ -363,8 +365,8 @@ def node_places_of_pressure_along_lining(
 def brake_with_forces_shared_by_rigid_law(brake: Brake, *, whole: bool = False) -> Brake:
     """The brake whose shoes have the forces that a cam or struts give them if all is rigid.
 
-    `whole` is the parameter of `find_contact_of_rigid_shoe`. Raises NoAnswer if a shoe has no
-    equilibrium.
+    With `whole` the whole lining stays in contact, under tension if need be. Raises NoAnswer if a
+    shoe has no equilibrium.
     """
     shoes: list[Shoe] = list(brake.shoes)
     place = {shoe.name: i for i, shoe in enumerate(shoes)}
@@ -393,7 +395,7 @@ def _share_cam_force_among_shoes(
 
     The two parts add up to `total` [N]. The cam moves the tips of both shoes equally, so that each
     part is inverse to the motion of the shoe's tip per force. Raises NoAnswer if the cam does not
-    press a shoe. `whole` is the parameter of `find_contact_of_rigid_shoe`.
+    press a shoe. With `whole` the whole lining stays in contact, under tension if need be.
     """
     # A shoe behind a strut is pushed by the strut and not by the cam.
     behind = brake.names_of_shoes_pushed_by_struts
@@ -461,7 +463,7 @@ def solve_brake_by_rigid_shoe_law(
     ----------
     brake : the brake
     name : name of the law, which the response states as its model
-    whole : parameter of `find_contact_of_rigid_shoe`
+    whole : whether the whole lining stays in contact, under tension if need be
 
     Raises
     ------

@@ -36,9 +36,9 @@ class RigidShoeContact(NamedTuple):
 
     @property
     def tip_motion_over_compliance(self) -> float:
-        """Motion along the force of the point that it acts on, over the lining's compliance [Pa].
+        """Displacement of the actuation point along its force, over the lining's compliance [Pa].
 
-        The compliance is the gap that closes per pressure [m/Pa].
+        The compliance is the compression of the lining per pressure [m/Pa].
         """
         return float(self.freedoms.tip @ self.amounts)
 
@@ -75,8 +75,11 @@ def self_locking_friction_on_arcs(
 
     Parameters
     ----------
-    face, free, width, arcs : parameters of `equilibrium_matrices_of_rigid_shoe`
-    spin : sense s of the motion of the drum or the sliding body, +1 or -1
+    face : surface on which the shoe presses
+    free : rigid-body modes and test modes of the shoe
+    width : width of the lining [m]
+    arcs : arcs of the lining in contact
+    spin : sense s in which the drum or the sliding body moves, +1 or -1
     """
     return smallest_singular_friction(
         *equilibrium_matrices_of_rigid_shoe(face, free, width, arcs), spin

@@ -10,21 +10,22 @@ which opens the gap, and s is the sliding distance:
 
 For the exponent 1 of the wear law the rate is k p. The equations are stiff: ripples of the pressure
 from element to element settle some thousand times faster than the bending of the shoe. In an
-implicit step the wear acts as an additional compliance of the lining, A + gamma ds G k D. Each
-stage of a step is therefore one contact problem. The method is the diagonally implicit Runge-Kutta
-method of order 2 with gamma = 1 - 1/sqrt(2), which is L-stable and stiffly accurate (Alexander
-1977, SIAM J. Numer. Anal. 14, 1006). It is stable for any step and makes no checkerboard. A
-first-order method embedded in it measures the error. All stages fulfil p w = 0 exactly. Both
+implicit step of the length ds the wear depth depends on the unknown pressure. The wear therefore
+acts as an additional compliance of the lining, A + gamma ds G k D, and each stage of a step is one
+contact problem. The method is the diagonally implicit Runge-Kutta method of order 2 with gamma = 1
+- 1/sqrt(2), which is L-stable and stiffly accurate (Alexander 1977, SIAM J. Numer. Anal. 14, 1006).
+It is stable for any length of step, and the pressure does not alternate from node to node. A
+first-order method with the same stages measures the error. All stages fulfil p w = 0 exactly. Both
 weights of the method are positive, so that h never shrinks, and does not grow where p is zero.
 
-Friction at a rough abutment opposes the slide of the shoe's foot one way or the other, or it holds
-the foot. Each of the three cases has a contact problem of its own, which is called a `Footing`.
-Each stage of a step keeps the last footing as long as the solution agrees with it. Otherwise the
-stage takes another footing.
+A shoe may bear with its foot on a rough abutment. The friction there either opposes the slide of
+the foot in one of two directions, or holds the foot. Each of these three cases has a contact
+problem of its own, which is called a `Footing`. A stage of a step first tries the case of the last
+stage. If the solution contradicts this case, the stage tries the other cases.
 
-Wear that goes on for ever becomes steady. The pressure then no longer changes, and every point of
-the lining wears as fast as the rigid-body motions y' of the shoe close the gap at the point. With
-dp/ds = 0 the equations above, differentiated by s, are
+After a long sliding distance wear becomes steady: the pressure no longer changes. Every point of
+the lining then wears as fast as the rigid-body motions y' of the shoe bring it nearer to the drum.
+With dp/ds = 0 the equations above, differentiated by s, are
 
     w' = B y' + G rate(p),   p >= 0,  w' >= 0,  p w' = 0,   C x = h_load
 
@@ -124,18 +125,18 @@ change."""
 
 
 def is_friction_always_allowed(_: Contact) -> bool:
-    """Whether a solution agrees with the friction at the abutments: always, if none is rough."""
+    """Always true: without friction at the abutments every solution agrees with it."""
     return True
 
 
 class Footing(NamedTuple):
-    """One of the ways in which friction may act on the feet of shoes at their abutments.
+    """One case of the friction on the feet of shoes at their abutments: slide either way, or stick.
 
     Attributes
     ----------
     problem : contact problem of the unworn linings under this friction
-    stands : function that tells whether a solution of `problem` agrees with this friction, which
-        must oppose the slide of each foot or hold the foot
+    stands : function that tells whether a solution of `problem` agrees with the case: the friction
+        must oppose the slide of each foot, or be large enough to hold the foot
     """
 
     problem: ContactProblem
@@ -150,17 +151,18 @@ class WearInterface(NamedTuple):
     Attributes
     ----------
     problem : contact problem of the unworn linings
-    loaded : (n,), opening of the gap by the actuation, as a part of the problem's q
+    loaded : (n,), opening of the gap by the actuation; it is a part of the vector q of the problem
     weight : G (n, n), weighted gap per worn depth
     pressure : (n,), diagonal of the matrix D: pressure [Pa] per contact unknown
     area : (n,) [m^2], worn volume per depth, and normal force per pressure
     torque : (n,) [m^3], torque per pressure
-    stands : function that tells whether a solution of `problem` agrees with its friction at the
-        abutments, as in a Footing
-    others : further footings: other ways in which friction may act at the abutments
+    stands : function that tells whether a solution of `problem` agrees with the friction that the
+        problem assumes at the abutments
+    others : the other cases of the friction at the abutments, each with its contact problem
     settle : function settle(depth) that solves the contact of linings worn by a depth (n,) [m]
-        without a first guess. It returns the number of the footing and the mask (n,) of the
-        unknowns in contact. It raises NoAnswer if these linings have no equilibrium.
+        without a first guess. It returns the number of the friction case at the abutments, and for
+        each unknown (n,) whether it is in contact. It raises NoAnswer if these linings have no
+        equilibrium.
     """
 
     problem: ContactProblem
@@ -174,7 +176,7 @@ class WearInterface(NamedTuple):
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
 
     @property
-    def ways_in_which_abutment_friction_may_act(self) -> tuple[Footing, ...]:
+    def abutment_friction_cases(self) -> tuple[Footing, ...]:
         """All ways in which friction may act at the abutments; that of `problem` comes first."""
         return (Footing(self.problem, self.stands), *self.others)
 
@@ -206,7 +208,7 @@ class WearLaw(NamedTuple):
         k, m = self.coefficient / self.reference ** (self.exponent - 1), self.exponent
         if m > 1:
             return k * p**m, k * m * p ** (m - 1)
-        # In a rate with an exponent under 1, the root of `size` takes the place of p.
+        # In a rate with an exponent below 1, sqrt(p^2 + rounded^2) takes the place of p.
         size = p**2 + rounded**2
         rate = k * p * size ** ((m - 1) / 2)
         slope = k * size ** ((m - 3) / 2) * (m * p**2 + rounded**2)
@@ -226,7 +228,7 @@ class WearState:
     depth : (n,) [m], worn depth
     pressure : (n,) [Pa]
     torque : torque of all linings [N m]
-    force : factor on the actuation of the brake, 1 unless the torque is held
+    force : factor on the actuation of the brake; 1 unless the run keeps a given torque
     forward : whether the drum turns in the direction that the brake file states
     removed : worn volume [m^3] as integral of the wear rate over area and distance
     pressed : integral [N m] of the normal force over the distance
@@ -345,8 +347,8 @@ class _WearRunInProgress:
         self._next_turn = reverse
         self.states = [forward.state_of_unworn_linings()]
         self._step = forward.length_of_first_step(self.last_wear_state, tolerance)
-        # The first step after a reversal is as long as the first step after the last reversal, or
-        # after the start, could have been.
+        # The first step after a reversal has the length that was right for the first step after the
+        # last reversal or, for the first reversal, after the start.
         self._opening_step = self._step
         self._just_turned = True
 
@@ -391,8 +393,9 @@ class _WearRunInProgress:
     def _length_of_next_step(self, left: float) -> float:
         """The length [m] of the next step, with the distance `left` [m] to go.
 
-        The last two steps share the rest of the distance, so that the last step is not tiny. Raises
-        NoAnswer if the length is infinite, because no wear changes the pressure any more.
+        If at most two steps remain, both get half of the rest of the distance, so that the last
+        step is not tiny. Raises NoAnswer if the length is infinite, because wear no longer changes
+        the pressure.
         """
         size = left if self._step > 0.999 * left else min(self._step, left / 2)
         if math.isinf(size):
@@ -436,12 +439,11 @@ def wear_linings_in_given_steps(
 def join_contact_problems_of_lining_groups(interfaces: WearInterfaces) -> WearInterface:
     """Several groups of linings as one group, with one common contact problem.
 
-    Each group may have several footings, the ways in which friction acts at its abutments. The
-    joint group has a footing for every combination of these.
+    The friction at the abutments of a group may have several cases (`Footing`): the feet slide one
+    way or the other, or stick. The joint group has a case for every combination of the cases of its
+    groups.
     """
-    combinations = product(
-        *(interface.ways_in_which_abutment_friction_may_act for interface in interfaces)
-    )
+    combinations = product(*(interface.abutment_friction_cases for interface in interfaces))
     first, *others = map(_joint_abutment_friction_case, combinations)
     all_settle = all(map(attrgetter("settle"), interfaces))
     return WearInterface(
@@ -463,7 +465,7 @@ def _concatenate_attribute_of_objects(owners: Iterable[Any], name: str) -> Float
 
 
 def _joint_abutment_friction_case(footings: Sequence[Footing]) -> Footing:
-    """One footing of a joint group of linings, from a footing of each of its groups.
+    """One friction case of a joint group of linings, from one friction case of each of its groups.
 
     The matrices of the joint contact problem are block diagonal.
     """
@@ -480,8 +482,7 @@ def _joint_abutment_friction_case(footings: Sequence[Footing]) -> Footing:
 def _is_friction_consistent_at_all_abutments(footings: Sequence[Footing], contact: Contact) -> bool:
     """Whether the solution of a joint contact problem agrees with the friction in all its groups.
 
-    `footings` are the ways in which friction acts at the abutments
-    of each group of linings.
+    `footings` has the friction case at the abutments of each group of linings.
     """
     unknowns = slices_of_consecutive_parts(len(footing.problem.q) for footing in footings)
     motions = slices_of_consecutive_parts(len(footing.problem.h) for footing in footings)
@@ -496,8 +497,8 @@ def _find_contact_of_all_worn_linings(
 ) -> tuple[int, Bools]:
     """Solve the contact of several groups of worn linings, each group without a first guess.
 
-    Returns the number of the combination of footings, and the mask (n,) of the unknowns in contact.
-    `depth` (n,) [m] is the worn depth. A footing is a way in which friction acts at the abutments.
+    Returns the number of the combination of friction cases at the abutments (`Footing`), and for
+    each unknown (n,) whether it is in contact. `depth` (n,) [m] is the worn depth.
     """
     number = 0
     active_sets: list[Bools] = []
@@ -505,9 +506,9 @@ def _find_contact_of_all_worn_linings(
     for interface, part in zip(interfaces, parts, strict=True):
         assert interface.settle is not None
         own_number, active = interface.settle(depth[part])
-        # `itertools.product` counts combinations like digits: the choice of the last group changes
-        # from each combination to the next.
-        number = number * len(interface.ways_in_which_abutment_friction_may_act) + own_number
+        # The number of a combination is that of `itertools.product`, in which the choice of the
+        # last group changes fastest, like the last digit of a number.
+        number = number * len(interface.abutment_friction_cases) + own_number
         active_sets.append(active)
     return number, np.concatenate(active_sets)
 
@@ -517,9 +518,9 @@ class SteadyWear(NamedTuple):
 
     Attributes
     ----------
-    footing : number of the footing, the way in which friction acts at the abutments
-    contact : the contact, whose p are the contact unknowns x. Its gap w and motions y are rates per
-        sliding distance under the wear rate p^exponent.
+    footing : number of the friction case at the abutments (see `Footing`)
+    contact : solution of the contact problem of steady wear. Its p are the contact unknowns x. Its
+        gap w and its motions y are changes per sliding distance, for the wear rate p^exponent.
     """
 
     footing: int
@@ -535,14 +536,15 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
     """
     failure: NoAnswer | None = None
     compliance_of_wear = np.diagonal(interface.weight) * interface.pressure
-    for number, footing in enumerate(interface.ways_in_which_abutment_friction_may_act):
+    for number, footing in enumerate(interface.abutment_friction_cases):
         try:
             contact = _solve_steady_wear_for_abutment_friction(interface, footing, law)
         except NoAnswer as error:
             failure = failure or error
             continue
-        # Whether the friction opposes the slide of a foot is judged at motions by wear that exceed
-        # the elastic motions by the factor STEADY_MOTION_RATIO.
+        # In steady wear the motion by wear is far larger than the elastic motion. It alone decides
+        # in which direction a foot slides. The motion by wear is therefore scaled to
+        # STEADY_MOTION_RATIO times the elastic motion before the friction is checked.
         elastic = float(np.abs(np.diagonal(footing.problem.A)).max())
         scale = STEADY_MOTION_RATIO * float(elastic / np.abs(compliance_of_wear).max())
         if footing.stands(replace(contact, y=scale * contact.y)):
@@ -574,8 +576,9 @@ def _solve_steady_power_law_wear(
 ) -> Contact:
     """The steady wear of linings under a wear rate p^m with m other than 1.
 
-    For given motions of the shoe, the rates p^m are the solution of a contact problem without
-    equilibria. A root finder seeks the motions whose pressure balances the loads.
+    If the motions of the shoe are given, the wear rates p^m follow from a contact problem without
+    equations of equilibrium. A root finder varies the motions until the pressures balance the
+    loads.
 
     Parameters
     ----------
@@ -605,8 +608,8 @@ def _solve_steady_power_law_wear(
         """The contact unknowns x (n,) under which the lining wears at the rates (n,)."""
         return top * rate ** (1 / exponent) / interface.pressure
 
-    # Motions t times as large make the pressure t^(1/m) times as large. The first guess is scaled
-    # so that its pressure balances the largest load.
+    # If the motions are t times as large, the pressure is t^(1/m) times as large. The first guess
+    # of the motions is scaled so that its pressure balances the largest load.
     load = np.abs(
         C @ contact_unknowns_at_wear_rates(contact_with_wear_rates_as_pressures(motions).p)
     ).max()
@@ -629,11 +632,12 @@ def _solve_steady_power_law_wear(
 
 
 def find_contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) -> Bools | None:
-    """The mask (n,) of the unknowns in contact, from a sequence of ever stiffer linings.
+    """Whether each unknown (n,) is in contact, found by a sequence of stiffer and stiffer linings.
 
-    A soft lining lies on the drum as under a rigid shoe, so that its contact is found from any
-    guess. The contact of each lining is the first guess for the next, stiffer one. The sequence
-    ends with the given problem. The result is None if a lining of the sequence has no solution.
+    Under a very soft lining the shoe acts as a rigid body, and the contact is found from any first
+    guess. The contact of each lining is the first guess for the next, stiffer lining. The sequence
+    ends with the lining of the given problem. The result is None if a lining of the sequence has no
+    solution.
 
     Parameters
     ----------
@@ -669,7 +673,7 @@ def contact_problem_at_given_torque(
     ----------
     interface : the linings
     torque : torque of all linings [N m]
-    problem : contact problem of one of the interface's footings; None for the first footing
+    problem : contact problem of one of the friction cases at the abutments; None for the first case
     """
     A, q, B, C, h = interface.problem if problem is None else problem
     main = int(np.argmax(np.abs(h)))
@@ -738,9 +742,8 @@ class _InterfaceContact(NamedTuple):
 class _WearStepper:
     """A solver that wears the linings of a brake step by step, for one direction of rotation.
 
-    The unknowns in contact at the last stage are the first guess for the next one. The last footing
-    of each group of linings, the way in which friction acts at its abutments, is kept as long as
-    the solution agrees with it.
+    The unknowns in contact at the last stage are the first guess for the next stage. The friction
+    case at the abutments (`Footing`) of the last stage is tried first.
 
     Parameters
     ----------
@@ -774,7 +777,7 @@ class _WearStepper:
         If the wear run keeps a given torque, the problems have this torque in place of a force.
         """
         problems: list[ContactProblem] = list(
-            map(attrgetter("problem"), interface.ways_in_which_abutment_friction_may_act)
+            map(attrgetter("problem"), interface.abutment_friction_cases)
         )
         if self.held is None:
             return problems
@@ -787,7 +790,7 @@ class _WearStepper:
         return self._make_wear_state(0.0, depth, pressure, _WearIntegrals(0.0, 0.0, 0.0))
 
     def state_after_drum_reversal(self, state: WearState, forward: bool) -> WearState:
-        """The state of linings, worn as in `state`, after the drum turns the other way.
+        """The state of linings directly after a reversal of the drum; `state` is the state before.
 
         `forward` tells whether the drum now turns in the direction that the brake file states.
         """
@@ -804,8 +807,9 @@ class _WearStepper:
         for i, (interface, part) in enumerate(zip(self.interfaces, self.parts, strict=True)):
             if interface.settle is None:
                 continue
-            # The force of the brake file may lock a brake that has an equilibrium at the held
-            # torque. In this case the last contact, if there is one, stays the first guess.
+            # If the run keeps a given torque, the brake may have an equilibrium at this torque
+            # although it locks itself under the force of the brake file. The search under this
+            # force then fails, and the last contact, if there is one, stays the first guess.
             with suppress(NoAnswer) if self.held is not None else nullcontext():
                 self.footing[i], self.sets[i] = interface.settle(depth[part])
         return self._solve_contact_of_all_linings(depth, 0.0).p
@@ -816,8 +820,9 @@ class _WearStepper:
         slope = float(self.law.wear_rate_and_its_slope(np.full(1, largest), 0.0)[1][0])
         if slope == 0:
             return math.inf
-        # The stiffer a node is, the faster wear changes its pressure. The least ratio of a node's
-        # elastic compliance to its compliance by wear belongs to the fastest change.
+        # Wear changes the pressure of a node the faster, the stiffer the node is. The smallest
+        # ratio of elastic compliance to wear per pressure and distance, among the nodes, gives the
+        # distance of the fastest change.
         least = math.inf
         for interface in self.interfaces:
             of_wear = np.diagonal(interface.weight) * interface.pressure
@@ -828,21 +833,23 @@ class _WearStepper:
     def state_and_error_after_step(self, state: WearState, ds: float) -> tuple[WearState, float]:
         """The state after a step of length ds [m], and the relative L2 error of its pressure."""
         footing = list(self.footing)
-        # The two stages of the Runge-Kutta method and its weights give the worn depth.
+        # The step has the two stages of the Runge-Kutta method. Their wear rates, weighted, give
+        # the worn depth.
         first = self._solve_contact_of_all_linings(state.depth, GAMMA * ds)
         second = self._solve_contact_of_all_linings(
             state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds
         )
         depth = state.depth + ds * ((1 - GAMMA) * first.rate + GAMMA * second.rate)
-        # With the rates r1 and r2 of the stages, the embedded first-order method wears by ds r1.
-        # Its depth is wrong by GAMMA ds (r2 - r1). The tangent of the last stage turns this error
-        # of the depth into an error of the pressure.
+        # r1 and r2 are the wear rates of the two stages. A first-order method with the same stages
+        # would wear by ds r1, and this depth is wrong by GAMMA ds (r2 - r1). The derivative of the
+        # pressure by the worn depth at the last stage turns this error of the depth into an error
+        # of the pressure.
         depth_error = GAMMA * ds * (second.rate - first.rate)
         error = self._norm_of_pressure_over_all_linings(
             self._pressure_change_by_worn_depth(second.tangents, depth_error)
         )
-        # The tangent is right only if the same unknowns were in contact, with the same friction at
-        # the abutments, throughout the step.
+        # This derivative is valid only if the same unknowns were in contact, with the same friction
+        # at the abutments, throughout the step.
         pressed = second.p > 0
         same_set = ((state.pressure > 0) == pressed).all() and ((first.p > 0) == pressed).all()
         if not same_set or self.footing != footing:
@@ -873,9 +880,10 @@ class _WearStepper:
     def _pressure_distance_from_euler_step(self, state: WearState, ds: float, p: Floats) -> float:
         """The L2 norm of the difference between p after a step and p of one implicit Euler step.
 
-        It measures the error of a step over which the nodes in contact change. The tangent of the
-        last stage cannot: it belongs to the last nodes in contact only. If a single node is in
-        contact, equilibrium gives its pressure, and the tangent is zero.
+        The norm measures the error of a step over which the nodes in contact change. The derivative
+        of the pressure by the worn depth cannot measure this error, because it is valid for the
+        last nodes in contact only. If a single node is in contact, equilibrium alone gives its
+        pressure, and the derivative is zero.
 
         Parameters
         ----------
@@ -925,21 +933,21 @@ class _WearStepper:
         if self.held is None:
             return 1.0
         interface = self.interfaces[i]
-        problem = interface.ways_in_which_abutment_friction_may_act[self.footing[i]].problem
+        problem = interface.abutment_friction_cases[self.footing[i]].problem
         main = int(np.argmax(np.abs(problem.h)))
         return float(problem.C[main] @ (p / interface.pressure)) / float(problem.h[main])
 
     def _solve_contact_of_lining_group(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
         """Solve the contact of the linings' group `i` at a stage of a wear step.
 
-        The footing, the way in which friction acts at the abutments, is changed until the solution
-        agrees with it. Raises NoAnswer if there is no such footing. Other parameters are those of
-        `_solve_contact_of_all_linings`.
+        The friction cases at the abutments (`Footing`) are tried until a solution agrees with its
+        case. Raises NoAnswer if no solution does. `depth` (n,) [m] is the worn depth before the
+        stage, and `ds` [m] the distance over which the stage wears the linings at its own rate.
         """
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
-        footings = self.interfaces[i].ways_in_which_abutment_friction_may_act
-        # The way in which friction acted at the abutments in the last solution is tried first.
+        footings = self.interfaces[i].abutment_friction_cases
+        # The friction case at the abutments of the last solution is tried first.
         for number in sorted(range(len(footings)), key=lambda number: number != last_footing):
             self.footing[i], self.sets[i] = number, last_set
             try:
@@ -948,8 +956,8 @@ class _WearStepper:
                 failure = failure or error
                 continue
             force = self._actuation_factor_that_balances_pressures(i, bearing.p)
-            # Whether the friction opposes the slide of the feet is judged under the actuation of
-            # the brake file, so the solution is scaled to it.
+            # The check whether the friction opposes the slide of the feet needs the solution under
+            # the actuation of the brake file. The solution is scaled to this actuation.
             contact = bearing.contact
             if force > 0:
                 contact = replace(contact, p=contact.p / force, y=contact.y / force)
@@ -961,11 +969,12 @@ class _WearStepper:
     def _solve_contact_for_abutment_friction(
         self, i: int, depth: Floats, ds: float
     ) -> _InterfaceContact:
-        """Solve the contact of the linings' group `i` with its present footing.
+        """Solve the contact of the linings' group `i` for its present abutment friction case.
 
         Newton's method replaces the wear rate by its tangent at the last pressure. The slope of the
         tangent acts as a compliance of the linings, and its constant part as a gap. Raises NoAnswer
-        for self-locking or no convergence. Parameters are those of `_solve_contact_of_all_linings`.
+        for self-locking or no convergence. `depth` (n,) [m] is the worn depth before the stage, and
+        `ds` [m] the distance over which the stage wears the linings.
         """
         interface, problem = self.interfaces[i], self.problems[i][self.footing[i]]
         A, q, B, C, h = problem._replace(q=problem.q + interface.weight @ depth)
@@ -996,8 +1005,8 @@ class _WearStepper:
     def _first_guess_of_pressure(self, i: int, problem: ContactProblem) -> Floats:
         """The pressure (n,) [Pa] from which Newton's method starts, for the linings' group `i`.
 
-        It is the pressure without wear in this stage. It is zero for a rate proportional to the
-        pressure, which needs no first guess.
+        It is the pressure of the linings as they are before this stage. For the exponent 1 the
+        equations are linear in the pressure and need no first guess: zero is returned.
         """
         if self.law.exponent == 1:
             return np.zeros(len(problem.q))
@@ -1039,15 +1048,15 @@ def wear_linings_by_explicit_euler(
 
 
 def amplitude_of_node_to_node_pressure_ripple(p: Floats, margin: int = 5) -> float:
-    """The part of nodal pressures p (n,) that alternates from node to node, relative to p.
+    """How much nodal pressures p (n,) alternate from node to node, relative to p (a checkerboard).
 
     It is the norm of the fourth difference (1, -4, 6, -4, 1)/16 of p over the norm of p. The fourth
     difference of an alternation +1, -1, +1 has the size 1, that of a smooth pressure the order of
     the fourth power of the nodes' spacing. The nodes next to the ends of the lining and of the
     contact do not count, `margin` of them at each end. The result is nan if no node is left.
     """
-    # An alternation may take single nodes out of contact. The contact therefore ends only at a node
-    # without pressure whose two neighbours have no pressure either.
+    # If the pressure alternates, single nodes may have no pressure. The contact therefore ends only
+    # at a node without pressure whose two neighbours have no pressure either.
     open_stretches = _mask_of_true_with_true_neighbours(p <= 0, 1, beyond=True)
     use = _mask_of_true_with_true_neighbours(~open_stretches, margin, beyond=False)
     if not use.any():

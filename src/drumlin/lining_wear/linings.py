@@ -32,20 +32,20 @@ AnyBrake = TypeVar("AnyBrake", bound=Brake)
 
 
 class WornLining(NamedTuple):
-    """The lining of one shoe, and the place of its contact unknowns in a wear setup.
+    """The lining of one shoe, and the positions of its contact unknowns among those of the brake.
 
-    An interface is a group of linings with one contact problem. The setup of a brake has one or
-    more interfaces.
+    Linings that influence each other have one contact problem together, which is called an
+    interface. A brake has one or more interfaces.
 
     Attributes
     ----------
     shoe : position of the shoe in the brake
     name : name of the shoe
-    interface : position of the lining's interface in the setup
+    interface : number of the lining's interface
     part : slice of the lining's unknowns in the unknowns of all interfaces
     local : slice of the lining's unknowns in the unknowns of its interface
-    theta : (n,) [rad], angles of the lining's unknowns; without those of further nodes across the
-        width
+    theta : (n,) [rad], angles of the lining's contact unknowns; unknowns at the same angle across
+        the width count once
     forward : slice that puts these angles in the order of growing theta
     order : degree of the interpolation of pressure and depth between the nodes
     across : (m,) [m], distances from the mid-plane of the nodes across the width, one in plane
@@ -102,7 +102,7 @@ class WearSetup(NamedTuple):
 
     @property
     def lining_stiffness_per_area(self) -> float:
-        """The stiffness K = E/t [Pa/m] of the first lining in contact: pressure per compression.
+        """The stiffness K = E/t [Pa/m] of the first lining in contact: pressure over compression.
 
         E is the modulus through the lining's thickness t. With the wear coefficient k, 1/(k K) is
         the sliding distance over which wear changes the pressure by a factor e.
@@ -112,7 +112,7 @@ class WearSetup(NamedTuple):
 
 
 class _PlacedLining(NamedTuple):
-    """A lining before the place of its contact unknowns in the wear setup is known.
+    """A lining of a group, before its contact unknowns have positions among those of the brake.
 
     `shoe` is the position of the shoe in the brake. The other attributes are those of WornLining.
     """
@@ -166,7 +166,8 @@ def wear_setup_by_finite_elements(
 def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
     """The contact problem of a group of coupled shoes, for steps of wear.
 
-    It has a footing for each way in which friction may act at the abutments of the shoes.
+    The contact problem has a case (`Footing`) for each way in which friction may act at the
+    abutments: the feet slide one way or the other, or stick.
     """
     first, *others = group.groups_with_each_direction_of_foot_friction()
     couplings = list(map(attrgetter("coupling"), group.substructures_of_shoes))
@@ -193,12 +194,13 @@ def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
 def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int, Bools]:
     """Solve the contact of worn linings without a first guess.
 
-    Returns the number of the footing, the way in which friction acts at the abutments, and the mask
-    (n,) of the unknowns in contact.
+    Returns the number of the friction case at the abutments, and for each unknown (n,) whether it
+    is in contact.
 
     Parameters
     ----------
-    ways : the group of shoes with each of its footings; the search starts from the first
+    ways : the group of shoes in each friction case at the abutments; the search starts from the
+        first
     depth : worn depth (n,) [m] at the contact unknowns
 
     Raises
@@ -210,8 +212,8 @@ def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> t
     try:
         settled, contact = worn.solve_contact_and_abutment_friction()
     except NoAnswer:
-        # A search without a first guess may miss an equilibrium. The contact of ever stiffer
-        # linings, from very soft ones on, gives a first guess.
+        # A search without a first guess may miss an equilibrium. A first guess comes from a
+        # sequence of linings that begins with very soft ones and becomes stiffer and stiffer.
         active = find_contact_set_from_soft_linings(
             worn.contact_problem_of_group, worn.mass_matrix_of_contact_nodes
         )
@@ -285,7 +287,8 @@ def wear_setup_by_foundation_model(
         raise BadInput(f"foundation does not apply to this brake: {reason}")
     names = foundation.validated_names_of_effects_to_include(brake, lift)
     touching = [i for i, shoe in enumerate(brake.shoes) if actuation_moment_towards_drum(shoe) > 0]
-    # Shoes influence each other only if the own pressure of each shoe loads an elastic ring.
+    # Shoes influence each other only through an elastic ring that bends under the pressure of each
+    # shoe.
     meet = brake.ring is not None and "own-pressure" in names
     groups = [touching] if meet and touching else [[i] for i in touching]
     interfaces: list[WearInterface] = []

@@ -1,12 +1,12 @@
 """Run a brake in: wear changes the pressure from the elastic one to that of the rigid-shoe law.
 
 Whatever the elasticity of the brake, wear ends when every point of the lining wears as fast as the
-rigid-body motion of the shoe brings the point nearer to the drum. The pressure is then proportional
-to approach^(1/m), where approach is this speed and m the exponent of the wear law. For m = 1 the
-pressure is sin(phi) on a hinged shoe, cos(phi) about the direction of a guided shoe, and
-A cos + B sin on a shoe with a pivot on a lever. The elasticity then shows only in the worn shape of
-the lining. `brake_with_worn_linings` returns the brake with this shape as clearance of its linings,
-which every model can solve.
+rigid-body motion of the shoe brings the point nearer to the drum. The pressure at a point is then
+proportional to v^(1/m), where v is the approach of the point to the drum per sliding distance, and
+m the exponent of the wear law. For m = 1 the pressure is sin(phi) on a hinged shoe, cos(phi) about
+the direction of a guided shoe, and A cos + B sin on a shoe with a pivot on a lever. The elasticity
+then influences only the worn shape of the lining. `brake_with_worn_linings` returns a brake whose
+linings have this shape as their clearance. Every model can solve this brake.
 """
 
 import math
@@ -69,7 +69,7 @@ def end_of_wear_by_rigid_shoe_law(
 
     For finite elements and the exponent 1 of the wear law, the pressure is that of the rigid-shoe
     law, which is even across the width. For the foundation model and for other exponents, the
-    result is `final_pressure_and_torque_of_wear_on_mesh`.
+    result is that of `final_pressure_and_torque_of_wear_on_mesh`.
 
     Parameters
     ----------
@@ -102,9 +102,19 @@ def final_pressure_and_torque_of_wear_on_mesh(
 ) -> WearTarget:
     """The pressure and the torque at the end of wear on the mesh, or the sectors, of a setup.
 
-    They differ from the rigid-shoe law if by the law only a part of a lining is in contact, because
-    this part ends within an element. Parameters and errors are those of
-    `end_of_wear_by_rigid_shoe_law`.
+    If only a part of a lining is in contact by the rigid-shoe law, this part ends inside an
+    element. The pressure on the mesh then differs from the law.
+
+    Parameters
+    ----------
+    setup : the brake with the contact problems of its linings
+    law : the wear law; None for Archard's law
+    torque : torque [N m] that the actuation is adjusted to keep; None for a constant actuation
+
+    Raises
+    ------
+    NoAnswer
+        if a rigid shoe has no equilibrium
     """
     law = law or WearLaw(DEFAULT_WEAR_COEFFICIENT)
     pressures = []
@@ -159,8 +169,8 @@ class TargetDistance(NamedTuple):
 
     Attributes
     ----------
-    pressure : L2 norm of the difference in pressure over that of the final pressure, of the lining
-        with the largest; one element at each end of a lining does not count
+    pressure : L2 norm of the difference in pressure over that of the final pressure, for the lining
+        where this ratio is largest; one element at each end of a lining does not count
     torque : difference in torque over the final torque, positive if the state has more torque
     """
 
@@ -179,14 +189,15 @@ def relative_difference_from_end_of_wear(
 
 
 def largest_pressure_difference_of_linings(setup: WearSetup, p: Floats, goal: Floats) -> float:
-    """The relative L2 distance of pressures p (n,) from pressures `goal` (n,).
+    """The relative L2 distance of pressures p (n,) from pressures `goal` (n,), on the worst lining.
 
-    It is that of the lining with the largest distance.
+    The distance is computed for each lining, and the largest one is returned.
     """
     distances = []
     for surface in setup.surfaces:
         size = _norm_of_values_over_face_without_ends(surface, goal)
-        # A lining that no longer presses when it is worn in has no pressure to divide by.
+        # The distance of a lining is divided by the norm of `goal` on this lining. A lining whose
+        # `goal` is zero, because it has no contact when worn in, is skipped.
         if size:
             distances.append(_norm_of_values_over_face_without_ends(surface, p - goal) / size)
     return max(distances, default=0.0)
@@ -220,8 +231,8 @@ def make_test_for_end_of_wear(
     Parameters
     ----------
     setup : the brake with the contact problems of its linings
-    goal : end of wear on the mesh, by `final_pressure_and_torque_of_wear_on_mesh`. The rigid-shoe
-        law would not do, because wear on a mesh does not reach it.
+    goal : end of wear on the mesh, by `final_pressure_and_torque_of_wear_on_mesh`; wear on a mesh
+        does not reach the pressure of the rigid-shoe law exactly
     within : largest relative difference of pressure and torque from the end of wear
     """
     return lambda state: (
@@ -246,7 +257,7 @@ def wear_brake_linings_until_worn_in(
         DEFAULT_WEAR_COEFFICIENT
     backward : setup of the same brake with the drum turning the other way, for `reverse`
     until : function that tells whether the run ends with a given state; None to end the run when
-        pressure and torque have come within WEAR_SETTLED of the end of wear
+        pressure and torque differ by less than WEAR_SETTLED from their final values
     options : `distance`, `reverse`, `torque` and `tolerance` of `archard.wear_linings`
 
     Raises
@@ -298,8 +309,8 @@ def _require_three_elements_per_lining(setup: WearSetup) -> None:
 def sliding_distance_of_e_fold_pressure_change(setup: WearSetup, law: WearLaw) -> float:
     """The unit of sliding distance 1/(k K) [m]; inf if the wear coefficient k is 0.
 
-    K is the stiffness E/t of the lining. Over this distance, wear reduces by a factor e the
-    difference of the pressure from its final value, if a rigid shoe stands on a lining of springs.
+    K is the stiffness E/t of the lining. For a rigid shoe on a lining of independent springs, the
+    difference of the pressure from its final value falls by a factor e over this distance.
     """
     return 1 / (law.coefficient * setup.lining_stiffness_per_area) if law.coefficient else math.inf
 
@@ -362,7 +373,7 @@ class LiningLife(NamedTuple):
     ----------
     distance : sliding distance [m] at which the first lining is worn out
     pressure : fraction of this distance after which the pressure stays near its final value; above
-        1, a lining is worn out before
+        1 the first lining is worn out before this happens
     torque : fraction of this distance after which the torque stays near its final value
     """
 
@@ -635,7 +646,7 @@ def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
 def _table_line_of_wear_state(
     setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw
 ) -> str:
-    """The line of one state in a wear run's table; parameters as of `report_lines_of_wear_run`."""
+    """The line of one state in the table of a wear run; `goal` is the end of wear."""
     off = relative_difference_from_end_of_wear(setup, state, goal)
     force = state.force * setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     peak = peak_nodal_pressure_of_wear_state(setup, state) * 1e-6

@@ -182,10 +182,10 @@ def wear_whole_brake(
     ----------
     setups : wear setups of the brake; with `reverse`, also for the other direction of rotation
     law : the wear law
-    distance : sliding distance as of `sliding_distance_from_option`; None to wear until pressure
-        and torque hardly differ from the end of wear
-    reverse : sliding distance, as of `sliding_distance_from_option`, after which the drum turns the
-        other way, again and again; None for one direction
+    distance : sliding distance [m], or a text such as "20 km" (a text without a unit is a multiple
+        of 1/(k K)); None to wear until pressure and torque hardly differ from their final values
+    reverse : sliding distance, given like `distance`, after which the drum turns the other way,
+        again and again; None for one direction
     torque : torque [N m] that the actuation is adjusted to keep; None for a constant actuation
     tolerance : largest error of the pressure in a step (L2 norm, relative); None for the default
 

@@ -69,7 +69,7 @@ motion a hundred times as large would keep them off the drum. A judgement; the p
 depend on it."""
 
 EVEN_WEAR = 1e-3
-"""Largest depth of even wear of a worn-in lining, relative to its largest elastic gap.
+"""Depth of the uniform wear that is added to a worn-in lining, relative to its largest elastic gap.
 
 The elastic gap is the opening of the gap under load that no motion of the shoe can close. The depth
 must be far above round-off, 1e-12. The part of the lining that is not in contact then stands off
@@ -124,8 +124,8 @@ def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[sli
     Parameters
     ----------
     interface : contact problem of the linings
-    linings : slices of the contact unknowns that move independently of each other, one for each
-        lining or one for all
+    linings : slices of the contact unknowns of linings that move independently of each other: one
+        slice for each lining, or a single slice for all linings
 
     Raises
     ------
@@ -134,26 +134,26 @@ def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[sli
     """
     end = solve_steady_wear(interface, WearLaw(1.0))
     footing, M, p = (
-        interface.ways_in_which_abutment_friction_may_act[end.footing],
+        interface.abutment_friction_cases[end.footing],
         interface.weight,
         end.contact.p,
     )
     A, q, B, *_ = footing.problem
-    # While the unloaded shoe rests, each foot on a rough abutment stays where it is. The footing
-    # of this case is the one with the fewest motions.
+    # While the unloaded shoe rests, each foot on a rough abutment sticks. Among the friction cases
+    # at the abutments this case has the fewest rigid-body motions.
     resting = min(
-        map(attrgetter("problem.B"), interface.ways_in_which_abutment_friction_may_act),
+        map(attrgetter("problem.B"), interface.abutment_friction_cases),
         key=lambda B: B.shape[1],
     )
     solved = scipy.linalg.solve(M, np.column_stack([q + A @ p, resting]), assume_a="pos")
-    # `opened` is the opening c, and approach @ y is the closing of the gap by motions y.
+    # `opened` is the opening c of the gap by the load, and approach @ y its closing by motions y.
     opened, approach = solved[:, 0], -solved[:, 1:]
     motions = _motions_to_resting_position(interface, opened, approach)
     rest, bent = motions.nearest, opened - approach @ motions.nearest
     closing = approach @ motions.evenly
     for part in linings:
-        # The even motion is just large enough to keep the lining out of the drum at all nodes that
-        # it moves by more than LEAST_CLOSING.
+        # The second motion closes the gap evenly. Its size is just large enough to keep the lining
+        # out of the drum at all nodes where the motion closes the gap by more than LEAST_CLOSING.
         moves = closing[part] >= LEAST_CLOSING * closing[part].max()
         amount = float((bent[part][moves] / closing[part][moves]).max())
         own_motions = np.any(resting[part] != 0, axis=0)
@@ -244,11 +244,12 @@ def post_brake_with_worn_in_clearances(
     fitting = brake_without_misfit(brake, drum=True)
     shoes = list(range(len(brake.shoes)))
     gaps: dict[int, Rows] = {}
-    # Shoes influence each other only if the own pressure of each shoe loads the ring.
+    # Shoes influence each other only through a ring that bends under the pressure of each shoe.
     groups = [shoes] if "own-pressure" in names else [[i] for i in shoes]
     for group in groups:
         model = contact_problem_of_shoe_group(fitting, group, sections, names)
-        # The pressure of the sine law as normal forces on the sectors of the linings.
+        # The pressure of the sine law is converted into normal forces on the sectors of the
+        # linings.
         forces, angles = [], []
         for i, post in zip(group, model.posts, strict=True):
             theta = brake_angles_from_beam_angles(post.axis, brake.shoes[i], post.theta)
@@ -260,7 +261,8 @@ def post_brake_with_worn_in_clearances(
         parts = np.split(opened, np.cumsum(list(map(len, angles)))[:-1])
         for k, post in enumerate(model.posts):
             own, theta = parts[k], angles[k]
-            # The turn is the smallest with which no clearance is negative: it is 0 at one place.
+            # The turn is the smallest for which no clearance is negative. The clearance is then 0
+            # at one sector.
             gap = post.closing[0] * np.max(own / post.closing[0]) - own
             gaps[group[k]] = table_rows_from_coordinates_and_values(
                 theta[:: post.axis.sense], gap[:: post.axis.sense]

@@ -64,13 +64,14 @@ INSTALL_CALCULIX = (
 LARGEST_STATE_IMBALANCE = 1e-3
 """Largest relative imbalance of forces or moments of a CalculiX state that is accepted.
 
-The drum is displaced by its rotation, 1e-3 rad, relative to the lining, and so are the forces on
-the two sides of the contact."""
+The forces on drum and lining act at places that differ by the rotation of the drum, 1e-3 rad, which
+makes an imbalance of this size.
+"""
 
 LEAST_TOUCHING = 0.1
 """Smallest fraction of the lining's elements that must touch the drum in an accepted state.
 
-With fewer elements in contact the state is no equilibrium."""
+With fewer elements in contact CalculiX has ended in a state without equilibrium."""
 
 STICKING_SHEAR_RATIO = 0.99
 """Shear stress divided by mu p below which a contact point counts as sticking."""
@@ -142,9 +143,10 @@ def calculix_version() -> str:
 def export_calculix_deck_of_each_shoe(
     brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND
 ) -> tuple[list[Path], list[str]]:
-    """Write a CalculiX deck for each shoe of a brake, set as `solve_brake_by_calculix` begins.
+    """Write the CalculiX decks with which `solve_brake_by_calculix` begins, one for each shoe.
 
-    CalculiX need not be installed. Raises BadInput as `solve_brake_by_calculix` does.
+    CalculiX need not be installed. Raises BadInput for a brake that `solve_brake_by_calculix`
+    refuses.
 
     Parameters
     ----------

@@ -238,8 +238,9 @@ def hinged_shoes_under_actuation(
 ) -> list[LoadedShoe]:
     """The hinged shoes of a brake, meshed by drumlin's mesher, each under its own actuation.
 
-    The parameters are those of `meshes_of_shoes_for_peer_program`. Raises BadInput as
-    `meshes_of_shoes_for_peer_program` does, and for a shoe without a hinge.
+    `elements` and `kind` are the number of elements along each lining and their kind, and `mesher`
+    is a function that meshes a shoe (None for drumlin's mesher). Raises BadInput for a brake with
+    an elastic ring or without friction, and for a shoe without a hinge.
     """
     if brake.surface.is_plane_and_not_drum:
         raise BadInput("CalculiX takes brakes on a drum: its shoes press on a plane")
@@ -340,7 +341,8 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
 
     Three conditions are checked: the sum of the forces, their moment about the origin, and the
     equilibrium of the shoe's holder. In the last one, forces and loads on the holder must do the
-    same work on the test modes. `load` is the actuation (3,) as of `_actuation_about_pin`.
+    same work on the test modes. `load` (3,) is the force of the actuation [N] and its moment about
+    the pin [N m].
     """
     pin, tests = loaded.shoe.pin_in_shoe_frame, loaded.tests
     push = load if loaded.is_force_on_body else np.zeros(3)
@@ -350,7 +352,7 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
         float(planar_cross_product(pin, push[:2])),
     ]
     moments += [float(forces.held[2]), float(push[2])]
-    # The moment scale is added with both signs: it enlarges the scale, but not the sum.
+    # This moment is added with both signs: the scale of the moments grows, but their sum does not.
     size = loaded.radius * normal_force
     balance = relative_sums_of_forces_and_moments(
         [forces.normal, forces.friction, forces.held[:2], push[:2]],

@@ -135,7 +135,7 @@ def solve_solid_by_calculix(
     brake : the brake
     elements : number of elements along each lining
     across : number of elements over half of the lining's width; None: it follows from `elements`
-    setting : parameters of the decks; None: the usual ones with the rotation ROTATION
+    setting : parameters of the decks; None: the usual ones with the rotation SOLID_DRUM_ROTATION
     """
     installed = calculix.calculix_version()
     start = (setting or DeckSetting(rotation=SOLID_DRUM_ROTATION))._replace(

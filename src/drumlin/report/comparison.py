@@ -167,9 +167,10 @@ def compare_models_and_write_html_page(
     drawn, not_drawn = False, None
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         drawn = True
-        # Of all options, only these two concern the mesh.
+        # Only these two options concern the mesh.
         mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
-        # The correction for the widths knows no stresses. The picture shows plane stress.
+        # The correction for the widths has no stresses, so that the picture shows those of plane
+        # stress.
         if options.get("finite_width"):
             plane = {key: value for key, value in options.items() if key != "solid"}
             fem = MODELS["fem"].solve(brake, **{**plane, "finite_width": False})

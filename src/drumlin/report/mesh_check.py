@@ -93,7 +93,7 @@ def read_meshes_of_brake(brake: Brake) -> list[CheckedShoe]:
 def lines_on_what_will_be_solved(brake: Brake, checked: CheckedShoe) -> Iterator[str]:
     """Yield three lines of text on a shoe's mesh: elements, contact line, and support with force.
 
-    Further lines are the notes of the reader, one for each part of the file that it changed.
+    Further lines tell which parts of the mesh file drumlin changed when it read the file.
     """
     shoe, mesh = checked.shoe, checked.read.mesh
     kind = element_kind_of_mesh(mesh)
@@ -118,16 +118,18 @@ def _text_on_contact_line(brake: Brake, checked: CheckedShoe) -> str:
     sides = len(checked.read.mesh.boundaries["contact"])
     text = (
         f"contact line of {sides} sides from {place(offsets.at[0])} to {place(offsets.at[-1])}, "
-        f"in the file up to {_um_text(offsets.in_file)} off the {surface}"
+        f"in the file up to {_text_in_micrometres(offsets.in_file)} off the {surface}"
     )
     moved = contact.rounded + contact.straight
     if moved:
-        text += f"; {moved} nodes are put on it, up to {_um_text(offsets.solved)} stays as a gap"
+        gap = _text_in_micrometres(offsets.solved)
+        text += f"; {moved} nodes are put on it, up to {gap} stays as a gap"
     compression = mean_compression_under_actuation_force(brake, shoe)
-    return f"{text}; the force spread evenly compresses the lining by {_um_text(compression)}"
+    compressed = _text_in_micrometres(compression)
+    return f"{text}; the force spread evenly compresses the lining by {compressed}"
 
 
-def _um_text(lengths: Floats | float) -> str:
+def _text_in_micrometres(lengths: Floats | float) -> str:
     """The largest of some lengths [m] as text in micrometres; 0 for round-off."""
     largest = float(np.abs(lengths).max()) * UM_PER_M
     return f"{largest:.3g} um" if largest > 1e-4 else "0 um"

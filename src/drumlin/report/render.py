@@ -121,7 +121,7 @@ class _SurfaceLine(NamedTuple):
     Attributes
     ----------
     line : points (n, 2) [m] of the drum's circle or of the plane
-    size : length [m] to which the sizes of arrows and signs are relative
+    size : length [m] to which the sizes of arrows and symbols are relative
     """
 
     line: Floats
@@ -129,7 +129,7 @@ class _SurfaceLine(NamedTuple):
 
 
 def _friction_surface_to_draw(brake: Brake) -> _SurfaceLine:
-    """The line of a brake's friction surface, with the length to which signs are relative.
+    """The line of a brake's friction surface, and the length to which drawn symbols are relative.
 
     This length is the drum's radius, on a plane half the length of the brake.
     """

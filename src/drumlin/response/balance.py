@@ -1,6 +1,6 @@
 """Compute the imbalance of a response: sums of forces and of moments on each shoe.
 
-Each sum is relative to its largest member, and vanishes in equilibrium.
+In equilibrium each sum is zero. Each sum is divided by the largest force or moment in it.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Relative differences between two responses: pressures in the L2 norm, vectors and numbers."""
+"""Relative differences between two answers for a brake: pressures (L2 norm), vectors, numbers."""
 
 import math
 from dataclasses import dataclass
@@ -45,7 +45,8 @@ class PressureDifference:
         zones : distances [rad] from the ends of the lining at which pieces must end as well
         """
         start, end, inner = b.theta[0], b.theta[-1], np.array(zones)
-        # A knot is an end of a piece. Knots may coincide: a piece of no length adds nothing.
+        # The knots are the ends of all pieces. If two knots coincide, the piece between them has no
+        # length and adds nothing to an integral.
         ends_of_pieces = a.theta[:: a.order], b.theta[:: b.order]
         beside_slots = [np.concatenate([first - inner, last + inner]) for first, last in b.slots]
         knots = np.sort(

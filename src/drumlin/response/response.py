@@ -204,15 +204,16 @@ class ShoeResponse:
         `Held.pin`, besides the force at the pin
     supports : forces of the anchors, of the abutment and of the strut on a shoe on anchors
     force : actuation force [N] on the shoe, if a cam or a strut shares it; otherwise None
-    motion : dx, dy [m] at `Held.pin` and turn [rad] of a shoe without hinge, in the shoe's frame
+    motion : rigid-body motion of a shoe without hinge, in the shoe's frame: displacement dx, dy [m]
+        of the shoe's reference point `Held.pin`, and turn [rad]
     deformation : deflections of beam and ring, by the foundation model only
     surface : pressure over arc and width, by a solid model only; `pressure` and `peak_pressure` are
         then means over the width
     error : estimated relative errors by their keys "pressure" (L2 norm outside the edge zones),
         "torque", "peak" and "reaction"; None if nothing was estimated
-    softness : relative changes of the results by the contact's penalty
-    lost : relative changes of the results by round-off in the elimination of unknowns, as far as
-        they are known
+    softness : relative changes of the results because the contact stiffness (penalty) is finite
+    lost : relative changes of the results by round-off when the unknowns inside the bodies are
+        eliminated, as far as these changes are known
     """
 
     name: str
@@ -330,8 +331,8 @@ class ShoeResponse:
     def curve_at_distance_from_mid_plane(self, number: int) -> tuple[Floats, Floats]:
         """Points of the pressure curve at one distance from the mid-plane, by a solid model.
 
-        `number` is the position of the distance in z of `surface`. The angles (m,) [rad] are those
-        that `curve` returns.
+        `number` counts the distances in the attribute z of `surface`. The angles (m,) [rad] are
+        those that `curve` returns.
         """
         # `surface` is the pressure of all models with widths, for a shoe in contact.
         assert self.surface is not None

@@ -24,8 +24,8 @@ GAUSS, WEIGHTS = legendre.leggauss(12)
 PEAK_SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
 """Points at which a polynomial piece is evaluated to find its largest value.
 
-They are in the coordinate [-1, 1] of the piece. A parabola through the largest of these values and
-its two neighbours then gives the largest value of the piece.
+The points are in the coordinate [-1, 1] of the piece. A parabola through the largest of the 25
+values and its two neighbours gives the largest value of the piece.
 """
 
 

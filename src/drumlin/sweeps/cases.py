@@ -99,7 +99,7 @@ class CaseAnswer(NamedTuple):
     Attributes
     ----------
     row : results of the case, or the reason of its failure
-    lasting : whether each attempt would give the same row; the journal keeps lasting rows only
+    lasting : whether a further attempt would give the same row; the journal keeps only such rows
     again : whether the case failed for a reason that may pass, so that it is tried again
     """
 
@@ -132,8 +132,9 @@ def solve_case_and_return_results_or_failure(case: SweepCase, cache: Cache | Non
 def solve_case_without_raising(case: SweepCase, cache: Cache | None = None) -> CaseAnswer:
     """Solve a case, and say whether its results may be kept. Never raises.
 
-    Results are lasting, and so are refusals because of the input or the physics. Failures for want
-    of memory or files may pass. Faults of drumlin are neither lasting nor tried again.
+    Results are kept, and so are refusals because of the input or the physics. A failure for want of
+    memory or of a file is not kept, because a later attempt may succeed. A fault of drumlin is not
+    kept and not tried again.
     """
     try:
         return CaseAnswer(
@@ -149,8 +150,7 @@ def _answer_of_failed_case(case: SweepCase, error: Exception) -> CaseAnswer:
     known = isinstance(error, DrumlinError)
     text = str(error) if known else f"unexpected {type(error).__name__}: {error}"
     passing = _is_failure_of_memory_or_system(error)
-    # The failure does not last if a mesh file cannot be read now: its digest is "none". The file
-    # may be there next time.
+    # If a mesh file cannot be read now (its digest is "none"), a later attempt may succeed.
     readable = "none" not in map(digest_of_mesh_file, paths_of_mesh_files(case.brake, case.changes))
     row = {"status": f"failed: {' '.join(text.split())}"}
     return CaseAnswer(row, lasting=known and not passing and readable, again=passing)
@@ -542,8 +542,9 @@ class _WaitingCases:
         while self._groups and len(taken) < size:
             group = self._groups.pop()
             room = max(size - len(taken), 1)
-            # A group of up to twice the room is taken as a whole, so that a single worker condenses
-            # its shoes. Of a larger group a part is taken.
+            # If a group is at most twice as large as the rest of the chunk, the whole group is
+            # taken, so that only one worker computes the stiffness of its shoes. Of a larger group
+            # a part is taken.
             if len(group) > 2 * room:
                 self._groups.append(group[room:])
                 group = group[:room]

@@ -257,8 +257,8 @@ class _KeySpec(NamedTuple):
     Attributes
     ----------
     values : values of a list or range; None for a distribution
-    at : inverse cumulative function: it turns uniform random numbers u (n,) in (0, 1) into random
-        values (n,) of the key
+    at : inverse of the cumulative distribution function: it turns uniform random numbers u (n,) in
+        (0, 1) into random values (n,) of the key
     """
 
     values: list[Any] | None

@@ -120,7 +120,10 @@ def cases_with_random_deviations(
     """
     # Read the base brake's value of each key that a tolerance changes.
     nominal: dict[str, Any] = {}
-    _check_keys_mean_different_numbers({key for tolerance in tolerances for key in tolerance.moves})
+    changed_keys: set[str] = set()
+    for tolerance in tolerances:
+        changed_keys.update(tolerance.moves)
+    _check_keys_mean_different_numbers(changed_keys)
     for tolerance in tolerances:
         nominal |= {key: numerical_value_of_brake_key(brake, key) for key in tolerance.moves}
     # Row i holds the change of each key per unit of deviation of tolerance i.

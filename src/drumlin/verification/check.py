@@ -53,7 +53,7 @@ class PressureTable(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """How far a shoe's pressure curve p(theta) is from the reference values of this shoe.
+    """How far a pressure curve p(theta) of a shoe is from the reference values of this shoe.
 
     Differences of the pressure p are taken at the angles that the reference lists. Angles in the
     edge zones at the lining's ends do not count.
@@ -66,9 +66,10 @@ class Verdict(NamedTuple):
     at : angle or place of the largest difference, as text
     torque : torque [N m] that the curve gives by the trapezoidal rule, on a plane surface the
         braking force [N]; between the curve's last point and the lining's end p is constant
-    torque_error : change of the torque due to the differences of p, relative to the reference
-    floor : relative uncertainty of the pressure of the reference
-    torque_floor : relative uncertainty of the torque of the reference
+    torque_error : difference of the torque that follows from the differences of p, relative to the
+        torque of the reference
+    floor : relative uncertainty of the reference's own pressure
+    torque_floor : relative uncertainty of the reference's own torque
     """
 
     shoe: str
@@ -193,7 +194,7 @@ def _decimal_sign_of_pressure_table(
     columns: Mapping[str, _NumberColumn],
     wanted: Iterable[str],
 ) -> str:
-    """The decimal sign of the numbers in a table: "," or "."; "" if no number tells it.
+    """The decimal sign of the numbers in a table: "," or "."; "" if all numbers are whole.
 
     Parameters
     ----------
@@ -208,7 +209,9 @@ def _decimal_sign_of_pressure_table(
         for a table with decimal commas and decimal points
     """
     positions = [columns[key].position for key in wanted]
-    cells = (line[at] for line in lines for at in positions if at < len(line))
+    cells = []
+    for line in lines:
+        cells += [line[position] for position in positions if position < len(line)]
     try:
         return decimal_sign_of_table(cells)
     except ValueError as error:
@@ -216,7 +219,7 @@ def _decimal_sign_of_pressure_table(
 
 
 def _hint_about_comma_between_cells(line: Sequence[str], columns: int) -> str:
-    """A hint for a line with too many cells, which decimal commas may have caused; else ""."""
+    """A hint for a line that has too many cells, perhaps because of decimal commas; else ""."""
     if len(line) <= columns:
         return ""
     return "; with decimal commas the cells must be separated by semicolons or tabs"
@@ -233,7 +236,7 @@ def _value_of_table_cell_in_si(
     line : cells of the line
     key : name of the quantity, for messages
     column : column of the cell
-    decimal_sign : "," or "." if other numbers of the table tell it, else ""
+    decimal_sign : "," or "." if other numbers of the table have this sign, else ""
 
     Raises
     ------

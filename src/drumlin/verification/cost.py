@@ -54,7 +54,8 @@ SOLID_COST_DEGREES = (1, 2, 3, 4, 5)
 """Degree across the width of solid shoes for each row of their table of cost."""
 
 LARGEST_FITTED_UNKNOWNS = 600_000
-"""Number of unknowns above which a row does not count for the exponent k in time ~ unknowns^k."""
+"""Number of unknowns above which a row is not used to fit the exponent k in time ~ unknowns^k.
+"""
 
 
 class Cost(NamedTuple):
@@ -146,7 +147,8 @@ def _mesh_and_solve_brake(
 ) -> PreparedModel:
     """Mesh a brake and solve it; returns the prepared model.
 
-    The parameters are those of `measure_time_and_memory_of_fem`.
+    `elements` is the number of elements along each lining, `penalty` the contact penalty, and
+    `mesher` a function that meshes a shoe (None for drumlin's own mesher).
     """
     scene = make_prepared_model(brake, elements=elements, mesher=mesher)
     solve_prepared_model(scene, brake, penalty=penalty)

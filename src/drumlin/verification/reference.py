@@ -65,7 +65,8 @@ class Refinement(NamedTuple):
 
     Attributes
     ----------
-    first : number of coarse hp meshes that are solved first, to find the ends of the contact
+    first : number of coarse meshes of hp elements that are solved first, to find the ends of the
+        contact
     levels : degree and grading of two hp meshes; the solution on the second one is the reference
     triangles : meshes of curved triangles, from coarse to fine; empty: no triangles
     """
@@ -88,9 +89,11 @@ REFERENCE_REFINEMENT = Refinement(
 )
 """The meshes of the reference values that are published.
 
-Element sizes grow slowly away from the ends of the layers and from the hinge, because the torque
-depends on the stresses there. Still thinner elements at the lining's ends would not help: in a
-stiff shoe their round-off error exceeds the discretisation error that they remove."""
+Element sizes grow slowly with the distance from the ends of the layers and from the hinge, because
+the torque depends on the stresses there. Smaller elements at the lining's ends would not reduce the
+error: in a stiff shoe their round-off error is larger than the discretisation error that they
+remove.
+"""
 
 
 class ReferenceResponses(NamedTuple):
@@ -129,7 +132,7 @@ def solve_brake_for_reference_values(
                 f"shoe {shoe.name!r} has a mesh file, which is not refined: no reference values"
             )
     solve_exactly = partial(solve_prepared_model, penalty=math.inf)
-    # Coarse meshes find the ends of the contact, to which the two fine meshes are graded.
+    # Coarse meshes find the ends of the contact. The two fine meshes have small elements there.
     for step in islice(solve_on_finer_and_finer_levels(brake, solve_exactly), refinement.first):
         last = step.response
     found = []
@@ -222,8 +225,8 @@ class ShoeReference:
     theta : angles (n,) [rad] of the listed pressures: whole degrees, on a plane whole millimetres
     pressure : pressures (n,) [Pa] at these angles
     uncertainty : uncertainties (n,) [Pa] of these pressures
-    distance : relative uncertainty of the pressure curve: the larger of the L2 distances of the two
-        other solutions' pressures, without the zones EDGE_ZONE at the lining's ends
+    distance : relative uncertainty of the pressure curve: the larger of its L2 distances from the
+        pressures of the two other solutions, without the zones EDGE_ZONE at the lining's ends
     """
 
     name: str
@@ -290,7 +293,8 @@ def compute_reference_values(
     brake : the brake
     text : text of its file, which the reference keeps
     command : shell command that computes the values again, which the reference keeps
-    trio : the solutions of the brake; None: `solve_brake_for_reference_values` computes them
+    trio : the three solutions of the brake (two hp meshes and triangles); if None, they are
+        computed
     """
     brake.check_shoes_can_be_meshed()
     trio = trio or solve_brake_for_reference_values(brake)
@@ -298,14 +302,15 @@ def compute_reference_values(
     for name in STATED_PACKAGES:
         versions[name] = importlib.metadata.version(name)
     shoes = tuple(_reference_values_of_shoe(brake, i, trio) for i in range(len(brake.shoes)))
-    # The errors of the shoes may have one sign, so the uncertainties of their torques are added.
+    # The errors of the shoes may have the same sign, so that the uncertainties of their torques are
+    # added.
     torque = UncertainValue(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))
     method = METHOD_WITHOUT_TRIANGLES if trio.other is None else METHOD_WITH_TRIANGLES
     return Reference(brake.title, text, command, method, versions, torque, shoes, brake.surface)
 
 
 def _first_value_and_largest_distance_from_others(values: Sequence[Any]) -> UncertainValue:
-    """The first of `values` with its uncertainty, its largest distance from the other values.
+    """The first of `values`, with its largest distance from the other values as its uncertainty.
 
     The distance is infinite if an array has another shape, such as another number of contact arcs.
     """

@@ -23,7 +23,7 @@ REFERENCE_FORMAT = "drumlin reference values, 1"
 """Name and version of the file format, stored under the first key of the file."""
 
 FILE_DIGITS = 10
-"""Significant digits of the numbers in a file. Fewer of them are certain."""
+"""Number of significant digits of each number in a file; the last digits are not certain."""
 
 _NUMBER_LIST = re.compile(r"\[[-+0-9.eE,\s]*\]")
 """Pattern of a list of numbers in a JSON text."""
@@ -247,7 +247,7 @@ def _require_non_negative_number(value: object) -> float:
 def _reference_values_of_shoe_from_json_data(data: dict[str, Any]) -> ShoeReference:
     """The reference values of a shoe from the data of a file.
 
-    Raises one of the errors UNREADABLE if the data are not reference values.
+    Raises one of the errors REFERENCE_READING_ERRORS if the data are not reference values.
     """
     theta = _require_finite_array_of_shape(data["theta"], -1)
     first, last = _require_finite_array_of_shape(data["lining"], 2).tolist()

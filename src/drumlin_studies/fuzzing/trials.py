@@ -223,8 +223,11 @@ def rows_of_verdict_counts_by_generator(
         row["faults"] = sum(bool(verdict.fault) for verdict in of)
         row["longest"] = max(verdict.seconds for verdict in of)
         rows.append(row)
-    total = {key: sum(row[key] for row in rows) for key in ("inputs", *COUNTED_STATUSES, "faults")}
-    return [*rows, {"generator": "all", **total, "longest": max(row["longest"] for row in rows)}]
+    total: dict[str, Any] = {"generator": "all"}
+    for key in ("inputs", *COUNTED_STATUSES, "faults"):
+        total[key] = sum(row[key] for row in rows)
+    total["longest"] = max(row["longest"] for row in rows)
+    return [*rows, total]
 
 
 def most_frequent_refusals_text(verdicts: dict[str, list[InputVerdict]], count: int = 40) -> str:

@@ -1,7 +1,7 @@
-"""Analyses of a solved or prepared elastic brake: holding, self-locking, sensitivity and fields.
+"""Further analyses of an elastic brake: holding at rest, self-locking, sensitivity and fields.
 
 The holding analysis turns the drum from rest to full slip. The self-locking analysis finds the
 friction coefficient at which the brake locks. The sensitivity analysis gives exact derivatives of
-the torque by adjoints. The fields are the displacements and stresses inside the bodies. Each
-analysis takes a prepared model and its brake, and returns a result class of its own.
+the torque by the adjoint method. The fields are the displacements and stresses inside the bodies.
+Each analysis takes a prepared model and its brake, and returns a result class of its own.
 """

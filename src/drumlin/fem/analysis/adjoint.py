@@ -1,10 +1,11 @@
-"""The adjoint of the torques of a group of shoes, which gives the derivatives of the torque.
+"""Solve the adjoint equations of a group of shoes, which give the derivatives of the torque.
 
-On the contact set of the solved brake, linear equations r = 0 hold for the pressures p, the
-generalised coordinates y of the rigid-body motions, the actuation forces F and the travel d of a
-cam's tips. The adjoint (a, b, c) is the solution of the transposed equations whose right side is
-the derivative of a torque T by these unknowns. A small change dr of the equations changes the
-torque by dT = -(a, b, c) . dr. A change dmu of the friction coefficient adds (T/mu) dmu.
+As long as the same nodes are in contact, the solved brake fulfils linear equations r = 0. Their
+unknowns are the pressures p, the generalised coordinates y of the rigid-body motions, the actuation
+forces F and the travel d of the tips under a cam. The adjoint (a, b, c) is the solution of the
+transposed equations, whose right side is the derivative of a torque T with respect to these
+unknowns. If a small change of the brake changes the equations by dr, the torque changes by dT =
+-(a, b, c) . dr. A change dmu of the friction coefficient adds (T/mu) dmu.
 
 The actuation forces are unknowns of the equations, so that forces of struts and cams need no
 special case: c is the change of T per given force.
@@ -78,8 +79,8 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     y = group.rigid_body_coordinates_of_each_shoe(contact)
     F = np.abs(group.actuation_forces_under_contact_pressures(contact.p))
     coordinates = sum(map(len, y))
-    # The last unknown is the travel of a cam's tips. In no equation the coefficient of the travel
-    # depends on the friction mu, so that zeros may stand for the travel here.
+    # The last unknown is the travel of the tips under a cam. Its coefficients do not depend on the
+    # friction mu, so that its derivative by mu is filled with zeros here.
     travel = np.zeros(len(without_friction) - n - coordinates - len(F))
     answer = np.concatenate([contact.p, *y, F, travel])
     weights = np.zeros((len(answer), len(F)))
@@ -95,8 +96,8 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     ):
         p, force = size * contact.p[nodes], size * float(F[k])
         shoes.append(ShoeAdjoint(a[nodes], b[modes], float(c[k]), p, size * y[k], force))
-    # The first term is the change of the torque at fixed pressures. The second term is the change
-    # of the pressures, since friction enters the equations.
+    # The first term is the change of the torque at fixed pressures. The second term comes from the
+    # change of the pressures, because the equations contain the friction.
     by_friction = lever.T @ contact.p - each.T @ (per_friction @ answer)
     given = _torque_slope_by_given_forces(group, shoes)
     return GroupAdjoint(

@@ -28,7 +28,7 @@ from drumlin.fem.preparation.bodies import (
 
 
 def make_stick_slip_problem_of_shoe_group(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
-    """The stick-slip problem of a group of shoes on a resting drum, and its slip per rotation.
+    """The stick-slip problem of a group of shoes on a drum at rest, and the slip per drum rotation.
 
     The problem holds for pressures per newton of the group's actuation force. The second value (n,)
     [m^3] is the weighted slip of each contact node per radian: a rotation of the drum by Omega adds
@@ -85,10 +85,12 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
     modes = group.rigid_body_modes_of_shoes[k]
     coupling, condensed = body.coupling, body.condensed
     n = len(body.line.nodes)
-    # Tractions count along e_theta of the brake, whichever way the shoe's own frame turns.
+    # Tractions are positive in the direction e_theta of the brake, also if the shoe's own frame is
+    # mirrored.
     T = shoe.frame.sense * coupling.T
-    # Y holds half flexibilities. The product of two of them, such as pressed^T dragged, gives
-    # displacements under tractions, weighted as the gaps are weighted by the pressures.
+    # Y consists of nodal forces divided by the Cholesky factor of the stiffness. The product of two
+    # such factors, for example pressed^T dragged, is a flexibility: here the weighted gaps that
+    # tractions open.
     Y = condensed.nodal_forces_over_cholesky_factor(
         np.hstack([-coupling.N.T, T.T, condensed.load_on_contact])
     )
@@ -145,7 +147,7 @@ def _stick_slip_problem_with_free_feet(
         block_diagonal_matrix_of_shoes("A_st"),
     )
     if still.factors_of_ring_flexibility is not None:
-        # The ring under one shoe moves by the pressures and tractions on all shoes.
+        # The pressures and tractions of all shoes displace the ring under each shoe.
         pressed, dragged = still.factors_of_ring_flexibility
         A_wt = A_wt + pressed.T @ dragged
         A_sp = A_sp - dragged.T @ pressed
@@ -178,8 +180,8 @@ class FeetOnRoughAbutments(NamedTuple):
     shoe_numbers : numbers, within the group, of the shoes whose feet stand on rough abutments
     senses : sense of friction at the abutment of each shoe of the group; UNHELD where the foot is a
         node of the stick-slip problem
-    foot_compliance : compliance (feet,) [m/N] of each foot across and along the face of its
-        abutment, in the place of a lining's penalty
+    foot_compliance : compliance (feet,) [m/N] of the contact between each foot and its abutment,
+        both across and along the face; for linings this is the compliance of the penalty
     """
 
     group: ShoeGroup
@@ -190,8 +192,8 @@ class FeetOnRoughAbutments(NamedTuple):
     @classmethod
     def collect_feet_on_rough_abutments(cls, group: ShoeGroup) -> "FeetOnRoughAbutments":
         """Collect the feet of a group's shoes on rough abutments."""
-        # Without a penalty the contact of linings has no compliance, but a sticking foot needs a
-        # finite stiffness.
+        # If the contact of the linings is exact (no penalty), a sticking foot needs a finite
+        # contact stiffness nevertheless.
         penalty = PENALTY if math.isinf(group.penalty) else group.penalty
         on, stiffness = [], []
         senses = [1] * len(group.shoes)
@@ -323,7 +325,7 @@ def _lower_left_block(block: Floats, count: int) -> Floats:
 def _stick_slip_problem_with_shared_forces(
     still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
 ) -> FrictionalProblem:
-    """Add to a stick-slip problem that struts and a cam share forces among the shoes.
+    """Add the equations of struts and a cam, which share forces among shoes, to a problem.
 
     Parameters
     ----------

@@ -1,18 +1,19 @@
 """The holding brake: from rest through partial slip to full slip, as the drum is turned.
 
-Here the actuation force comes on while the drum is at rest, and the drum turns afterwards. In
-`solve` the drum turns already as the force comes on. At full slip, where all nodes of the linings
-have slipped one way, both orders give the same pressures on linings. A foot on a rough abutment
-still depends on the order: the foot slides while the force comes on, and may then stick. The path
-then ends in another equilibrium within the foot's cone of friction, with a torque that differs from
-the torque of `solve`. A note of the result says so.
+In this analysis the actuation force grows while the drum is at rest, and the drum turns afterwards.
+In `solve`, in contrast, the drum already turns while the force grows. At full slip all nodes of the
+linings have slipped in one direction, and the pressures on the linings are the same in both cases.
+For a foot on a rough abutment, however, the order matters: the foot slides while the force grows,
+and may then stick. The brake then reaches another equilibrium, in which the force on the foot lies
+within the cone of friction, and its torque differs from the torque of `solve`. A note of the result
+says so.
 
-The contact nodes of a solid shoe cover the face of its lining. Each of them opens, sticks or slips
-along theta by itself. Across the width the face slides without friction, before full slip as well.
-A drum that slides far drags the lining along theta alone, so that full slip is exact. A drum that
-rests would also hold the face across the width. On the double-shoe brake a face that is held across
-the width wherever the drum touches it has a moment 1.3 % larger at a fifth of the rotation to full
-slip, and 0.8 % larger at three fifths.
+The contact nodes of a three-dimensional (solid) shoe cover the face of its lining. Each node opens,
+sticks or slips along theta by itself. Across the width every node slides without friction. At full
+slip this is exact, because the friction of a drum that has slid far acts along theta alone. Before
+full slip a real drum also holds the face across the width. How much this matters: if the face of
+the double-shoe brake cannot move across the width where it is in contact, the moment is 1.3 %
+larger at a fifth of the rotation to full slip, and 0.8 % larger at three fifths.
 """
 
 import math
@@ -50,10 +51,10 @@ from drumlin.fem.preparation.scene import PreparedModel
 MOST_HALVINGS = 8
 """Largest number of times that an increment of the rotation is halved before it is refused.
 
-The states of a node may change more than once within an increment. Then no set of node states
-solves the increment in one step. Such increments are some times the rotation to full slip. Each
-halving allows twice as large an increment, and an increment of forty times the rotation to full
-slip needs seven or eight halvings. More halvings only take longer to refuse.
+Within a large increment a node may stick, slip and open one after the other. One step, which has a
+single state for each node, then has no solution. This happens if the increment is several times as
+large as the rotation to full slip. An increment of forty times the rotation to full slip needs
+seven or eight halvings. With more halvings a brake without a solution is only refused later.
 """
 FIRST_ROTATION = 1e-7
 """Rotation of the drum [rad] at which the search for full slip starts.
@@ -65,17 +66,17 @@ takes one increment more, out of about a hundred.
 EXTRA_ROTATION = 0.1
 """Fraction by which `find_full_slip_rotation` enlarges the rotation at which it has met full slip.
 
-Full slip may come later on a path with other increments. With half of this fraction some linings on
-a pivot still stick at a few nodes. With a larger fraction fewer rotations of a user's path are left
-for partial slip. The search itself is as coarse: each increment grows the rotation by this fraction
-at least, and by the reciprocal of the fraction at most.
+With other increments full slip may need a larger rotation. With half of this fraction some linings
+on a pivot still stick at a few nodes. With a larger fraction fewer of the rotations in a table lie
+before full slip. The search is no finer than this: each increment enlarges the rotation by at least
+this fraction, and at most by its reciprocal.
 """
 MOST_INCREMENTS = 100
 """Number of increments after which the search for full slip is refused as not converged."""
 LARGEST_TORQUE_DIFFERENCE = 1e-6
 """Relative difference of two torques at full slip above which they belong to two equilibria.
 
-Torques of the same equilibrium differ by the penalty only, which is worth 1e-8.
+Two computations of the same equilibrium differ only by the effect of the penalty, 1e-8.
 """
 LARGEST_FRICTION_RATIO_DIFFERENCE = 1e-6
 """Difference of friction force over normal force above which two states of a foot differ.
@@ -89,9 +90,10 @@ NO_FRICTION_ACROSS_WIDTH = (
 )
 """Note with each state of a holding brake of solid shoes."""
 FIRST_OF_STATES_ACROSS_WIDTH = (STICK, FORWARD, BACKWARD)
-"""The order in which the state of an angle is taken from its nodes across the width.
+"""The states of nodes in the order in which they decide the state of an angle of a solid shoe.
 
-An angle sticks if one of its nodes sticks. Otherwise it slips if one of its nodes slips.
+The nodes across the width at one angle may have different states. The angle sticks if one of its
+nodes sticks, and otherwise slips if one of its nodes slips.
 """
 
 Arcs = tuple[tuple[float, float], ...]
@@ -131,7 +133,7 @@ class Hold:
     state : state (n,) at each angle: open, stick, slip forward or slip backward; of solid shoes the
         first of FIRST_OF_STATES_ACROSS_WIDTH that a node has
     stick, slip : arcs [rad] of each lining that stick, and arcs that slip
-    dissipated : energy [J] dissipated by slip since the force came on
+    dissipated : energy [J] dissipated by slip since the actuation force began to grow
     face : contact nodes of each lining
     notes : lines of text that explain why the moment at full slip differs from that of `solve`, and
         what the model of solid shoes neglects
@@ -270,14 +272,14 @@ def states_of_holding_brake_at_rotations(
     penalty: float = PENALTY,
     say: Callable[[str], None] = lambda _: None,
 ) -> list[Hold]:
-    """Put the force on, turn the drum through rotations, and return the state at each rotation.
+    """Apply the force, turn the drum through rotations, and return the state at each rotation.
 
-    The force comes on while the drum rests. If the linings have a gap to close, the force comes on
-    in as many increments as there are rotations, since the closure under little force decides where
-    a lining sticks. Without a gap one increment is exact. Then each rotation is one increment. The
-    error of the dissipated energy is proportional to the size of the increments. The moment hardly
-    depends on the increments unless the drum turns back. A state at full slip has a note where its
-    moment differs from the moment of `solve`.
+    The force grows while the drum rests. If the linings have a gap to close, the force grows in as
+    many increments as there are rotations, because the contact under a small force decides where a
+    lining sticks. Without a gap one increment is exact. Afterwards each rotation is one increment.
+    The error of the dissipated energy is proportional to the size of the increments. The moment
+    hardly depends on the increments unless the drum turns back. A state at full slip has a note if
+    its moment differs from the moment of `solve`.
 
     Parameters
     ----------
@@ -312,7 +314,7 @@ def states_of_holding_brake_at_rotations(
 def _apply_actuation_forces_to_resting_groups(
     scene: PreparedModel, brake: Brake, increments: int, penalty: float
 ) -> Iterator[_LoadedGroupAtRest]:
-    """Put the actuation force on each group of shoes while the drum is at rest.
+    """Apply the actuation force to each group of shoes while the drum is at rest.
 
     Yields each loaded group. `increments` is the number of increments in which the force comes on.
     Raises NoAnswer and BadInput as `states_of_holding_brake_at_rotations` does.
@@ -333,7 +335,7 @@ def _apply_actuation_forces_to_resting_groups(
 def _apply_actuation_force_to_resting_group(
     group: ShoeGroup, increments: int
 ) -> _LoadedGroupAtRest:
-    """Put the actuation force on a group of shoes, in increments, while the drum is at rest.
+    """Apply the actuation force to a group of shoes in increments while the drum is at rest.
 
     Raises NoAnswer as `states_of_holding_brake_at_rotations` does.
     """
@@ -375,16 +377,15 @@ def _increase_actuation_force_at_rest(
 ) -> tuple[Increment, float]:
     """Increase the actuation force to its full value while the drum rests.
 
-    Without gaps all quantities grow with the force, and one increment is exact. With gaps the
-    shares of the force grow like the cubes of whole numbers, since most changes happen under little
-    force. Under a very small force one or two nodes bear the whole force, and an increment may not
-    settle from the present node states. An increment that does not settle is joined with the next
-    increment.
+    Without gaps all quantities are proportional to the force, and one increment is exact. With gaps
+    the force grows like the cubes of 1, 2, 3 ..., because the contact changes most under a small
+    force. Under a very small force only one or two nodes are in contact, and the iteration of an
+    increment may not converge. This increment is then joined with the next one.
 
     Parameters
     ----------
     problem : the stick-slip problem under the full force
-    gap : weighted gaps (n,) without force
+    gap : weighted gaps (n,) of the unloaded linings
     friction : friction coefficient (n,) of each node
     state : states (n,) of the nodes from which the first increment starts
     increments : number of increments
@@ -398,8 +399,12 @@ def _increase_actuation_force_at_rest(
     NoAnswer
         where the last increment does not settle
     """
-    history, energy = SlipHistory(np.zeros(len(gap)), np.zeros(len(gap))), 0.0
-    shares = np.linspace(0, 1, max(increments, 1) + 1)[1:] ** 3 if gap.any() else np.ones(1)
+    history = SlipHistory(np.zeros(len(gap)), np.zeros(len(gap)))
+    energy = 0.0
+    # Without a gap, the force is put on in one increment.
+    shares = np.ones(1)
+    if gap.any():
+        shares = np.linspace(0, 1, max(increments, 1) + 1)[1:] ** 3
     for share in shares:
         q_w = gap + share * (problem.q_w - gap)
         part = problem._replace(q_w=q_w, q_s=share * problem.q_s, h=share * problem.h)
@@ -459,8 +464,8 @@ def turn_drum_in_increments(
 ) -> Iterator[Increment]:
     """Turn the drum from one rotation to another, and yield each converged increment.
 
-    The whole turn is one increment if the states of its nodes settle. Otherwise the turn is halved
-    up to MOST_HALVINGS times, and its parts are the increments.
+    The whole turn is one increment if the states of the nodes (open, stick, slip) converge.
+    Otherwise the turn is halved up to MOST_HALVINGS times, and its parts are the increments.
 
     Parameters
     ----------
@@ -473,7 +478,7 @@ def turn_drum_in_increments(
     Raises
     ------
     NoAnswer
-        where the smallest part does not settle
+        if the states of the nodes do not converge in the smallest part
     """
     # If `start` equals `end`, the state at this rotation is still solved once.
     reached, pieces = start, 1
@@ -686,7 +691,8 @@ def _feet_whose_friction_differs_from_solve(
             if group.known_abutment_friction_directions[k]
             else 0.0
         )
-        # The slip of a node counts against the slide of its foot. Subtraction from 0.0 avoids -0.
+        # The slip of a node is the negative of the slide of its foot. Subtraction from 0.0 avoids
+        # -0.
         came_to = f"{1e6 * size * (0.0 - at.s[node]):.6g} µm"
         by_solve = f"{1e6 * size * slide:.6g} µm"
         feet.append(_FootSlide(f"the foot of shoe {shoe.name!r} {came_to}", by_solve))
@@ -750,8 +756,8 @@ def _find_full_slip_rotation_of_group(
         *_, increment = held.turn_drum_in_increments(increment, reached, reached + step)
         torque, reached = held.torque(increment), reached + step
         if np.isin(increment.state[:n], [OPEN, slipping]).all():
-            # The friction of a sticking foot depends on the order of force and rotation, so that
-            # the moment may differ from the target.
+            # The friction of a sticking foot depends on whether the force or the rotation comes
+            # first, so that the moment may differ from the target.
             has_feet = len(increment.state) > n
             if has_feet or math.isclose(torque, target, rel_tol=LARGEST_TORQUE_DIFFERENCE):
                 return reached
@@ -759,7 +765,7 @@ def _find_full_slip_rotation_of_group(
                 f"more than one answer: held it comes to slip everywhere at {torque:.5g} N m, "
                 f"at once it slides at {target:.5g} N m"
             )
-        # By linear extrapolation this many steps like the last one add the missing moment.
+        # By linear extrapolation this number of steps like the last step adds the missing moment.
         lacking = (target - torque) / (torque - before) if torque > before else math.inf
         step = min(max(step * lacking, EXTRA_ROTATION * reached), reached / EXTRA_ROTATION)
     sticking = np.count_nonzero(increment.state[:n] == STICK)
@@ -792,25 +798,30 @@ def holding_states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
     return rows
 
 
+def _words_for_node_states(states: Ints) -> list[str]:
+    """A word for the state of each node: "open", "stick", "slip" or "slip back"."""
+    names = {OPEN: "open", STICK: "stick", FORWARD: "slip", BACKWARD: "slip back"}
+    return [names[int(state)] for state in states]
+
+
 def _lining_state_as_dict(state: Hold, i: int) -> dict[str, Any]:
     """Convert the nodal values of lining `i` in a state of the brake to plain data for JSON.
 
     The values at all nodes of the face stand under "face" if there are several across the width.
     """
-    names = {OPEN: "open", STICK: "stick", FORWARD: "slip", BACKWARD: "slip back"}
     face = state.face[i]
     across = {
         "z": face.z.tolist(),
         "pressure": face.pressure.tolist(),
         "traction": face.traction.tolist(),
-        "state": [[names[int(value)] for value in row] for row in face.state],
+        "state": [_words_for_node_states(row) for row in face.state],
     }
     return {
         "name": state.names[i],
         "theta": state.theta[i].tolist(),
         "pressure": state.pressure[i].tolist(),
         "traction": state.traction[i].tolist(),
-        "state": [names[int(value)] for value in state.state[i]],
+        "state": _words_for_node_states(state.state[i]),
         "stick": [list(arc) for arc in state.stick[i]],
         "slip": [list(arc) for arc in state.slip[i]],
         **({"face": across} if len(face.z) > 1 else {}),

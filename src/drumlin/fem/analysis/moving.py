@@ -1,10 +1,10 @@
 """The motion of a shoe's nodes as a hinge, pivot, abutment or actuation point of the shoe moves.
 
 A straight beam runs from the hinge to the actuation point. As either point moves, the beam turns.
-The lining stays, and the block between beam and lining changes its shape. The back of an arc is
-gripped at the pivot, and elements end where the grip ends. A mesh of the user in the shoe's own
-frame moves and turns with the frame. The nodes of all other bodies stay in their places on the drum
-or the plane.
+The lining keeps its place, and the block between beam and lining changes its shape. If the pivot of
+an arc moves, the ends of the gripped part of its back move, and with them the ends of elements. A
+mesh file in the shoe's own coordinates moves and turns with the support. The nodes of all other
+bodies keep their places.
 """
 
 from collections.abc import Iterator
@@ -31,10 +31,10 @@ of the difference is therefore NODE_STEP^2 = 1e-10, with some 1e-11 of round-off
 less exact, and a smaller step loses digits.
 """
 LARGEST_NODE_MOTION = 1e3
-"""Ratio of a node's motion to a point's motion above which the division into elements has changed.
+"""Motion of a node over motion of the point above which the division into elements has changed.
 
-A node moves so far if the moved shoe has one hp element or layer more, or if another element ends
-where the grip ends.
+If the shoe with the moved point has one element or layer more, or if another element ends at the
+end of the grip, the nodes with the same number lie in different places.
 """
 LARGEST_UNMOVED_MOTION = 1e-6
 """Ratio of a contact node's motion to a point's motion below which the contact stays in its place.
@@ -67,11 +67,11 @@ class NodeMotion(NamedTuple):
 
     @property
     def has_unmoved_contact(self) -> bool:
-        """Whether all contact nodes stay in their places."""
+        """Whether no contact node moves while the point of the shoe moves."""
         return float(np.abs(self.line_motion).max()) < LARGEST_UNMOVED_MOTION
 
 
-def node_motions_by_moved_shoe_point(
+def node_motions_per_motion_of_shoe_point(
     scene: PreparedModel, i: int, shoe: Shoe, key: str
 ) -> list[NodeMotion]:
     """The motions of the nodes of a shoe as one of its points moves along x and along y.
@@ -126,7 +126,8 @@ def _node_motion_by_central_difference(
 ) -> NodeMotion:
     """The motion of a shoe's nodes per motion of a point along `direction` (2,).
 
-    The motion is a central difference. Raises NoAnswer as `node_motions_by_moved_shoe_point` does.
+    The motion is a central difference. Raises NoAnswer if the division into elements changes on
+    both steps.
     """
     h = NODE_STEP * scene.brake.size
     here = _shoe_nodes_in_brake_frame(scene, i, shoe)
@@ -135,7 +136,7 @@ def _node_motion_by_central_difference(
         there = _shoe_nodes_in_brake_frame(
             scene, i, _shoe_with_moved_point(shoe, key, step * direction)
         )
-        # A step after which the division into elements is another one does not count.
+        # If a step changes the division into elements, its difference cannot be used.
         same_division = there.xy.shape == here.xy.shape
         if same_division and np.abs(there.xy - here.xy).max() < LARGEST_NODE_MOTION * h:
             places.append((there.xy - here.xy) / step)
@@ -191,7 +192,7 @@ def _shoe_nodes_in_brake_frame(scene: PreparedModel, i: int, shoe: Shoe) -> Body
 
 
 def _shoe_with_moved_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
-    """The shoe with the point that `key` names, as "abutment.point", moved by a step (2,) [m]."""
+    """The shoe with one of its points moved by a step (2,) [m]; `key` names it, as "hinge"."""
     part, _, inner = key.partition(".")
     whole = getattr(shoe, part)
     x, y = ((whole.point if inner else whole).xy + step).tolist()

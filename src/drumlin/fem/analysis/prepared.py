@@ -1,7 +1,8 @@
 """The prepared model on which a brake is held, worn or differentiated: plane stress, or solid.
 
-Each of these analyses has one fixed division. The sections of solid shoes are divided as for plane
-stress, so that the answers of both models differ by the widths alone.
+Each of these analyses solves the brake on one fixed division into elements. The sections of
+three-dimensional (solid) shoes are divided as for plane stress, so that the answers of both models
+differ only by the effect of the widths.
 """
 
 from drumlin.base.errors import BadInput
@@ -36,7 +37,8 @@ def prepared_model_for_analysis(
     ----------
     brake : the brake
     model : "fem" for plane stress, "solid" for shoes with their widths
-    elements, kind : number and kind of the elements of plane stress, as in `solve`
+    elements, kind : number of elements along the lining and their kind (quad2, quad1, tri2, tri1),
+        for plane stress; None for hp elements
 
     Raises
     ------

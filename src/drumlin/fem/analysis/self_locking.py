@@ -21,9 +21,9 @@ def self_locking_friction_of_shoe_groups(
 ) -> dict[tuple[int, ...], FrictionLimit]:
     """The smallest friction coefficient at which each group of shoes locks itself.
 
-    The keys of the result are the positions of the group's shoes in the brake. The limit comes
-    earlier where a foot of a shoe leaves its abutment, or where a cam or a strut would have to
-    pull.
+    The keys of the result are the positions of the group's shoes in the brake. If a foot leaves its
+    abutment at a smaller friction, or a cam or a strut would have to pull, this friction is the
+    limit.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def shoe_torques_at_friction_coefficients(
     values = np.zeros((len(frictions), len(brake.shoes)))
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
         at, active = group, None
-        # The contact set of one friction is the best guess of the contact set at the next friction.
+        # The nodes in contact at one friction are the first guess for those at the next friction.
         for row, mu in zip(values, frictions, strict=True):
             at, contact = at.group_with_drum_friction(mu).solve_contact_and_abutment_friction(
                 active

@@ -1,10 +1,11 @@
-"""Exact sensitivities of the torque of an elastic brake, from the tangent of its equations.
+"""Exact derivatives of the torque of an elastic brake, computed by the adjoint method.
 
-The adjoint is the solution of the transposed equations (fem.analysis.adjoint). One adjoint gives
-the effect of any small change on the torque, so that no differences of solves are needed.
+The adjoint is the solution of the transposed equations of the brake (fem.analysis.adjoint). From
+one adjoint follow the derivatives of the torque with respect to all data, so that no differences of
+solves are needed.
 
-- Moduli act through the displacements u under the loads and v under the adjoint loads: dT = -v^T dK
-  u. Here dK is the change of the part of the stiffness that is proportional to the modulus.
+- If a modulus changes, dT = -v^T dK u: u are the displacements under the loads, v those under the
+  adjoint loads, and dK the change of the part of the stiffness that is proportional to the modulus.
 - The supports of a shoe act through its rigid-body modes. A support also acts through the body if
   nodes of the body move with the support (fem.analysis.moving): a straight beam ends at the hinge,
   and the back of an arc is gripped at the pivot. Then dT = -v^T (dK/dX dX) u. Here dK/dX is the
@@ -12,14 +13,14 @@ the effect of any small change on the torque, so that no differences of solves a
 - If nodes of the contact move too, the coupling and the gap of the contact change. Their changes
   are central differences.
 
-The division into elements stays: a mesh stays as `solve` would make it, and hp elements end where
-the contact ends. If the contact set is about to change, the torque has a kink, and the
-sensitivities are the slopes on the side of the present contact set. The forces that struts and cams
-pass on change with all data.
+The division into elements does not change with the data. If a node is just about to enter or leave
+the contact, the torque has a kink, and the derivatives are those for the present nodes in contact.
+The derivatives include the changes of the forces that struts and cams pass on.
 
-The displacements inside solid shoes are not known. Their slopes by moduli therefore contain central
-differences of the condensed bodies (fem.analysis.wide_moduli), with an error that is stated. Slopes
-by a support that moves nodes of the body are left out. All other slopes are exact, too.
+For three-dimensional (solid) shoes the displacements inside the body are not computed. Their
+derivatives by moduli therefore contain central differences of the condensed stiffness
+(fem.analysis.wide_moduli), whose error is stated. Derivatives by a support that moves nodes of the
+body are not given. All other derivatives are exact.
 """
 
 import math
@@ -48,7 +49,7 @@ from drumlin.fem.analysis.moving import (
     NodeMotion,
     contact_lines_with_moved_nodes,
     has_nodes_that_move_with_point,
-    node_motions_by_moved_shoe_point,
+    node_motions_per_motion_of_shoe_point,
 )
 from drumlin.fem.analysis.mutual_work import (
     mutual_elastic_work_in_each_part_of_body,
@@ -82,15 +83,15 @@ from drumlin.response.merit import torque_sensitivity_by_differences as by_diffe
 from drumlin.response.resultants import planar_cross_product
 
 PERCENT_PER_MM = 0.1
-"""Factor from a relative change of the torque per motion of a point in 1/m to percent per mm."""
+"""Factor that converts a relative change of the torque per metre into per cent per millimetre."""
 
 
 @dataclass(frozen=True)
 class ShoeSensitivity:
-    """The derivatives of one shoe's own torque, and of the brake's torque T by data of this shoe.
+    """Derivatives of a shoe's own torque, and of the brake's torque T by the data of this shoe.
 
-    dT stands for the derivative of T. On a plane T is the braking force [N], and all units are
-    divided by a length; `theta` is in m.
+    "dT by x" stands for the derivative of T with respect to x. On a plane T is the braking force
+    [N], all units are divided by a length, and `theta` is in m.
 
     Attributes
     ----------
@@ -111,9 +112,10 @@ class ShoeSensitivity:
     penalty : dT by the logarithm of the contact stiffness [N m]
     theta : growing angles (n,) [rad] of the lining's nodes
     density : dT per clearance and length of arc (n,) [N/m] at each angle; 0 off the contact
-    modulus_error : error [N m] of the slopes by the moduli of a solid shoe; None in plane stress,
-        whose slopes are exact
-    not_given : supports of a solid shoe that move nodes of its body, and are not in `held`
+    modulus_error : error [N m] of the derivatives by the moduli of a solid shoe; None in plane
+        stress, where they are exact
+    not_given : supports of a solid shoe whose derivatives are not given, because the support moves
+        nodes of the body
     """
 
     name: str
@@ -193,7 +195,7 @@ def compute_torque_sensitivity(
     friction, which has no torque.
     """
     require_positive_penalty(penalty)
-    _require_friction(scene, brake)
+    _refuse_brake_or_model_without_friction(scene, brake)
     require_no_shoe_on_anchors(brake, "sensitivity")
     require_springs_of_constant_pull(brake, "sensitivity")
     pressed: dict[int, ShoeSensitivity] = {}
@@ -215,8 +217,9 @@ def compute_torque_sensitivity(
         )
     torque = math.fsum(shoe.torque for shoe in shoes)
     friction = math.fsum(shoe.friction for shoe in shoes)
-    # The adjoint's slope by the ring's modulus assumes that the ring's flexibility is inversely
-    # proportional to this modulus. A far edge that yields adds a flexibility of its own.
+    # The derivative by the ring's modulus assumes that the ring's flexibility is inversely
+    # proportional to this modulus. An elastic support of the ring would add a flexibility that is
+    # not.
     scaled = brake.ring is not None and brake.ring.has_fixed_or_free_far_edge
     # A given bending stiffness takes the place of the ring's modulus.
     given = brake.ring is not None and brake.ring.bending_stiffness is not None
@@ -233,8 +236,8 @@ def compute_torque_sensitivity(
     )
 
 
-def _require_friction(scene: PreparedModel, brake: Brake) -> None:
-    """Raise NoAnswer for a brake without friction, and BadInput for such a prepared model."""
+def _refuse_brake_or_model_without_friction(scene: PreparedModel, brake: Brake) -> None:
+    """Raise NoAnswer for a brake without friction, BadInput for a model prepared without it."""
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
     heated = reason_if_any_shoe_is_heated(brake, "the analysis of slopes")
@@ -365,7 +368,9 @@ class _TorqueSlopesOfShoe:
             theta=shoe.frame.theta(phi)[forward],
             density=-shoe.lining.width * multipliers[forward],
             modulus_error=modulus_error,
-            not_given=tuple(key for key in self._supports() if key not in held),
+            not_given=tuple(
+                key for key in self._rigid_mode_changes_by_supports() if key not in held
+            ),
         )
 
     def _indices_of_shoes_pushed_by_struts(self) -> list[int]:
@@ -416,7 +421,8 @@ class _TorqueSlopesOfShoe:
     def _torque_slopes_by_moduli_of_solid_shoe(self, by_penalty: float) -> _SlopesByModuli:
         """The slopes of the torque by the moduli of a solid shoe, with their error.
 
-        `by_penalty` is the slope [N m] by the contact stiffness, as of `_torque_slopes_by_moduli`.
+        `by_penalty` is the derivative [N m] of the torque by the logarithm of the contact
+        stiffness, which is proportional to the lining's modulus.
         """
         own, load = self.own, self.group.actuation_of_each_shoe_by_one_newton[self.k].load_factors
         adjoint_force = -own.force_multiplier if self.under_cam else 0.0
@@ -443,18 +449,21 @@ class _TorqueSlopesOfShoe:
         """The slopes of the brake's torque by the supports of the shoe.
 
         The keys are those of `Held.changes`, and the units those of `ShoeSensitivity.held`. A
-        motion of a support changes the rigid-body modes of the shoe. It also changes strains if
-        nodes of the body move with the support. Such supports of solid shoes are left out.
+        motion of a support changes the rigid-body modes of the shoe. If nodes of the body move with
+        the support, the stiffness of the body changes as well; for solid shoes such supports are
+        left out.
         """
         group, k = self.group, self.k
         effects = {}
-        for key, changes in self._supports().items():
+        for key, changes in self._rigid_mode_changes_by_supports().items():
             if not self._has_slope_by_point(key):
                 continue
             effects[key] = np.array(
                 list(map(self._torque_slope_by_rigid_body_mode_change, changes))
             )
-            moves = node_motions_by_moved_shoe_point(group.scene, group.members[k], self.shoe, key)
+            moves = node_motions_per_motion_of_shoe_point(
+                group.scene, group.members[k], self.shoe, key
+            )
             if moves:
                 effects[key] = effects[key] + self._torque_slopes_by_node_motions(moves)
         for to in self._indices_of_shoes_pushed_by_struts():
@@ -466,7 +475,7 @@ class _TorqueSlopesOfShoe:
                 effects.pop("abutment.direction", None)
         return effects
 
-    def _supports(self) -> Mapping[str, Any]:
+    def _rigid_mode_changes_by_supports(self) -> Mapping[str, Any]:
         """The changes of the shoe's rigid-body modes by each of its supports, by its key."""
         return self.shoe.changes(self.group.friction_senses[self.k])
 
@@ -485,16 +494,16 @@ class _TorqueSlopesOfShoe:
     def _torque_slope_by_rigid_body_mode_change(self, change: SupportChange) -> float:
         """The slope of the torque by a change of the shoe's rigid-body modes.
 
-        The equations contain a rigid-body mode only in the work of forces on this mode. This work
-        is that of the resultant wrench of the forces, so that wrenches suffice here.
+        The equations contain a rigid-body mode only in the work of forces on this mode. For this
+        work only the resultant force and moment of the forces matter.
         """
         own, shoe, works = self.own, self.shoe, self.works
         N, T = self.body.coupling.N, self.body.coupling.T
         xy = shoe.points(self.body.line.xy)
         on_gaps = own.gap_multipliers @ N
         by_drum = self.drag * (own.pressures @ T) - own.pressures @ N
-        # The wrenches belong to the adjoint contact forces, the forces of the drum and the
-        # actuation force, in this order.
+        # The resultants are those of the adjoint contact forces, of the forces of the drum and of
+        # the actuation force, in this order.
         of_gaps = resultant_force_and_moment(
             shoe.frame.convert_to_brake_frame(on_gaps.reshape(-1, 2)), xy.T
         )
@@ -579,7 +588,8 @@ class _TorqueSlopesOfShoe:
         )
         coupling = couple_shoe_with_drum_or_plane(line, shoe)
         nodal = self.drag * (coupling.T.T @ own.pressures) - coupling.N.T @ own.pressures
-        # A rotation of the shoe moves a displaced node along the rotated step too.
+        # If the shoe rotates, the step by which a node was moved rotates with it, which displaces
+        # the node.
         aside = step * np.array([-move.line_motion[1], move.line_motion[0]]).T.ravel()
         gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe)
         value = brake.friction_of_shoe(shoe) * float(coupling.lever @ own.pressures)
@@ -622,8 +632,8 @@ class _TorqueSlopesOfShoe:
         ----------
         force : change of the unit force (2,) [1]
         moment : change of the unit force's moment about the origin [m]
-        carried : whether the loaded end of the body moves with the force, so that the force adds no
-            couple to the body
+        carried : whether the loaded end of the body moves with the force; the force then causes no
+            additional couple on the body
         """
         own, shoe, body = self.own, self.shoe, self.body
         centre = shoe.points(body.load_centre[:, None])[:, 0]
@@ -649,7 +659,7 @@ class _TorqueSlopesOfShoe:
         force, and then the part by motions of the body's nodes if nodes move with the point.
         """
         key, direction = "actuation.point", self.shoe.actuation.unit_vector_of_force
-        moves = node_motions_by_moved_shoe_point(
+        moves = node_motions_per_motion_of_shoe_point(
             self.group.scene, self.group.members[self.k], self.shoe, key
         )
         effects = []
@@ -804,7 +814,7 @@ def _text_on_torque_slopes_by_support(key: str, value: Floats) -> str:
     return f"{key} {100 * math.radians(value[0]):+.4g} %/deg"
 
 
-# Sensitivities by rigid-shoe laws and by differences of solves, for comparison
+# Derivatives by rigid-shoe laws and by differences of solves, for comparison
 
 
 def friction_sensitivity_by_rigid_shoe_law(brake: Brake) -> tuple[float | None, ...] | None:

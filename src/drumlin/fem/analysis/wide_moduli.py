@@ -1,12 +1,12 @@
 """How the flexibility of a solid shoe changes with the moduli of its parts, by central differences.
 
-The stiffness of a solid shoe is known on its contact nodes and loads alone, since the displacements
-inside the body are not recovered across the width. The shoe is therefore condensed again with each
-modulus a little larger and a little smaller. The slope of the torque is the adjoint's exact one, in
-which only the change of the flexibility is a difference.
+For a three-dimensional (solid) shoe only the stiffness on its contact nodes and loads is known,
+because the displacements inside the body are not computed. The stiffness is therefore computed
+again with each modulus a little larger and a little smaller. The derivative of the torque then
+follows from the adjoint. Only the change of the flexibility in it is a difference.
 
-The flexibility is inversely proportional to a common factor on all moduli of a shoe. So the sum of
-the differences over all parts is known exactly, and tells the error of the differences.
+The flexibility is inversely proportional to a common factor on all moduli of a shoe. The sum of the
+derivatives over all parts is therefore known exactly, and shows the error of the differences.
 """
 
 import math
@@ -65,11 +65,11 @@ class VirtualLoads(NamedTuple):
 class ModulusSlopes(NamedTuple):
     """The slopes [N m] of the torque by the logarithm of each part's modulus, and their error.
 
-    `slopes` are by the name of the part. `error` [N m] has two parts. The first is the difference
-    of the slopes' sum from the exact slope by a common factor on all moduli of the shoe. It shows
-    round-off, while errors by the step may cancel in the sum. The second part is
-    MODULUS_STEP^2/6 of the slopes. A flexibility 1/E has this error by the step, and the share
-    1/(1 + E/E_0) of a part in a whole has at most this error.
+    The keys of `slopes` are the names of the parts. `error` [N m] has two parts. The first part is
+    the difference between the sum of the derivatives and the exact derivative by a common factor on
+    all moduli of the shoe. It shows the round-off error, but errors by the step may cancel in the
+    sum. The second part is therefore MODULUS_STEP^2/6 of the derivatives: the error by the step of
+    a flexibility 1/E, and the largest error of the share 1/(1 + E/E_0) of a part in a whole.
     """
 
     slopes: dict[str, float]
@@ -98,7 +98,7 @@ def _condense_shoe_with_changed_moduli(
 ) -> dict[str, tuple[ShoeSubstructure, ShoeSubstructure]]:
     """The bodies of shoe `i` with the modulus of each part larger and smaller, by part."""
     brake, face = scene.brake, scene.bodies[i].line
-    # Only prepared models with widths come here.
+    # The function is called only for prepared models of three-dimensional shoes.
     assert isinstance(face, WidthFace)
     bodies = {}
     for part, key in MATERIAL_KEYS.items():

@@ -2,8 +2,9 @@
 
 The package solves a brake on finer and finer divisions into finite elements, the levels. From the
 difference of two levels it estimates the error of the finer level, with factors that were fitted on
-random brakes (factors.json). It grades the next division to the ends of the contact and to other
-singular points of the pressure. Its functions take a brake, a tolerance and a function that solves
-a prepared model, and return the last response with its estimated errors. Where stiffnesses are far
-apart, iterative refinement in long double removes the round-off errors of a group of shoes.
+random brakes (factors.json). In the next division the elements become smaller towards the ends of
+the contact and other places where the pressure is unbounded or not smooth (singular points). The
+functions of the package take a brake, a tolerance and a function that solves the brake on a
+division, and return the last answer with its estimated errors. If the stiffnesses of the parts are
+far apart, iterative refinement in long double removes the round-off errors of the answer.
 """

@@ -1,7 +1,7 @@
 """A brake solved to a tolerance, on finer and finer levels.
 
-A level is a division of the brake into hp elements. The last level is the first on which the a
-posteriori error estimate meets the tolerance.
+A level is a division of the brake into hp elements. The solve ends on the first level whose
+estimated errors are below the tolerance.
 """
 
 import math
@@ -39,23 +39,23 @@ from drumlin.response.resultants import (
 SHORTEST_KNOWN_CONTACT = 1000 * SMALLEST_COLUMN
 """Length of a contact, relative to the lining's thickness, below which its pressure is unknown.
 
-The response of a shorter contact says that the pressure is not known. No hp element is smaller than
-SMALLEST_COLUMN. To state an error of 1e-4, a level needs elements at the ends of the contact of a
-thousandth of the contact's length.
+For a shorter contact the answer says that the pressure is not known. The reason: an error of 1e-4
+needs elements at the ends of the contact whose size is a thousandth of the contact's length, and no
+element is smaller than SMALLEST_COLUMN.
 """
 PEAK_NEAR_END = 0.5
 """Largest pressure p in the hp element at an end of the lining, relative to the peak pressure.
 
 If p is higher in this element, the peak pressure counts as unknown: p grows without bound at the
-lining's end, and on a finer level it would be the peak. The value is a judgement.
+lining's end, and on finer elements the largest pressure would lie there. The value is a judgement.
 """
 
 
 class Tolerance(NamedTuple):
-    """The relative errors that a solve may leave.
+    """The relative errors of pressure and torque below which a solve ends.
 
-    `pressure` is the error of the pressure p in L2, outside the zones at the lining's ends, of the
-    shoe where it is largest. `torque` is the error of the torque of the brake.
+    `pressure` is the error of the pressure p on the worst shoe, in the L2 norm outside the zones at
+    the lining's ends. `torque` is the error of the torque of the brake.
     """
 
     pressure: float
@@ -108,7 +108,7 @@ def solve_brake_to_tolerance(
     respond : function that computes the response on a prepared model
     must : whether an error is raised if the tolerance is not reached; otherwise the last level is
         returned with a warning
-    cache : keeps condensed bodies of earlier solves, see `prepare`
+    cache : keeps the stiffness matrices of bodies from earlier solves
     levels : levels that are solved already; if None, the function solves the levels itself
 
     Raises
@@ -139,7 +139,7 @@ def _solve_levels_until_tolerance(
 ) -> _Progress:
     """Solve a brake up to the first level that meets the tolerance, or to the last level.
 
-    The levels also end where a finer level has no solution. Raises NoAnswer if not even two levels
+    The solve also ends if a finer level has no solution. Raises NoAnswer if fewer than two levels
     have solutions, because the errors are then unknown.
     """
     responses: list[Response] = []
@@ -150,7 +150,8 @@ def _solve_levels_until_tolerance(
         for scene, response in levels:
             responses.append(response_with_power_laws_at_corners(brake, response))
             unknowns = max(body.unknowns for body in scene.bodies)
-            # The errors follow from the difference of two levels. The first level has none.
+            # The errors follow from the difference between two levels, so that the first level
+            # alone has no error estimate.
             if len(responses) == 1:
                 continue
             before, last = responses[-2:]
@@ -193,7 +194,8 @@ def _text_on_shoes_with_unbounded_pressure(brake: Brake, response: Response) -> 
 def _text_on_reached_errors(progress: _Progress, tolerance: Tolerance) -> str:
     """The text that states the errors which were reached.
 
-    If the penalty causes more than half of the allowed error of p, the text says so.
+    If the finite contact stiffness (penalty) causes more than half of the allowed error of p, the
+    text says so.
     """
     error = progress.error.brake
     text = f"estimated error of p {error['pressure']:.1e}, of the torque {error['torque']:.1e}"
@@ -247,8 +249,8 @@ def response_with_estimated_errors(
     )
 
 
-# The following functions state errors that the difference of two levels does not show: those of
-# singular pressures, and those of contacts that are too short for any division.
+# The following functions add errors that cannot be seen in the difference between two levels: where
+# the pressure is unbounded, and where a contact is too short for any division.
 
 
 def errors_with_singular_points_included(
@@ -256,10 +258,11 @@ def errors_with_singular_points_included(
 ) -> tuple[Errors, str]:
     """The estimated errors with the errors at singular points added, and a text on short contacts.
 
-    Near corners of the lining and under tips of the gap, the pressure p and its peak lack a part
-    that the difference of two levels does not show. An error of 1 means unknown. It is stated for a
-    peak at an end of the lining or under a tip, and for the pressure of a contact that is too
-    short. The text names such a contact, and is empty otherwise.
+    Near corners of the lining, and under kinks of the gap that point to the drum (tips), the
+    pressure p grows without bound. Elements of finite size cannot show this growth, and the
+    difference between two levels does not reveal the error. An error of 1 means that the value is
+    unknown. It is stated for a peak at an end of the lining or under a tip, and for the pressure of
+    a contact that is too short. The text names such a contact, and is empty otherwise.
 
     Parameters
     ----------
@@ -306,9 +309,10 @@ def _missing_fraction_of_peak_pressure(
 ) -> float:
     """The fraction by which the computed peak pressure of a shoe may be too small.
 
-    The peak is too small if it lies where the pressure p is singular. The fraction is 1, for
-    unknown, where the peak is at or near a pressure that grows without bound: at a lining's end, or
-    under a tip of its gap. `scale_factor` is the length [m] of the surface's coordinate 1.
+    A computed peak is too small if the exact pressure p grows without bound nearby: at an end of
+    the lining, or under a kink of the gap that points to the drum (a tip). The fraction is then 1,
+    which means that the peak is unknown. `scale_factor` is the length per unit of the surface's
+    coordinate [m/rad, on a plane 1].
     """
     zone = length_of_edge_zone_without_peak(shoe, scale_factor)
     if _is_peak_pressure_at_lining_end(answer, zone):
@@ -319,9 +323,10 @@ def _missing_fraction_of_peak_pressure(
 def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
     """Whether the pressure p peaks in the hp element at an end of the lining, where p is unbounded.
 
-    `zone` is the length of the zone at the lining's ends, see `length_of_edge_zone_without_peak`.
-    Usually the peak is not looked for in this zone. If it is, a pressure of PEAK_NEAR_END of the
-    peak in the element suffices, because on a finer level it would be the peak.
+    `zone` is the length of the zone at each end of the lining in which the peak is usually not
+    sought (see `length_of_edge_zone_without_peak`). If the peak was sought there, the result is
+    already true if the pressure in the end element is PEAK_NEAR_END of the peak, because on finer
+    elements the largest pressure would lie there.
     """
     theta, p, order = answer.theta, answer.pressure, answer.order
     # The heights are the largest pressures in the elements at pressed ends, relative to the peak.
@@ -353,27 +358,30 @@ def _missing_fraction_of_peak_under_gap_tips(
 ) -> float:
     """The fraction by which the computed peak may be too small because of the tips of the gap.
 
-    At a tip the slope of the gap jumps, and the tip points to the drum. The pressure p is unbounded
-    there: a wedge whose slope changes by s has the pressure E s/(2 pi) ln(1/x) on a half-plane of
-    modulus E (Johnson, Contact Mechanics, ch. 5). As the elements beside a tip become smaller, down
-    to SMALLEST_COLUMN, p at the tip grows by this law. The growth matters if p at the tip would
-    then exceed the peak. If hp elements end at the tip, the peak is unknown, and the fraction is 1.
-    At a tip that hardly changes p no elements end, see `singular_points_of_all_linings`. The peak
-    then lacks at most the part by which p at the tip could exceed it. Tips in the zone at the
-    lining's ends are left to `_is_peak_pressure_at_lining_end`.
+    A tip is a kink of the gap that points to the drum: the slope of the gap jumps there. The exact
+    pressure p is unbounded at a tip. A wedge whose slope changes by s has the pressure E s/(2 pi)
+    ln(1/x) on a half-plane of modulus E, at the distance x (Johnson, Contact Mechanics, ch. 5). If
+    the elements beside the tip were as small as SMALLEST_COLUMN, the computed p at the tip would
+    have grown by this law.
+
+    If the grown pressure exceeds the computed peak, the peak is too small. If two elements meet at
+    the tip, the peak counts as unknown, and the fraction is 1. At a tip that hardly changes p no
+    elements meet (see `singular_points_of_all_linings`). The fraction is then the part by which the
+    grown pressure exceeds the peak. Tips in the zone at the lining's ends are treated by
+    `_is_peak_pressure_at_lining_end`.
 
     Parameters
     ----------
     shoe, answer : the shoe and its response
-    scale_factor : length [m] of the surface's coordinate 1
-    zone : length of the zone at the lining's ends, see `length_of_edge_zone_without_peak`
+    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
+    zone : length of the zone at each end of the lining in which the peak is usually not sought
     """
     order = answer.order
     theta, p = answer.theta, answer.pressure
     zone = edge_zone_that_does_not_count(theta, p, order, zone, answer.slots)
     modulus = shoe.lining.material.young_modulus_of_equivalent_half_plane
     missing = 0.0
-    # Each tip outside the zones at the ends may show a peak higher than the computed one.
+    # Under each tip outside the end zones the exact pressure may be higher than the computed peak.
     for tip, slope in clearance.gap_kinks_that_point_to_drum(shoe.lining):
         if not any(start + zone < tip < end - zone for start, end in shoe.lining.arcs):
             continue

@@ -102,7 +102,7 @@ def solve_meshes_of_files(
     brake : the brake; at least one shoe has a mesh file
     respond : function that computes the response on a prepared model
     tolerance : largest relative error of p and of the torque; None for the default tolerance
-    cache : keeps condensed bodies of earlier solves
+    cache : keeps the stiffness matrices of bodies from earlier solves
 
     Raises
     ------
@@ -197,7 +197,7 @@ def _errors_of_last_level(brake: Brake, responses: list[Response], shape: Floats
 def _errors_of_straight_sides(
     brake: Brake, respond: ResponseFunction, first: Response, cache: Cache
 ) -> Floats | float:
-    """The relative errors (1 + 4 shoes,) that straight sides on curved lines cause.
+    """The relative errors (1 + 4 shoes,) that straight sides on curved outlines cause.
 
     They are 0 if the sides follow the curves already. `first` is the response at the first degree.
     """

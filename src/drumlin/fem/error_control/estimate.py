@@ -1,24 +1,26 @@
 """The a posteriori error estimate: errors of a level, from its difference to the level before.
 
-Let e_k be the relative error of a result on level k. Let d_k be its distance, the relative
-difference between the results on levels k and k-1. If a level has at most 1/r of the error of the
-level before, then d_k >= e_(k-1) - e_k >= (r - 1) e_k, so that
+A level is a division of the brake into elements, and level k is finer than level k-1. Let e_k be
+the relative error of a result on level k, and d_k the relative difference between the results on
+levels k and k-1, which is called the distance. If a level has at most 1/r of the error of the level
+before, then d_k >= e_(k-1) - e_k >= (r - 1) e_k, so that
 
     e_k <= c d_k,   c = 1/(r - 1).
 
-The factor c of each quantity is fitted on random brakes of every kind, see `FACTORS`. The
-difference of two numbers may be small by accident. Two kinds of quantities therefore need more than
-their own distance:
+The factor c of each quantity is fitted on random brakes of every kind, see `FACTORS`. The distance
+of a single number may be small by accident although its error is large. The errors of forces and of
+peak pressures are therefore estimated by more than their own distance:
 
 - A force (torque, reaction) is an integral of the pressure p, and the differences of p in several
   columns of hp elements may cancel in it. Therefore a fraction, `cancelled`, of another change is
   added: the change of the force if the columns contributed with random signs. It is the root of the
   sum of the squares of their contributions.
-- The distance of two peaks is at least the geometric mean of two distances: that of p in the column
-  of the peak, and that of p in L2.
+- The distance of the peak pressure counts as at least the geometric mean of two other distances:
+  that of p in the column of elements with the peak, and that of p in the L2 norm.
 
-The penalty error and the round-off error of the elimination are added to the errors of all
-quantities, see `ShoeResponse.softness` and `ShoeResponse.lost`.
+Two further errors are added for all quantities: the change by the finite contact stiffness
+(`ShoeResponse.softness`), and the round-off error of the elimination of unknowns
+(`ShoeResponse.lost`).
 """
 
 import json
@@ -57,8 +59,9 @@ class Factors(NamedTuple):
     ----------
     pressure, force : error of the quantity, divided by the difference of the last two levels;
         a force is a torque or a reaction
-    cancelled : fraction of the change of a force by random signs that is added to the error of the
-        force, since the contributions of the columns may cancel by accident
+    cancelled : fraction of a further change that is added to the error of a force: the change that
+        the force would have if the columns of elements contributed with random signs. The actual
+        contributions may cancel by accident.
     peak : error of the peak pressure, divided by the difference of the last two levels
     """
 
@@ -68,7 +71,7 @@ class Factors(NamedTuple):
     peak: float
 
     def error_factors_of_refinement_differences(self, shoes: int) -> Floats:
-        """The factor (1 + 4 shoes,) of each distance, ordered as `LevelDifferences`."""
+        """The factor (1 + 4 shoes,) of each difference, in the order of `LevelDifferences`."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 
@@ -86,7 +89,7 @@ The file factors.json says on which brakes they are fitted, and what each factor
 """
 
 SOFTER = 2.0
-"""Safety factor on the error by the penalty.
+"""Safety factor on the error by the finite contact stiffness, the penalty.
 
 `ShoeResponse.softness` is the first-order change of the results by the penalty. The actual change
 is at most twice as large, as long as the lining penetrates the drum by less than it is compressed.
@@ -96,8 +99,8 @@ is at most twice as large, as long as the lining penetrates the drum by less tha
 class Errors(NamedTuple):
     """Estimated relative errors of a brake and of each of its shoes, by the names of QUANTITIES.
 
-    `brake` holds the error of the brake's torque, and for each other quantity the largest error of
-    a shoe.
+    `brake` holds the error of the brake's torque and, for the other quantities, the error of the
+    shoe with the largest error. `shoes` holds the errors of each shoe.
     """
 
     brake: Mapping[str, float]
@@ -118,14 +121,14 @@ class Errors(NamedTuple):
 class LevelDifferences(NamedTuple):
     """Relative differences of the responses on two levels.
 
-    Both arrays (1 + 4 shoes,) begin with the torque of the brake, in which the differences of the
-    shoes add up without cancelling. The QUANTITIES of each shoe follow.
+    Both arrays (1 + 4 shoes,) begin with the torque of the brake, for which the absolute
+    differences of the shoes are summed. The four QUANTITIES of each shoe follow.
 
     Attributes
     ----------
     steps : difference of each quantity on the two levels
-    chance : change of each force if the columns of hp elements contributed with random signs; 0 for
-        quantities that are no forces
+    chance : change that each force would have if the columns of elements contributed to it with
+        random signs; 0 for pressures
     """
 
     steps: Floats
@@ -137,7 +140,7 @@ def estimate_errors_from_two_levels(
 ) -> Errors:
     """Estimate the relative errors of the response of a level, `last`.
 
-    The errors follow from the difference to the response of the level before. They are meant as
+    The errors follow from the difference to the response of the level before, and are meant as
     upper bounds.
     """
     moved = relative_differences_of_two_levels(brake, before, last)
@@ -161,8 +164,8 @@ def errors_from_differences(
         + factors.cancelled * moved.chance
         + further
     )
-    # Quantities that are exactly equal on both levels, such as those of a shoe without contact,
-    # keep the error 0.
+    # A quantity that is exactly equal on both levels, such as the torque of a shoe without contact,
+    # keeps the error 0.
     found = np.where(found > 0, found + sum_of_penalty_and_round_off_errors(last.shoes), found)
     rows = np.reshape(found[1:], (-1, len(QUANTITIES))).tolist()
     errors_of_shoes = [dict(zip(QUANTITIES, row, strict=True)) for row in rows]
@@ -170,9 +173,9 @@ def errors_from_differences(
 
 
 def sum_of_penalty_and_round_off_errors(shoes: Sequence[ShoeResponse]) -> Floats:
-    """The relative errors (1 + 4 shoes,) by the penalty and by round-off, added up.
+    """The sums of the relative errors by the penalty and by round-off (1 + 4 shoes,).
 
-    They stand in the order of `LevelDifferences`.
+    The order is that of `LevelDifferences`. The penalty is the finite contact stiffness.
     """
     return SOFTER * _relative_changes_of_shoes_by_cause(
         shoes, "softness"
@@ -206,7 +209,7 @@ def relative_differences_of_two_levels(brake: Brake, a: Response, b: Response) -
         zone = length_of_edge_zone_without_peak(shoe, brake.scale_factor)
         rows.append(_relative_shoe_response_differences_of_levels(zone, brake.unit, of_a, of_b))
     of_shoes = np.array(rows)  # (shoes, 2, 4)
-    # The torque of the brake differs by the sum over its shoes, each with its share of the torque.
+    # The difference of the brake's torque is the sum of the absolute differences of its shoes.
     total = b.torque or a.torque or 1.0
     shares = np.array([of_b.torque or of_a.torque for of_a, of_b in pairs]) / total
     both = []
@@ -220,10 +223,10 @@ def relative_differences_of_two_levels(brake: Brake, a: Response, b: Response) -
 def _relative_shoe_response_differences_of_levels(
     zone: float, unit: float, a: ShoeResponse, b: ShoeResponse
 ) -> tuple[tuple[float, ...], ...]:
-    """The relative differences of two responses of a shoe, and the changes by random signs.
+    """The relative differences between two responses of a shoe, and the changes with random signs.
 
-    Each of the two is a tuple (4,) in the order of QUANTITIES. The changes by random signs are
-    those of forces if the columns of hp elements contributed with random signs.
+    Each of the two results is a tuple (4,) in the order of QUANTITIES. The second one has the
+    changes that forces would have if the columns of elements contributed to them with random signs.
 
     Parameters
     ----------
@@ -244,8 +247,9 @@ def _relative_shoe_response_differences_of_levels(
     step = PressureDifference.pressure_difference_of_two_responses(a, b, edge, peak_zone)
     pressure = step.relative_norm_outside_end_zones(edge)
     peak = max(peak, math.sqrt(pressure * step.relative_difference_near_peak(peak_zone)))
-    # The pressures on both levels balance the same actuation. A change of p within a short contact
-    # therefore changes the forces at most by a fraction of about the angle of the contact.
+    # The pressures on both levels balance the same actuation, so that a change of p only moves the
+    # force within the contact. In a short contact such a move changes torque and reaction at most
+    # by a fraction of about the angle [rad] of the contact.
     reach = (b.contact_arcs[-1][1] - b.contact_arcs[0][0]) / unit
     chance = min(step.relative_force_with_random_signs(), reach)
     torque_by_chance = chance if b.torque else 0.0

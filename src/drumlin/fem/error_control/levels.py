@@ -1,6 +1,7 @@
 """The levels of a solve: a brake solved on finer and finer divisions into hp elements.
 
-Each division has small elements at the ends of the contact that the earlier division has found.
+Each division has small elements at the ends of the contact, as the answer on the division before
+has shown them.
 """
 
 import math
@@ -29,14 +30,14 @@ DEG = math.pi / 180
 class LevelRule(NamedTuple):
     """The rule that gives the degree and the grading of the hp elements on each level of a solve.
 
-    Level k = 1, 2, ... has elements of the degree p. Its grading leaves the relative error e of the
-    pressure p(theta) in L2:
+    On level k = 1, 2, ... the displacements are polynomials of degree p. The element sizes are
+    chosen so that the pressure p(theta) has the relative error e in the L2 norm:
 
         p = first_degree + k - 1
         e = first_error / fall^(k - 1)
 
     From p and e follow the ratio q of the sizes of neighbouring elements, and the sizes of the
-    elements at singular points as parts of the lengths that `Level` names:
+    elements at singular points, relative to the lengths that `Level` names:
 
         sqrt q(e) = (1 - e^(1/p)) / (1 + e^(1/p))
 
@@ -46,11 +47,14 @@ class LevelRule(NamedTuple):
         end = end e^sizes
         zone = edge = back = hinge = corner e^sizes
 
-    Elements that grow by 1/q from a singular point leave the error ((1 - sqrt q)/(1 + sqrt q))^p of
-    the best polynomials of degree p (Gui & Babuska, Numer. Math. 49, 1986), and this error is e.
-    Two gradings may be coarser than e asks, because they change p(theta) less. The layers change
-    it by their compliance alone; a compliance is an energy, whose error is the square of the error
-    of the stresses. A short contact changes it in few columns of elements only.
+    If the elements grow by the factor 1/q from one to the next, away from a singular point, the
+    best polynomials of degree p have the error ((1 - sqrt q)/(1 + sqrt q))^p there (Gui & Babuska,
+    Numer. Math. 49, 1986). The formula for q sets this error equal to e.
+
+    Two kinds of element sizes may be coarser, because they change p(theta) less. The sizes through
+    the thickness of the layers influence p only by the compliance of the layers, and the error of a
+    compliance is the square of the error of the stresses. The sizes at the ends of a short contact
+    influence p only in a few columns of elements.
 
     Attributes
     ----------
@@ -58,7 +62,7 @@ class LevelRule(NamedTuple):
     first_error : error of p that the first level may leave
     fall : error of a level over that of the next level
     sizes : exponent of e in the sizes of elements at singular points
-    layers : exponent of e in the error that the grading through the layers leaves
+    layers : exponent of e in the error by the element sizes through the thickness of the layers
     end : size of the elements at the ends of the contact, divided by e^sizes
     corner : size of the elements at corners, divided by e^sizes
     largest : largest width of a column of elements [rad]
@@ -95,8 +99,8 @@ class LevelRule(NamedTuple):
 def _element_size_ratio_for_error(error: float, p: int) -> float:
     """The ratio q of the sizes of neighbouring elements, smaller to larger.
 
-    Elements of degree p that grow by 1/q from a singular point leave this relative error. The
-    formula is that of `LevelRule`.
+    Elements of degree p that grow by the factor 1/q from one to the next, away from a singular
+    point, leave the relative error `error`. The formula is explained in `LevelRule`.
     """
     root = error ** (1 / p)
     return ((1 - root) / (1 + root)) ** 2
@@ -112,14 +116,14 @@ LEVEL_RULE = LevelRule(
     corner=12.0,
     largest=15.0 * DEG,
 )
-"""The eight numbers of the levels, found by experiment on random brakes of all kinds.
+"""The eight numbers of the rule for degree and element sizes, found by experiment on random brakes.
 
 `make levels ARGS="fall=6"` finds the figures below again, for any values of the numbers. It runs
 the brakes on which `make calibrate` fits the error estimate. It reports the factors of the estimate
 on four levels, the processor time of solves, and the medians of stated over true errors. The factor
 of forces is the one for torques and reactions; a larger factor makes stated errors larger.
 
-- first_degree: the first level only finds the contact. The degree 3 is a judgement.
+- first_degree: the first level only has to find the contact. The degree 3 is a judgement.
 - first_error: with 0.03 the factor of forces rises from 0.57 to 0.75, with 0.04 to 1.3, because a
   coarse first level resembles the second level only by chance. With smaller values every level has
   more unknowns.
@@ -136,10 +140,11 @@ of forces is the one for torques and reactions; a larger factor makes stated err
 LEVELS = tuple(LEVEL_RULE.refinement_level_with_number(k) for k in range(1, 7))
 """The six levels of a solve, from coarse to fine: degree and grading of their hp elements."""
 MOST_PASSES = 8
-"""Largest number of divisions, or passes, on one level of a solve.
+"""Largest number of divisions of a brake on one level of a solve; each division is a pass.
 
-Each pass has small elements at the ends of the contact that the earlier pass has found. The last
-pass counts even if the ends of the contact still move.
+The first answer on a level shows where the contact ends. The next pass divides the brake again,
+with small elements at these ends. If the ends still move in the last pass, its answer is taken
+nevertheless.
 """
 
 
@@ -156,7 +161,8 @@ class ResponseFunction(Protocol):
 
 
 PrepareFunction = Callable[[Level, PointsByShape], PreparedModel]
-"""A function from a level and the singular points of each shape of shoe to a prepared model."""
+"""A function from a level and the singular points on each shape of shoe to a prepared model.
+"""
 
 
 class SolvedLevel(NamedTuple):
@@ -177,21 +183,21 @@ def solve_on_finer_and_finer_levels(
 ) -> Iterator[SolvedLevel]:
     """Solve a brake on one level after the other, finer and finer, and yield each solved level.
 
-    The contact is found in steps of growing friction. On the way the contact may lie where the
-    elements are large, and a short contact on nodes far apart may have no solution. A level
-    without a solution is therefore solved once more with narrower columns of elements, at least as
-    many along the lining as a mesh has elements. All later levels keep this limit of the width. A
-    level whose solution has lost too many digits to round-off is not solved again: no division of
-    the level restores them.
+    The contact is found in steps of growing friction. At a lower friction the contact may lie where
+    the elements are large. A short contact on nodes far apart may then have no solution. A level
+    without a solution is therefore solved once more with narrower columns of elements: as many
+    along the lining as a mesh of uniform elements has, or more. All later levels keep this largest
+    width of a column. If a solution has lost too many digits to round-off, the level is not solved
+    again, because other elements would not restore the digits.
 
     Parameters
     ----------
     brake : the brake
     respond : function that computes the response on a prepared model
-    cache : keeps condensed bodies, see `make_prepared_model`
+    cache : keeps the stiffness matrices of bodies from earlier solves
     levels : the levels; LEVELS if it is empty
     prepare : function that makes the prepared model of a level; None for plane stress
-    start : an earlier response, whose contact the first division is made for
+    start : an earlier response; the first division has small elements at the ends of its contact
 
     Raises
     ------
@@ -210,7 +216,8 @@ def solve_on_finer_and_finer_levels(
         points = points_after(last)
         points_of_passes: list[PointsByShape] = []
         for _ in range(MOST_PASSES):
-            # The level is divided and solved, with the singular points of the earlier pass.
+            # The brake is divided with small elements at the singular points of the earlier pass,
+            # and solved.
             limited = replace(level, largest=min(level.largest, column_limit))
             model = prepare(limited, points)
             try:
@@ -238,12 +245,12 @@ def solve_on_finer_and_finer_levels(
 def _are_points_those_of_earlier_pass(
     brake: Brake, points_of_passes: Sequence[PointsByShape], points: PointsByShape
 ) -> bool:
-    """Whether singular points are those of any earlier pass on a level."""
+    """Whether the singular points of the pressure are those of any earlier pass on a level."""
     return any(not _has_new_singular_points(brake, earlier, points) for earlier in points_of_passes)
 
 
 def _has_new_singular_points(brake: Brake, before: PointsByShape, now: PointsByShape) -> bool:
-    """Whether a solution has singular points of its pressure for which its division was not made.
+    """Whether the pressure has singular points at which the elements of its division are large.
 
     A new point is an end of the contact that moved by more than UNRESOLVED_LENGTH, or a kink of the
     gap. The points are given by shape of shoe.
@@ -251,7 +258,7 @@ def _has_new_singular_points(brake: Brake, before: PointsByShape, now: PointsByS
     Parameters
     ----------
     brake : the brake
-    before : singular points that the division was made for
+    before : singular points at which the division has small elements
     now : singular points of the response on this division
     """
     return any(

@@ -1,10 +1,12 @@
 """The equations of a group of shoes without static condensation, refined in long double.
 
-This full system keeps the unknowns that static condensation eliminates: all displacements of the
-shoes and of the ring, the generalised coordinates y, and the pressures p on the contact set. A shoe
-moves by u = v + r y, where v are the displacements while its frame is held, and r its rigid-body
-modes. Rigid-body modes strain nothing. The system therefore leaves out K r, which would be the
-round-off of K alone. Per newton of the largest force:
+A solve usually eliminates the displacements inside the bodies (static condensation). The full
+system keeps them. Its unknowns are all displacements of the shoes and of the drum ring, the
+generalised coordinates y (sizes of the rigid-body motions), and the pressures p of the nodes in
+contact, the contact set. A shoe moves by u = v + r y: r are its rigid-body modes, and v the
+displacements by deformation. Rigid-body modes cause no strain. The product K r of the stiffness and
+the modes is therefore zero apart from round-off, and the system omits it. All quantities are per
+newton of the largest force:
 
     K v + (N - drag T)^T p = f,    r^T (N - drag T)^T p = moment,
     M (g + p/eps) - N v - N r y + N_ring u_ring = 0  on the contact set
@@ -12,9 +14,10 @@ round-off of K alone. Per newton of the largest force:
 The stiffness is assembled in long double. LU factors of the system, rounded to double precision
 (SuperLU, pivoted, in an order of its own), are the preconditioner of an iterative refinement. The
 residuals of the refinement are in long double (Wilkinson; Higham, Accuracy and Stability of
-Numerical Algorithms, ch. 12). Where the refinement converges, its solution is that of the discrete
-brake to all digits of double precision. Comparing another solution with it shows how many digits
-that solution has, since the arithmetic and its order are different.
+Numerical Algorithms, ch. 12). If the refinement converges, its solution satisfies the
+finite-element equations to all digits of double precision. The difference from another solution
+then shows how many digits of the other solution are right, because both use a different arithmetic
+and a different order of operations.
 
 The condition of the torque is that of the linear functional T = l . x of a system A x = b under
 changes of each entry by a fraction of the entry (Skeel; Higham, ch. 7):
@@ -61,8 +64,8 @@ refinement has converged.
 MOST_REFINED_SETS = 40
 """Largest number of contact sets on which the full system of a group is solved and refined.
 
-If the contact set still changes after that, the brake is refused. The first set is that of the
-solution by static condensation.
+A contact set is a set of nodes in contact. If the set still changes after this number of solutions,
+the brake is refused. The first set is that of the solution by static condensation.
 """
 
 
@@ -73,9 +76,10 @@ class RefinedSolution(NamedTuple):
     ----------
     p : pressures (n_i,) of each shoe [1/m^2]
     last_correction : last correction (n_i,) of the pressures of each shoe [1/m^2]
-    coordinates : generalised coordinates (k_i,) of each shoe
+    coordinates : generalised coordinates (k_i,) of each shoe, the sizes of its rigid-body motions
     torque : torque of all shoes [m]
-    gap : weighted gaps (n,) of all nodes, relative to the largest term of their sum
+    gap : gaps (n,) of all nodes, integrated with the shape functions; relative to the largest term
+        of the sum that each gap is
     correction : largest entry of the last correction, relative to the largest pressure
     corrections : number of corrections
     contact_sets : number of contact sets that were tried
@@ -127,7 +131,7 @@ class FullSystem:
 
 
 class _ShoeBlock(NamedTuple):
-    """The part of one shoe in the full system of its group, in long double.
+    """The rows and columns of one shoe in the full system of its group, in long double.
 
     The unknowns of the shoe are the displacements of its inner nodes, those of its n contact nodes,
     and its generalised coordinates, which have no stiffness.
@@ -136,7 +140,7 @@ class _ShoeBlock(NamedTuple):
     ----------
     K : stiffness (unknowns, unknowns)
     pressure_forces : forces (unknowns, n) on the unknowns per nodal pressure
-    gap_closures : closures (n, unknowns) of the weighted gaps per unknown
+    gap_closures : closing (n, unknowns) of the weighted gap at each contact node per unknown
     load : force of the actuation on each unknown (unknowns,)
     """
 
@@ -154,7 +158,7 @@ class _RingCoupling(NamedTuple):
 
 
 class _RingBlock(NamedTuple):
-    """The part of the drum's ring in the full system: stiffness `K`, and coupling with each shoe.
+    """The drum's ring in the full system: its stiffness `K`, and its coupling with each shoe.
 
     The unknowns are the displacements of the ring's nodes. A free ring has the forces on its rim as
     further unknowns.
@@ -190,9 +194,10 @@ def assemble_full_system_of_group(
     Parameters
     ----------
     group : the group of shoes
-    relative_to_rigid_motion : whether displacements are measured from the shoes moved by their
-        rigid-body modes. Otherwise they are measured from the unloaded shoes. This keeps more
-        digits if the drum holds the lining and a soft shoe turns behind it.
+    relative_to_rigid_motion : whether the displacements are those by deformation alone, without the
+        rigid-body motion of the shoe. Otherwise they are measured from the unloaded shoe. The
+        second choice keeps more digits if the drum holds the lining and a soft shoe turns behind
+        the lining.
     """
     members = range(len(group.members))
     shoe_blocks = [
@@ -204,7 +209,7 @@ def assemble_full_system_of_group(
         else None
     )
     stiffnesses = [block.K for block in shoe_blocks] + ([ring.K] if ring else [])
-    # The sizes and counts of unknowns give the order of all unknowns.
+    # The numbers of unknowns of the bodies give the position of each unknown in the full system.
     sizes = [int(block.shape[0]) for block in stiffnesses]
     counts = [len(gap) for gap in group.gaps_of_unloaded_linings]
     starts = np.cumsum([0, *sizes])
@@ -220,7 +225,7 @@ def assemble_full_system_of_group(
             slice(int(end) - modes.actuation_work.size, int(end))
             for end, modes in zip(ends, group.rigid_body_modes_of_shoes, strict=True)
         ),
-        lever=_group_torque_per_unknown_of_full_equations(group, layout),
+        lever=_torque_factors_of_full_system_unknowns(group, layout),
         scale=_scale_factors_of_full_system(matrix, int(layout.pressure_starts[0])),
     )
 
@@ -266,7 +271,8 @@ def _right_side_of_full_system(
 ) -> Any:
     """The right side (unknowns,) of the full system.
 
-    It holds the actuations of the shoes and the negative weighted gaps of the unloaded linings.
+    The right side consists of the actuation of the shoes and the negative weighted gaps of the
+    unloaded linings.
     """
     right = np.zeros(int(layout.pressure_starts[-1]), dtype=LONG_DOUBLE)
     for k, shoe_block in enumerate(shoe_blocks):
@@ -277,10 +283,11 @@ def _right_side_of_full_system(
     return right
 
 
-def _group_torque_per_unknown_of_full_equations(group: ShoeGroup, layout: _Layout) -> Floats:
-    """The torque of the group per unknown (unknowns,) of the full system; 0 except for pressures.
+def _torque_factors_of_full_system_unknowns(group: ShoeGroup, layout: _Layout) -> Floats:
+    """The factors (unknowns,) that give the torque of the group as a sum over the unknowns.
 
-    The torque [m^3] is per pressure and contains the friction coefficient.
+    The factor of a pressure [m^3] contains the friction coefficient. The factors of all other
+    unknowns are 0.
     """
     lever = np.zeros(int(layout.pressure_starts[-1]))
     for k, body in enumerate(group.substructures_of_shoes):
@@ -294,7 +301,8 @@ def _part_of_shoe_in_full_system(
 ) -> _ShoeBlock:
     """The part of shoe `k` of a group in the full system, in long double.
 
-    For `relative_to_rigid_motion` see `assemble_full_system_of_group`.
+    With `relative_to_rigid_motion` the displacements are those by deformation alone, without the
+    rigid-body motion of the shoe.
     """
     body, shoe, modes = (
         group.substructures_of_shoes[k],
@@ -302,7 +310,8 @@ def _part_of_shoe_in_full_system(
         group.rigid_body_modes_of_shoes[k],
     )
     constraints = body.condensed.multi_point_constraints.matrix.astype(LONG_DOUBLE)
-    # The stiffness is assembled again in long double; the condensed body has it in double only.
+    # The prepared model has the stiffness in double precision only. It is assembled again in long
+    # double.
     K = sparse_stiffness_of_body(body.basis, elastic_layers_of_shoe(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
     inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
@@ -322,7 +331,8 @@ def _part_of_shoe_in_full_system(
             (N @ contact_modes).T, shape, row=inside
         )
     else:
-        # The generalised coordinates move the frame, and the frame strains the body.
+        # The generalised coordinates move the supports of the body, and the supports deform the
+        # body.
         modes_to_nodes = (constrained[:inside, inside:] @ sp.csr_matrix(pin_motion)).tocsr()
     on_nodes = _sparse_matrix_with_rows_from_place(pushing, shape, row=first)
     on_modes = _sparse_matrix_with_rows_from_place(test_modes.T @ pushing, shape, row=inside)
@@ -338,8 +348,8 @@ def _part_of_shoe_in_full_system(
 def _actuation_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Floats:
     """The actuation of shoe `k` on its unknowns in the full system, in long double.
 
-    The actuation works on the `inside` displacements of the nodes it acts on, and on the rigid-body
-    modes. It is relative to the largest actuation force of the group.
+    The actuation has nodal forces on the `inside` displacements, and generalised forces on the
+    rigid-body modes. All are relative to the largest actuation force of the group.
     """
     body, shoe = group.substructures_of_shoes[k], group.shoes[k]
     share = LONG_DOUBLE(abs(shoe.actuation.force)) / group.largest_actuation_force
@@ -358,11 +368,11 @@ def _actuation_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Flo
 def _part_of_ring_in_full_system(scene: PreparedModel, brake: Brake) -> _RingBlock:
     """The part of the drum's elastic ring in the full system, in long double."""
     ring, part = scene.ring, brake.ring
-    # A model without a ring, or with a ring that has no section, never comes here.
+    # The function is called only for models with an elastic ring.
     assert ring is not None and part is not None
     basis = ring.basis
     K = ring_stiffness(basis, part, precise=True).tocsr()
-    # Displacements of nodes that stand still are no unknowns.
+    # Nodes on a fixed edge of the ring do not move, so that their displacements are no unknowns.
     keep = np.ones(2 * basis.N, dtype=bool)
     keep[2 * ring.held] = keep[2 * ring.held + 1] = False
     K = K[keep][:, keep]
@@ -420,9 +430,10 @@ def _sparse_matrix_from_blocks(blocks: list[list[Any]], sizes: list[int]) -> Any
 def _scale_factors_of_full_system(matrix: Any, first: int) -> Floats:
     """Scale factors (unknowns,) that give the rows and columns of the full system similar sizes.
 
-    Unknowns with stiffness get a unit diagonal. Unknowns without stiffness get rows of length one:
-    first the pressures, then the generalised coordinates and the forces on the rim of a free ring.
-    `first` is the number of the first pressure.
+    The scaled matrix has a unit diagonal for unknowns with stiffness. For unknowns without
+    stiffness its rows have the length one: first for the pressures, then for the generalised
+    coordinates and the forces on the rim of a free ring. `first` is the number of the first
+    pressure.
     """
     diagonal = np.abs(matrix.diagonal()).astype(float)
     stiff = diagonal > 0
@@ -445,7 +456,8 @@ def solve_full_system_by_refinement(
 ) -> RefinedSolution:
     """Solve a full system by iterative refinement, and find its contact set.
 
-    A contact set to start from is given. It is corrected until no node pulls or penetrates.
+    The first set of nodes in contact is given. Nodes leave or join the set until no node in contact
+    has a tension and no other node penetrates the drum.
 
     Parameters
     ----------
@@ -550,7 +562,8 @@ def _refined_solution_on_contact_set(system: FullSystem, on: Bools, order: str) 
     first = np.count_nonzero(on[: system.index_of_first_pressure])
     residual, previous = b, math.inf
     for corrections in range(1, MOST_CORRECTIONS + 1):
-        # A residual is scaled to unit size, so that it keeps its digits in double precision.
+        # The residual is divided by its largest entry before it is rounded to double precision, so
+        # that no small entry is lost.
         largest = float(np.abs(residual).max()) or 1.0
         dx = factors.solve((residual / largest).astype(float)) * LONG_DOUBLE(largest)
         x += dx
@@ -572,8 +585,8 @@ def _condition_number_of_torque(
 ) -> float:
     """The condition number of the torque for relative changes of each entry of the full system.
 
-    The number says by what multiple of a relative change of the entries the torque may change. It
-    is nan for a torque of 0.
+    If all entries change by a small fraction, the torque changes at most by this number times the
+    fraction. The number is nan for a torque of 0.
     """
     if torque == 0:
         return math.nan

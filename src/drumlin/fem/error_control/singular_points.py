@@ -1,14 +1,15 @@
 """The singular points of a lining's pressure, found in the response of an earlier level.
 
-At a singular point the pressure p(theta) is not smooth. A singular point is an end of the contact,
-a kink of the gap, or a step between blocks of the lining. The next division of the lining has small
-elements at these points.
+At a singular point the pressure p(theta) is not smooth. Singular points are the ends of the
+contact, the kinks of the gap, and the steps between blocks of the lining. The next division of the
+lining has small elements at these points.
 
-An open node between two pressed nodes shows an opening of the contact for which the hp elements are
-too wide. The ends of the opening may lie anywhere between the neighbouring nodes. The error that
-they cause does not fall until a level has smaller elements there. Therefore the open node is a
-singular point too. An opening that is far shorter than its contact is ignored: where p is nearly 0,
-round-off opens single nodes, and singular points at these nodes would only open more of them.
+A node without contact between two nodes in contact shows that the contact has an opening which the
+elements are too wide to resolve. The ends of the opening may lie anywhere between the two
+neighbouring nodes, and the error that they cause does not fall until the elements there are
+smaller. The node in the opening is therefore a singular point, too. An opening that is far shorter
+than its contact is ignored: where p is nearly 0, round-off takes single nodes out of contact, and
+small elements at these nodes would take out more of them.
 """
 
 import math
@@ -30,13 +31,13 @@ from drumlin.response.resultants import polynomial_values_at_gauss_points
 NEGLIGIBLE_KINKS = 0.1
 """Error of the pressure that all neglected kinks of a gap together may cause.
 
-It is the error of p in L2, relative to the error of the level (`Level.error`). The weakest kinks
-are neglected first. The actual error of p on a level is about a tenth of `Level.error`, so the
-neglected kinks cause less error than the level itself, on finer levels too. The gap of a worn
-lining, for example, is a table of many rows. It is treated as a smooth curve until a level is fine
-enough to resolve the straight lines between its rows. If every kink were a singular point, such a
-table would take hundreds of hp elements. If no kink were a singular point, a table with a real kink
-would miss the tolerance on all levels.
+It is the error of p in the L2 norm, relative to the planned error of the level (`Level.error`). The
+weakest kinks are neglected first. The actual error of p on a level is about a tenth of
+`Level.error`. The neglected kinks therefore cause less error than the elements of the level. The
+gap of a worn lining, for example, is a table of many rows. It is treated as a smooth curve until a
+level is fine enough to resolve the straight lines between its rows. If every kink were a singular
+point, such a table would take hundreds of hp elements. If no kink were a singular point, a table
+with a real kink would miss the tolerance on all levels.
 """
 CONTACT_END_BITS = 20
 """Number of binary digits to which the position of an end of the contact is rounded.
@@ -76,8 +77,8 @@ def singular_points_of_all_linings(
         are not singular yet, because their strength depends on the pressure.
     alike : for each shoe the index of the first shoe of the same shape, see
         `cache.first_shoes_of_equal_shape`; if it is empty, this function finds the indices
-    error : error of p that the next level leaves, see `Level.error`; with 0 every kink of a table
-        is singular where the lining presses
+    error : planned error of p on the next level, see `Level.error`; with 0 every kink of a table is
+        a singular point where the lining presses
     """
     points: dict[int, list[SingularPoint]] = {}
     first_alike = alike or equal_shapes(brake)
@@ -97,15 +98,15 @@ def _singular_points_of_lining(
     ----------
     shoe : the shoe
     answer : its earlier response, or None
-    scale_factor : length [m] of the surface's coordinate 1, see `Brake.scale_factor`
-    level_error : error of p that the next level leaves
+    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
+    level_error : planned error of p on the next level
     """
     arcs = [] if answer is None else contact_arcs_merged_over_narrow_gaps(shoe, answer)
     points = _singular_points_at_steps_of_lining(shoe, answer, arcs)
     if answer is None:
         return points
     points += _singular_points_at_kinks_of_gap(shoe, answer, arcs, scale_factor, level_error)
-    # The ends of each contact are singular points. Their positions are rounded, and stay within the
+    # The ends of each contact arc are singular points. Their angles are rounded, and limited to the
     # lining.
     for arc_start, arc_end in arcs:
         start, end = _lining_that_contact_covers(shoe, arc_start, arc_end)
@@ -127,7 +128,7 @@ def _lining_that_contact_covers(shoe: Shoe, first: float, last: float) -> tuple[
 
 
 def _is_angle_near_contact(phi: float, arcs: list[list[float]]) -> bool:
-    """Whether the angle phi [rad] lies in a contact, or beside it by less than its length.
+    """Whether the angle phi [rad] lies in a contact, or nearer to a contact than its length.
 
     `arcs` are the start and the end [rad] of each contact.
     """
@@ -139,9 +140,8 @@ def _singular_points_at_steps_of_lining(
 ) -> list[SingularPoint]:
     """The singular points at the ends of the steps between the blocks of a lining.
 
-    A step that is not near a contact does not disturb the pressure. It still is a point, of the
-    kind OPEN_STEP. Otherwise the polynomial that stands for the gap in an hp element would
-    oscillate over the step.
+    A step far from every contact does not influence the pressure, but an element must end there
+    nevertheless (kind OPEN_STEP): a polynomial for the gap across the step would oscillate.
     """
     start, end = shoe.arc
     length = shoe.lining.step / shoe.frame.unit
@@ -171,7 +171,9 @@ def _singular_points_at_kinks_of_gap(
 
     Parameters
     ----------
-    shoe, answer, scale_factor, level_error : parameters of `_singular_points_of_lining`
+    shoe, answer : the shoe and its earlier response
+    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
+    level_error : planned error of p on the next level
     arcs : contacts of the lining [rad]
     """
     (start, end), frame = shoe.arc, shoe.frame
@@ -183,7 +185,7 @@ def _singular_points_at_kinks_of_gap(
     ]
     inside = np.array(near, dtype=bool)
     _, p, weight = polynomial_values_at_gauss_points(answer.theta, answer.pressure, answer.order)
-    # The neglected kinks together may change p by this norm.
+    # The neglected kinks together may change p by at most this value of the L2 norm.
     norm = math.sqrt(float(np.sum(weight * p**2)))
     negligible = NEGLIGIBLE_KINKS * level_error * norm
     kinks = _angles_of_strongest_kinks(angle[inside], change[inside], negligible)
@@ -202,7 +204,7 @@ def _singular_points_at_tips_of_gap(
     Parameters
     ----------
     shoe : the shoe
-    scale_factor : length [m] of the surface's coordinate 1
+    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
     norm : norm of the pressure in L2 [Pa rad^0.5]; on a plane [Pa m^0.5]
     kinks : (k,) angles theta [rad] of the kinks that are singular points
     """
@@ -218,13 +220,14 @@ def _singular_points_at_tips_of_gap(
 def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Floats:
     """The change of p in L2 (k,) [Pa rad^0.5] by the kink at each row of a table of clearances.
 
-    The change is measured against a smooth curve in place of the straight chords between the rows.
-    Where the slope changes by s at rows at a distance h, the chords deviate from a smooth curve by
-    the parabola s x (1 - x/h)/2. This is a series of cosines of the amplitudes s h/(2 pi^2 n^2). A
-    half-plane of the modulus E under a cosine of the wave number k = 2 pi n/h has the pressure
-    E k/2 times the amplitude. A layer of the thickness t << h has E/t times the amplitude. The root
-    mean square of the change of p is thus E s/sqrt(48) on a half-plane, and E s h/(sqrt(720) t) on
-    a layer. A layer on its support is at most as stiff as both together.
+    Between the rows of the table the gap varies linearly. The change of p is that from a smooth
+    curve through the rows to these straight chords. If the slope changes by s at rows at a distance
+    h, the chords deviate from a smooth curve by the parabola s x (1 - x/h)/2. The parabola is a
+    series of cosines of the amplitudes s h/(2 pi^2 n^2). Under a cosine of the wave number k = 2 pi
+    n/h, a half-plane of the modulus E has the pressure E k/2 times the amplitude, and a layer of
+    the thickness t << h has E/t times the amplitude. The root mean square of the change of p is
+    thus E s/sqrt(48) on a half-plane, and E s h/(sqrt(720) t) on a layer. The sum of both is an
+    upper bound for a layer on a support.
     """
     if len(lining.linings) > 1:
         changes = [pressure_changes_by_kinks_of_gap(part, scale_factor) for part in lining.linings]
@@ -252,8 +255,7 @@ def _angles_of_strongest_kinks(angle: Floats, change: Floats, negligible: float)
     ----------
     angle : (k,) angles of all kinks [rad]
     change : (k,) change of p in L2 that each kink causes [Pa rad^0.5]
-    negligible : limit of the root sum of squares of the changes by the kinks that are left out
-        [Pa rad^0.5]
+    negligible : largest allowed change of p in L2 by all neglected kinks together [Pa rad^0.5]
     """
     order = np.argsort(change, kind="stable")
     neglected = np.cumsum(change[order] ** 2) <= negligible**2
@@ -283,17 +285,20 @@ def _openings_within_contact_arcs_of_lining(
 ) -> list[_Opening]:
     """The openings inside the contacts of a lining: open nodes between two pressed nodes.
 
-    An open node at an end of a contact belongs to the end and is left out. So is an opening that is
-    far shorter than its contact: where hp elements are so narrow, p oscillates around 0 from node
-    to node.
+    A node at an end of a contact does not count. An opening that is far shorter than its contact
+    does not count either: in such narrow elements p oscillates around 0 from node to node.
     """
     press = answer.pressure > 0
     open_nodes = 1 + np.flatnonzero(press[:-2] & ~press[1:-1] & press[2:])
     if not len(open_nodes):
         return []
     phi = shoe.frame.phi(answer.theta)
-    candidates = [_Opening(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1]))) for i in open_nodes]
-    return [opening for opening in candidates if _is_opening_inside_contact(opening, arcs)]
+    openings = []
+    for i in open_nodes:
+        opening = _Opening(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1])))
+        if _is_opening_inside_contact(opening, arcs):
+            openings.append(opening)
+    return openings
 
 
 def _is_opening_inside_contact(opening: _Opening, arcs: list[list[float]]) -> bool:

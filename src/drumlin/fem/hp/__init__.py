@@ -2,7 +2,7 @@
 
 This package divides a parametric shoe, a pad or the drum's ring into columns of elements. A column
 is a stack of elements through the thickness of the body. The inputs are a shoe with its layers, the
-degree and grading of the elements, and the points where the stress is not smooth. The outputs are
-bodies that are statically condensed to their contact nodes and supports, and a grid of all nodes,
-from which pictures and slopes are computed.
+degree and sizes of the elements, and the points where the stress is not smooth. The outputs are the
+stiffness of a body, statically condensed to its contact nodes and supports, and a grid of all
+nodes, from which pictures and derivatives of the torque are computed.
 """

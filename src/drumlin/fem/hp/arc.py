@@ -1,10 +1,11 @@
 """The stiffness of element columns on an arc or a pad, from symmetric and antisymmetric parts.
 
-An element column is a stack of elements from the contact through the thickness of a body. Between
-circles about one centre the map of an element is a product, x = r(eta) c(xi). Here c(xi) is the
-polynomial through nodes of the unit circle. So the stiffness of an element is a sum of products
-too. Each product has a factor A, which depends on the angle of the column alone, and a factor B,
-which depends on the radii of the layer alone:
+An element column is a stack of elements from the contact through the thickness of a body. An
+element between two concentric circles is mapped from the unit square by a product, x = r(eta)
+c(xi): xi runs along the arc and eta through the thickness. Here c(xi) is the polynomial through
+nodes on the unit circle. The stiffness of an element is therefore a sum of products, too. Each
+product has a factor A, which depends on the angle of the column alone, and a factor B, which
+depends on the radii of the layer alone:
 
     K         = sum_kl (lambda A_kl + 2 mu A'_kl) B_kl
     grad psi  = t f'(xi) g(eta) / r + n f(xi) g'(eta) / (r_2 - r_1)
@@ -208,7 +209,7 @@ def angular_factors_of_column_stiffness(
         xx, yy, xy = strain[:, :, 0], strain[:, :, 1], strain[:, :, 2]
         through = x**2 * xx + y**2 * yy + np.sqrt(2) * x * y * xy
         parts += [trace - through, through]
-    # Each factor is the integral of the product of two strains of the same kind.
+    # Each factor is the integral of the product of two strain components of the same kind.
     factors = np.empty((2 * count, n, n, len(parts), 2, 2))
     for k, each in enumerate(parts):
         work = (each @ each.swapaxes(1, 2)).reshape(-1, 2, n, 2, n)
@@ -269,8 +270,7 @@ def _radial_factors_of_layer_stiffness(
     radii : (l + 1,) radii of the faces of the layers [m]
     constants : (l, m) lambda, mu and, if a layer is orthotropic, a and b [N/m]
     p : degree of the elements
-    plane : on a plane, the radius [m] that lengths are divided by to make them angles; None on a
-        drum
+    plane : on a plane, the length [m] by which all lengths are divided; None on a drum
     """
     functions = nodal_functions_along_element_column(p)
     weights, values, slopes = functions.weights, functions.values, functions.slopes
@@ -301,8 +301,7 @@ def condensed_arc_element_stiffness(
         orthotropic
     elasticity : (l, 3, 3) elasticity matrices times the width [N/m]
     p : degree of the elements
-    plane : on a plane, the radius [m] that lengths are divided by to make them angles; None on a
-        drum
+    plane : on a plane, the length [m] by which all lengths are divided; None on a drum
     """
     functions = nodal_functions_along_element_column(p)
     A = A.reshape(-1, *A.shape[2:])
@@ -346,7 +345,7 @@ def condensed_arc_column_stiffness(
     )
     symmetric, antisymmetric = K.reshape(2, -1, *K.shape[1:])
     blocks = _ColumnBlocks(K.shape[-1] - half.sides, half.line, 2 * (p + 1) * contact)
-    whole = np.empty((len(symmetric), blocks.size, blocks.size))
+    whole = np.empty((len(symmetric), blocks.number_of_unknowns, blocks.number_of_unknowns))
     _fill_blocks_of_column_sides(whole, symmetric, antisymmetric, blocks)
     if contact:
         _fill_blocks_of_contact_nodes(whole, symmetric, antisymmetric, blocks, p)
@@ -368,32 +367,32 @@ class _ColumnBlocks(NamedTuple):
     contact: int
 
     @property
-    def size(self) -> int:
+    def number_of_unknowns(self) -> int:
         """Number of all unknowns of the column."""
         return self.extra + 2 * self.line + self.contact
 
     @property
-    def lines(self) -> slice:
+    def unknowns_of_left_side(self) -> slice:
         """The unknowns of the left side."""
         return slice(self.extra, self.extra + self.line)
 
     @property
-    def left(self) -> slice:
+    def unknowns_of_loads_and_left_side(self) -> slice:
         """The unknowns of the loads and the left side."""
         return slice(self.extra + self.line)
 
     @property
-    def middle(self) -> slice:
+    def unknowns_of_contact(self) -> slice:
         """The unknowns of the contact nodes."""
         return slice(self.extra + self.line, self.extra + self.line + self.contact)
 
     @property
-    def right(self) -> slice:
+    def unknowns_of_right_side(self) -> slice:
         """The unknowns of the right side."""
         return slice(self.extra + self.line + self.contact, None)
 
     @property
-    def mirror(self) -> Floats:
+    def signs_of_mirrored_displacements(self) -> Floats:
         """The signs (line,) of displacements on one side when they are mirrored to the other.
 
         Mirroring a node changes the sign of its displacement around the drum.
@@ -414,10 +413,14 @@ def _fill_blocks_of_column_sides(
     symmetric, antisymmetric : (c, m, m) stiffness on symmetric and antisymmetric unknowns
     blocks : numbers of the unknowns
     """
-    S, A, mirror = symmetric, antisymmetric, blocks.mirror
-    left, lines, right = blocks.left, blocks.lines, blocks.right
+    S, A, mirror = symmetric, antisymmetric, blocks.signs_of_mirrored_displacements
+    left, lines, right = (
+        blocks.unknowns_of_loads_and_left_side,
+        blocks.unknowns_of_left_side,
+        blocks.unknowns_of_right_side,
+    )
     np.add(S[:, left, left], A[:, left, left], out=whole[:, left, left])
-    # The blocks are computed in place, since making new arrays would double the time.
+    # The blocks are written into existing arrays, because new arrays would double the time.
     left_right = whole[:, left, right]
     np.subtract(S[:, left, lines], A[:, left, lines], out=left_right)
     left_right *= mirror
@@ -442,11 +445,18 @@ def _fill_blocks_of_contact_nodes(
     p : degree of the elements
     """
     functions = nodal_functions_along_element_column(p)
-    left, lines, middle, right = blocks.left, blocks.lines, blocks.middle, blocks.right
+    left, lines, middle, right = (
+        blocks.unknowns_of_loads_and_left_side,
+        blocks.unknowns_of_left_side,
+        blocks.unknowns_of_contact,
+        blocks.unknowns_of_right_side,
+    )
     (even, odd), place = functions.sign, middle.start + functions.place
     S, A = symmetric[:, place] * even[:, None], antisymmetric[:, place] * odd[:, None]
     whole[:, middle, left] = S[:, :, left] + A[:, :, left]
     whole[:, middle, middle] = S[:, :, place] * even + A[:, :, place] * odd
-    whole[:, middle, right] = blocks.mirror * (S[:, :, lines] - A[:, :, lines])
+    whole[:, middle, right] = blocks.signs_of_mirrored_displacements * (
+        S[:, :, lines] - A[:, :, lines]
+    )
     whole[:, left, middle] = whole[:, middle, left].transpose(0, 2, 1)
     whole[:, right, middle] = whole[:, middle, right].transpose(0, 2, 1)

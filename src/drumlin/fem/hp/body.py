@@ -1,9 +1,10 @@
 """The condensed body of a parametric shoe in hp elements, and the grid of all of its nodes.
 
-The condensed body has the unknowns that the contact problem, sweeps and wear need: the contact
-nodes and the frame of the hinge.
+The condensed body has only the unknowns that the contact problem needs: the displacements of the
+contact nodes, and the three rigid-body motions of the face that the hinge holds (the frame).
 """
 
+import math
 from functools import partial
 
 import numpy as np
@@ -66,9 +67,11 @@ def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> C
     for k, ends in enumerate((div.before, div.after)):
         if first == div.number_of_element_layers or len(ends) == 1:
             continue
-        # A block beyond the lining shares its first column of nodes with the lining's block.
+        # The block of nodes beyond the lining shares its first column of nodes with the block under
+        # the lining.
         places = node_positions_of_element_row(ends, p)
-        inner = count + np.arange(len(faces[k]) * (len(places) - 1)).reshape(len(faces[k]), -1)
+        shape = (len(faces[k]), len(places) - 1)
+        inner = count + np.arange(math.prod(shape)).reshape(shape)
         count += inner.size
         nodes = np.concatenate([faces[k][:, None], inner], axis=1)
         blocks.append(ElementBlock(nodes, depth[first * p :], places, div.part[first:]))
@@ -118,11 +121,14 @@ def _node_sets_of_hinge_and_actuation(
 ) -> dict[str, Ints]:
     """The node sets of a shoe by name: "hinge" moves rigidly with the hinge, "actuation" is loaded.
 
-    The set "actuation" is missing where the back of the shoe is held by a grip or is rigid.
+    The set "actuation" is missing if the back of the shoe is held by a grip or bonded to a rigid
+    body.
 
     Parameters
     ----------
-    shoe, radius, div : as in `grid_of_all_nodes_of_shoe`
+    shoe : a parametric shoe
+    radius : radius of the drum [m]
+    div : division of the shoe into columns and layers of elements
     along : (n,) positions along the lining of the nodes on the shoe's back
     back : (n,) nodes on the shoe's back under the lining
     faces : nodes of the body's two end faces, at the hinge and at the actuation
@@ -181,8 +187,9 @@ def condensed_body_with_cholesky_factor(
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
-    # Round-off leaves small forces on the rigid-body modes. The displacements of the contact nodes
-    # by these forces are an estimate of the round-off error.
+    # Without round-off, rigid-body motions would cause no forces. The forces that they cause
+    # nevertheless, converted into displacements of the contact nodes, are an estimate of the
+    # round-off error.
     half_error = solve_lower_triangular_system(L, found.rigid_mode_forces)
     return CondensedBody(
         L,
@@ -207,9 +214,10 @@ def _equations_of_shoe_before_condensation(
 
     Parameters
     ----------
-    shoe, div, grid : as in `condensed_shoe_body`
-    basis : the nodes that the system has: all nodes of the grid, or those of its skeleton alone,
-        which lie on the sides of elements
+    shoe, div : the shoe and its division into elements
+    grid : all nodes and elements of the shoe
+    basis : nodes whose displacements are unknowns of the system: all nodes of the grid, or only
+        those on the sides of elements (the skeleton)
     """
     contact = basis.convert_grid_node_numbers(np.arange(div.contact_nodes))
     constraints = multi_point_constraints_of_body(

@@ -1,4 +1,4 @@
-"""Columns of elements as substructures, condensed to their two sides and their contact nodes.
+"""Columns of elements, whose stiffness is condensed to their two sides and their contact nodes.
 
 A column is a stack of elements from the contact inwards. On an arc the displacements of the nodes
 on each side are measured along the radius and around the drum. Displacements of nodes between the
@@ -24,7 +24,8 @@ from drumlin.base.arrays import Floats
 from drumlin.fem.hp.element import replace_by_schur_complement, replace_each_by_schur_complement
 
 UnknownsAt = tuple[slice, slice]
-"""Two slices for the same unknowns: in the stiffness of an element, and in that of its column."""
+"""Two slices for the same unknowns: in an element's stiffness, and in that of its column.
+"""
 
 
 class ColumnUnknowns(NamedTuple):
@@ -40,7 +41,7 @@ class ColumnUnknowns(NamedTuple):
         contact inwards
     sides : number of kept unknowns of the column
     rest : number of eliminated unknowns of the column
-    line : number of unknowns on one side of the column
+    line : number of unknowns of the nodes on one side of the column (a line)
     """
 
     kept: tuple[tuple[UnknownsAt, ...], ...]
@@ -74,7 +75,7 @@ def numbering_of_element_column_unknowns(
     far = line + (edge + sides * node if contact else 0)
     kept, inside = [], []
     for k in range(layers):
-        # The unknowns of this element on the left and the right line of the column.
+        # Positions of the element's side unknowns on the left and on the right line of the column.
         skipped = node if k == 0 else 0
         start, stop = 2 * k * p - node + skipped, min(2 * (k + 1) * p + 2 - node, line)
         count = skipped + stop - start
@@ -111,7 +112,8 @@ def _contact_unknowns_of_element_column(
 
     Parameters
     ----------
-    p, sides : as in `numbering_of_element_column_unknowns`
+    p : degree of the elements
+    sides : 2 for all unknowns; 1 for the symmetric or the antisymmetric half of them
     line : number of unknowns of the left line
     far : number of the first unknown of the right line
     """
@@ -195,7 +197,7 @@ class ColumnSubstructure(NamedTuple):
 def assemble_two_element_columns(
     A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
 ) -> ColumnSubstructure:
-    """Two neighbouring substructures of element columns as one substructure.
+    """The stiffness of two neighbouring stretches of element columns, joined to one stretch.
 
     The nodes on the line between the two substructures are eliminated.
 
@@ -229,12 +231,12 @@ def assemble_two_element_columns(
 def assemble_row_of_element_columns(
     pieces: Sequence[ColumnSubstructure], shared: int, extra: int = 0
 ) -> ColumnSubstructure:
-    """A row of element columns as one substructure, condensed to its two ends and its contact.
+    """The stiffness of a row of element columns, condensed to its two ends and its contact nodes.
 
-    `shared` and `extra` are numbers of unknowns, as in `assemble_two_element_columns`. The pair of
-    neighbours that makes the smallest substructure is assembled first. The number of
-    multiplications is then within a few percent of the smallest one. A pair of the same two objects
-    that occurs again is not assembled again.
+    Neighbours share `shared` contact unknowns, and all columns have `extra` common unknowns, the
+    factors of unit loads. Neighbours are joined in pairs, and the pair with the fewest unknowns
+    comes first. The number of multiplications is then only a few percent above the smallest
+    possible number. If a pair of the same two objects occurs again, its stiffness is used again.
     """
     made = list(pieces)
     first = dict[int, int]()
@@ -245,8 +247,8 @@ def assemble_row_of_element_columns(
         """The number of unknowns that each pair of neighbours in the row would have, assembled."""
         return [len(made[i].K) + len(made[j].K) - 2 * made[i].right for i, j in pairwise(row)]
 
-    # The list `row` has the numbers of the substructures that are still separate. In each step two
-    # neighbours are replaced by one.
+    # The list `row` has the numbers of the stretches that are not joined yet. In each step two
+    # neighbours are replaced by one stretch.
     sizes = unknown_counts_of_neighbours_if_joined(row)
     while sizes:
         k = sizes.index(min(sizes))
@@ -264,14 +266,15 @@ def assemble_row_of_element_columns(
 def eliminate_nodes_on_column_side(
     piece: ColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
 ) -> ColumnSubstructure:
-    """The substructure without the unknowns on its left or right line, which are eliminated.
+    """The stiffness of joined columns without the unknowns on one side, which are eliminated.
 
     Parameters
     ----------
     piece : the substructure of element columns; it has no neighbour at the line
-    end : (l + part, l + part) stiffness of a body that is attached to the line; None without a
-        body. The l own unknowns of the body take the place of the line. The unknowns of `end` are
-        [own | part] at the left line and [part | own] at the right line.
+    end : (l + part, l + part) stiffness of a body that is attached to the side; None without a
+        body. The l other unknowns of the body take the place of the line, the nodes on the side.
+        The unknowns of `end` are [other | part] at the left line and [part | other] at the right
+        line.
     part : number of unknowns, the last ones of the line, at which the body is attached
     right : whether the right line is eliminated; otherwise the left line is
     """
@@ -291,7 +294,10 @@ def eliminate_nodes_on_column_side(
     inner = piece.K[gone, gone].copy()
     K[kept, kept], C[:, kept] = piece.K[rest, rest], piece.K[gone, rest]
     if end is not None:
-        ends, on = (slice(part, None), slice(part)) if right else (slice(own), slice(own, None))
+        if right:
+            ends, on = slice(part, None), slice(part)
+        else:
+            ends, on = slice(own), slice(own, None)
         K[added, added] += end[ends, ends]
         C[line - part :, added] += end[on, ends]
         inner[line - part :, line - part :] += end[on, on]
@@ -314,4 +320,6 @@ def rotate_node_axes_of_vectors(V: Floats, angle: Floats) -> Floats:
     are the angles that the axes of each node are turned by.
     """
     # The components x + i y of a node are one complex number.
-    return (np.ascontiguousarray(V).view(complex) * np.exp(-1j * angle)[..., None, :]).view(float)
+    components = np.ascontiguousarray(V).view(complex)
+    turns = np.exp(-1j * angle)[..., None, :]
+    return (components * turns).view(float)

@@ -5,8 +5,9 @@ degrees that slides on a half-plane, and the pressure p goes as x^a, where x is 
 the corner. If the exponent a is negative, p is unbounded. Under a tip of the gap, a kink that
 points to the drum, p goes as ln(1/x) (Johnson, Contact Mechanics, ch. 5).
 
-This module computes the exponents a. It replaces p near the corners by its power law. It estimates
-the errors of p that columns of hp elements leave at corners and under tips.
+This module computes the exponents a, and replaces the computed p near the corners by the power law.
+It also estimates the errors of p at corners and under tips, where elements of finite size cannot
+follow the unbounded pressure.
 """
 
 import math
@@ -57,9 +58,9 @@ POWER_LAW_PART = 2e-3
 
 In this part the polynomials of the pressure p are replaced by the power law of the corner. The part
 holds three or four element columns. In the column next to the corner, and a little in the second
-one, polynomials are a poor approximation of the power law. Columns farther away feel the rest of
-the lining. On two brakes the error of p was the same with three to six columns, and 10 to 30 times
-as large with one.
+one, polynomials are a poor approximation of the power law. In columns farther away the pressure
+also depends on the rest of the lining. On two brakes the error of p was the same with three to six
+columns, and 10 to 30 times as large with one.
 """
 SMALLEST_PIECE = 1e-12
 """Length [rad] of the polynomial piece of the pressure next to a pressed corner of a lining.
@@ -156,8 +157,8 @@ def pressure_exponent_at_orthotropic_corner(
 
     Parameters
     ----------
-    inward_friction : float
-        Friction coefficient [1], with its sign as in `pressure_exponent_at_lining_corner`.
+    inward_friction : float Friction coefficient [1], positive where the friction drags the lining's
+        face away from the corner, into the lining.
     material : AnyMaterial
         Material of the lining.
     drum : AnyMaterial | None
@@ -206,7 +207,8 @@ class _OrthotropicCorner(NamedTuple):
     Attributes
     ----------
     mu : (2,) roots mu_k of Lekhnitskii's equation, with positive imaginary part
-    slopes : (2,) slope of the lining's face per c_k of each of the two terms [1/Pa]
+    slopes : (2,) slope of the lining's face by each of the two terms of the stress function (k = 1,
+        2), if the term has the coefficient c_k = 1 [1/Pa]
     unit : modulus [Pa] by which slopes are multiplied
     drum : the drum's elastic ring; None for a rigid drum
     """
@@ -232,7 +234,8 @@ def _orthotropic_corner(
 ) -> _OrthotropicCorner:
     """The pressed corner of an orthotropic lining.
 
-    The parameters are as in `pressure_exponent_at_orthotropic_corner`.
+    The materials are those of the lining and of the drum's elastic ring (None for a rigid drum).
+    `width_ratio` is the width of the lining over the width of the ring.
     """
     compliances = _plane_stress_compliances(material)
     squares = np.roots(
@@ -332,7 +335,7 @@ def element_column_size_for_gap_tip_error(length: float, degree: int, error: flo
 
     Parameters
     ----------
-    length : (N/c)^2 [rad], where N [Pa rad^0.5] is the norm of p in L2
+    length : the length (N/c)^2 [rad], where N [Pa rad^0.5] is the norm of p in L2
     degree : degree of the hp elements in the columns
     error : error of p in L2, relative to the norm of p
     """
@@ -340,13 +343,14 @@ def element_column_size_for_gap_tip_error(length: float, degree: int, error: flo
 
 
 def response_with_power_laws_at_corners(brake: Brake, response: Response) -> Response:
-    """The response with a power law in place of p near the corners where p is unbounded.
+    """The response in which p follows a power law near the corners where p is unbounded.
 
     The pressure p goes as x^a at the distance x from a pressed corner of a lining. A polynomial in
-    the element column at the corner leaves an error that goes as the column's size to the power
-    a + 1/2, which falls slowly. The power function that has the force and the moment of a few
-    columns is far more exact there. The response of longer contacts is not changed: its stated
-    error leaves out p in the zone at the lining's ends, see `edge_zone_that_does_not_count`.
+    the element column at the corner leaves an error that goes as the column's size to the power a +
+    1/2, which falls slowly. The power function with the same force and the same moment as the
+    computed p in a few columns is far more exact there. The response of long contacts is not
+    changed: the stated error of their pressure does not count the zone at the lining's ends, see
+    `edge_zone_that_does_not_count`.
     """
     shoes = tuple(
         _shoe_response_with_pressure_power_laws(brake, i, shoe)
@@ -399,8 +403,8 @@ def corners_with_unbounded_pressure(
 ) -> list[UnboundedCorner]:
     """The pressed corners of the lining of shoe `index` at which its pressure p is unbounded.
 
-    The list is empty for a long contact. The stated error of its pressure leaves out the zone at
-    the lining's ends, see `edge_zone_that_does_not_count`, so that the corners do not count.
+    The list is empty for a long contact, whose corners do not count: the stated error of its
+    pressure excludes the zone at the lining's ends, see `edge_zone_that_does_not_count`.
     """
     theta, p = response.theta, response.pressure
     if max(p[0], p[-1]) <= 0:
@@ -428,7 +432,8 @@ def _shoe_response_with_one_corner_power_law(
 ) -> ShoeResponse:
     """The response of a shoe with a power law in place of p near one corner of its lining.
 
-    `unit` is the surface's coordinate per unit of phi, as in `pressure_with_power_law_at_corner`.
+    `unit` is the length of the surface's coordinate theta (on a plane x) per radian of the shoe's
+    angle phi.
     """
     at_corner = float(response.theta[0 if corner.at_start else -1])
     arcs = response.contact_arcs
@@ -470,8 +475,8 @@ def pressure_with_power_law_at_corner(
         The end of the lining at which the corner lies, and the exponent a of p, above -1.
     reach : float
         Distance [rad] from the corner up to which pieces are replaced.
-    unit : float
-        The surface's coordinate, which theta is measured in, per unit of phi: see `ShoeFrame`.
+    unit : float Change of the surface's coordinate theta (on a plane x) per radian of the shoe's
+        angle phi, see `ShoeFrame`.
     """
     sign = 1 if corner.at_start else -1
     at_corner = float(theta[0 if corner.at_start else -1])
@@ -548,7 +553,7 @@ def _force_and_moment_of_pressure(x: Floats, p: Floats, order: int) -> tuple[flo
 def pressure_error_left_at_lining_corners(
     brake: Brake, index: int, response: NodalPressure
 ) -> float:
-    """The relative error in L2 of the pressure p of shoe `index`, left by its unbounded corners.
+    """The relative error in L2 of the pressure p of shoe `index` at corners where p is unbounded.
 
     It is the error of the polynomial pieces next to the corners, which are as short as the
     round-off of angles allows. The error is 1 where p is not square-integrable. It is 1 as well if
@@ -605,7 +610,7 @@ def logarithmic_pressures_at_gap_tips(shoe: Shoe, scale_factor: float) -> list[L
 
     A tip is a kink of the gap that points to the drum. For a half-plane of modulus E and a change
     of slope s at the kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `scale_factor` is
-    the length [m] of one unit of the surface's coordinate.
+    the length per unit of the surface's coordinate [m/rad, on a plane 1].
     """
     # The factor c of a tip whose slope changes by 1 per unit of the surface's coordinate.
     half_plane = shoe.lining.material.young_modulus_of_equivalent_half_plane / (
@@ -618,17 +623,18 @@ def logarithmic_pressures_at_gap_tips(shoe: Shoe, scale_factor: float) -> list[L
 def pressure_error_left_at_gap_tips(
     shoe: Shoe, scale_factor: float, response: ShoeResponse
 ) -> float:
-    """The relative error in L2 of a shoe's pressure p, left by the pressed tips of its gap.
+    """The relative error in L2 of a shoe's pressure p by the tips of its gap in the contact.
 
     A tip is a kink of the gap that points to the drum, where p goes as ln(1/x). The error arises in
-    the element columns on both sides of each tip, as in `element_column_size_for_gap_tip_error`.
-    `scale_factor` is the length [m] of one unit of the surface's coordinate.
+    the element columns on both sides of each tip, because a polynomial cannot follow the logarithm.
+    `scale_factor` is the length per unit of the surface's coordinate [m/rad, on a plane 1].
     """
     theta, p, order = response.theta, response.pressure, response.order
     column_ends, pressed = theta[::order], p[::order] > 0
     squared_error = 0.0
     for tip in logarithmic_pressures_at_gap_tips(shoe, scale_factor):
-        # The tip counts if it is pressed, and if two element columns meet there.
+        # The tip counts if the lining is in contact there, and if two element columns meet at the
+        # tip.
         k = int(np.abs(column_ends - tip.theta).argmin())
         has_two_columns = 0 < k < len(column_ends) - 1
         at_tip = abs(column_ends[k] - tip.theta) < TIP_TOLERANCE * shoe.frame.unit

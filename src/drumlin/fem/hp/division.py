@@ -32,12 +32,13 @@ Smaller columns would lose all digits of p. Columns a hundred times larger would
 1e-3 of p under a tip of the gap, where the error in L2 falls as the root of w.
 """
 UNRESOLVED_LENGTH = 0.02
-"""Length along a contact, relative to the contact's length, that the hp mesh does not resolve.
+"""Length, relative to the length of a contact, below which details of the contact are not resolved.
 
-If an end of the contact moves by less from one solution to the next, it counts as settled. An
-opening in the contact that is shorter counts as closed. With a larger value element columns end
-beside the end of the contact, and the error of the pressure is that of a coarser mesh. With a
-smaller value the mesh is made anew for an end of the contact that is already known well enough.
+If an end of the contact moves by less than this from one solution to the next, it counts as found.
+An opening in the contact that is shorter than this counts as closed. With a larger value the small
+elements lie beside the end of the contact, and the error of the pressure is that of a coarser mesh.
+With a smaller value the brake is divided and solved again although the end of the contact is known
+well enough.
 """
 CORNER_COLUMN = 1e-4
 """Size of element columns and layers at a corner of the lining with unbounded pressure.
@@ -162,7 +163,7 @@ class Level:
     def pressure_error_by_column_ratio(self) -> float:
         """The relative error in L2 of the pressure due to the ratio of neighbouring column sizes.
 
-        For the formula see `levels.LevelRule`.
+        `levels.LevelRule` derives the formula.
         """
         root = math.sqrt(self.ratio)
         return ((1 - root) / (1 + root)) ** self.degree
@@ -305,7 +306,8 @@ def relative_element_size_far_from_contact(
     """
     if not coarsens:
         return size
-    return max(size, min(1.0, size * 2.0 ** math.floor(math.log2(max(distance, 1.0)))))
+    doublings = math.floor(math.log2(max(distance, 1.0)))
+    return max(size, min(1.0, size * 2.0**doublings))
 
 
 def piece_ends_from_piece_sizes(sizes: Sequence[float], start: float, end: float) -> Floats:
@@ -359,10 +361,11 @@ def divide_shoe_into_hp_elements(
     radius : radius of the drum [m]
     level : degree of the elements, and sizes of columns and layers
     points : singular points along the lining, in the order of their positions
-    grades_loaded_end : whether columns shrink towards the end of the body that the actuation force
-        acts on. They do if the position of this end matters; the contact depends on the force only.
-    exponents : exponents of the pressure at the lining's start and end if these are pressed, see
-        `corner.pressure_exponents_at_both_lining_corners`
+    grades_loaded_end : whether columns become smaller towards the end of the body on which the
+        actuation force acts. The contact does not need this, because it depends on the resultant
+        force only; derivatives with respect to the position of this end do.
+    exponents : exponents a of the pressure p ~ x^a at the corners of the lining, at its start and
+        its end, if the corners are in contact
     """
     layers = thickness_of_each_shoe_layer(shoe, radius)
     # Each lining has contacts, grading points and columns of its own.
@@ -521,7 +524,7 @@ def _size_of_element_layer_at_face(level: Level, contact: "_ContactExtent") -> f
 
 
 class _ContactExtent(NamedTuple):
-    """The extent of the contacts of a lining, as the division into elements needs it.
+    """The lengths and positions of a lining's contacts, for its division into elements.
 
     All lengths and sizes are in rad.
 
@@ -557,7 +560,7 @@ def _extent_of_lining_contacts(
     points: Sequence[SingularPoint],
     arc: tuple[float, float],
 ) -> _ContactExtent:
-    """The extent of the contacts of a lining, from the singular points at their ends.
+    """The lengths and positions of a lining's contacts, from the singular points at their ends.
 
     If no singular point is an end of a contact, the contact is assumed to cover the whole lining.
 
@@ -575,8 +578,8 @@ def _extent_of_lining_contacts(
     lengths = [point.length for point in contact_ends]
     smallest_column = SMALLEST_COLUMN * t
     longest = max(*lengths, smallest_column) if lengths else end - start
-    # A shoe whose depth is more than half its length carries the force of the contact down to its
-    # foot. The corners of the foot are then loaded too.
+    # In a shoe whose thickness is more than half its length, the force of the contact acts through
+    # to the foot of the shoe, so that the corners there are loaded as well.
     deep = 2 * sum(layer.thickness for layer in layers) > radius * (end - start)
     # The force of one short contact follows from balance alone. The forces of several contacts on
     # an elastic shoe depend on how the shoe bends, and so on the stress at far corners.
@@ -627,7 +630,8 @@ def _element_column_sizes_at_lining_ends(
     sizes = []
     both_ends = zip(contact.open_lengths, contact.reaching_lengths, corner_sizes, strict=True)
     for open_length, reaching_length, corner_size in both_ends:
-        # An open gap between the lining's end and the contact holds two columns at least.
+        # At least two columns lie between the lining's end and the contact, if the gap is open
+        # there.
         is_open = open_length > 0 and math.isinf(reaching_length)
         gap_size = max(0.5 * open_length, smallest) if is_open else math.inf
         size_without_force = relative_element_size_far_from_contact(
@@ -654,7 +658,8 @@ def _grading_points_along_lining(
 
     Parameters
     ----------
-    shoe, radius, level, points : as in `divide_shoe_into_hp_elements`
+    shoe, radius, level, points : the shoe; radius of the drum [m]; degree of the elements and sizes
+        of columns and layers; singular points along the lining, in order
     contact : extent of the contact
     end_sizes : sizes of the columns at the lining's start and end [rad]
     """
@@ -702,7 +707,11 @@ def _element_column_ends_beyond_lining(
 
     Parameters
     ----------
-    shoe, radius, level, grades_loaded_end : as in `divide_shoe_into_hp_elements`
+    shoe : the shoe
+    radius : radius of the drum [m]
+    level : degree of the elements, and sizes of columns and layers
+    grades_loaded_end : whether columns become smaller towards the end of the body on which the
+        actuation force acts
     layers : layers of the shoe
     end_sizes : sizes of the columns at the lining's start and end [rad]
     """
@@ -736,14 +745,15 @@ def grading_point_at_singular_point(
     """The grading point at a singular point: its position, and the size of the columns beside it.
 
     The position of an end of the contact is rounded to half an element column. Brakes whose
-    contacts differ by less then have the same mesh. At a step under no pressure, columns of half
-    the step's length reproduce the cubic of the gap exactly.
+    contacts differ by less then have the same mesh. At a step without pressure, columns of half the
+    step's length represent the gap, which is a cubic polynomial there, exactly.
 
     At an end of the contact the pressure p rises as the root of the distance x, and at the end of a
     step p goes as x ln x. Columns of size w therefore leave errors in L2 that go as w and as w^1.5.
-    So columns at a step, relative to the step, need to shrink less from level to level: as the root
-    of `end`. With the power 2/3 in place of the root both errors would fall alike. On brakes with
-    10 and 12 steps the root is as accurate on the second level, and takes an eighth fewer unknowns.
+    From level to level the columns at a step therefore need to shrink less than those at an end of
+    the contact: their size relative to the step is the root of `end`. With the power 2/3 in place
+    of the root both errors would fall at the same rate. On brakes with 10 and 12 steps the root is
+    as accurate on the second level, and takes an eighth fewer unknowns.
 
     Parameters
     ----------
@@ -760,7 +770,8 @@ def grading_point_at_singular_point(
     if point.kind == Singularity.TIP:
         size = _element_column_size_at_gap_tip(level, thickness, point.length)
         return GradingPoint(point.at, size, level.ratio)
-    # The size at an end of the contact or a kink is a power of two, so that meshes can be equal.
+    # The size at an end of the contact or at a kink is rounded to a power of two, so that similar
+    # brakes have equal meshes.
     size = _element_column_size_at_contact_end(level, thickness, point.length)
     if distance > size:
         size = min(size, 0.5 * distance)
@@ -789,7 +800,8 @@ def _element_column_size_at_gap_tip(level: Level, thickness: float, length: floa
     ----------
     level : degree of the elements, and sizes of columns and layers
     thickness : thickness of the lining [rad]
-    length : the length that `corner.element_column_size_for_gap_tip_error` takes [rad]
+    length : the length (N/c)^2 [rad], where N is the L2 norm of the pressure and c ln(1/x) the
+        pressure at the distance x from the tip
     """
     size = element_column_size_for_gap_tip_error(length, level.degree, level.end)
     return 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
@@ -826,11 +838,11 @@ def _grading_points_without_close_ones(
 ) -> list[GradingPoint]:
     """The grading points from `start` to `end` without points that are too near to another point.
 
-    Grading points are positions that element columns shrink towards. A point is left out if it lies
-    in the column at an end of the lining. It is also left out if its distance from the previous
-    point is at most the smaller column size of both. The previous point then takes the smaller size
-    and the larger ratio of both. An end of the contact beside a step thus remains a point even if
-    it is nearer to the step than the columns at the step are wide.
+    Element columns become smaller towards the grading points. A point is dropped if it lies in the
+    column at an end of the lining. A point is also dropped if its distance from the previous point
+    is at most the smaller column size of the two points. The previous point then gets the smaller
+    size and the larger ratio of the two. A point with small columns thus remains beside a point
+    with larger columns, for example an end of the contact beside a step.
     """
     kept = [start]
     for point in inner:
@@ -887,8 +899,7 @@ def _depths_and_parts_of_element_layers(
     level : degree of the elements, and sizes of columns and layers
     face_size : size of the layer of elements at the contact [m]
     contact_length : length of the contact [m]
-    coarsens : whether elements far from the contact are larger, as in
-        `relative_element_size_far_from_contact`
+    coarsens : whether elements far from the contact are larger
     straight : whether the depth grows by 1 through each layer of the shoe, as for a straight beam;
         otherwise depths are in m
     """

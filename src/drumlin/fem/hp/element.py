@@ -1,9 +1,10 @@
 """The isoparametric quadrilateral of degree p: shape functions, stiffness, static condensation.
 
-The nodes of the element lie at Gauss-Lobatto points in both directions. The class ElementQuadP of
-scikit-fem spans the same polynomials with hierarchical functions. They are transformed to nodal
-functions once for each degree. Displacements use the same functions as the map of the element, so
-that rigid-body modes are exact (Zienkiewicz & Taylor, The Finite Element Method, section 8).
+The nodes of the element lie at Gauss-Lobatto points in both directions. The shape functions come
+from the class ElementQuadP of scikit-fem, whose hierarchical functions span the same polynomials.
+They are transformed to nodal functions once for each degree. Displacements and the shape of the
+element use the same functions, so that rigid-body motions are represented exactly (Zienkiewicz &
+Taylor, The Finite Element Method, section 8).
 """
 
 from collections.abc import Iterator
@@ -127,7 +128,7 @@ def _long_double_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
     They are computed at the points of the square grid with the coordinates x, as products of
     Lagrange's polynomials. The element is that of `shape_function_values_and_slopes`.
     """
-    # The 1 on the diagonal stands for the distance of a node from itself, which is never used.
+    # The 1 on the diagonal replaces the distance of a node from itself, 0, which is never a factor.
     nodes = node_positions_on_edge_from_0_to_1(p).astype(np.longdouble)
     x = x.astype(np.longdouble)
     apart = nodes[:, None] - nodes + np.eye(p + 1)
@@ -220,7 +221,7 @@ class _ElementIntegrals(NamedTuple):
     def _element_stiffness_added_by_orthotropy(self, rows: slice, columns: slice) -> Any:
         """The part of the stiffness (m, rows, 2, columns, 2) that orthotropy adds.
 
-        It is that of the m orthotropic elements, and has the rows and columns of `stiffness`.
+        `rows` and `columns` select nodes of the m orthotropic elements.
         """
 
         def integrals_of_products_of_two_strains(strain: Any) -> Any:
@@ -243,7 +244,8 @@ def _integrals_for_element_stiffness(
 ) -> _ElementIntegrals:
     """The integrals that the stiffness of elements is made of.
 
-    The parameters are those of `plane_stress_stiffness_of_elements`.
+    The elements have the nodes `xy` [m] and the degree p. `elasticity` holds elasticity matrices
+    times the width [N/m], and `along` unit vectors along the layers at the Gauss points.
     """
     slopes, constants = (
         _gradients_times_root_of_gauss_areas(xy, p),
@@ -303,7 +305,8 @@ def replace_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
     It is the stiffness on the k kept unknowns after the elimination of m other unknowns. The
     coupling C is (m, k), and `inner` (m, m) is the stiffness on the eliminated unknowns. All three
     matrices must be contiguous in rows. They are overwritten, so that BLAS works on them in place.
-    Cholesky factors are backward stable; an inverse would lose digits in thin columns of elements.
+    The elimination by Cholesky factors is backward stable. With the inverse of `inner`, thin
+    columns of elements would lose digits.
 
     Raises
     ------
@@ -322,9 +325,9 @@ def replace_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
 def replace_each_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
     """The Schur complements K - C^T inner^-1 C of b matrices, written into K (b, k, k).
 
-    The coupling C is (b, m, k), and `inner` is (b, m, m), as in `replace_by_schur_complement`. The
-    matrices are treated one by one, since numpy's functions for many matrices would make more
-    copies.
+    `inner` (b, m, m) is the stiffness on the m unknowns that are eliminated, and C (b, m, k) their
+    coupling with the k remaining unknowns. The matrices are treated one by one, because numpy's
+    functions for many matrices would make more copies.
     """
     for own in zip(K, C, inner, strict=True):
         replace_by_schur_complement(*own)
@@ -355,8 +358,9 @@ def _stiffness_blocks_of_element_batches(
 ) -> Iterator[_StiffnessBlocks]:
     """Yield the stiffness of elements in three blocks, one batch of elements after the other.
 
-    A batch fits into the processor's cache. The parameters are those of
-    `plane_stress_stiffness_of_elements`.
+    A batch fits into the processor's cache. The elements have the nodes `xy` [m] and the degree p.
+    `elasticity` holds elasticity matrices times the width [N/m], and `along` unit vectors along the
+    layers at the Gauss points.
     """
     reference = reference_element_of_degree(p)
     on, inside = slice(reference.outer), slice(reference.outer, None)
@@ -423,13 +427,14 @@ def condense_inner_forces_to_element_boundary(
 
     Parameters
     ----------
-    xy, elasticity, p, along : as in `plane_stress_stiffness_of_elements`
+    xy, elasticity, p, along : nodes of the elements [m]; elasticity matrices times the width [N/m];
+        degree; unit vectors along the layers at the Gauss points, or None
     inner_forces : (e, 2 i, k) forces on the i inner nodes of each element, for k load cases
     """
     count = inner_forces.shape[2]
     forces, work = np.empty((len(xy), 8 * p, count)), np.zeros((count, count))
     for part, _, coupling, inner in _stiffness_blocks_of_element_batches(xy, elasticity, p, along):
-        # The displacements of the inner nodes while the boundary is held give its reactions.
+        # The reactions of the held boundary nodes follow from the displacements of the inner nodes.
         own = inner_forces[part]
         displacements = np.linalg.solve(inner, own)
         forces[part] = -(coupling.transpose(0, 2, 1) @ displacements)
@@ -469,7 +474,8 @@ def displacements_of_inner_element_nodes(
 
     Parameters
     ----------
-    xy, elasticity, p, along : as in `plane_stress_stiffness_of_elements`
+    xy, elasticity, p, along : nodes of the elements [m]; elasticity matrices times the width [N/m];
+        degree; unit vectors along the layers at the Gauss points, or None
     u : (e, 8 p, m) displacements of the boundary nodes [m]
     inner_forces : (e, 2 i, m) forces on the inner nodes [N]; None if no force acts on them
     """

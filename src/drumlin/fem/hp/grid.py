@@ -202,7 +202,7 @@ class ColumnGrid:
         """The nodal forces (2 N,) [N] by which free strains of the layers load the body.
 
         Free strains, such as thermal expansion, cause no stress in a layer that is not bonded to
-        others. See `expansion.expansion_forces`.
+        others.
         """
         xy = self.node_coordinates_of_each_element
         points = gauss_points_of_elements(xy, self.degree)
@@ -357,9 +357,10 @@ class Skeleton:
 
 
 WholeSystem = Callable[[ColumnGrid | Skeleton], InnerSystem]
-"""A function that makes a body's system of equations: stiffness, constraints and loads.
+"""A function that assembles a body's system of equations: stiffness, constraints and loads.
 
-Its argument is the nodes that the system has: all nodes of a grid, or those of its skeleton alone.
+Its argument gives the nodes whose displacements are unknowns: all nodes of a grid, or only those on
+the sides of elements (its skeleton).
 """
 
 
@@ -414,7 +415,7 @@ class GridUnknowns:
             self.layers, self.further
         )
         system = self._system_with_further_unit_loads(self.whole_system(sides), on_sides)
-        # The work of the loads on the skeleton lacks the work of the forces inside elements.
+        # The work of the forces inside elements is added to the work of the loads on the skeleton.
         S, loads, work = system.condense_loads_and_stiffness()
         first = len(work) - len(inner_work)
         work[first:, first:] += inner_work

@@ -116,12 +116,12 @@ class RingDivision(NamedTuple):
 
     @property
     def first_columns_of_contacts_and_gaps(self) -> Ints:
-        """The number of the first column of each run.
+        """The number of the first column under each lining and in each gap between two linings.
 
-        A run is all columns under one lining, or all columns between two linings.
+        The columns under one lining, or between two linings, are called a run.
         """
         runs = np.flatnonzero(np.diff(self.contact, prepend=not self.contact[0]))
-        # A ring in contact all around is cut into two runs, so that two lines of nodes join them.
+        # A ring in contact all around is cut into two runs, because each run needs two ends.
         return runs if len(runs) > 1 else np.array([0, 1])
 
 
@@ -143,8 +143,7 @@ def divide_ring_into_hp_elements(
     linings : for each lining the angles of the ends of its columns [rad], growing, in the brake's
         frame
     level : degree of the elements, and sizes of columns and layers
-    singular_layer_size : upper limit of the size of the thinnest layer [m], as in
-        `division.ShoeDivision`
+    singular_layer_size : upper limit of the size of the thinnest layer of elements [m]
     """
     # The ends of the columns of all linings, as angles from 0 to a whole turn after the first one.
     origin = min(float(ends[0]) % FULL_TURN for ends in linings)
@@ -201,8 +200,7 @@ def condensed_ring_in_hp_elements(
     brake : the brake, which has a ring with a section
     level : degree of the elements, and sizes of columns and layers
     linings : contact line of each lining, in its shoe's frame
-    singular_layer_size : upper limit of the size of the thinnest layer [m], as in
-        `division.ShoeDivision`
+    singular_layer_size : upper limit of the size of the thinnest layer of elements [m]
     """
     # `reason_why_brake_is_not_modelled` refuses brakes without a section before, so that the
     # assertion holds.
@@ -214,7 +212,7 @@ def condensed_ring_in_hp_elements(
             at_ends = phi[:: line.interpolation_degree_along_contact_line]
             ends.append(np.sort(shoe.frame.theta(at_ends)))
     div = divide_ring_into_hp_elements(ring.section, radius, ends, level, singular_layer_size)
-    # A free ring is held by nothing: unit loads on its rim balance the forces of the linings.
+    # Nothing supports a free ring. Loads spread over its rim balance the forces of the linings.
     free = ring.support == "free"
     grid = element_grid_of_whole_drum_ring(radius, sign, div)
     rim = np.zeros((2 * grid.N, 0))
@@ -249,7 +247,8 @@ def _condense_ring_to_contact_nodes(
     Parameters
     ----------
     ring : the ring, which has a section
-    radius, sign, div : as in `_ring_stiffness_under_and_between_linings`
+    radius, sign, div : radius of the friction surface [m]; 1 if the ring's depth grows outwards, -1
+        if inwards; division of the ring into columns and layers of elements
     grid : all nodes and elements of the ring
     rim : (2 N, l) unit loads on the rim, as nodal forces; l is 0 if the rim is fixed
     """
@@ -271,8 +270,8 @@ def _condense_ring_to_contact_nodes(
     # A free ring is supported at three unknowns of its rim, which is statically determinate.
     if free:
         A = _ring_stiffness_without_rigid_motion(A, extra, n, line, div)
-    # The lines between the runs are eliminated. The contact's displacements, which are measured
-    # along the radius and around the drum, are turned to x and y.
+    # The nodes between the runs, inside the ring, are eliminated. The displacements of the contact
+    # nodes, so far along the radius and around the drum, are converted to x and y.
     A = eliminate_nodes_on_column_side(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
     back = -axis_angles_at_contact_nodes(div.angles, div.degree)[div.contact_nodes]
     L, info = dpotrf(rotate_node_axes_of_matrix(A[extra:, extra:], back), lower=1)
@@ -297,7 +296,7 @@ def _ring_stiffness_under_and_between_linings(
 ) -> list[Floats]:
     """The condensed stiffness (n, n) of each run of element columns of the drum's ring.
 
-    A run is all columns under one lining, or all columns between two linings. The runs are in the
+    The columns under one lining, or between two linings, are called a run. The runs are in the
     order of their angles.
 
     Parameters
@@ -325,7 +324,8 @@ def _ring_stiffness_under_and_between_linings(
         if free
         else None
     )
-    # Each run is assembled from its columns.
+    # The stiffness of each run, the columns under one lining or between two linings, is assembled
+    # from its columns.
     middle = 0.5 * (div.angles[1:] + div.angles[:-1])
     runs = []
     for first, last in pairwise([*div.first_columns_of_contacts_and_gaps, len(which)]):
@@ -419,9 +419,10 @@ def _assemble_stiffness_of_closed_ring(
     extra : number of extra unknowns, the factors of unit loads
     """
     starts, count = div.first_columns_of_contacts_and_gaps, len(runs)
-    # A run is a stretch of the ring under one lining, or between two linings. The number `own` of
-    # its contact unknowns does not count its last node, which the next run counts. A run between
-    # two linings has only its first node in contact.
+    # A run is a stretch of the ring under one lining, or between two linings. `own` is the number
+    # of contact unknowns of each run. The last contact node of a run is the first one of the next
+    # run, so that it is counted there. A run between two linings has only its first node in
+    # contact.
     p = div.degree
     columns = np.diff([*starts, len(div.contact)])
     own = np.where(div.contact[starts], 2 * p * columns, 2)
@@ -456,8 +457,8 @@ def _ring_stiffness_without_rigid_motion(
     Parameters
     ----------
     A : (n, n) stiffness of the closed ring
-    extra, contact, line : numbers of unknowns of the unit loads, of the contact, and of a line of
-        nodes between two runs
+    extra, contact, line : numbers of unknowns of the unit loads, of the contact nodes, and of the
+        nodes through the thickness at an end of a lining
     div : division of the ring
     """
     # The other node is the one whose distance from the first node is the largest.
@@ -481,7 +482,8 @@ def element_grid_of_whole_drum_ring(radius: float, sign: int, div: RingDivision)
 
     Parameters
     ----------
-    radius, sign, div : as in `_ring_stiffness_under_and_between_linings`
+    radius, sign, div : radius of the friction surface [m]; 1 if the ring's depth grows outwards, -1
+        if inwards; division of the ring into columns and layers of elements
     """
     p = div.degree
     depth, along = (
@@ -536,8 +538,8 @@ def _equations_of_ring_before_condensation(
     ring : the ring, which has a section
     grid : all nodes and elements of the ring
     rim : (2 N, l) unit loads on the rim, as nodal forces; l is 0 if the rim is fixed
-    basis : the nodes that the system has: all nodes of the grid, or those of its skeleton alone,
-        which lie on the boundaries of elements
+    basis : nodes whose displacements are unknowns of the system: all nodes of the grid, or only
+        those on the boundaries of elements (the skeleton)
     """
     contact = basis.convert_grid_node_numbers(grid.sets["contact"])
     far_edge = basis.convert_grid_node_numbers(grid.sets["support"])

@@ -1,8 +1,9 @@
 """A parametric shoe in hp elements: the coordinates of its nodes, and its static condensation.
 
 An element column is a stack of elements through the thickness of the shoe. The columns are
-condensed one by one and assembled in a row. The result is the stiffness of the shoe on the frame
-(the three rigid-body motions of the hinge), the contact nodes and the factors of the unit loads.
+condensed one by one and assembled in a row. The result is the stiffness of the shoe on three groups
+of unknowns: the frame, which is the three rigid-body motions of the face that the hinge holds, the
+contact nodes, and the factors of the unit loads.
 """
 
 from collections.abc import Callable
@@ -47,7 +48,8 @@ from drumlin.response.resultants import (
 )
 
 PointMap = Callable[[Floats, Floats], Floats]
-"""A function from depths and positions along the lining to points (2, ...) of a shoe [m]."""
+"""A function from depths below the lining's face and angles phi to points (2, ...) of a shoe [m].
+"""
 
 
 class LoadedEnd(NamedTuple):
@@ -122,7 +124,7 @@ class CondensedShoe(NamedTuple):
     centre : (2,) point that the unit actuations act at [m]
     rigid_mode_forces : (2n, 3) forces on the contact nodes due to rigid-body motions of the shoe;
         they would be zero without round-off
-    force_imbalance : resultant force that round-off leaves of a unit force in balance [1]
+    force_imbalance : resultant force, by round-off alone, of a unit force and its reactions [1]
     columns : which columns of `loads` belong to which unit load, by the load's name
     """
 
@@ -318,7 +320,10 @@ class _ShoeInElements(NamedTuple):
 
     Attributes
     ----------
-    shoe, radius, div, layers : as in `condense_shoe_to_contact_nodes`
+    shoe : a parametric shoe
+    radius : radius of the drum [m]
+    div : division of the shoe into columns and layers of elements
+    layers : elasticity of the layers by name
     elasticity : (l, 3, 3) elasticity matrices times the width of the layers of elements [N/m]
     directed : whether a layer of the shoe is orthotropic
     kinds : the kinds of element columns
@@ -338,14 +343,14 @@ def _condensed_hp_columns_of_shoe(
 ) -> _ShoeColumns:
     """The element columns of a shoe, each condensed to its two sides and its contact nodes.
 
-    The parameters are those of `condense_shoe_to_contact_nodes`.
+    `div` divides the shoe into columns and layers of elements. `layers` has the elasticity of the
+    layers by name, and `radius` [m] is that of the drum.
     """
     elasticity = elasticity_times_width_of_layers(layers, div.part)
     directed = bool(is_elasticity_matrix_orthotropic(elasticity).any())
     kinds = kinds_of_equal_element_columns(shoe, div, directed=directed)
     whole = _ShoeInElements(shoe, radius, div, layers, elasticity, directed, kinds)
-    # The columns inside the grip are held at their back; those outside are not, nor are those of
-    # the body beyond the lining.
+    # The columns inside the grip are held at their back. All other columns are free there.
     which = kinds.which
     under, before = len(div.angles) - 1, len(div.before) - 1
     ends = shoe.grip(radius)
@@ -535,7 +540,9 @@ def _condense_shoe_that_hinge_holds(
 
     Parameters
     ----------
-    shoe, radius, div : as in `condense_shoe_to_contact_nodes`
+    shoe : a parametric shoe
+    radius : radius of the drum [m]
+    div : division of the shoe into columns and layers of elements
     row : element columns of the shoe
     R : (2n, 3) rigid-body modes of the contact nodes
     """
@@ -589,8 +596,8 @@ def _modes_at_hinge_and_loads_at_end(
 ) -> _EndFacesOfBody:
     """The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face.
 
-    Modes and nodal forces are measured in the axes of the element columns. The parameters are those
-    of `condense_shoe_to_contact_nodes`.
+    Modes and nodal forces are measured in the axes of the element columns. `div` divides the shoe
+    into columns and layers of elements, and `radius` [m] is that of the drum.
     """
     place = function_from_depth_and_angle_to_point(shoe, radius)
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
@@ -616,8 +623,8 @@ def condensed_shoe_with_balanced_loads(
 ) -> CondensedShoe:
     """The condensed shoe from its assembled element columns, with round-off errors corrected.
 
-    Round-off has put the condensed loads out of balance, and has made rigid-body motions cause
-    forces. Both are corrected.
+    Because of round-off the condensed loads are not quite in equilibrium with their reactions, and
+    rigid-body motions cause small forces. Both errors are corrected.
 
     Parameters
     ----------
@@ -635,7 +642,7 @@ def condensed_shoe_with_balanced_loads(
     load = -forces_in_frame(A[loads, contact]).T
     on_frame = -A[frame, loads]
 
-    # The forces that put the condensed loads in balance are added to the contact nodes.
+    # Small forces on the contact nodes are added, which bring the condensed loads into equilibrium.
     imbalance = end.force_and_moment_about_pin(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
     corrected = stiffness_without_forces_by_rigid_motion(S, R, forces_in_frame(A[frame, contact]).T)
@@ -742,7 +749,7 @@ def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns, div: ShoeDivision)
         line = left - 2
         free = np.delete(np.arange(len(K)), [line, line + 1])
         row[last] = ColumnSubstructure(K[free[:, None], free], line, right)
-    # The parts of the body beyond the lining are condensed to their side at the lining.
+    # The parts of the body beyond the lining are condensed to the nodes at the end of the lining.
     before, after = columns.before, columns.after
     body_before = (
         eliminate_nodes_on_column_side(assemble_row_of_element_columns(before, 0)).K
@@ -760,10 +767,10 @@ def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns, div: ShoeDivision)
 def _join_first_column_to_body_at_hinge(
     first: ColumnSubstructure, before: list[ColumnSubstructure], held: Floats
 ) -> ColumnSubstructure:
-    """The first element column under the lining, with the body before it condensed to the hinge.
+    """The first element column under the lining, joined with the body between lining and hinge.
 
-    The left line of the column is replaced by the frame of the hinge. The unknowns are [frame |
-    contact | right line].
+    The unknowns on the left side of the column are replaced by those of the frame, the rigid face
+    that the hinge holds. The unknowns are [frame | contact | nodes on the right side].
 
     Parameters
     ----------
@@ -800,7 +807,7 @@ def condensed_stiffness_of_body_behind_lining(
 def _constrain_element_column_side_to_hinge(
     piece: ColumnSubstructure, held: Floats
 ) -> ColumnSubstructure:
-    """The element column at the hinge, with the held nodes of its left side moved by the frame.
+    """The element column at the hinge, whose held side nodes move with the frame.
 
     The frame is the rigid face that the hinge holds. The last unknowns on the left side, those of
     the body, move with the frame by the rigid-body modes `held` (n, 3). The unknowns of the result
@@ -836,9 +843,9 @@ def stiffness_without_forces_by_rigid_motion(
 ) -> _CorrectedStiffness:
     """The stiffness of the contact nodes, corrected so that rigid-body modes cause no strain.
 
-    The frame is the rigid body to which the back of the shoe is fixed. `held` are the forces on
-    resting contact nodes when the frame makes a unit motion. If the contact nodes move with the
-    frame by the modes R, no force is left on them: S R + held = 0.
+    The frame is the rigid body to which the back of the shoe is fixed. If the frame makes a unit
+    motion while the contact nodes rest, the forces `held` act on the contact nodes. If the contact
+    nodes move with the frame by the modes R, no force acts on them: S R + held = 0.
 
     The forces `held` are small beside the stiffness of thin columns, and have more exact digits.
     The first correction changes the 2 x 2 block of each node, which has lost most digits. The

@@ -21,10 +21,12 @@ MOST_SETS_TRIED = 600
 
 A contact set is the set of nodes that carry contact forces."""
 SETS_WITHOUT_PROGRESS = 8
-"""Number of contact sets in a row without fewer wrong nodes, until one node at a time changes.
+"""Number of contact sets without progress after which only one node at a time is changed.
 
-A node is wrong if it carries a tensile force or penetrates the drum. Changing all wrong nodes at
-once is faster, but may repeat the same sets for ever (Judice & Pires 1994)."""
+A node is wrong if it carries a tensile force or penetrates the drum. A set without progress has no
+fewer wrong nodes than an earlier set. If all wrong nodes are changed at once, the method is faster,
+but may repeat the same sets for ever (Judice & Pires 1994).
+"""
 ACCEPTED_CONTACT_ERROR = 1e-13
 """Largest error of a contact set that is accepted, relative to the normal force.
 
@@ -276,16 +278,17 @@ def _solve_for_abutment_friction_senses(
     for i, one in enumerate(own):
         part, row = slice(begin[i], begin[i + 1]), slice(rows[i], rows[i + 1])
         A[part, part], B[part, row], C[row, part] = one.A, one.B, one.C
-    q, h, weight = (
-        np.concatenate([getattr(one, name) for one in own]) for name in ("q", "h", "weight")
-    )
+    q = np.concatenate([one.q for one in own])
+    h = np.concatenate([one.h for one in own])
+    weight = np.concatenate([one.weight for one in own])
     # The gaps at one lining also change by the displacements of the ring under every lining.
     if rim is not None:
+        # The numbers of the x and y displacements of the ring's nodes under each lining.
+        under = [(2 * nodes[:, None] + np.arange(2)).ravel() for nodes in rim.of]
         for i, j in np.ndindex(len(faces), len(faces)):
-            on, under = ((2 * rim.of[x][:, None] + np.arange(2)).ravel() for x in (i, j))
-            A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= (
-                own[i].normal @ rim.compliance[np.ix_(on, under)] @ own[j].pull
-            )
+            compliance = rim.compliance[np.ix_(under[i], under[j])]
+            change = own[i].normal @ compliance @ own[j].pull
+            A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= change
     found = solve_contact_complementarity(A, q, B, C, h, weight, np.concatenate(first))
     return [
         ContactForces(found.force[a:b], found.motions[c:d], found.active[a:b])

@@ -54,12 +54,10 @@ def nodes_of_reference_triangle(degree: int) -> Floats:
     ]
     # The nodes inside come from three Gauss-Lobatto points, scaled so that their sum is 1.
     full = lobatto_points_on_unit_interval(degree)
-    inside = [
-        (full[i], full[j], full[k])
-        for i in range(1, degree)
-        for j in range(1, degree - i)
-        for k in [degree - i - j]
-    ]
+    inside = []
+    for i in range(1, degree):
+        for j in range(1, degree - i):
+            inside.append((full[i], full[j], full[degree - i - j]))
     inner = np.array(inside).reshape(-1, 3)
     return np.concatenate([np.eye(3), *edges, inner / inner.sum(axis=1, keepdims=True)])
 
@@ -72,22 +70,25 @@ def _legendre_products_and_slopes(
     Returned are three arrays (n, points): the n products, their derivatives by x, and by y. The
     polynomials are those on [0, 1].
     """
-    V = (
-        legendre.legvander(2 * np.asarray(x) - 1, degree).T,
-        legendre.legvander(2 * np.asarray(y) - 1, degree).T,
-    )
-    slope = np.array(
-        [2 * legendre.legval(2 * np.asarray(x) - 1, legendre.legder(e)) for e in np.eye(degree + 1)]
-    )
-    other = np.array(
-        [2 * legendre.legval(2 * np.asarray(y) - 1, legendre.legder(e)) for e in np.eye(degree + 1)]
-    )
-    pairs = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-    return (
-        np.array([V[0][i] * V[1][j] for i, j in pairs]),
-        np.array([slope[i] * V[1][j] for i, j in pairs]),
-        np.array([V[0][i] * other[j] for i, j in pairs]),
-    )
+    of_x, slope_of_x = _legendre_polynomials_and_slopes(degree, x)
+    of_y, slope_of_y = _legendre_polynomials_and_slopes(degree, y)
+    products, slopes_by_x, slopes_by_y = [], [], []
+    for i in range(degree + 1):
+        for j in range(degree + 1 - i):
+            products.append(of_x[i] * of_y[j])
+            slopes_by_x.append(slope_of_x[i] * of_y[j])
+            slopes_by_y.append(of_x[i] * slope_of_y[j])
+    return np.array(products), np.array(slopes_by_x), np.array(slopes_by_y)
+
+
+def _legendre_polynomials_and_slopes(degree: int, x: Floats) -> tuple[Floats, Floats]:
+    """The values (degree + 1, points) of the Legendre polynomials on [0, 1], and their slopes."""
+    at = 2 * np.asarray(x) - 1
+    slopes = []
+    for coefficients in np.eye(degree + 1):
+        slopes.append(2 * legendre.legval(at, legendre.legder(coefficients)))
+    values = np.asarray(legendre.legvander(at, degree).T, dtype=float)
+    return values, np.array(slopes)
 
 
 @cache
@@ -300,8 +301,8 @@ class _BodyToCondense(NamedTuple):
     dofs : (m, 2n) numbers of the unknowns of each triangle
     centres : (m, 2) centre of the nodes of each triangle [m]
     held : (2N,) whether a displacement is fixed to 0
-    triangles : (2N,) number of triangles at each unknown; for an unknown that is kept it is one too
-        many, so that the unknown is never eliminated
+    triangles : (2N,) number of triangles around each unknown. For an unknown that is kept the
+        number is one too large: the elimination then never finds all of its triangles and keeps it.
     loads : (2N, l) nodal forces of l loads [N], 0 at fixed displacements
     """
 
@@ -360,7 +361,9 @@ def _schur_complement_of_triangles(body: _BodyToCondense, members: Ints) -> Part
         parts = [_triangle_as_part_of_body(body, triangle) for triangle in members.tolist()]
     else:
         x = body.centres[members]
-        order = members[np.argsort(x[:, int(np.argmax(np.ptp(x, axis=0)))], kind="stable")]
+        # The part is cut across the longer side of its bounding box.
+        longer = int(np.argmax(np.ptp(x, axis=0)))
+        order = members[np.argsort(x[:, longer], kind="stable")]
         half = len(order) // 2
         parts = [
             _schur_complement_of_triangles(body, order[:half]),
@@ -392,9 +395,11 @@ def _assemble_parts_and_eliminate_inner_unknowns(
     # An unknown can be eliminated if all triangles around it are in the parts that are joined
     # here. The n unknowns to eliminate come first in the stiffness S and the loads f.
     gone = triangles == body.triangles[dofs]
-    order, n = np.argsort(~gone, kind="stable"), int(gone.sum())
+    n = int(gone.sum())
+    order = np.argsort(~gone, kind="stable")
     place = np.argsort(order)
-    S, f = np.zeros((len(order), len(order))), np.zeros((len(order), body.loads.shape[1]))
+    S = np.zeros((len(order), len(order)))
+    f = np.zeros((len(order), body.loads.shape[1]))
     for part in parts:
         at = place[np.searchsorted(dofs, part.dofs)]
         S[at[:, None], at] += part.K

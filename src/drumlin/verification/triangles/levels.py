@@ -60,8 +60,9 @@ Each of these meshes is graded to the ends of the contact in the solution before
 FIRST_FRICTION_FRACTIONS = (0.0, 0.5)
 """Fractions of the coefficient of friction for which the brake is solved first.
 
-With much friction a brake may have several solutions. The one sought is the one that is reached
-when friction grows from zero."""
+With much friction a brake may have several solutions. The right one is that which is reached when
+the friction grows from zero.
+"""
 SETTLED_ENDS = 2e-3
 """Movement of the ends of a contact between two solutions, relative to the contact's length, below
 which the ends count as found."""
@@ -76,8 +77,8 @@ TRIANGLE_LEVELS = (
 def indices_of_shoes_pressed_on_drum(brake: Brake) -> list[int]:
     """Numbers of the shoes that the actuation presses on the drum.
 
-    A shoe on a hinge is pressed if the moment of its actuation closes the gap at some angle. Shoes
-    held in another way, and shoes that share forces, always count as pressed.
+    A shoe on a hinge is pressed on the drum if the moment of its actuation closes the gap at some
+    angle. Shoes on other supports, and shoes that share forces, always count as pressed.
     """
     found = []
     for i, shoe in enumerate(brake.shoes):
@@ -258,7 +259,7 @@ def solve_on_triangle_level_sequence(
     FIRST_FRICTION_FRACTIONS of the coefficient of friction: with much friction a brake may have
     several solutions, and the one sought is reached when friction grows from zero.
 
-    Raises BadInput and NoAnswer as `solve_brake_on_one_triangle_mesh` does.
+    Raises BadInput if triangles cannot mesh the brake, and NoAnswer if the brake has no solution.
     """
     before = None
     # A failed solution at lower friction only means a worse start.

@@ -1,8 +1,9 @@
 """The outlines of shoes as layered bodies, and the meshes of triangles that fill them."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -35,7 +36,7 @@ class TriangleLevel(NamedTuple):
     ----------
     degree : polynomial degree of the triangles
     halvings : number of times that the triangles are halved towards each corner
-    steep : largest length of a triangle, relative to its distance from the corner
+    steep : largest length of a triangle, relative to its distance from the nearest corner
     size : factor on the lengths of triangles far from all corners
     """
 
@@ -125,7 +126,7 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     if body is not None:
         s += [body.start, body.end]
         depths = range(before_body, len(layers) + 1)
-        corners += [(end, float(d)) for end in (body.start, body.end) for d in depths]
+        corners += _points_at_all_pairs((body.start, body.end), depths)
         grip = _grip_of_arc_shoe(shoe, R)
         if grip is None:
             held, loaded = sorted(
@@ -148,6 +149,11 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
         grip=grip,
         plates=plates,
     )
+
+
+def _points_at_all_pairs(s: Iterable[float], d: Iterable[int]) -> list[tuple[float, float]]:
+    """The points (s, d) of every given s with every given d, in the coordinates of an outline."""
+    return [(along, float(across)) for along, across in product(s, d)]
 
 
 def _layers_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
@@ -234,15 +240,15 @@ class _BeamShoeDimensions(NamedTuple):
     beam: float
 
     @property
-    def face(self) -> float:
+    def distance_of_beam_face_from_axis(self) -> float:
         """Distance of the beam's face before the block from the beam's axis [m]."""
         return self.beam / 2
 
     @property
-    def block(self) -> float:
+    def smallest_block_thickness(self) -> float:
         """Smallest thickness of the block [m]."""
         nearest = min(math.cos(self.first), math.cos(self.last))
-        return self.axis.distance - self.face - self.back * nearest
+        return self.axis.distance - self.distance_of_beam_face_from_axis - self.back * nearest
 
 
 def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
@@ -278,7 +284,7 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
     return Outline(
         place=_point_map_of_beam_shoe(size, R),
         layers=layers,
-        thickness=np.array([size.lining, size.block, size.beam]),
+        thickness=np.array([size.lining, size.smallest_block_thickness, size.beam]),
         s=_sorted_distinct_values([low, *ends, high]),
         corners=np.unique(corners, axis=0),
         held=low,
@@ -313,8 +319,8 @@ def _point_map_of_beam_shoe(size: _BeamShoeDimensions, R: float) -> PointMap:
         r = R + size.lining * np.minimum(d, 1)
         x = np.where(d < 1, axis.foot + r * np.sin(s), along)
         y = axis.distance - r * np.cos(inside)
-        y = y + np.clip(d - 1, 0, 1) * (size.face - y)
-        y = np.where(d >= 2, size.face - (d - 2) * size.beam, y)
+        y = y + np.clip(d - 1, 0, 1) * (size.distance_of_beam_face_from_axis - y)
+        y = np.where(d >= 2, size.distance_of_beam_face_from_axis - (d - 2) * size.beam, y)
         return axis.convert_to_brake_frame(x, y)
 
     return points_of_beam_shoe
@@ -360,9 +366,9 @@ def initial_grid_lines_of_body(
 
     def grid_step_along_body(s: float) -> float:
         """The distance in s between two grid lines near s."""
-        return (
-            min(most, float((near + 0.5 * shape.length * np.abs(dense - s)).min())) / shape.length
-        )
+        # Around each dense point the distance grows by half of the length from the point.
+        growing = near + 0.5 * shape.length * np.abs(dense - s)
+        return min(most, float(growing.min())) / shape.length
 
     s = coordinates_with_position_dependent_spacing(shape.s, grid_step_along_body)
     return s, _grid_lines_across_layers(shape, size, least)
@@ -393,7 +399,7 @@ def _grid_lines_across_layers(shape: Outline, size: float, least: float) -> list
 
 
 class Draft(NamedTuple):
-    """A shoe's mesh of triangles, before the nodes on their edges and inside are made.
+    """A shoe's mesh of triangles with its corners only, before nodes on edges and inside are added.
 
     Attributes
     ----------

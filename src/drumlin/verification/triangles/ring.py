@@ -46,15 +46,15 @@ class _LiningOnRing(NamedTuple):
     Attributes
     ----------
     origin, turn : a place s of the face lies at theta = origin + turn s [rad]; turn is 1 or -1
-    whole_turns : angle [rad] of the whole turns that are taken off theta, so that all linings lie
-        on one turn of the ring
+    whole_turns : whole turns [rad] that are subtracted from theta, so that all linings lie within
+        one turn of the ring
     """
 
     origin: float
     turn: int
     whole_turns: float
 
-    def ring_angles_of_places_on_face(self, s: Floats) -> Floats:
+    def ring_angles_at_face_coordinates(self, s: Floats) -> Floats:
         """Angles on the ring [rad] of the places s on the face."""
         return self.origin + self.turn * s - self.whole_turns
 
@@ -125,7 +125,7 @@ def _ring_mesh_graded_to_linings(
     shape = _ring_outline(brake, section, s[[0, -1]])
     ends = np.concatenate([part[[0, -1]] for part in under])
     sharp = np.concatenate(
-        [lining.ring_angles_of_places_on_face(one.sharp.s) for lining, one in pairs]
+        [lining.ring_angles_at_face_coordinates(one.sharp.s) for lining, one in pairs]
     )
     smallest = np.concatenate(
         [np.full(len(ends), least * 0.5**level.halvings), *(one.sharp.smallest for one in drafts)]
@@ -145,7 +145,7 @@ def _ring_angles_of_lining_grid_lines(lining: _LiningOnRing, draft: Draft) -> Fl
     """Angles [rad], growing, of a lining's grid lines, which the ring's mesh has as well."""
     face = draft.shape.layers[0]
     within = (draft.s > face.start - ANGLE_SLACK) & (draft.s < face.end + ANGLE_SLACK)
-    return np.sort(lining.ring_angles_of_places_on_face(draft.s[within]))
+    return np.sort(lining.ring_angles_at_face_coordinates(draft.s[within]))
 
 
 def _ring_outline(brake: Brake, section: Section, ends: Floats) -> Outline:
@@ -191,7 +191,7 @@ def _halve_edges_of_ring_and_linings_until_ends_match(
     for _ in range(MOST_MATCHING_ROUNDS):
         before = len(mesh.layer), [len(one.layer) for one in meshes]
         above = [
-            lining.ring_angles_of_places_on_face(
+            lining.ring_angles_at_face_coordinates(
                 np.unique(one.end_coordinates_of_friction_surface_edges())
             )
             for lining, one in zip(linings, meshes, strict=True)
@@ -230,7 +230,8 @@ def _grid_line_coordinates_of_first_ring_mesh(
 
         def angle_step_between_linings(x: float, gap: Floats = gap) -> float:
             """The angle [rad] between two grid lines near the angle x, between two linings."""
-            return min(2.5 * t * size / R, least * size / R + 0.5 * float(np.abs(gap - x).min()))
+            from_lining = float(np.abs(gap - x).min())
+            return min(2.5 * t * size / R, least * size / R + 0.5 * from_lining)
 
         lines += [
             part,
@@ -266,7 +267,7 @@ def condense_ring_to_lining_nodes(
         )
     loads = _nodal_forces_of_rigid_mode_tractions_on_rim(ring)
     rigid = _displacements_of_points_by_rigid_motions(nodes.xy).reshape(-1, 3)
-    # Three displacements are fixed for the condensation; the mean motion is corrected below.
+    # For the condensation three displacements hold the ring. Below, its mean motion is set to zero.
     right, left = (outer[which(nodes.xy[outer, 0])] for which in (np.argmax, np.argmin))
     held[right] = held[left, 1] = True
     found = lagrange.condense_body_to_kept_nodes(ring.K, nodes, held.ravel(), chosen, loads)

@@ -53,7 +53,11 @@ class ShoeSolution:
     def _barycentric_interpolation_weights(self) -> Floats:
         """Weights (order + 1,) of the barycentric formula of Lagrange interpolation on a piece."""
         x = lagrange.lobatto_points_on_unit_interval(self.order)
-        return np.array([1 / np.prod([a - b for b in x if b != a]) for a in x])
+        weights = []
+        for node in x:
+            distances = node - x[x != node]
+            weights.append(1 / np.prod(distances))
+        return np.array(weights)
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at the angles `theta` [rad], with their shape; 0 beyond the lining."""

@@ -177,12 +177,13 @@ def bisect_marked_triangles_without_hanging_nodes(mesh: Triangles, marked: Bools
         (cut[:, 0] & ~cut[:, 1] & cut[:, 2], [[3, 2, 5], [0, 3, 5], [1, 2, 3]]),
         (cut.all(axis=1), [[3, 2, 5], [0, 3, 5], [3, 1, 4], [2, 3, 4]]),
     ]
-    parts = [
-        (v[which][:, one], at[which][:, one], mesh.layer[which])
-        for which, ones in kinds
-        for one in ones
-    ]
-    return Triangles(*(np.concatenate([part[k] for part in parts]) for k in range(3)))
+    vertices, positions, layers = [], [], []
+    for which, smaller_triangles in kinds:
+        for corners in smaller_triangles:
+            vertices.append(v[which][:, corners])
+            positions.append(at[which][:, corners])
+            layers.append(mesh.layer[which])
+    return Triangles(np.concatenate(vertices), np.concatenate(positions), np.concatenate(layers))
 
 
 def grade_mesh_towards_points(
@@ -205,9 +206,8 @@ def grade_mesh_towards_points(
         centre = corners.mean(axis=1)
         allowed = np.full(len(size), np.inf)
         for point, least in zip(points, smallest, strict=True):
-            np.minimum(
-                allowed, np.maximum(steep * np.hypot(*(centre - point).T), least), out=allowed
-            )
+            distance = np.hypot(*(centre - point).T)
+            allowed = np.minimum(allowed, np.maximum(steep * distance, least))
         marked = size > allowed
         if not marked.any():
             return mesh
