@@ -6,7 +6,9 @@ draws the hot brakes with the seeds FIRST to LAST - 1, solves each to HOT_TOLERA
 far the stated errors can be trusted. The truth is a solution on far finer levels.
 """
 
+import math
 import sys
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -19,9 +21,11 @@ from drumlin.fem.solve import solve
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_kinds import draw_brake_of_support_kind
 from drumlin_studies.stated_true import (
+    JUDGED_QUANTITIES,
     Truth,
     row_of_stated_and_true_errors,
     solve_fine_reference_by_hp_elements,
+    stated_over_true_error_of_row,
     summary_rows_of_stated_errors,
 )
 
@@ -105,7 +109,20 @@ def rows_of_hot_brake(seed: int) -> list[dict[str, Any]]:
     except (NoAnswer, BadInput) as error:
         failure = str(error)
     one = partial(row_of_stated_and_true_errors, brake, solve=solve, true=truth, failure=failure)
-    return [one(tolerance) for tolerance in HOT_TOLERANCES]
+    rows = [one(tolerance) for tolerance in HOT_TOLERANCES]
+    # On a plane the answer has a braking force in place of torques, which the truth does not have.
+    left_out = {"true_torque", "stated_torque"} if brake.surface.is_plane_and_not_drum else set()
+    return [{key: v for key, v in row.items() if key not in left_out} for row in rows]
+
+
+def _outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
+    """The outcome of a row, and its smallest ratio of a stated to a true error."""
+    ratios = {name: stated_over_true_error_of_row(row, name) for name in JUDGED_QUANTITIES}
+    known = {name: ratio for name, ratio in ratios.items() if not math.isnan(ratio)}
+    if not known:
+        return f"{row['outcome']} ({row['reason']})"
+    name = min(known, key=lambda each: known[each])
+    return f"{row['outcome']} ({name} {known[name]:.2g})"
 
 
 def main(first: int, last: int) -> None:
@@ -114,7 +131,7 @@ def main(first: int, last: int) -> None:
     for seed in range(first, last):
         own = rows_of_hot_brake(seed)
         rows += own
-        sys.stdout.write(f"{seed}: {', '.join(one['outcome'] for one in own)}\n")
+        sys.stdout.write(f"{seed}: {', '.join(map(_outcome_and_smallest_ratio, own))}\n")
         sys.stdout.flush()
     for row in summary_rows_of_stated_errors(rows):
         shown = {key: f"{v:.4g}" if isinstance(v, float) else v for key, v in row.items()}
