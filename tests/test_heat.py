@@ -221,6 +221,7 @@ def test_the_second_solver_has_the_same_hot_brake(file):
         assert distance < 3e-4 * np.hypot(*theirs.hinge_reaction)
 
 
+@pytest.mark.slow
 def test_triangles_on_a_coarse_mesh_have_the_same_hot_brake():
     brake = vary(MAIN, LINING | BODY | {"shoe.body.back_temperature_rise": 0.0})
     shoes = solve_on_triangle_level_sequence(brake, [CONTACT_FINDING_LEVEL])[-1]

@@ -166,6 +166,7 @@ def test_a_mesh_of_a_file_states_errors_above_the_true_ones(brake, shoe, own, ki
     assert true["pressure"] < 0.5 * coarse["pressure"]
 
 
+@pytest.mark.slow
 def test_a_tolerance_raises_the_degree_until_it_is_met_or_says_what_is_reached(own):
     fine = own("tri2")
     loose, tight = solve(fine, tolerance=0.3), solve(fine, tolerance=1e-7)
@@ -237,6 +238,7 @@ def test_a_comparison_draws_the_fields_of_a_mesh_file(own, tmp_path, monkeypatch
     assert (tmp_path / "fields.vtu").exists()
 
 
+@pytest.mark.slow
 def test_a_degree_without_an_answer_is_said_beside_the_stated_error(own, monkeypatch):
     def refuse_degree_four_and_five(model, brake, *, start=None):
         if model.bodies[0].line.interpolation_degree_along_contact_line >= 4:

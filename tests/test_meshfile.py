@@ -103,6 +103,7 @@ def test_files_that_gmsh_itself_writes(tmp_path, brake, kind, version, binary):
     )
 
 
+@pytest.mark.slow
 def test_an_input_file_that_gmsh_writes_has_edges_as_elements(tmp_path):
     gmsh = pytest.importorskip("gmsh")
     web = read_brake(WEB)
@@ -413,8 +414,9 @@ def test_a_fault_in_a_mesh_is_one_line_that_names_it(tmp_path, brake, case):
     assert "\n" not in str(refusal.value)
 
 
+@pytest.mark.parametrize("count", [15, pytest.param(60, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("suffix", ["msh", "inp", "vtu"])
-def test_a_damaged_file_is_solved_or_refused_in_one_line(tmp_path, brake, suffix):
+def test_a_damaged_file_is_solved_or_refused_in_one_line(tmp_path, brake, suffix, count):
     """Lines lost, doubled, exchanged, cut off, numbers overwritten: nothing else may come of it."""
     alone = vary(brake, {"shoe": [brake.shoes[0].model_dump()]})
     path = tmp_path / f"m.{suffix}"
@@ -424,7 +426,7 @@ def test_a_damaged_file_is_solved_or_refused_in_one_line(tmp_path, brake, suffix
     whole = path.read_text().split("\n")
     rng = random.Random(7)
     solved = refused = 0
-    for i in range(60):
+    for i in range(count):
         lines, at, other = list(whole), rng.randrange(len(whole)), rng.randrange(len(whole))
         words = lines[at].replace(",", " , ").split(" ")
         words[rng.randrange(len(words))] = rng.choice(
@@ -441,8 +443,8 @@ def test_a_damaged_file_is_solved_or_refused_in_one_line(tmp_path, brake, suffix
         except DrumlinError as refusal:
             assert "\n" not in str(refusal) and "SystemExit" not in str(refusal)
             refused += 1
-    assert solved + refused == 60
-    assert refused > 10
+    assert solved + refused == count
+    assert refused > count / 6
 
 
 def test_nodes_of_no_element_either_orientation_and_other_groups_do_not_matter(tmp_path, brake):

@@ -526,7 +526,7 @@ def test_comparing_says_which_models_do_not_apply_and_answers_by_the_elements():
     assert list(compare(with_lining(MAIN), elements=20).responses) == ["fem"]
 
 
-@pytest.mark.parametrize("elements", [None, 16])
+@pytest.mark.parametrize("elements", [None, pytest.param(16, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", ["arcs", pytest.param("posts", marks=pytest.mark.slow)])
 def test_slopes_are_those_of_differences(name, elements):
     """Slopes by moduli and points of orthotropic parts are those of differences.

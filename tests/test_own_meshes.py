@@ -194,7 +194,7 @@ def rounded(text, decimals):
     return moved_nodes(text, lambda x, y: (round(1e3 * x, decimals), round(1e3 * y, decimals)))
 
 
-@pytest.mark.parametrize("decimals", [2, 3])
+@pytest.mark.parametrize("decimals", [3, pytest.param(2, marks=pytest.mark.slow)])
 def test_rounded_coordinates_do_not_change_the_pressure(tmp_path, brake, shoe, decimals):
     alone = vary(brake, {"shoe": [shoe.model_dump()]})
     text = deck_of(tmp_path, shoe, brake.drum.radius, "quad2")
@@ -316,6 +316,7 @@ def test_groups_by_number_text_4_1_and_unnamed_entities(tmp_path, brake, shoe, k
     assert edge_counts(other) == edge_counts(plain)
 
 
+@pytest.mark.slow
 def test_mixed_cells_become_quadratic_triangles(tmp_path, brake, shoe):
     radius = brake.drum.radius
     alone = vary(brake, {"shoe": [shoe.model_dump()]})

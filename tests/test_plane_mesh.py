@@ -73,6 +73,7 @@ def test_a_pad_of_every_holding_answers_as_the_parametric_one(
     assert np.linalg.norm(p - q) < 2e-2 * np.linalg.norm(q)
 
 
+@pytest.mark.slow
 def test_units_frames_and_mirror_images_change_nothing(tmp_path: Path) -> None:
     """One file in the shoe's frame serves both hands, which share one body."""
     brake = pad("pivot", "-x", body=BODY)
@@ -228,6 +229,7 @@ def test_a_damaged_mesh_is_solved_or_refused_in_one_line(tmp_path: Path) -> None
     assert min(endings) > 1
 
 
+@pytest.mark.slow
 def test_compare_takes_a_pad_with_misfit_and_a_mesh_of_its_own(tmp_path: Path) -> None:
     """`compare` takes a pad with misfit and a mesh of its own.
 

@@ -1,8 +1,11 @@
 """The study of heat on its short setting."""
 
+import pytest
+
 from drumlin.studies import import_study
 
 
+@pytest.mark.slow
 def test_the_page_has_every_state_and_the_law(tmp_path):
     module, _ = import_study("heat")
     result = module.study(short=True)

@@ -14,7 +14,7 @@ WAYS = import_study("stability")[0].ways.PATH_CHECKS
 # Seeds of brakes on which nothing was mended, nor shown by the study.
 FIRST_SEED = 300_000
 # Number of brakes that the fast test takes.
-SHARE = {"refusals": 2, "holding": 6, "wear": 2, "slopes": 4, "blocks": 1}
+SHARE = {"refusals": 1, "holding": 6, "wear": 2, "slopes": 4, "blocks": 1}
 # Brakes up to which the slow test goes on.
 UP_TO = {"refusals": 150, "holding": 60, "wear": 50, "slopes": 50, "blocks": 4}
 

@@ -101,6 +101,7 @@ def test_as_the_width_goes_to_zero_the_difference_falls_in_proportion(brake):
     assert fourth / third == pytest.approx(1 / 4, rel=0.05)
 
 
+@pytest.mark.slow
 def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(brake):
     points = singular_points_of_all_linings(brake, plane(brake, LEVELS[1]))
     functions = WidthFunctions((0.0, 17e-3, 20e-3), 4)
