@@ -183,6 +183,7 @@ def open_heels(brake, flexible):
 
 
 @pytest.mark.parametrize("kind", ["quad2", "tri2"])
+@pytest.mark.slow
 def test_contact_ends_are_located_inside_an_element(kind, open_heels):
     """Contact ends are located within a fifth of an inner element of those of a fine mesh.
 

@@ -314,6 +314,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
+@pytest.mark.slow
 def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
     """A condensed shoe equals the assembled grid whose nodes are eliminated in another order.
 
@@ -346,6 +347,7 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     ("which", "softer", "level"),
     [("flexible", 1.0, 0), ("flexible", 1e-6, 0), (6676, 1.0, 0), (7578, 1.0, 1)],
 )
+@pytest.mark.slow
 def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which, softer, level):
     """The round-off estimate covers the lost digits of p, and refinement leaves little to lose.
 

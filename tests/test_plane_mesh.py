@@ -115,6 +115,7 @@ def test_a_crowned_mesh_is_a_crowned_pad(tmp_path: Path) -> None:
     np.testing.assert_allclose(b.pressure, a.pressure, atol=2e-2 * a.peak_pressure)
 
 
+@pytest.mark.slow
 def test_a_brake_file_names_its_mesh_from_its_folder(tmp_path: Path) -> None:
     own = vary(filed(pad("hinge", body=BODY), tmp_path / "pad.msh"), {"shoe.mesh": "pad.msh"})
     path = tmp_path / "pad.toml"

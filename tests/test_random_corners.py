@@ -18,6 +18,7 @@ FIRST = 400_000
 
 
 @pytest.mark.parametrize("number", partly([0, 1, 5, 6, 9], {1, 6}))
+@pytest.mark.slow
 def test_a_seed_gives_a_brake_that_presses_as_its_kind_says(number):
     """With a corner or under a tip, and on no more of the lining than some degrees."""
     kind = list(CORNER_KINDS)[number]

@@ -435,6 +435,7 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
 
 
 @pytest.mark.parametrize("seed", range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7))
+@pytest.mark.slow
 def test_random_brakes_of_all_kinds_keep_their_slopes(seed):
     rows = consistency_slopes.torque_slope_rows_of_seed(seed, 1)
     assert all(row.outcome == "agrees" for row in rows), rows

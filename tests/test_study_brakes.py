@@ -36,6 +36,7 @@ def test_the_files_hold_and_push_shoes_in_every_way() -> None:
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+@pytest.mark.slow
 def test_every_file_has_its_law_both_ways(path: Path) -> None:
     for brake in brake_and_reversed_brake(read_any(path)):
         response = solve_brake_by_its_rigid_shoe_law(brake)
