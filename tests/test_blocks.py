@@ -33,6 +33,7 @@ def off(one: np.ndarray, true: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("steps", blocks.STEPS)
+@pytest.mark.slow
 def test_a_lining_of_many_blocks_reaches_the_tolerance_and_says_its_error(steps: int) -> None:
     """A lining of many blocks meets the tolerance, and its stated error covers the true one.
 

@@ -156,6 +156,7 @@ FILES = ["band", "crane", "uni_servo", "duplex", "s_cam", "simplex_hinged", "blo
 
 
 @pytest.mark.parametrize("name", FILES)
+@pytest.mark.slow
 def test_the_displacements_inside_are_those_of_the_answer(name: str, root: Path) -> None:
     """Displacements recovered inside a shoe leave its pressed face on the drum, however held.
 

@@ -432,6 +432,7 @@ def test_a_group_that_is_no_name_and_no_number_is_refused_in_words(brake, given)
     )
 
 
+@pytest.mark.slow
 def test_what_was_moved_is_said_with_the_answer(tmp_path, brake, shoe, capsys):
     """Not with --verbose alone: who reads the torque must see that nodes were moved."""
     path = tmp_path / "straight.inp"

@@ -154,6 +154,7 @@ QUICK = {"rough abutment", "guide on a ring", "cam", "chain of struts", "pad on 
 
 
 @pytest.mark.parametrize("name", partly(BRAKES, QUICK))
+@pytest.mark.slow
 def test_the_slope_over_friction_is_that_of_differences(name: str) -> None:
     brake = BRAKES[name]()
     found = slopes(brake)

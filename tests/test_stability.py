@@ -167,6 +167,7 @@ def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
 
 
 @pytest.mark.parametrize("kind", sorted({*HOLDING_KINDS} - {"cam", "strut", "chain"}))
+@pytest.mark.slow
 def test_a_refined_reaction_is_that_of_the_strains_where_those_have_their_digits(kind, monkeypatch):
     """However a shoe is held; those that share a force are not refined."""
     brake = draw_brake_of_support_kind(0, kind)

@@ -144,6 +144,7 @@ def test_what_is_in_a_mesh_file_tells_cases_apart_not_its_name(meshed):
     assert list(journal_keys_of_cases(based)) != before
 
 
+@pytest.mark.slow
 def test_bodies_in_the_cache_follow_their_mesh_file(tmp_path):
     brake = read_brake(ROOT / "meshes" / "double_shoe.toml")
     mesh = tmp_path / "left.msh"

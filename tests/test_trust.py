@@ -91,6 +91,7 @@ SHORT = pytest.mark.parametrize(
 
 
 @SHORT
+@pytest.mark.slow
 def test_a_contact_within_some_hundredths_of_a_degree_of_the_end_is_known(gap, force, length):
     """Strained by 2 and 8 %; errors were 10 and 4 %. The moment about the pin gives the torque."""
     brake, torque = corner(gap, force)
@@ -412,7 +413,12 @@ def test_a_mesh_with_hinge_and_actuation_swapped_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("depth", "outcome"), [(0.0, "fine"), (0.2e-3, "warning"), (1.0e-3, "refused")]
+    ("depth", "outcome"),
+    [
+        pytest.param(0.0, "fine", marks=pytest.mark.slow),
+        (0.2e-3, "warning"),
+        pytest.param(1.0e-3, "refused", marks=pytest.mark.slow),
+    ],
 )
 def test_a_mesh_that_lies_in_the_drum_is_said_and_then_refused(tmp_path, depth, outcome):
     """The lining is 8 mm thick: a hundredth of that is said, a tenth must be meant."""
