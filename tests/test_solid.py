@@ -19,7 +19,7 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.width import prepare
 from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE
-from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.prepare import level_for_narrow_shoes, prepare_brake_with_widths
 from drumlin.response.balance import resultant_of_contact_on_shoe
 from drumlin.response.norms import relative_error_of_number
 from drumlin.sweeps.cases import solve_all_cases_of_sweep
@@ -41,7 +41,7 @@ def wide_and_plane(brake):
         solve_prepared_model(scene, brake)
         for scene in (
             prepare_brake_with_widths(brake, LEVELS[0], 2),
-            make_prepared_model(brake, LEVELS[0]),
+            make_prepared_model(brake, level_for_narrow_shoes(brake, LEVELS[0])),
         )
     ]
 
