@@ -84,8 +84,10 @@ def solved(at: Posed) -> None:
     balanced(response)
     # Struts act within the brake: pins, feet, forces from outside and the drum remain.
     whole = brake_with_forces_of_response(at.brake, response)
-    inside = set(picked(at.brake.links, "to"))
-    feet = set(picked(at.brake.links, "source"))
+    # The strut between feet on anchors is part of the reactions of both, and cancels.
+    links = [] if any(shoe.anchors for shoe in at.brake.shoes) else at.brake.links
+    inside = set(picked(links, "to"))
+    feet = set(picked(links, "source"))
     outer = [s.actuation.force_vector for s in whole.shoes if s.name not in inside]
     outer += [
         r.hinge_reaction
@@ -214,7 +216,8 @@ def own_meshes(at: Posed) -> None:
         np.testing.assert_allclose(y.pressure, x.pressure, rtol=1e-5, atol=1e-8 * x.peak_pressure)
     # Higher degrees on the same elements state an error above their true one.
     found, known = drumlin.solve(filed), drumlin.solve(at.brake)
-    assert abs(balanced(found) / balanced(known) - 1) < found.error["torque"] < 0.1
+    stated = found.error["torque"] + known.error["torque"]
+    assert abs(balanced(found) / balanced(known) - 1) < stated < 0.1
 
 
 def swept(at: Posed) -> None:
@@ -341,6 +344,10 @@ def unhinged(brake: Brake) -> bool:
     )
 
 
+def anchored(brake: Brake) -> bool:
+    return any(shoe.anchors for shoe in brake.shoes)
+
+
 HINGED = "takes shoes on hinges under forces of their own only: "
 REFUSALS = [
     Refusal({"export"}, flat, "is a brake on a plane; .* takes brakes on a drum"),
@@ -351,6 +358,7 @@ REFUSALS = [
         "its lining has no thickness and material to mesh",
     ),
     Refusal({"export"}, unhinged, f"CalculiX {HINGED}"),
+    Refusal({"sensitivity", "check"}, anchored, "takes no shoes that can leave their supports"),
     Refusal({"foundation"}, lambda b: True, "does not apply to this brake: "),
 ]
 

@@ -159,7 +159,7 @@ def test_a_mesh_of_a_file_states_errors_above_the_true_ones(brake, shoe, own, ki
     true = true_errors_of_response(filed, found.shoes, known.shoes)
     assert set(found.error) == set(QUANTITIES) == set(found.shoes[0].error)
     for name in ("pressure", "torque", "reaction"):
-        assert true[name] < found.error[name] < 30 * true[name] + 1e-5, name
+        assert true[name] < found.error[name] < 30 * true[name] + 5e-5, name
     # Elements of the file's degree are farther off.
     at_own_degree = solve_on_elements_of_files(filed)
     coarse = true_errors_of_response(filed, at_own_degree.shoes, known.shoes)
