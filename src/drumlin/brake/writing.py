@@ -67,7 +67,7 @@ def _brake_without_derived_forces(brake: Part) -> Part:
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def _values_other_than_defaults(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
+def values_other_than_defaults(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
     """Key in the file, value and pydantic field of each value of a part that is no default."""
     for name, field in type(part).model_fields.items():
         value = getattr(part, name)
@@ -87,7 +87,7 @@ def _toml_lines_of_part(part: Part, path: str) -> Iterator[str]:
     """
     # TOML requires that the keys of a table precede the tables within it.
     below = []
-    for key, given, field in _values_other_than_defaults(part):
+    for key, given, field in values_other_than_defaults(part):
         value: Any = given.parts if isinstance(given, DrumLiningRow) else given
         parts = value if isinstance(value, tuple) else (value,)
         tables = [isinstance(item, Part) and not isinstance(item, INLINE) for item in parts]
@@ -146,7 +146,7 @@ def _toml_text_of_part_in_one_line(part: Part) -> str:
     """The text of a part in TOML in one line: { key = value, ... }."""
     pairs = [
         f"{key} = {_toml_text_of_value(value, field)}"
-        for key, value, field in _values_other_than_defaults(part)
+        for key, value, field in values_other_than_defaults(part)
     ]
     return f"{{ {', '.join(pairs)} }}"
 

@@ -25,6 +25,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.heat import warning_on_heat_left_out
 from drumlin.brake.support import Freedoms
+from drumlin.brake.writing import values_other_than_defaults
 from drumlin.laws.anchored import (
     contact_of_shoe_on_anchors,
     locking_friction_of_shoes_on_anchors,
@@ -566,8 +567,8 @@ def _given_keys_that_laws_do_not_use(brake: Brake) -> list[str]:
         of_shoe: dict[str, object] = {name: getattr(shoe, name) for name in ("body", "backing")}
         of_shoe["mesh"] = shoe.mesh
         for part in shoe.lining.linings:
-            given = part.misfit.model_fields_set
-            unlike = {f"lining.misfit.{name}": True for name in sorted(given)}
+            misfit = sorted(key for key, _, _ in values_other_than_defaults(part.misfit))
+            unlike = {f"lining.misfit.{key}": True for key in misfit}
             of_shoe |= {"lining.clearance": part.clearance, **unlike}
             parts |= {f"shoe.{name}": value for name, value in of_shoe.items() if value}
     return [key for key, value in parts.items() if value]
