@@ -262,6 +262,7 @@ def test_a_comparison_has_the_hot_brake_beside_the_cold_one():
         ),
         ({"drum.temperature_rise": 100.0}, "drum.temperature_rise = 100 K: needs drum.expansion"),
         (DRUM | {"drum.back_temperature_rise": 5.0}, "a rigid drum has one temperature"),
+        (DRUM | {"drum.temperature_rise": 1e9}, "the radius grows by 1.65e+06 mm; must be at most"),
         ({"drum.temperature_rise": "100 bar"}, "drum.temperature_rise = '100 bar'"),
     ],
 )

@@ -49,6 +49,14 @@ HARDLY_MEANT = [
         {"shoe[0].lining.material.E": "210 GPa", "shoe[0].body.material.E": "300 MPa"},
         "E = 210000 MPa beside 300 MPa; were the two exchanged?",
     ),
+    (
+        {"drum.expansion": "1e-5 1/K", "drum.temperature_rise": "1300 K"},
+        "drum.temperature_rise = 1300 K is more than the materials of a brake bear",
+    ),
+    (
+        {"shoe[0].body.material.expansion": "12 1/K"},
+        "shoe[0].body.material.expansion = 12 1/K is large for a solid; did you mean 1.2e-05 1/K?",
+    ),
 ]
 
 

@@ -240,7 +240,7 @@ class DrumBrake(Brake):
         _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)
         check_heated_drum_can_expand(self.drum)
         check_heated_shoes_can_expand(shoes)
-        _check_drum_is_round_enough(self.drum)
+        _check_drum_is_round_enough(self.drum, shoes[0].sign)
         for i, shoe in enumerate(shoes):
             _check_shoe_fits_drum(f"shoe[{i}]", shoe, self.drum.radius)
             several = len(shoe.lining.linings) > 1
@@ -250,8 +250,12 @@ class DrumBrake(Brake):
         return brake_with_spring_pulls(self.model_copy(update={"shoes": shoes}))
 
 
-def _check_drum_is_round_enough(drum: Drum) -> None:
-    """Raise ValueError if a drum is out of round by more than LARGEST_MISFIT times its radius."""
+def _check_drum_is_round_enough(drum: Drum, sign: int) -> None:
+    """Raise ValueError if a drum is off its circle by more than LARGEST_MISFIT times its radius.
+
+    A drum is off its circle by its harmonics, or by its growth when it is heated. `sign` is +1 for
+    a drum around its shoes and -1 for a drum within its shoes.
+    """
     # In the worst case the amplitudes of all harmonics add up at some angle.
     off = sum(abs(lobes.amplitude) for lobes in drum.out_of_round)
     most = LARGEST_MISFIT * drum.radius
@@ -259,6 +263,12 @@ def _check_drum_is_round_enough(drum: Drum) -> None:
         raise ValueError(
             f"drum.out_of_round = {mm_text(off)} in all: "
             f"must be at most {LARGEST_MISFIT:g} R = {mm_text(most)}"
+        )
+    growth = radial_growth_of_heated_drum(drum, sign)
+    if abs(growth) > most:
+        raise ValueError(
+            f"drum.temperature_rise = {drum.temperature_rise:g} K: the radius grows by "
+            f"{mm_text(growth)}; must be at most {LARGEST_MISFIT:g} R = {mm_text(most)}"
         )
 
 

@@ -64,6 +64,14 @@ STIFFEST_USUAL_LINING = 2e10
 
 A note asks about a lining of metal on a shoe of such a material.
 """
+HOTTEST = 1200.0
+"""Temperature rise [K] above which a note asks whether it is meant. Cast iron melts at 1400 K."""
+LARGEST_EXPANSION = 1e-3
+"""Coefficient of thermal expansion [1/K] above which a note asks for its unit.
+
+Steel has 1.2e-5 1/K, rubber 2e-4 1/K. A coefficient in 1e-6/K that was written in 1/K is a million
+times too large.
+"""
 CYLINDER_PRESSURES = (1e4, 1e9)
 """Pressures [Pa] of a wheel cylinder below and above which a note asks for the unit.
 
@@ -86,6 +94,7 @@ def notes_on_values_that_can_hardly_be_meant(brake: Brake) -> tuple[str, ...]:
     for value in _quantities_of_part(brake, ""):
         lines += [] if on_drum else _lines_on_length(value, brake, size)
         lines += [*_lines_on_angle(value), *_lines_on_modulus_or_pressure(value)]
+        lines += _lines_on_heat(value)
     return tuple(f"note: {line}" for line in _lines_without_repeated_shoes(lines))
 
 
@@ -269,6 +278,17 @@ def _lines_on_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
         yield (
             f"{value.key} = {_modulus_text(value.value)} (N/mm^2) is high for {what}; "
             f"did you mean N/m^2, which gives {_modulus_text(value.value * 1e-6)}?"
+        )
+
+
+def _lines_on_heat(value: _Quantity) -> Iterator[str]:
+    """A line on a temperature rise that no brake bears, or on a coefficient of expansion."""
+    if value.unit == "K" and abs(value.value) > HOTTEST:
+        yield f"{value.key} = {value.value:.4g} K is more than the materials of a brake bear"
+    if value.unit == "1/K" and abs(value.value) > LARGEST_EXPANSION:
+        yield (
+            f"{value.key} = {value.value:.4g} 1/K is large for a solid; "
+            f"did you mean {value.value * 1e-6:.4g} 1/K?"
         )
 
 
