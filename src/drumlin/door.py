@@ -322,6 +322,7 @@ def size(
     >>> round(found.value), found.key
     (1838, 'shoe.actuation.force')
     """
+    from drumlin.brake.file import si_unit_of_brake_key
     from drumlin.models import check_options_belong_to_model
     from drumlin.sizing import LARGEST, Question, size_brake
 
@@ -336,19 +337,23 @@ def size(
         lift=lift,
     )
     check_options_belong_to_model(model, given)
-    question = Question(whole, key, model, given, None, None, say=say)
+    unit = si_unit_of_brake_key(whole, key) or ""
     wanted = torque
     if torque is not None and torque != LARGEST:
         wanted = _option_value_in_si("--torque", torque, whole.surface.effect_unit)
     pressure = None
     if peak_pressure is not None:
         pressure = _option_value_in_si("--peak-pressure", peak_pressure, "Pa")
-    question = replace(
-        question,
+    question = Question(
+        whole,
+        key,
+        model,
+        given,
         torque=wanted,
         peak_pressure=pressure,
-        low=None if low is None else _option_value_in_si("--from", low, question.unit),
-        high=None if high is None else _option_value_in_si("--to", high, question.unit),
+        low=None if low is None else _option_value_in_si("--from", low, unit),
+        high=None if high is None else _option_value_in_si("--to", high, unit),
+        say=say,
     )
     return size_brake(question, lambda sized: solve(sized, model, **given))
 

@@ -98,16 +98,16 @@ class Spring(Part):
         return np.zeros(3)
 
 
-class Lever(Part):
+class Lever(ShoeForce):
     """A lever on a shoe that pushes another shoe by a strut, as the lever of a parking brake.
 
     Attributes
     ----------
+    force, direction, point : pull of the cable [N], its direction [rad] and a point of its line [m]
     shoe : name of the shoe on which the lever turns
     pivot : pin [m] of the lever on this shoe
     to : name of the shoe that the strut pushes
     strut, end : points [m] at which the strut bears on the lever, and on the shoe `to`
-    force, direction, point : pull of the cable [N], its direction [rad] and a point of its line [m]
     """
 
     shoe: Name
@@ -115,9 +115,6 @@ class Lever(Part):
     to: Name
     strut: Place
     end: Place
-    force: Force
-    direction: Angle
-    point: Place
 
     @model_validator(mode="after")
     def _check_strut_pushes(self) -> Self:
@@ -131,28 +128,28 @@ class Lever(Part):
         return self
 
     @property
-    def _cable_and_strut_force(self) -> tuple[Floats, Floats]:
-        """Force (2,) [N] of the cable on the lever, and of the strut on the shoe it pushes."""
-        cable = self.force * np.array([math.cos(self.direction), math.sin(self.direction)])
+    def _direction_of_strut(self) -> Floats:
+        """Unit vector (2,) from the lever along the strut to the shoe that the strut pushes."""
         along = self.end.xy - self.strut.xy
-        along = along / np.linalg.norm(along)
-        arm, lever = self.strut.xy - self.pivot.xy, self.point.xy - self.pivot.xy
-        # The moments of the cable and of the strut about the lever's pin balance.
-        about_pin = float(lever[0] * cable[1] - lever[1] * cable[0])
-        per_newton = float(arm[0] * along[1] - arm[1] * along[0])
-        return cable, along * (about_pin / per_newton if per_newton else math.nan)
+        return np.asarray(along / np.linalg.norm(along))
 
     @property
     def strut_force(self) -> float:
-        """Force [N] by which the strut pushes; negative if it would have to pull."""
-        _, strut = self._cable_and_strut_force
-        return float(strut @ (self.end.xy - self.strut.xy) / math.dist(self.end.xy, self.strut.xy))
+        """Force [N] by which the strut pushes; negative if it would have to pull.
+
+        The moments of the cable and of the strut about the lever's pin balance. The force is nan if
+        the strut points at the pin.
+        """
+        arm, along = self.strut.xy - self.pivot.xy, self._direction_of_strut
+        per_newton = float(arm[0] * along[1] - arm[1] * along[0])
+        about_pin = self.moment_of_force_about_point(self.pivot)
+        return about_pin / per_newton if per_newton else math.nan
 
     def resultant_on_shoe(self, name: str) -> Floats:
         """Resultant (3,) of the lever on the shoe with this name."""
-        cable, strut = self._cable_and_strut_force
+        strut = self.strut_force * self._direction_of_strut
         if name == self.shoe:
-            return resultant_of_force_at_point(cable - strut, self.pivot.xy)
+            return resultant_of_force_at_point(self.force_vector - strut, self.pivot.xy)
         if name == self.to:
             return resultant_of_force_at_point(strut, self.end.xy)
         return np.zeros(3)

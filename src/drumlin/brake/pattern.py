@@ -124,10 +124,7 @@ def data_with_repeated_shoes(
     springs = data.get("spring", ())
     for i, own in enumerate(shoes):
         repeats = isinstance(own, Mapping) and own.get("pattern") is not None
-        try:
-            first = kind.model_validate(own, context=info.context) if repeats else None
-        except ValidationError:
-            first = None
+        first = _valid_part_or_none(kind, own, info) if repeats else None
         if first is None:
             found.append(own)
             continue
@@ -146,6 +143,21 @@ def data_with_repeated_shoes(
     return {**data, **changed}
 
 
+def _valid_part_or_none(kind: type[Any], data: object, info: ValidationInfo) -> Any:
+    """The part that data describe; None for wrong data, which are reported where they stay.
+
+    Parameters
+    ----------
+    kind : class of the part
+    data : data of the part
+    info : pydantic's state of the validation
+    """
+    try:
+        return kind.model_validate(data, context=info.context)
+    except ValidationError:
+        return None
+
+
 def _springs_of_repeated_shoe(
     springs: Any, first: Any, move: Callable[[float], Move], info: ValidationInfo
 ) -> Any:
@@ -160,11 +172,8 @@ def _springs_of_repeated_shoe(
     found: list[Any] = []
     for own in springs:
         to_frame = isinstance(own, Mapping) and own.get("to") is None
-        try:
-            of_shoe = to_frame and own.get("shoe") == first.name
-            spring = Spring.model_validate(own, context=info.context) if of_shoe else None
-        except ValidationError:
-            spring = None
+        of_shoe = to_frame and own.get("shoe") == first.name
+        spring = _valid_part_or_none(Spring, own, info) if of_shoe else None
         if spring is None:
             found.append(own)
             continue

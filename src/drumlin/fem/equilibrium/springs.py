@@ -21,7 +21,8 @@ SETTLED_PULL = 1e-12
 """Largest error of a spring's pull, relative to the largest force, that counts as settled.
 
 It is far below the 1e-9 to which forces balance, and above the round-off of the motions times the
-rate. A spring that is stiffer than the brake has a larger round-off and is refused. Judgement.
+rate. A spring that is stiffer than the brake has a larger round-off and is refused. The value
+is a judgement.
 """
 MOST_SPRING_STEPS = 40
 """Contact solves after which the pulls of springs count as not settled. Usual brakes take four."""

@@ -275,14 +275,13 @@ def load_factors_under_actuation_force(body: ActuatedBody, shoe: Shoe, force: fl
     this function. The heat of the shoe does not depend on the force; its factor is one.
     """
     factors, _ = load_factors_and_pin_moment_per_newton(body, shoe)
+    acting = abs(force) * factors
     if shoe.has_further_loads:
-        acting = abs(force) * factors + load_factors_of_further_loads(body, shoe)
-    else:
-        acting = abs(force) * factors
+        acting = acting + load_factors_of_further_loads(body, shoe)
     columns = body.unit_load_vectors_by_name
-    if HEAT not in columns.column_slice_of_each_load:
-        return acting
-    return acting + columns.factors_of_all_load_columns({HEAT: np.ones(1)})
+    if HEAT in columns.column_slice_of_each_load:
+        acting = acting + columns.factors_of_all_load_columns({HEAT: np.ones(1)})
+    return acting
 
 
 def load_factors_of_further_loads(body: ActuatedBody, shoe: Shoe) -> Floats:
