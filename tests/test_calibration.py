@@ -13,7 +13,7 @@ from drumlin.fem.error_control.estimate import (
     FACTORS,
     QUANTITIES,
     Factors,
-    read_error_estimate_factors,
+    read_safety_factors,
 )
 from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
 from drumlin.fem.model import solve_prepared_model
@@ -23,8 +23,8 @@ from drumlin_studies.calibration import (
     LevelRecord,
     Provenance,
     draw_calibration_brake,
+    estimate_factors_as_json_text,
     fit_safety_factors,
-    safety_factors_as_json_text,
     true_and_estimated_errors_of_quantity,
     true_errors_and_estimates_on_each_mesh,
 )
@@ -125,8 +125,8 @@ def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
 def test_the_file_holds_the_factors_and_what_they_were_fitted_on(tmp_path):
     factors = Factors(0.5, 0.6, 0.001, 0.8)
     path = tmp_path / "factors.json"
-    path.write_text(safety_factors_as_json_text(factors, PROVENANCE), encoding="utf-8")
-    assert read_error_estimate_factors(path) == factors
+    path.write_text(estimate_factors_as_json_text(factors, PROVENANCE), encoding="utf-8")
+    assert Factors(**read_safety_factors(path)) == factors
     data = json.loads(path.read_text(encoding="utf-8"))
     assert data["provenance"] == {**PROVENANCE._asdict(), "quantile": STATED_QUANTILE}
     for name in Factors._fields:
@@ -137,7 +137,7 @@ def test_the_file_that_the_code_reads_was_written_by_the_command():
     path = Path(estimate.__file__).with_name("factors.json")
     data = json.loads(path.read_text(encoding="utf-8"))
     written = Provenance(**{key: data["provenance"][key] for key in Provenance._fields})
-    assert path.read_text(encoding="utf-8") == safety_factors_as_json_text(FACTORS, written)
+    assert path.read_text(encoding="utf-8") == estimate_factors_as_json_text(FACTORS, written)
     assert written.brakes > 200 and written.levels > 1000 and written.commit and written.date
 
 

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from drumlin.fem.error_control.estimate import read_safety_factors
 from drumlin.fem.width import ladder
-from drumlin.fem.width.ladder import SOLID_FACTORS, read_solid_factors
+from drumlin.fem.width.ladder import SOLID_FACTORS, SolidFactors
 from drumlin_studies.width_calibration import (
     LARGEST_SHORTFALL,
     LEAST_FITTED,
@@ -87,7 +88,7 @@ def test_the_file_that_the_code_reads_was_written_by_the_command(kept):
     written = data["provenance"]
     text = width_factors_as_json_text(SOLID_FACTORS, kept, written["commit"], written["date"])
     assert path.read_text(encoding="utf-8") == text
-    assert read_solid_factors(path) == SOLID_FACTORS
+    assert SolidFactors(**read_safety_factors(path)) == SOLID_FACTORS
     assert written["commit"] and written["date"]
 
 

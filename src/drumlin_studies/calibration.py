@@ -5,8 +5,8 @@ error by the change from one level to the next, multiplied by a safety factor.
 `true_and_estimated_errors_of_random_brake` records this change for a random brake, and the true
 error, which is the difference from a far finer solution. `fit_safety_factors` finds the smallest
 factors with which the stated errors are at least as large as the true errors, except for the small
-share 1 - STATED_QUANTILE. `safety_factors_as_json_text` writes the factors together with the brakes
-of the fit. The command
+share 1 - STATED_QUANTILE. `estimate_factors_as_json_text` writes the factors together with the
+brakes of the fit. The command
 
     make calibrate
 
@@ -344,15 +344,34 @@ class Provenance(NamedTuple):
     date: str
 
 
-def safety_factors_as_json_text(factors: Factors, provenance: Provenance) -> str:
-    """The JSON text of the safety factors' file: provenance, and each factor with its meaning."""
-    data = {
-        "written by": "make calibrate; read by drumlin.fem.error_control.estimate; "
-        "not to be edited by hand",
-        "provenance": provenance._asdict() | {"quantile": STATED_QUANTILE},
-        **{
-            name: {"value": value, "meaning": FACTOR_MEANINGS[name]}
-            for name, value in factors._asdict().items()
-        },
-    }
+def safety_factors_as_json_text(
+    factors: Mapping[str, float],
+    meanings: Mapping[str, str],
+    provenance: Mapping[str, Any],
+    reader: str,
+) -> str:
+    """The JSON text of a file of safety factors: provenance, and each factor with its meaning.
+
+    Parameters
+    ----------
+    factors, meanings : mapping
+        The factors and what each of them does, by name.
+    provenance : mapping
+        Where the factors come from.
+    reader : str
+        The module that reads the file.
+    """
+    written_by = f"make calibrate; read by {reader}; not to be edited by hand"
+    entries = {name: {"value": value, "meaning": meanings[name]} for name, value in factors.items()}
+    data = {"written by": written_by, "provenance": dict(provenance), **entries}
     return json.dumps(data, indent=1) + "\n"
+
+
+def estimate_factors_as_json_text(factors: Factors, provenance: Provenance) -> str:
+    """The JSON text of the file of the factors of the error estimate."""
+    return safety_factors_as_json_text(
+        factors._asdict(),
+        FACTOR_MEANINGS,
+        provenance._asdict() | {"quantile": STATED_QUANTILE},
+        "drumlin.fem.error_control.estimate",
+    )

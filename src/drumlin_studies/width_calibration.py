@@ -12,7 +12,6 @@ the table of the rows.
 """
 
 import csv
-import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -45,7 +44,10 @@ from drumlin.fem.width.prepare import (
     reason_against_width_model,
 )
 from drumlin.response.response import Response
-from drumlin_studies.calibration import round_up_to_significant_digits
+from drumlin_studies.calibration import (
+    round_up_to_significant_digits,
+    safety_factors_as_json_text,
+)
 from drumlin_studies.solid_error import (
     DRAWN,
     functions_across_width_graded_to_sides,
@@ -249,15 +251,9 @@ def width_factors_as_json_text(
         "date": date,
         "quantile": WIDTH_QUANTILE,
     }
-    data = {
-        "written by": "make calibrate; read by drumlin.fem.width.ladder; not to be edited by hand",
-        "provenance": provenance,
-        **{
-            name: {"value": value, "meaning": WIDTH_FACTOR_MEANINGS[name]}
-            for name, value in factors._asdict().items()
-        },
-    }
-    return json.dumps(data, indent=1) + "\n"
+    return safety_factors_as_json_text(
+        factors._asdict(), WIDTH_FACTOR_MEANINGS, provenance, "drumlin.fem.width.ladder"
+    )
 
 
 def width_rows_as_csv_text(rows: Sequence[WidthRow]) -> str:

@@ -25,8 +25,8 @@ from drumlin_studies.calibration import (
     STATED_QUANTILE,
     LevelRecord,
     Provenance,
+    estimate_factors_as_json_text,
     fit_safety_factors,
-    safety_factors_as_json_text,
     true_and_estimated_errors_of_quantity,
     true_and_estimated_errors_of_random_brake,
 )
@@ -164,7 +164,7 @@ def last_commit() -> tuple[str, str]:
 def report(result: Result, folder: Path) -> Path:
     """Write the file of the factors, figure and page, and return the path of the page."""
     write_text(
-        folder / "factors.json", safety_factors_as_json_text(result.factors, result.provenance)
+        folder / "factors.json", estimate_factors_as_json_text(result.factors, result.provenance)
     )
     provenance = result.provenance
     text = width_factors_as_json_text(

@@ -76,13 +76,15 @@ class Factors(NamedTuple):
         return np.array([self.force, *own * shoes])
 
 
-def read_error_estimate_factors(path: Path) -> Factors:
-    """Read the factors of the error estimate from a file that `make calibrate` has written."""
+def read_safety_factors(path: Path) -> dict[str, float]:
+    """Read the safety factors of a file that `make calibrate` has written, by their names."""
     data = json.loads(path.read_text(encoding="utf-8"))
-    return Factors(**{name: data[name]["value"] for name in Factors._fields})
+    # Each factor stands with its meaning. The other entries say where the factors come from.
+    origin = ("written by", "provenance")
+    return {name: each["value"] for name, each in data.items() if name not in origin}
 
 
-FACTORS = read_error_estimate_factors(Path(__file__).with_name("factors.json"))
+FACTORS = Factors(**read_safety_factors(Path(__file__).with_name("factors.json")))
 """The factors of the error estimate, which `make calibrate` fits.
 
 The file factors.json says on which brakes they are fitted, and what each factor does.

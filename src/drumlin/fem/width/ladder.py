@@ -33,7 +33,6 @@ move. With elements for the ends of plane stress, the first two levels of one ra
 2000 of `drumlin_studies.solid_error`) differ by 3.7 % of the pressure, and else by 0.23 %.
 """
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -43,7 +42,7 @@ from typing import NamedTuple
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
-from drumlin.fem.error_control.estimate import QUANTITIES, Errors
+from drumlin.fem.error_control.estimate import QUANTITIES, Errors, read_safety_factors
 from drumlin.fem.error_control.levels import (
     LEVELS,
     ResponseFunction,
@@ -125,13 +124,7 @@ class SolidFactors(NamedTuple):
     section_force: float
 
 
-def read_solid_factors(path: Path) -> SolidFactors:
-    """Read the factors of solid shoes from a file that `make calibrate` has written."""
-    data = json.loads(path.read_text(encoding="utf-8"))
-    return SolidFactors(**{name: data[name]["value"] for name in SolidFactors._fields})
-
-
-SOLID_FACTORS = read_solid_factors(Path(__file__).with_name("factors.json"))
+SOLID_FACTORS = SolidFactors(**read_safety_factors(Path(__file__).with_name("factors.json")))
 """The factors of the stated errors of solid shoes, which `make calibrate` fits.
 
 The file factors.json says on which brakes they are fitted, and what each factor does.
