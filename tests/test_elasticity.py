@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 import skfem
 from skfem.helpers import sym_grad
-from skfem.models.elasticity import lame_parameters, plane_stress
+from skfem.models.elasticity import plane_stress
 
 from drumlin.brake.elasticity import (
     ElasticLayer,
     is_elasticity_matrix_orthotropic,
     plane_stress_elasticity_matrix,
-    solid_elasticity_matrix,
 )
 from drumlin.brake.fields import Material
 from drumlin.fem.hp import element as hp
@@ -116,10 +115,6 @@ def test_the_matrix_of_an_isotropic_material_has_the_constants_of_plane_stress()
     lam, mu = plane_stress(material.E, material.nu)
     expected = [[lam + 2 * mu, lam, 0], [lam, lam + 2 * mu, 0], [0, 0, mu]]
     assert plane_stress_elasticity_matrix(material) == pytest.approx(np.array(expected), rel=1e-14)
-    lam, mu = lame_parameters(material.E, material.nu)
-    solid = solid_elasticity_matrix(material)
-    assert solid[:3, :3] == pytest.approx(lam + 2 * mu * np.eye(3), rel=1e-14)
-    assert solid[3:, 3:] == pytest.approx(mu * np.eye(3), rel=1e-14)
 
 
 @pytest.mark.parametrize("nu", [-0.999, -0.3, 0.0, 0.25, 0.4999])

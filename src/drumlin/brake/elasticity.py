@@ -47,26 +47,13 @@ def plane_stress_elasticity_matrix(material: AnyMaterial) -> Floats:
     )
 
 
-def solid_elasticity_matrix(material: Material) -> Floats:
-    """Elasticity matrix (6, 6) [Pa] of an isotropic solid in three dimensions.
-
-    The order of rows and columns is xx, yy, zz, yz, zx, xy, with shear strains gamma.
-    """
-    # lam and mu are Lame's constants.
-    E, nu = material.E, material.nu
-    lam, mu = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
-    found = np.diag([2 * mu] * 3 + [mu] * 3)
-    found[:3, :3] += lam
-    return found
-
-
 class ElasticLayer(NamedTuple):
     """The elasticity matrix, width and direction of a layer, for its finite elements.
 
     Attributes
     ----------
-    elasticity : (3, 3), the `plane_stress_elasticity_matrix` [Pa]; (6, 6) for a solid
-    width : width across the plane of the brake [m]; a factor without unit for a solid
+    elasticity : (3, 3), the `plane_stress_elasticity_matrix` [Pa]
+    width : width across the plane of the brake [m]
     along : (2,), direction of a straight layer; None for a layer that is an arc about the drum's
         centre, which is the origin
     """

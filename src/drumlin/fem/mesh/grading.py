@@ -178,27 +178,6 @@ def relative_layer_depths_behind_lining(
     return np.arange(1, count + 1) / count
 
 
-def positions_with_steps_growing_by_constant_ratio(
-    length: float, smallest: float, ratio: float, largest: float
-) -> Floats:
-    """Points (n,) from 0 to `length` whose steps grow by a constant ratio up to a limit.
-
-    The steps are scaled in the end so that the last point is `length`.
-
-    Parameters
-    ----------
-    length : position of the last point
-    smallest : about the first step
-    ratio : each step relative to the step before it
-    largest : about the largest step
-    """
-    points, step = [0.0], min(smallest, length / 2)
-    while points[-1] < length:
-        points.append(points[-1] + step)
-        step = min(step * ratio, largest)
-    return np.array(points) * length / points[-1]
-
-
 def _growth_of_elements_beyond_lining(total: float) -> float:
     """The growth g for which the sum of the steps 1, e^g, e^2g, ... is `total`, by bisection.
 

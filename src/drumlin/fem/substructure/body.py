@@ -278,9 +278,9 @@ def scalar_finite_element_basis_of_mesh(mesh: Any) -> Any:
 def sparse_stiffness_of_body(
     basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool = False
 ) -> Any:
-    """Sparse stiffness (d nodes, d nodes) of plane stress (d = 2) or of a solid (d = 3) [N/m].
+    """Sparse stiffness (2 nodes, 2 nodes) of plane stress [N/m].
 
-    Unknown d i + c is component c of node i. The isotropic part of the layers is
+    Unknown 2 i + c is component c of node i. The isotropic part of the layers is
 
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
@@ -292,8 +292,8 @@ def sparse_stiffness_of_body(
     Parameters
     ----------
     basis : scalar basis of a mesh, or a grid of hp elements, which computes its own stiffness
-    layers : elastic layers by subdomain; those of a solid are isotropic
-    precise : whether to compute in long double from the nodes on (plane stress only)
+    layers : elastic layers by subdomain
+    precise : whether to compute in long double from the nodes on
     """
     if hasattr(basis, "stiffness"):
         # The skeleton of a grid has no option `precise`, since its stiffness is in double only.
@@ -303,30 +303,29 @@ def sparse_stiffness_of_body(
     else:
         gradients, dx = np.array([psi[0].grad for psi in basis.basis]), basis.dx
     K = _isotropic_element_stiffness(basis, layers, gradients, dx)
-    dimensions = gradients.shape[1]
     for name, members in basis.mesh.subdomains.items():
-        if dimensions == 2 and is_elasticity_matrix_orthotropic(layers[name].elasticity):
+        if is_elasticity_matrix_orthotropic(layers[name].elasticity):
             points = quadrature_points_of_elements(basis, precise=precise)[:, members]
             own = gradients[:, :, members]
             K[members] += _orthotropic_part_of_element_stiffness(
                 layers[name], own, dx[members], points
             )
-    return assemble_sparse_stiffness(K, basis.element_dofs.T, basis.N, dimensions)
+    return assemble_sparse_stiffness(K, basis.element_dofs.T, basis.N)
 
 
 def _isotropic_element_stiffness(
     basis: Any, layers: Mapping[str, ElasticLayer], gradients: Any, dx: Any
 ) -> Any:
-    """The isotropic part (elements, a, d, a, d) of the element stiffness [N/m].
+    """The isotropic part (elements, a, 2, a, 2) of the element stiffness [N/m].
 
     Parameters
     ----------
     basis : scalar basis of the mesh
     layers : elastic layers by subdomain
-    gradients : (a, d, elements, points) gradients of the shape functions [1/m]
-    dx : (elements, points) weights of the quadrature [m^d]
+    gradients : (a, 2, elements, points) gradients of the shape functions [1/m]
+    dx : (elements, points) weights of the quadrature [m^2]
     """
-    a, d, elements, points = gradients.shape
+    a, _, elements, points = gradients.shape
     lame = np.zeros((2, basis.mesh.nelements))
     for name, members in basis.mesh.subdomains.items():
         matrix = layers[name].stiffness
@@ -334,31 +333,30 @@ def _isotropic_element_stiffness(
     lam, mu = lame[:, :, None, None, None, None]
 
     # H is the integral of psi_a,i psi_b,j over each element.
-    G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, d * a, points)
-    H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, d, a, d)
+    G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, 2 * a, points)
+    H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, 2, a, 2)
     K = lam * H + mu * H.transpose(0, 1, 4, 3, 2)
-    for i in range(d):
+    for i in range(2):
         K[:, :, i, :, i] += mu[:, :, 0, :, 0] * np.trace(H, axis1=2, axis2=4)
     return K
 
 
-def assemble_sparse_stiffness(K: Any, nodes: Ints, N: int, d: int = 2) -> Any:
-    """The sparse stiffness (d N, d N) of a mesh of N nodes, assembled from its elements.
+def assemble_sparse_stiffness(K: Any, nodes: Ints, N: int) -> Any:
+    """The sparse stiffness (2 N, 2 N) of a mesh of N nodes, assembled from its elements.
 
     Parameters
     ----------
-    K : (e, a, d, a, d) or (e, d a, d a) stiffness of elements, the components of a node together
+    K : (e, a, 2, a, 2) or (e, 2 a, 2 a) stiffness of elements, both components of a node together
     nodes : (e, a) nodes of the elements
     N : number of nodes
-    d : number of displacement components of a node
     """
     # The import of scipy.sparse takes time, and condensed hp elements do without it.
     import scipy.sparse as sp  # noqa: PLC0415
 
-    dofs = (d * nodes[:, :, None] + np.arange(d)).reshape(len(nodes), -1).astype(np.int32)
+    dofs = (2 * nodes[:, :, None] + np.arange(2)).reshape(len(nodes), -1).astype(np.int32)
     rows = np.broadcast_to(dofs[:, :, None], (*dofs.shape, dofs.shape[1]))
     entries = K.ravel(), (rows.ravel(), rows.swapaxes(1, 2).ravel())
-    return sp.coo_matrix(entries, shape=(d * N, d * N)).tocsc()
+    return sp.coo_matrix(entries, shape=(2 * N, 2 * N)).tocsc()
 
 
 def shape_function_values_at_points(basis: Any, *, precise: bool = False) -> Any:
