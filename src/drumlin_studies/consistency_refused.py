@@ -19,14 +19,15 @@ from drumlin_studies.standing_off import draw_random_brake_with_clearances
 MESH_SIZES = 20, 40, 80
 """Number of elements along a lining of the three uniform meshes."""
 SAME_FORCE = 0.05
-"""Relative spread of the total contact force up to which the three meshes agree.
+"""Relative spread of the shoes' total normal force up to which the three meshes agree.
 
 With a larger spread the meshes are too coarse for the contact, and prove nothing.
 """
 BRAKES_PER_MESH_CHECK = 10
-"""One of this many brakes that the default solve can solve is also solved on the uniform meshes.
+"""Of this many brakes that the default solve can solve, one is also solved on the uniform meshes.
 
-A brake that it refuses is always solved on them. This takes about one second for each brake.
+A brake that the default solve refuses is always solved on them. The uniform meshes of a brake take
+about one second.
 """
 
 
@@ -82,7 +83,7 @@ def draw_brake_for_refusal_check(seed: int) -> Brake:
 
 
 def total_contact_force(response: Response) -> float:
-    """The sum over all shoes of the contact force's normal part [N]."""
+    """The sum over all shoes of the size of the resultant of the lining's pressure [N]."""
     return sum(shoe.normal_force for shoe in response.shoes)
 
 
