@@ -32,7 +32,8 @@ class IterationAnswer(NamedTuple):
         Deflection of the beam at its stations [m].
     z, N : array (n,)
         Displacement of the drum's rim [m], and force of the lining [N], at each sector.
-    rounds : int Number of sets of compressed sectors that were tried.
+    rounds : int
+        Number of sets of compressed sectors that were tried.
     """
 
     w: Floats

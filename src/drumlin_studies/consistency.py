@@ -69,8 +69,8 @@ class Count(NamedTuple):
         Number of comparisons in which at least one path gives a value.
     agree, said, differ, refused : int
         Number of comparisons with each outcome.
-    largest : float Largest ratio of the difference to the allowed difference, among comparisons
-        that agree.
+    largest : float
+        Largest ratio of the difference to the allowed difference, among comparisons that agree.
     """
 
     check: str

@@ -63,12 +63,14 @@ class KnobCase:
         lining's modulus; None for a rigid part.
     support : str
         Support of the ring, "fixed" or "free".
-    penalty : float Penalty factor alpha of the contact stiffness alpha E/t; inf for exact contact.
+    penalty : float
+        Penalty factor alpha of the contact stiffness alpha E/t; inf for exact contact.
     thickness : float
         Thickness of the lining, relative to the drum's radius.
     arc : float
         Arc of the lining [deg].
-    clearance : float or str Clearance [m], or a name of CLEARANCE_TABLES.
+    clearance : float or str
+        Clearance [m], or a name of CLEARANCE_TABLES.
     force : float
         Actuating force [N].
     lever : float
@@ -79,7 +81,8 @@ class KnobCase:
         Number of elements along a lining, and kind of the elements.
     aspect : float or None Length divided by height of the elements at the lining's surface next to
         the heel; None for the usual mesh.
-    size, pressure : float Factors that multiply all lengths and all Young's moduli.
+    size, pressure : float
+        Factors that multiply all lengths and all Young's moduli.
     """
 
     knob: str = "base"

@@ -33,8 +33,9 @@ class KnownAnswer:
         Known value of the quantity.
     tolerance : float
         Largest relative difference that counts as agreement.
-    tier : str Reason of the tolerance, one of the four texts above: ROUND_OFF_TIER,
-        PRINTED_DIGITS_TIER, DISCRETISATION_TIER or MODEL_LIMIT_TIER.
+    tier : str
+        Reason of the tolerance, one of the four texts above: ROUND_OFF_TIER, PRINTED_DIGITS_TIER,
+        DISCRETISATION_TIER or MODEL_LIMIT_TIER.
     found : function
         Function that computes the quantity by drumlin.
     """

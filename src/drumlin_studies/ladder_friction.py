@@ -364,8 +364,9 @@ class Plate(NamedTuple):
 
     Attributes
     ----------
-    moment : float Moment of the contact pressure about a corner of the plate, divided by the moment
-        of all other forces.
+    moment : float
+        Moment of the contact pressure about a corner of the plate, divided by the moment of all
+        other forces.
     states : frozenset of int
         States that occur among the contact nodes: open, stick or slip.
     """
@@ -603,7 +604,8 @@ class ThinLinings(NamedTuple):
 
     Attributes
     ----------
-    law_torque : float Torque by the sine law [N m].
+    law_torque : float
+        Torque by the sine law [N m].
     response : Response Response by finite elements.
     brake : Brake The brake.
     """

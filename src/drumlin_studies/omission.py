@@ -108,11 +108,13 @@ class OmissionChange(NamedTuple):
         Change of the brake's torque.
     pressure : float
         L2 norm of the change of the pressure p, outside the zones at the lining's ends.
-    shoes : float Sum of the absolute changes of the shoes' torques, divided by the brake's torque.
-        The sum is an upper bound of `torque`, in which changes of opposite sign cancel.
+    shoes : float
+        Sum of the absolute changes of the shoes' torques, divided by the brake's torque. The sum is
+        an upper bound of `torque`, in which changes of opposite sign cancel.
     reaction, peak : float
         Change of the hinge reaction and of the peak pressure.
-    each : float Change of the torque of a shoe, divided by the torque of the same shoe.
+    each : float
+        Change of the torque of a shoe, divided by the torque of the same shoe.
     """
 
     torque: float

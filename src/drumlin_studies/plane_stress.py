@@ -81,8 +81,9 @@ class SolidAndPlane(NamedTuple):
 
 
 def solve_by_solid_and_plane_stress(brake: Brake, across: int = STUDY_DEGREE) -> SolidAndPlane:
-    """The responses of a brake by the three models of `SolidAndPlane`.  All models have the same
-    mesh in the plane of the drum.
+    """The responses of a brake by the three models of `SolidAndPlane`.
+
+    All models have the same mesh in the plane of the drum.
 
     across : degree across the width of the solid shoes.
     """

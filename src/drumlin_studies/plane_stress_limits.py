@@ -54,8 +54,9 @@ def lining_width_over_thickness(brake: Brake) -> float:
 
 
 def brake_with_width_over_thickness(brake: Brake, ratio: float) -> Brake:
-    """The brake whose linings are `ratio` times as wide as thick.  The bodies' width changes in the
-    same proportion.
+    """The brake whose linings are `ratio` times as wide as thick.
+
+    The width of the bodies changes in the same proportion.
     """
     shoe = brake.shoes[0]
     width = ratio * shoe.lining.thickness

@@ -94,10 +94,11 @@ class ErrorMap:
 
     Attributes
     ----------
-    title : str Title of the map.
-    x, y : array (n,), array (m,) Values of the dimensionless group k R^4/EI of the beam and of the
-        ring, with the bending stiffness EI of the beam or the ring and the stiffness k of lining
-        and block.
+    title : str
+        Title of the map.
+    x, y : array (n,), array (m,)
+        Values of the dimensionless group k R^4/EI of the beam and of the ring, with the bending
+        stiffness EI of the beam or the ring and the stiffness k of lining and block.
     error : array (m, n) Relative errors, nan where the model or the finite elements have no answer.
     """
 
@@ -369,7 +370,8 @@ def torque_error_maps_of_models(
     ----------
     brake : Brake
         The post brake.
-    points : int Number of values of each dimensionless group.
+    points : int
+        Number of values of each dimensionless group.
     elements : int
         Elements along a lining.
     """
