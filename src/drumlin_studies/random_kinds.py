@@ -649,8 +649,7 @@ class _MirrorTurnAndShift(NamedTuple):
         return turned | {"x": turned["x"] + self.shift}
 
     def moved_direction_and_point(self, part: dict[str, Any]) -> dict[str, Any]:
-        """The data of a support or actuation, with direction and point mirrored, turned, shifted.
-        """
+        """The data of a support or actuation after mirroring, turning and shifting."""
         moved = part | {"direction": self.turn + self.sign * part["direction"]}
         return moved | ({"point": self.moved_point(part["point"])} if "point" in part else {})
 

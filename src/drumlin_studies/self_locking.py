@@ -54,8 +54,9 @@ ALL_SETS_ELEMENTS = 4
 START_SEED = 7
 """Seed of the random contact sets; it is used together with the seed of the brake."""
 AGREEMENT_COUNTS = ("starts", "same", "others", "unstable", "lost")
-"""Attributes of the comparison of first contact sets that count how iterations from several contact
-sets end. They are summed over LIMIT_FRACTIONS."""
+"""Attributes of the result of `compare_solutions_from_starting_contact_sets`. They count how
+contact iterations from several starting sets end, and are summed over LIMIT_FRACTIONS.
+"""
 
 Row = dict[str, Any]
 """A row of a table: its values by key."""

@@ -174,8 +174,8 @@ def _time_sweep_with_started_workers(
 def rows_of_cases_per_second(measured: Sequence[Throughput]) -> list[Row]:
     """A table row for each measured sweep, with the speed of its workers.
 
-    `solved_sweep_cases_per_second` is the number of cases per second, `gain` the rate over that of
-    the first measurement with the same kind of workers.
+    `rate` is the number of cases per second. `gain` is this rate divided by the rate of the first
+    measurement with the same kind of workers.
     """
     found = []
     for one in measured:

@@ -262,7 +262,7 @@ def correct_decimal_digits_at_relative_error(error: float) -> float:
 def compare_with_pointwise_penalty(
     case: KnobCase, brake: Brake, response: Response | None
 ) -> dict[str, Any]:
-    """Solve a case by the pointwise penalty as well, and compare the torque with that of drumlin.
+    """Solve a case by the pointwise penalty as well, and compare with drumlin's torque.
 
     The result is a part of a row: the outcome `pointwise`, the relative difference of the torques,
     the number of Newton steps and the time.
