@@ -35,7 +35,8 @@ TRUSTED_LAW_ERROR = 0.05
 ROUGH_LAW_ERROR = 0.15
 """Relative error up to which the study's report calls a rigid-shoe law a rough estimate."""
 NO_EFFECT_ERROR = 1e-9
-"""Relative error of the law's torque below which the torque is said to need only equilibrium.
+"""Relative error of the law's torque below which the report says that the torque follows from
+equilibrium alone, whatever the pressure.
 
 The torques of law and finite elements then agree to round-off, even if their pressures differ.
 """
@@ -133,7 +134,7 @@ def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -
     size = new.effect
 
     def largest_pressure_error_of_law_over_shoes(by: Response) -> float:
-        """Largest relative L2 distance of all shoes between the pressures of law and `by`."""
+        """Largest relative L2 distance, of all shoes, from the pressure by `by` to the law's."""
         # A shoe without contact has no pressure to which a distance could be relative.
         pairs = zip(found.law.shoes, by.shoes, strict=True)
         return max(

@@ -114,7 +114,7 @@ class LevelRecord(NamedTuple):
 
 
 def draw_calibration_brake(seed: int) -> tuple[str, Brake]:
-    """The name of the kind of a seed's random brake, and this brake.
+    """The name of a kind of brakes, and the random brake of this kind, that a seed gives.
 
     Consecutive seeds go through all kinds. Seeds from FIRST_CORNER on give brakes that press on the
     drum only by a corner of the lining or by a kink of its surface that points to the drum.
@@ -146,7 +146,7 @@ def true_and_estimated_errors_of_random_brake(seed: int) -> dict[str, Any]:
             islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), FITTED_LEVELS),
         )
     except (NoAnswer, AssertionError) as error:
-        # An AssertionError means that round-off has turned over a tiny triangle.
+        # An AssertionError means that round-off has inverted a tiny triangle.
         return {"seed": seed, "kind": kind, "reason": str(error), "levels": []}
     return {
         "seed": seed,

@@ -193,7 +193,8 @@ def pressure_exponent_at_sliding_corner(mu: float, nu: float) -> float:
     def determinant_of_corner_boundary_conditions(e: float) -> float:
         """Determinant of the four boundary conditions for the exponent e; it is zero at a root.
 
-        F is A cos((e+1) theta) + B sin((e+1) theta) + C cos((e-1) theta) + D sin((e-1) theta).
+        The stress function is r^(e+1) F(theta), with F = A cos((e+1) theta) + B sin((e+1) theta) +
+        C cos((e-1) theta) + D sin((e-1) theta).
         """
         a, b = e + 1, e - 1
         sa, ca = math.sin(a * right), math.cos(a * right)

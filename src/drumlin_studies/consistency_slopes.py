@@ -365,7 +365,7 @@ SLOPE_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
 
 
 def draw_brake_with_friction(seed: int) -> tuple[str, Brake]:
-    """The name of the kind of a seed's random brake, and this brake, which always has friction.
+    """The name of a kind of brakes, and the random brake with friction, that a seed gives.
 
     In half of the brakes the shoe's body and the ring have a bending stiffness given by number.
     """

@@ -185,7 +185,8 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
         LAW_TORQUE,
         LAW_PRESSURE,
     )
-    # If unworn linings already have the pressure of the law, the wear run ends at once.
+    # If unworn linings already have the pressure of the law, the wear run ends at once. It then has
+    # no worn state that could be compared.
     middle = states[len(states) // 2]
     if middle.s == 0:
         return rows

@@ -226,7 +226,8 @@ def _diameter_changes_of_thin_ring() -> DiameterChanges:
 def _observed_order_of_convergence(kind: str) -> float:
     """Observed order of convergence of the L2 error, for elements of a kind.
 
-    The kind is "quad2" or "tri1". The error is that of a manufactured solution on two meshes.
+    The kind is "quad2" or "tri1". The order follows from the errors for a manufactured solution on
+    two meshes.
     """
     return math.log2(
         _displacement_error_for_manufactured_solution(kind, 8)

@@ -324,7 +324,7 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
 
 
 def _largest_pressure_in_patch_test(turned: float) -> float:
-    """Largest pressure [Pa] on a strip that is pressed on an inclined plane, 0.05 m deep.
+    """Largest pressure [Pa] on a strip that is pressed 0.05 m deep on an inclined plane.
 
     The strip is 1 m high and has nu = 0, so that the exact pressure is uniform. `turned` is the
     inclination of the plane [rad].
@@ -379,7 +379,7 @@ class Plate(NamedTuple):
 def solve_pressed_and_pushed_plate() -> Plate:
     """Press an elastic plate on a rigid plane at mu = 1 and push it from its side.
 
-    The plate is that of Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa on its upper edge
+    The plate comes from Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa on its upper edge
     and 10 MPa on its side, with a plane of symmetry at x = 0. Moments are taken about the corner in
     the origin. Friction on the rigid plane has no moment about this corner, nor has the vertical
     force that fixes the plate there.

@@ -301,7 +301,8 @@ def _friction_sensitivity_by_formula() -> float:
 def _result_of_simscape_double_shoe(what: str) -> float:
     """A result of Simscape's double-shoe brake block with its default parameters.
 
-    It is the torque over the force [m] for `what` = "T/F", else the friction that locks the brake.
+    It is the torque divided by the force [m] for `what` = "T/F", else the friction that locks the
+    brake.
     """
     block = DoubleShoe()
     return float(sum(block.shoe_torques(1.0, 1.0))) if what == "T/F" else block.mu_lock

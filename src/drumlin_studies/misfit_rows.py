@@ -40,8 +40,9 @@ STATES = ("new", "worn in")
 LOBES = {"run-out": 1, "oval": 2, "three lobes": 3, "five lobes": 5}
 """Number of lobes around the drum, by the name of the out-of-roundness. Run-out has one lobe."""
 EXPANSION, WARMING = 11e-6, 100.0
-"""Coefficient of thermal expansion of the drum [1/K]; temperature of the drum minus that of the
-shoes [K]."""
+"""Coefficient of thermal expansion of the drum [1/K]; temperature of the drum minus temperature of
+the shoes [K].
+"""
 
 
 def table_rows_of_changes_by_each_misfit_alone(

@@ -1,4 +1,4 @@
-"""Omissions: parts of a brake that a simpler model neglects, and the change of the answer by this.
+"""Omissions: parts of a brake that a simpler model neglects, and how this changes the answer.
 
 An omission replaces for example the elastic drum ring by a rigid drum.
 `relative_change_from_whole_to_simpler_brake` compares the answers of the simpler and of the whole
@@ -164,7 +164,7 @@ def names_of_omissions_possible_for_brake(brake: Brake) -> list[str]:
 
 
 def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
-    """The brake without those of the parts "ring", "shoe" and "backing" that `names` contains.
+    """The brake without those parts of "ring", "shoe" and "backing" that are in `names`.
 
     The other names of OMISSIONS change no brake file; `prepared_model_without_parts` takes them
     into account. Raises BadInput if a name is not in OMISSIONS.

@@ -187,8 +187,8 @@ def _list_part_omissions_computed_for_brake(brake: Brake) -> list[_OmissionRow]:
     together = []
     for part in names:
         rows.append(_OmissionRow(part, OMISSIONS[part].instead, [part]))
-        # A rigid drum does not couple the shoes. If the ring is neglected, the coupling is so as
-        # well and is not listed.
+        # A rigid drum does not couple the shoes. If the ring is neglected, to neglect the coupling
+        # as well changes nothing.
         if part != "curvature" and not (part == "coupling" and "ring" in names):
             together.append(part)
     if len(together) > 1:

@@ -62,9 +62,8 @@ def count_row_values_by_varied_quantity(
 ) -> list[Row]:
     """A row for each varied quantity (knob) with counts of the values of a key.
 
-    The last row counts over all trials.
-
-    A row has None under the name of a value that does not occur.
+    The last row counts over all trials. A row has None under the name of a value that does not
+    occur.
 
     rows : the rows of the trials; key : key of these rows; names : the values that are counted.
     """

@@ -446,7 +446,7 @@ def _list_brake_models_with_their_solve_functions(
 def _largest_torque_and_pressure_error(
     brake: Brake, response: Response, truth: Response
 ) -> tuple[float, float]:
-    """The largest relative error of the shoes' torques, and the largest of their pressures."""
+    """The largest relative error of a shoe's torque, and the largest of a shoe's pressure."""
     torque, pressure = 0.0, 0.0
     for found, true, shoe in zip(response.shoes, truth.shoes, brake.shoes, strict=True):
         torque = max(torque, abs(relative_error_of_number(found.torque, true.torque)))

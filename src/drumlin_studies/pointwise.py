@@ -190,7 +190,8 @@ def _solve_one_shoe_by_penalty(
         u, on = contact_state.u, contact_state.touching
         p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
         nodal = points.pushing.T @ (points.weight * p)
-        # The hinge reaction is the residual of the equations of these two fixed displacements.
+        # The hinge reaction is the residual of the equations of the two displacements that the pin
+        # fixes.
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
     given = (force * per_newton)[:2]

@@ -176,7 +176,7 @@ def brake_with_other_lining_radius(brake: Brake, larger: float) -> Brake:
 def rows_of_post_brake_clearances(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
     """A row for each clearance, model and shoe: torque, peak pressure, figures of merit, contact.
 
-    The clearances are those of linings that fit, have another radius, are displaced or worn in.
+    The linings fit, have another radius, are displaced, or are worn in.
 
     brake : the post brake with linings that fit; scene : its prepared model by finite elements.
     """

@@ -285,7 +285,7 @@ class _RandomBeamAxis(NamedTuple):
     distance: float
 
     def point_at_distance_along(self, along: float) -> dict[str, float]:
-        """The point of the axis at a distance [m] from the foot of the normal."""
+        """The point of the axis at a distance [m] from its point nearest to the drum's centre."""
         c, s = math.cos(self.turn), math.sin(self.turn)
         x = self.distance * c - self.hand * along * s
         return {"x": x, "y": self.distance * s + self.hand * along * c}
@@ -563,7 +563,7 @@ LOCKING_KINDS = ("locking", "opposed")
 def _draw_self_locking_or_opposed_brake(seed: int, kind: str, attempt: int = 0) -> Brake:
     """A random brake of one of LOCKING_KINDS.
 
-    The brake is drawn again until in one of the senses of rotation it is of the kind.
+    Brakes are drawn until one of them is of the kind in one of the senses of rotation.
 
     attempt : number of draws so far.
     """
@@ -605,7 +605,8 @@ def _draw_brake_data_with_one_shoe(rng: np.random.Generator, seed: int) -> dict[
     start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + arc)])
     far = hinge_angle + hand * (gap + arc)
     even_clearance = u(-2e-4, 1e-3) * R
-    # A table of clearances. Below, one of no clearance, an even clearance and this table is chosen.
+    # A table of clearances. One of three is chosen below: no clearance, an even clearance, or this
+    # table.
     table = [[x, u(-2e-4, 1e-3) * R] for x in np.linspace(start, end, 5).tolist()]
     shoe: dict[str, Any] = {
         "name": "shoe",

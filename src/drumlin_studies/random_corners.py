@@ -192,7 +192,8 @@ def _draw_gap_as_function_of_factor(
     radius : float
         Radius of the drum [m].
     presses : str
-        The part of the lining that bears the force: "corner", "tip" or, for either, "table".
+        The part of the lining that bears the force: "corner", "tip" (a kink that points to the
+        drum), or "table" for either of them.
     """
     lining = shoe["lining"]
     area = radius * (lining["end"] - lining["start"]) * lining["width"]
@@ -290,7 +291,8 @@ def _scale_gaps_to_random_contact_length(
     drawn : function
         Returns the brake for a factor on its gaps.
     presses : str
-        The part of the lining that bears the force: "corner", "tip" or, for either, "table".
+        The part of the lining that bears the force: "corner", "tip" (a kink that points to the
+        drum), or "table" for either of them.
     """
     # The wanted length of the contact is uniform in its logarithm; the first factor is 3.
     low, high = SHORT_CONTACT if rng.random() < SHORT_SHARE else LONG_CONTACT
@@ -327,13 +329,14 @@ def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str
 
     The shoes must press with MORE_FRICTION times the friction as well.
 
-    found : response of the brake; presses : the part of the lining that must bear the force
-        ("corner", "tip" or, for either, "table").
+    found : response of the brake; presses : the part of the lining that must bear the force:
+        "corner", "tip" (a kink that points to the drum), or "table" for either of them.
     """
     more = solve(vary(brake, {"friction": MORE_FRICTION * brake.friction}), elements=16)
     if not all(shoe.contact_arcs for shoe in (*found.shoes, *more.shoes)):
         return False
-    # At least one shoe must press with its corner or under its tip, as its kind says.
+    # At least one shoe must press with a corner or with a tip, a kink that points to the drum, as
+    # its kind says.
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
     corner = any(is_lining_corner_in_contact(shoe, response) for shoe, response in pairs)
     tip = any(is_gap_tip_in_contact(shoe, response) for shoe, response in pairs)
@@ -350,7 +353,7 @@ def is_lining_corner_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
 
 
 def is_gap_tip_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
-    """Whether a tip of the shoe's gap lies inside one of its contact arcs."""
+    """Whether a lining's kink that points to the drum (tip) lies inside a contact arc."""
     for angle, _ in clearance.gap_kinks_that_point_to_drum(shoe.lining):
         if any(start < angle < end for start, end in found.contact_arcs):
             return True

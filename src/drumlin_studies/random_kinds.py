@@ -503,7 +503,8 @@ def _draw_support_and_line_of_force_of_pad(
         Start and length of the lining [m].
     """
     u, middle = rng.uniform, start + length / 2
-    # For a hinge or a lever: the force acts as far behind the pad's middle as the pin lies before.
+    # On a hinge or a lever, pin and force lie on opposite sides of the pad's middle, at one
+    # distance.
     away, height = length * u(0.8, 1.5), length * u(0.1, 0.5)
     pin, at = {"x": middle - away, "y": height}, {"x": middle + away, "y": height}
     straight: dict[str, Any] = {"direction": -math.pi / 2, "point": at}

@@ -447,7 +447,8 @@ def _integrals_of_waves_over_lining(
         1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of_points_in_shoe_frame(x, 1.0))
     )
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
-    # A row of the pieces has each node at most once; indexed += would add repeated nodes only once.
+    # In each row of `line.pieces` a node occurs at most once, as += with an index array requires:
+    # of repeated nodes it would add only the last value.
     for value, nodes in zip(psi, line.pieces, strict=True):
         found[:, nodes] += shoe.lining.width * (wave * (value * ds)).sum(axis=2)
     return found.real, found.imag

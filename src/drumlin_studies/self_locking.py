@@ -229,7 +229,7 @@ def _count_answers_at_frictions(
     problems : FrictionDependentProblem
         The contact problem as a function of friction.
     end : FrictionLimit
-        The friction limit with its last contact.
+        The friction limit, with the contact set just below it.
     frictions : list of float
         Friction coefficients beyond the limit.
     starts : list of array of bool (n,)

@@ -30,7 +30,9 @@ from drumlin_studies.solid_error import GRADED_DEGREE, response_with_graded_widt
 from drumlin_studies.work_precision import LEAST_SAMPLE
 
 FINE_PLANE_LEVEL = 5
-"""Number of the refinement level on which the truth in plane stress is solved."""
+"""Number of the refinement level on which the truth in plane stress is solved. All compared levels
+are coarser.
+"""
 FAST = 1.0
 """Processor time [s] up to which a solve is repeated; the median of its times is then taken."""
 REPEATS = 3
@@ -232,7 +234,10 @@ class TimedResponse(NamedTuple):
 
 
 def measure_cold_solve(solve_once: Callable[[], Response]) -> TimedResponse:
-    """The response of a solve with its processor time, the median of REPEATS where it is fast."""
+    """The response of a solve, with its processor time.
+
+    The time of a solve that takes at most FAST is the median of REPEATS repeats.
+    """
     start = time.process_time()
     response = solve_once()
     first = time.process_time() - start

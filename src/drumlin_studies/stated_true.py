@@ -51,10 +51,9 @@ JUDGED_TOLERANCES = (1e-2, 1e-3, 1e-4)
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 """Gauss points in [-1, 1] and their weights, for integrals between two nodes of a pressure."""
 TRUTH_FINENESS = 0.1
-"""Change of the pressure between two levels, divided by the tolerance, that is small enough.
+"""Fraction of the tolerance by which the pressure may still change on the last level of the truth.
 
-The truth is solved on finer and finer levels until the pressure changes by less than this fraction
-of the tolerance.
+The truth is solved on finer and finer levels until the pressure changes by less.
 """
 PEAK_ANGLES = 4001
 """Number of evenly spaced angles at which a peak is looked for, in addition to the nodes."""
@@ -151,7 +150,8 @@ def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth
 
 
 def largest_round_off_errors_of_shoes(shoes: Sequence[ShoeResponse]) -> ShoeChange:
-    """The relative round-off errors by the elimination: for each quantity the largest of a shoe."""
+    """Relative errors by round-off in the elimination: for each quantity the largest of any shoe.
+    """
     by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
     return ShoeChange(*(max(parts) for parts in by_quantity))
 
@@ -316,7 +316,7 @@ def row_of_stated_and_true_errors(
 ) -> dict[str, Any]:
     """A row with the stated and the true errors of a brake that is solved to a tolerance.
 
-    The keys are JUDGED_QUANTITIES with "stated_", "true_" or "unsure_" before them, the latter for
+    The keys are JUDGED_QUANTITIES with "stated_", "true_" or "unsure_" before them; "unsure_" is
     the uncertainty of the true error. A value that is not known has no key. `outcome` is "reached",
     "not reached", "no truth" or "failed", and `reason` is a line of text on a failure.
 

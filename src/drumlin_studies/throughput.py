@@ -336,5 +336,5 @@ def _solve_sweep_with_journal(cases: Sequence[SweepCase], path: Path) -> None:
 
 
 def _count_finished_cases_in_journal(journal: Path) -> int:
-    """The number of finished cases in a journal. The first line of the journal is a stamp."""
+    """The number of finished cases in a journal: its lines but the first, the source's stamp."""
     return max(journal.read_bytes().count(b"\n") - 1, 0) if journal.exists() else 0

@@ -130,7 +130,7 @@ def plane_stress_error_rows_of_seeds(
 def table_lines_of_error_ratios(rows: list[WidthErrorRow]) -> list[str]:
     """The lines of the table on the ratios of estimated to true error.
 
-    A line has the number of ratios, their quantiles, and the share between 1/1.5 and 1.5.
+    A line has the number of ratios, their quantiles, and the share of ratios between 1/1.5 and 1.5.
     """
     lines = ["widths  error      brakes  least  5 %   half  95 %  most  within 1.5"]
     for name in JUDGED:
@@ -171,7 +171,7 @@ def table_lines_of_error_left_after_correction(rows: list[WidthErrorRow]) -> lis
 
 
 def main() -> None:
-    """Print the lines and the table for the seeds and the degree on the command line."""
+    """Print the lines and the two tables for the seeds and the degree on the command line."""
     first, last, *degree = map(int, sys.argv[1:])
     rows = []
     for row in plane_stress_error_rows_of_seeds(first, last, *degree or [TRUE_WIDTH_DEGREE]):

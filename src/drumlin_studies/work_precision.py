@@ -3,7 +3,7 @@
 The methods are laws, the foundation model, finite elements, penalty contact as in textbooks, and
 peers, which are other finite element programs. A method is plain data: a family, a name and
 options. Therefore it can be the key of a journal and be sent to another process. The errors are
-those of the method's response against a reference. The time is processor time, the median of
+differences of the method's response from a reference. The time is processor time, the median of
 several repeats. A fixed piece of work, the unit, is timed just before each repeat. The ratio of
 both times holds even if the speed of the machine changes.
 """
@@ -61,7 +61,9 @@ LEAST_SAMPLE = 2e-3
 EQUAL_TIMES = 1.2
 """Ratio of two times up to which both methods count as equally fast."""
 FURTHER_FRICTION = 0.9
-"""Coefficient of friction of the further load case, divided by that of the first load case."""
+"""Coefficient of friction of the further load case, divided by the coefficient of the first load
+case.
+"""
 GRADED_FROM = 36
 """Number of elements along a lining above which its mesh is graded more strongly to its ends.
 
@@ -261,7 +263,7 @@ def _result_of_solve_from_start(
 
 
 def _count_unknowns_of_prepared_model(scene: PreparedModel) -> int:
-    """The number of unknowns of a prepared model: those of its bodies and of the drum ring.
+    """The number of unknowns of a prepared model: of its bodies and of the drum ring.
 
     Shoes of equal shape share one body, which is counted once.
     """
@@ -518,7 +520,7 @@ def _status_text_of_refused_or_failed_solve(error: DrumlinError) -> str:
 
 
 def peak_memory_of_solve_in_new_process(brake: Brake, method: Method) -> int:
-    """The peak memory [bytes] of a whole solve by a method, minus that of the loaded program.
+    """The peak memory [bytes] of a whole solve by a method, minus the loaded program's.
 
     The solve runs in a process of its own.
     """
@@ -661,9 +663,10 @@ def fastest_rows_within_error(
 ) -> list[Any]:
     """The rows of the methods whose error is below a target, fastest first.
 
-    Among the rows that are as fast as the fastest one, the most exact row is first. The speed is
-    compared by the ratios to the unit. A mesh counts only if the errors of all finer meshes of its
-    series are below the target as well: an error may be small by chance where it changes its sign.
+    Among the rows that are as fast as the fastest one, the most exact row is first. Speeds are
+    compared by times relative to a fixed piece of work. A mesh counts only if the errors of all
+    finer meshes with otherwise equal options are below the target as well: an error may be small by
+    chance where it changes its sign.
 
     Parameters
     ----------

@@ -154,7 +154,7 @@ def can_be_process_argument(word: str) -> bool:
 
 
 def _verdicts_on_chunk_of_inputs(case: Case) -> dict[str, Any]:
-    """Run the inputs of one journal entry, which a process is given together; returns verdicts."""
+    """Run several inputs of a generator, the case of one journal entry; returns their verdicts."""
     numbers = range(case["first"], case["first"] + case["count"])
     generator, apart = case["generator"], case["apart"]
     return {
