@@ -209,7 +209,7 @@ def sentence_on_whether_law_can_be_trusted(rows: list[dict[str, Any]]) -> str:
     surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
     effect_ = surface.effect
 
-    def larger_error_text(key: str) -> str:
+    def verdict_on_error(key: str) -> str:
         """A verdict such as "can be trusted (off by up to 3 %)".
 
         The law is judged by the larger of its errors `key` in both rows.
@@ -224,8 +224,8 @@ def sentence_on_whether_law_can_be_trusted(rows: list[dict[str, Any]]) -> str:
         return (
             f"The {effect_} follows from equilibrium alone, whatever the pressure. "
             f"The pressure of the law {name!r} "
-            f"{larger_error_text('p')} new, and {larger_error_text('p_worn')} worn in."
+            f"{verdict_on_error('p')} new, and {verdict_on_error('p_worn')} worn in."
         )
-    new = f"{larger_error_text('new')}, its pressure {larger_error_text('p')}"
-    worn = f"{larger_error_text('worn')}, its pressure {larger_error_text('p_worn')}"
+    new = f"{verdict_on_error('new')}, its pressure {verdict_on_error('p')}"
+    worn = f"{verdict_on_error('worn')}, its pressure {verdict_on_error('p_worn')}"
     return f"New, the {effect_} of the law {name!r} {new}; worn in, the {effect_} {worn}."

@@ -220,7 +220,7 @@ class Samples(NamedTuple):
     unsure: Floats
 
     @property
-    def is_true_error_usable(self) -> Bools:
+    def which_true_errors_are_usable(self) -> Bools:
         """Whether each true error (m,) is large enough and certain enough to be used in the fit.
 
         A smaller one may be the error of the finer solution from which true errors are taken.
@@ -235,7 +235,9 @@ class Samples(NamedTuple):
         true error that is not certain, any factor counts as large enough.
         """
         # The factor that each sample needs, so that its stated error equals its true error.
-        most = np.where(self.is_true_error_usable, self.true - self.unsure - self.beside, 0.0)
+        most = np.where(
+            self.which_true_errors_are_usable, self.true - self.unsure - self.beside, 0.0
+        )
         needed = np.maximum(most, 0.0) / np.maximum(
             self.step + weight * self.chance, np.finfo(float).tiny
         )
@@ -249,10 +251,12 @@ class Samples(NamedTuple):
     def stated_over_true_errors(self, factor: float, weight: float) -> Floats:
         """Ratios (k,) of the stated error to the true error, of the k usable samples.
 
-        See `is_true_error_usable`.
+        See `which_true_errors_are_usable`.
         """
         stated = factor * (self.step + weight * self.chance) + self.beside
-        return stated[self.is_true_error_usable] / self.true[self.is_true_error_usable]
+        return (
+            stated[self.which_true_errors_are_usable] / self.true[self.which_true_errors_are_usable]
+        )
 
 
 def true_and_estimated_errors_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
@@ -282,7 +286,7 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
         true_and_estimated_errors_of_quantity(levels, name) for name in ("torque", "reaction")
     ]
     weight = min(CHANCE_WEIGHTS, key=partial(_median_stated_over_true_error, forces))
-    of_forces = _common_safety_factor(forces, weight)
+    of_forces = _largest_safety_factor_of_quantities(forces, weight)
     pressure, peak = (
         true_and_estimated_errors_of_quantity(levels, name).smallest_safety_factor(0.0)
         for name in ("pressure", "peak")
@@ -295,7 +299,7 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     )
 
 
-def _common_safety_factor(quantities: Sequence[Samples], weight: float) -> float:
+def _largest_safety_factor_of_quantities(quantities: Sequence[Samples], weight: float) -> float:
     """The largest safety factor that any of the quantities needs.
 
     `weight` multiplies the change that a force would have if elements contributed with random
@@ -310,7 +314,7 @@ def _median_stated_over_true_error(quantities: Sequence[Samples], weight: float)
     `weight` multiplies the change that a force would have if elements contributed with random
     signs.
     """
-    factor = _common_safety_factor(quantities, weight)
+    factor = _largest_safety_factor_of_quantities(quantities, weight)
     ratios = [of.stated_over_true_errors(factor, weight) for of in quantities]
     return float(np.median(np.concatenate(ratios)))
 

@@ -163,7 +163,7 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
     """
     scene = make_prepared_model(brake, elements=WORN_ELEMENTS)
     setup = wear_setup_by_finite_elements(scene, brake)
-    worn_in = partial(_torque_and_pressure_worn_in, setup, scene, brake)
+    worn_in = partial(_torque_and_pressure_of_worn_in_brake, setup, scene, brake)
     try:
         states = wear_brake_linings_until_worn_in(setup)
     except NoAnswer as error:
@@ -201,7 +201,7 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
     return rows + _check_rows_after_drum_reversal(name, setup, backward, scene, middle.s)
 
 
-def _torque_and_pressure_worn_in(
+def _torque_and_pressure_of_worn_in_brake(
     setup: WearSetup, scene: PreparedModel, brake: Brake
 ) -> _TorqueAndPressure:
     """Torque and pressure of a brake with worn-in linings by `solve`."""

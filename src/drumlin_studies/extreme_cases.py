@@ -234,13 +234,13 @@ def all_extreme_cases(*, short: bool = False) -> list[KnobCase]:
     """
     sweeps = [
         _sweep_cases_from_changed_parameters(knob, settings)
-        for knob, settings in _knob_changes_of_all_sweeps().items()
+        for knob, settings in _parameter_changes_of_all_sweeps().items()
     ]
     if not short:
         return [
             *itertools.chain(*sweeps),
             *_cases_with_combined_parameter_extremes(),
-            *_cases_on_grids_of_two_knobs(),
+            *_cases_on_grids_of_two_parameters(),
             *_cases_of_latin_hypercube(100),
         ]
     ends: list[KnobCase] = []
@@ -249,7 +249,7 @@ def all_extreme_cases(*, short: bool = False) -> list[KnobCase]:
     chosen = (
         ends
         + _cases_with_combined_parameter_extremes()[::8]
-        + _cases_on_grids_of_two_knobs()[::12]
+        + _cases_on_grids_of_two_parameters()[::12]
         + _cases_of_latin_hypercube(8)
     )
     coarse = (
@@ -263,7 +263,9 @@ def _powers_of_ten(first: int, last: int, step: int = 1) -> list[float]:
     return [10.0**k for k in range(first, last + 1, step)]
 
 
-def _knob_changes_over_values(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]]:
+def _parameter_changes_over_values(
+    name: str, values: list[Any], **rest: Any
+) -> list[dict[str, Any]]:
     """Changes of parameters of KnobCase: one dictionary for each value of the parameter `name`.
 
     `rest` are values of other parameters, the same in each dictionary.
@@ -271,26 +273,26 @@ def _knob_changes_over_values(name: str, values: list[Any], **rest: Any) -> list
     return [{name: value, **rest} for value in values]
 
 
-def _knob_changes_of_all_sweeps() -> dict[str, list[dict[str, Any]]]:
+def _parameter_changes_of_all_sweeps() -> dict[str, list[dict[str, Any]]]:
     """For each sweep by name: the parameters that each of its cases changes, with their values."""
     return (
-        _knob_changes_of_stiffness_sweeps()
-        | _knob_changes_of_contact_sweeps()
-        | _knob_changes_of_mesh_and_size_sweeps()
+        _parameter_changes_of_stiffness_sweeps()
+        | _parameter_changes_of_contact_sweeps()
+        | _parameter_changes_of_mesh_and_size_sweeps()
     )
 
 
-def _knob_changes_of_stiffness_sweeps() -> dict[str, list[dict[str, Any]]]:
+def _parameter_changes_of_stiffness_sweeps() -> dict[str, list[dict[str, Any]]]:
     """Changed parameters of each case of the sweeps over stiffness of shoe, ring and contact."""
     moduli = _powers_of_ten(-8, 8)
     return {
-        "shoe over lining": _knob_changes_over_values("shoe", moduli)
-        + _knob_changes_over_values("shoe", moduli, assisted=False)
+        "shoe over lining": _parameter_changes_over_values("shoe", moduli)
+        + _parameter_changes_over_values("shoe", moduli, assisted=False)
         + [{"shoe": None}],
-        "ring over lining": _knob_changes_over_values("ring", moduli[::2], shoes=2)
-        + _knob_changes_over_values("ring", moduli[::2], shoes=2, support="free"),
-        "penalty": _knob_changes_over_values("penalty", [*_powers_of_ten(-2, 16), math.inf])
-        + _knob_changes_over_values(
+        "ring over lining": _parameter_changes_over_values("ring", moduli[::2], shoes=2)
+        + _parameter_changes_over_values("ring", moduli[::2], shoes=2, support="free"),
+        "penalty": _parameter_changes_over_values("penalty", [*_powers_of_ten(-2, 16), math.inf])
+        + _parameter_changes_over_values(
             "penalty",
             [*_powers_of_ten(-2, 6), 1e9, 1e12, math.inf],
             clearance=1e-4,
@@ -300,7 +302,7 @@ def _knob_changes_of_stiffness_sweeps() -> dict[str, list[dict[str, Any]]]:
     }
 
 
-def _knob_changes_of_contact_sweeps() -> dict[str, list[dict[str, Any]]]:
+def _parameter_changes_of_contact_sweeps() -> dict[str, list[dict[str, Any]]]:
     """Changed parameters of each case of the sweeps over friction, lining, gap and force."""
     # Values of the parameters in the units of KnobCase.
     arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
@@ -308,42 +310,42 @@ def _knob_changes_of_contact_sweeps() -> dict[str, list[dict[str, Any]]]:
     mu = [0.0, 1e-9, 0.05, 0.2, 0.5, 0.8, 1.0, 1.1, 1.15, 1.17, 1.18, 1.19, 1.2, 1.3, 1.5, 2.0]
     mu += [3.0, 5.0]
     return {
-        "friction": _knob_changes_over_values("friction", mu)
-        + _knob_changes_over_values("friction", mu[1:], assisted=False),
-        "lining thickness": _knob_changes_over_values(
+        "friction": _parameter_changes_over_values("friction", mu)
+        + _parameter_changes_over_values("friction", mu[1:], assisted=False),
+        "lining thickness": _parameter_changes_over_values(
             "thickness", [*(1 / t for t in (1e5, 1e4, 1e3, 100, 30, 10, 5, 3))]
         )
-        + _knob_changes_over_values("thickness", [1e-5, 1e-3, 1 / 3], penalty=math.inf),
-        "arc": _knob_changes_over_values("arc", arcs)
-        + _knob_changes_over_values("arc", arcs, assisted=False),
-        "clearance": _knob_changes_over_values("clearance", gaps),
-        "force": _knob_changes_over_values(
+        + _parameter_changes_over_values("thickness", [1e-5, 1e-3, 1 / 3], penalty=math.inf),
+        "arc": _parameter_changes_over_values("arc", arcs)
+        + _parameter_changes_over_values("arc", arcs, assisted=False),
+        "clearance": _parameter_changes_over_values("clearance", gaps),
+        "force": _parameter_changes_over_values(
             "force", [*_powers_of_ten(-9, 12), 0.0, -2000.0], clearance=1e-4
         ),
-        "contact": _knob_changes_over_values("clearance", list(CLEARANCE_TABLES))
-        + _knob_changes_over_values(
+        "contact": _parameter_changes_over_values("clearance", list(CLEARANCE_TABLES))
+        + _parameter_changes_over_values(
             "clearance", list(CLEARANCE_TABLES), assisted=False, penalty=math.inf
         )
-        + _knob_changes_over_values("clearance", list(CLEARANCE_TABLES), elements=2),
+        + _parameter_changes_over_values("clearance", list(CLEARANCE_TABLES), elements=2),
     }
 
 
-def _knob_changes_of_mesh_and_size_sweeps() -> dict[str, list[dict[str, Any]]]:
+def _parameter_changes_of_mesh_and_size_sweeps() -> dict[str, list[dict[str, Any]]]:
     """Changed parameters of each case of the sweeps over mesh, Poisson's ratio, lever and size."""
     return {
-        "aspect": _knob_changes_over_values(
+        "aspect": _parameter_changes_over_values(
             "aspect", [*_powers_of_ten(0, 4), *_powers_of_ten(-4, -1)]
         )
-        + _knob_changes_over_values("aspect", [1e4, 1e-4], kind="tri2"),
+        + _parameter_changes_over_values("aspect", [1e4, 1e-4], kind="tri2"),
         "elements": [
-            *_knob_changes_over_values("elements", [1, 2, 3, 5, 10, 20, 80, 160]),
-            *_knob_changes_over_values("elements", [320, 640], shoe=None),
-            *_knob_changes_over_values("elements", [1000, 2000], shoe=None, kind="quad1"),
+            *_parameter_changes_over_values("elements", [1, 2, 3, 5, 10, 20, 80, 160]),
+            *_parameter_changes_over_values("elements", [320, 640], shoe=None),
+            *_parameter_changes_over_values("elements", [1000, 2000], shoe=None, kind="quad1"),
         ],
-        "Poisson's ratio": _knob_changes_over_values(
+        "Poisson's ratio": _parameter_changes_over_values(
             "nu", [-0.99, -0.5, 0.0, 0.4, 0.45, 0.49, 0.499, 0.4999]
         ),
-        "lever": _knob_changes_over_values("lever", [*_powers_of_ten(-12, -1), 0.0, -1e-6]),
+        "lever": _parameter_changes_over_values("lever", [*_powers_of_ten(-12, -1), 0.0, -1e-6]),
         "size": [
             {"size": 1e3, "pressure": 1e-6},
             {"size": 1e3, "pressure": 1e-6, "penalty": math.inf},
@@ -353,8 +355,8 @@ def _knob_changes_of_mesh_and_size_sweeps() -> dict[str, list[dict[str, Any]]]:
             {"size": 1e3, "force": 2e9},
             {"size": 1e-3, "force": 2e-3, "kind": "tri2"},
         ],
-        "kind": _knob_changes_over_values("kind", ["quad1", "tri2", "tri1"])
-        + _knob_changes_over_values("kind", ["quad1", "tri2", "tri1"], shoe=1e-4),
+        "kind": _parameter_changes_over_values("kind", ["quad1", "tri2", "tri1"])
+        + _parameter_changes_over_values("kind", ["quad1", "tri2", "tri1"], shoe=1e-4),
     }
 
 
@@ -379,7 +381,7 @@ def _cases_with_combined_parameter_extremes() -> list[KnobCase]:
     return _sweep_cases_from_changed_parameters("corners", settings)
 
 
-def _cases_on_grids_of_two_knobs() -> list[KnobCase]:
+def _cases_on_grids_of_two_parameters() -> list[KnobCase]:
     """The cases of two grids; each grid covers the whole ranges of two parameters."""
     moduli, mu = _powers_of_ten(-8, 8, 2), [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.5, 2.5, 5.0]
     thicknesses, penalties = (

@@ -64,7 +64,7 @@ def _contact_length_of_shoe(arcs: Iterable[tuple[float, float]]) -> float:
     return float(sum(end - start for start, end in arcs))
 
 
-def distance_from_second_solver(brake: Brake, response: Response) -> dict[str, float]:
+def relative_distances_from_triangle_solution(brake: Brake, response: Response) -> dict[str, float]:
     """Relative distances of a response from the solution by triangles: "torque" and "reaction".
 
     "reaction" is the distance of the hinge reaction, the largest of all shoes. The triangles share

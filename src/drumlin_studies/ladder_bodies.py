@@ -122,7 +122,7 @@ def _end_moment_of_bent_bar() -> float:
     return float(-((K @ u)[0::2] * y)[end].sum())
 
 
-def _cantilever_tip_force_over_closed_form() -> float:
+def _cantilever_end_force_over_closed_form() -> float:
     """End force of a cantilever of length 4 and height 1, relative to the closed form.
 
     The displacements of both ends are prescribed as in the closed form (Timoshenko & Goodier,
@@ -377,7 +377,7 @@ BODY_CASES = (
         expected=1.0,
         tolerance=1e-4,
         tier=DISCRETISATION_TIER,
-        found=_cantilever_tip_force_over_closed_form,
+        found=_cantilever_end_force_over_closed_form,
     ),
     KnownAnswer(
         family="curved bar under end shear",

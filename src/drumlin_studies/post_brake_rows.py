@@ -231,7 +231,9 @@ def _shoe_rows_of_response(brake: Brake, response: Response, law: Response) -> l
     return rows
 
 
-def torques_over_lining_radius_error(brake: Brake, scene: PreparedModel, errors: Floats) -> Offsets:
+def torque_differences_by_lining_radius(
+    brake: Brake, scene: PreparedModel, errors: Floats
+) -> Offsets:
     """Relative torque differences from the sine law, for linings of another radius.
 
     The result has the differences for each shoe and model.
@@ -259,7 +261,7 @@ def torques_over_lining_radius_error(brake: Brake, scene: PreparedModel, errors:
     return found
 
 
-def figures_of_merit_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -> Merits:
+def figures_of_merit_at_frictions(brake: Brake, scene: PreparedModel, friction: Floats) -> Merits:
     """Figures of merit of each shoe and model over the coefficient of friction.
 
     The list of a model ends before the first friction at which the model has no answer, because

@@ -201,7 +201,7 @@ def _draw_gap_as_function_of_factor(
     if presses == "corner":
         return _draw_gap_that_is_smallest_at_corner(rng, lining, radius, size)
     if presses == "tip":
-        return _draw_gap_with_one_tip(rng, lining, size)
+        return _draw_gap_with_one_kink_towards_drum(rng, lining, size)
     return _draw_gap_by_clearance_table(rng, lining, size)
 
 
@@ -231,7 +231,7 @@ def _draw_gap_that_is_smallest_at_corner(
     }
 
 
-def _draw_gap_with_one_tip(
+def _draw_gap_with_one_kink_towards_drum(
     rng: Rng, lining: Mapping[str, Any], size: float
 ) -> Callable[[float], Gap]:
     """A random gap with a tip, a kink of the lining that points to the drum, scaled by a factor.
@@ -339,7 +339,7 @@ def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str
     # its kind says.
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
     corner = any(is_lining_corner_in_contact(shoe, response) for shoe, response in pairs)
-    tip = any(is_gap_tip_in_contact(shoe, response) for shoe, response in pairs)
+    tip = any(is_kink_towards_drum_in_contact(shoe, response) for shoe, response in pairs)
     return {"corner": corner, "tip": tip, "table": corner or tip}[presses]
 
 
@@ -352,7 +352,7 @@ def is_lining_corner_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
     return bool((distances < END_ANGLE).any())
 
 
-def is_gap_tip_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
+def is_kink_towards_drum_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether a lining's kink that points to the drum (tip) lies inside a contact arc."""
     for angle, _ in clearance.gap_kinks_that_point_to_drum(shoe.lining):
         if any(start < angle < end for start, end in found.contact_arcs):

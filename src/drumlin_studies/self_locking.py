@@ -87,7 +87,7 @@ def row_of_self_locking_friction(brake: Brake, elements: int) -> Row:
     }
 
 
-def row_of_torque_over_friction(brake: Brake, name: str, elements: int) -> Row:
+def row_of_torque_curves_by_friction(brake: Brake, name: str, elements: int) -> Row:
     """A row with the curves of torque [N m] over friction by finite elements and by the sine law.
 
     Each curve ends just before the friction at which the brake locks itself by the same model.
@@ -136,7 +136,7 @@ def torque_times_distance_to_locking_friction(row: Row) -> tuple[float, float]:
     If the torque T has a pole at the friction mu_lock, the product is constant near mu_lock. The
     second result is the relative change of the product over the last 1e-5 of the friction.
 
-    row : a row of `row_of_torque_over_friction`.
+    row : a row of `row_of_torque_curves_by_friction`.
     """
     limit_friction, products, near = row["mu_lock"], [], []
     for mu, torque in zip(row["mu"], row["torque"], strict=True):

@@ -229,7 +229,7 @@ def stated_and_true_errors_of_folder(
     return found
 
 
-def quickly_solved_brakes(worths: Mapping[str, AccuracyAndCost]) -> set[str]:
+def names_of_quickly_solved_brakes(worths: Mapping[str, AccuracyAndCost]) -> set[str]:
     """Names of the brakes that reach every tolerance of ASKED with at most QUICK unknowns."""
     unknowns = worths[SMALLEST_TOLERANCE].unknowns
     return {name for name, count in unknowns.items() if count <= QUICK}
@@ -381,7 +381,7 @@ def main(folder: str) -> None:
     """Judge the stated errors of all brakes in a folder by true errors, and write FILE there."""
     rows = stated_and_true_errors_of_folder(Path(folder))
     worths = accuracy_and_cost_by_tolerance(rows)
-    quick = quickly_solved_brakes(worths)
+    quick = names_of_quickly_solved_brakes(worths)
     spreads = _rounded_spreads_of_stated_over_true_errors(rows)
     quick_spreads = _rounded_spreads_of_stated_over_true_errors(
         [one for one in rows if one.name in quick]

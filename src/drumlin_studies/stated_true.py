@@ -150,8 +150,7 @@ def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth
 
 
 def largest_round_off_errors_of_shoes(shoes: Sequence[ShoeResponse]) -> ShoeChange:
-    """Relative errors by round-off in the elimination: for each quantity the largest of any shoe.
-    """
+    """Relative round-off errors of the elimination: the largest of any shoe, by quantity."""
     by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
     return ShoeChange(*(max(parts) for parts in by_quantity))
 
