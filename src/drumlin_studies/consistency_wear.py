@@ -300,8 +300,8 @@ def _torque_and_pressure_comparison_rows(
         Kind and seed of the brake.
     check : str
         Name of the check, which says what two paths are compared.
-    setup : WearSetup The linings; the areas of their nodes weight the differences of the nodal
-        pressures.
+    setup : WearSetup
+        The linings; the areas of their nodes weight the differences of the nodal pressures.
     paths : two functions
         Functions that return torque and pressure by each path.
     torque, pressure : float

@@ -59,8 +59,9 @@ class KnobCase:
         Whether the shoe is self-energising.
     friction : float
         Coefficient of friction.
-    shoe, ring : float or None Young's modulus of the shoe and of the drum's ring, divided by the
-        lining's modulus; None for a rigid part.
+    shoe, ring : float or None
+        Young's modulus of the shoe and of the drum's ring, divided by the lining's modulus; None
+        for a rigid part.
     support : str
         Support of the ring, "fixed" or "free".
     penalty : float
@@ -79,8 +80,9 @@ class KnobCase:
         Poisson's ratio of the lining.
     elements, kind : int, str
         Number of elements along a lining, and kind of the elements.
-    aspect : float or None Length divided by height of the elements at the lining's surface next to
-        the heel; None for the usual mesh.
+    aspect : float or None
+        Length divided by height of the elements at the lining's surface next to the heel; None for
+        the usual mesh.
     size, pressure : float
         Factors that multiply all lengths and all Young's moduli.
     """

@@ -606,8 +606,10 @@ class ThinLinings(NamedTuple):
     ----------
     law_torque : float
         Torque by the sine law [N m].
-    response : Response Response by finite elements.
-    brake : Brake The brake.
+    response : Response
+        Response by finite elements.
+    brake : Brake
+        The brake.
     """
 
     law_torque: float

@@ -291,7 +291,8 @@ class TorqueOnLevels(NamedTuple):
 
     Attributes
     ----------
-    degrees : tuple of int Polynomial degree in the plane of the drum on each level, coarse to fine.
+    degrees : tuple of int
+        Polynomial degree in the plane of the drum on each level, coarse to fine.
     values : tuple of float
         Torque on each level [N m].
     """
@@ -483,8 +484,8 @@ class WornSolid(NamedTuple):
     distance : tuple of float
         Sliding distances in units of 1/(k K), with the wear coefficient k and the stiffness K of
         the lining.
-    uneven : tuple of tuples For each shoe and distance the result of
-        `pressure_deviation_across_width`.
+    uneven : tuple of tuples
+        For each shoe and distance the result of `pressure_deviation_across_width`.
     from_law : tuple of tuples
         For each shoe and distance the relative L2 distance of the pressure from the sine law. The
         pressure is the mean over the width.

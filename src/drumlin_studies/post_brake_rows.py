@@ -99,7 +99,8 @@ class ErrorMap:
     x, y : array (n,), array (m,)
         Values of the dimensionless group k R^4/EI of the beam and of the ring, with the bending
         stiffness EI of the beam or the ring and the stiffness k of lining and block.
-    error : array (m, n) Relative errors, nan where the model or the finite elements have no answer.
+    error : array (m, n)
+        Relative errors, nan where the model or the finite elements have no answer.
     """
 
     title: str
@@ -244,7 +245,8 @@ def torque_differences_by_lining_radius(
         The post brake.
     scene : PreparedModel
         The model of the brake that is prepared for finite elements.
-    errors : array (n,) Radius of the lining minus radius of the drum [m].
+    errors : array (n,)
+        Radius of the lining minus radius of the drum [m].
     """
     nominal = torques_of_all_shoes_of_response(solve_brake_by_sine_law(brake))
     found: Offsets = {}

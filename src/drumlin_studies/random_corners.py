@@ -208,10 +208,10 @@ def _draw_gap_as_function_of_factor(
 def _draw_gap_that_is_smallest_at_corner(
     rng: Rng, lining: Mapping[str, Any], radius: float, size: float
 ) -> Callable[[float], Gap]:
-    """A random gap that is smallest at a corner of the lining, as a function of a factor on it.
+    """A random gap that is smallest at a corner of the lining, scaled by a factor.
 
-    The function returns the data of a lining with a taper, another radius, an even clearance or a
-    table of clearances.
+    The result is a function from the factor to the data of a lining with a taper, another radius,
+    an even clearance or a table of clearances.
 
     lining : data of the lining; radius : radius of the drum [m]; size : size of the gap at a factor
     of 1 [m].
@@ -252,9 +252,9 @@ def _draw_gap_with_one_kink_towards_drum(
 def _draw_gap_by_clearance_table(
     rng: Rng, lining: Mapping[str, Any], size: float
 ) -> Callable[[float], Gap]:
-    """A random gap by a table of three to seven clearances, as a function of a factor on the gap.
+    """A random gap given by a table of three to seven clearances, scaled by a factor.
 
-    The function returns data of a lining.
+    The result is a function from the factor to the data of the lining.
 
     lining : data of the lining; size : largest gap at a factor of 1 [m].
     """

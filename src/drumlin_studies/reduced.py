@@ -526,13 +526,15 @@ def _shape_functions_through_ring() -> _ThroughRing:
 def _ring_stiffness_of_each_mode(
     material: Material, thickness: float, radius: float, sign: int, modes: Ints
 ) -> Floats:
-    """The stiffness (m, 2 n, 2 n) of a ring of width 1 for each of m modes, at n nodes.
+    """The stiffness (m, 2 n, 2 n) of a ring of width 1 for each of m modes.
+
+    The unknowns are the radial displacements U at n nodes through the thickness, then the
+    displacements V around the drum at the same nodes.
 
     Parameters
     ----------
     material : Material
-        Material of the ring. The unknowns of the stiffness are the radial amplitudes U at the nodes
-        through the thickness, then the amplitudes V around the drum.
+        Material of the ring.
     thickness : float
         Thickness of the ring [m].
     radius, sign, modes : float, int, array
