@@ -180,7 +180,7 @@ class _OmissionRow(NamedTuple):
 def _list_part_omissions_computed_for_brake(brake: Brake) -> list[_OmissionRow]:
     """The omissions for which a brake gets a row in the table, in the order of the rows.
 
-    First stand the EXACT_OMISSIONS, then each of OMISSIONS alone, then the OMISSIONS together.
+    The EXACT_OMISSIONS come first, then each of OMISSIONS alone, then the OMISSIONS together.
     """
     rows = [_OmissionRow(part, instead, None) for part, instead in EXACT_OMISSIONS.items()]
     names = names_of_omissions_possible_for_brake(brake)

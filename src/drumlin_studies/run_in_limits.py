@@ -225,8 +225,8 @@ def table_row_of_wear_run_until_settled(one: Run) -> dict[str, Any]:
     """The table row of a run, in which a brake wears until its pressure no longer changes.
 
     The row has the distances of pressure and torque from the law for new linings ("new_") and after
-    the last state ("end_"), the sliding distances after which they are near the law, the shares of
-    the lining's life, and the errors of the balances of volume and energy.
+    the last state ("end_"), the sliding distances after which they are near the law, these
+    distances as shares of the lining's life, and the errors of the balances of volume and energy.
     """
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
     # Distances of pressure and torque from the law, with new linings and after the last state.

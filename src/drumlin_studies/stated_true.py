@@ -293,8 +293,8 @@ def _relative_peak_pressure_error(
 ) -> float:
     """Relative error of the peak pressure of a shoe; nan where the shoe does not press.
 
-    A response has a peak pressure of its own. The peak of a plain solution is found by
-    `peak_pressure_outside_edge_zones`.
+    A response of drumlin states its peak pressure. The peak of another solution, for example by
+    triangles, is found by `peak_pressure_outside_edge_zones`.
     """
     true_peak = peak_pressure_outside_edge_zones(shoe, scale_factor, true)
     states_peak = hasattr(found, "peak_pressure")
