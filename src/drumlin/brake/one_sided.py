@@ -99,6 +99,14 @@ def one_sided_supports_of_brake(brake: Brake) -> tuple[OneSidedSupport, ...]:
     return tuple(found)
 
 
+def pushes_of_one_sided_supports_on_shoe(brake: Brake, name: str) -> list[Actuation]:
+    """The pushes of 1 N of the one-sided supports on the shoe called `name`, in their order."""
+    found = []
+    for support in one_sided_supports_of_brake(brake):
+        found += [side.push for side in support.sides if brake.shoes[side.shoe].name == name]
+    return found
+
+
 def _unit_push(point: Point, direction: float) -> Actuation:
     """A force of 1 N at a point in a direction [rad]."""
     return Actuation(force=1.0, direction=direction, point=point)

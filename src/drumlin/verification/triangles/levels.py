@@ -15,6 +15,7 @@ from drumlin.brake.further_loads import (
     require_springs_of_constant_pull,
 )
 from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
+from drumlin.laws.anchored import groups_of_shoes_on_anchors
 from drumlin.verification.triangles.contact import (
     ContactForces,
     contact_forces_of_shoes_in_one_system,
@@ -122,7 +123,8 @@ def solve_brake_on_one_triangle_mesh(
         If a shoe does not touch the drum or no contact set solves the equations.
     """
     refusal = reason_if_ring_support_is_not_plain(brake, "the verification by triangles")
-    if refusal is None and brake.shares:
+    shared = _are_forces_shared(brake)
+    if refusal is None and shared:
         refusal = reason_if_shoe_has_further_loads(brake, "a cam or strut on triangles")
     if refusal is not None:
         raise BadInput(refusal)
@@ -142,7 +144,7 @@ def solve_brake_on_one_triangle_mesh(
     faces = [
         condense_shoe_to_lining_face(
             brake,
-            shoe.shoe_with_changed_actuation_force(1.0) if brake.shares else shoe,
+            shoe.shoe_with_changed_actuation_force(1.0) if shared else shoe,
             body_with_nodes_and_stiffness(one.shape, mesh, level.degree),
         )
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
@@ -187,18 +189,35 @@ def _contact_forces_of_condensed_shoes(
     first : for each shoe, whether each node (n,) is in contact at the start
     """
     shoes = list(brake.shoes)
-    if brake.shares:
+    if _are_forces_shared(brake):
         if ring is not None:
             raise BadInput(f"{brake.shares}, on an elastic ring")
         return solve_shoes_that_share_forces(brake, faces, first)
     if ring is not None:
         rim = condense_ring_to_lining_nodes(brake, ring, faces)
         return shoes, contact_forces_of_shoes_in_one_system(brake, faces, shoes, rim, first)
-    # On a rigid drum each shoe is solved by itself.
-    found = []
-    for face, shoe, its in zip(faces, shoes, first, strict=True):
-        found += contact_forces_of_shoes_in_one_system(brake, [face], [shoe], None, [its])
-    return shoes, found
+    # On a rigid drum each shoe is solved by itself, or with the shoe at the other end of its strut.
+    found: dict[int, ContactForces] = {}
+    on_anchors = groups_of_shoes_on_anchors(brake)
+    alone = [(i,) for i, shoe in enumerate(shoes) if not shoe.anchors]
+    for members in [*on_anchors, *alone]:
+        its = contact_forces_of_shoes_in_one_system(
+            brake,
+            [faces[i] for i in members],
+            [shoes[i] for i in members],
+            None,
+            [first[i] for i in members],
+        )
+        found |= dict(zip(members, its, strict=True))
+    return shoes, [found[i] for i in range(len(shoes))]
+
+
+def _are_forces_shared(brake: Brake) -> bool:
+    """Whether a cam or a strut gives the shoes their actuation forces.
+
+    A strut between shoes on anchors gives none: it is a support of both.
+    """
+    return brake.shares is not None and not any(shoe.anchors for shoe in brake.shoes)
 
 
 def _gap_kinks_and_contact_ends(
