@@ -5,6 +5,7 @@ changed until no contact force is tensile and no open node penetrates the drum.
 """
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise, product
 from typing import NamedTuple
 
@@ -13,9 +14,13 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.one_sided import SupportForce, forces_of_supports_on_shoe, possible_bearings
+from drumlin.brake.one_sided import (
+    NOT_HELD_TEXT,
+    SupportForce,
+    forces_of_supports_on_shoe,
+    possible_bearings,
+)
 from drumlin.brake.support import Freedoms, displacements_in_rigid_body_motions
-from drumlin.laws.anchored import NOT_HELD_TEXT, bearing_of_rigid_shoes
 from drumlin.verification.triangles.equations import ContactEquations
 from drumlin.verification.triangles.face import CondensedFace
 from drumlin.verification.triangles.one_sided import (
@@ -62,6 +67,23 @@ class CondensedRing(NamedTuple):
 
     compliance: Floats
     of: list[Ints]
+
+
+class ContactAtStart(NamedTuple):
+    """What bears when the contact solver starts, from an earlier solution.
+
+    Attributes
+    ----------
+    nodes : for each shoe, whether each node (n,) of its lining's face is in contact
+    supports : names of the one-sided supports that bear; empty if they are not known
+    """
+
+    nodes: list[Bools]
+    supports: frozenset[str] = frozenset()
+
+    def of_shoes(self, members: Sequence[int]) -> "ContactAtStart":
+        """The start of some shoes alone."""
+        return ContactAtStart([self.nodes[i] for i in members], self.supports)
 
 
 class ContactForces(NamedTuple):
@@ -159,7 +181,7 @@ def contact_forces_of_shoes_in_one_system(
     faces: list[CondensedFace],
     shoes: list[Shoe],
     rim: CondensedRing | None,
-    first: list[Bools],
+    first: ContactAtStart,
     senses: tuple[int, ...] | None = None,
 ) -> list[ContactForces]:
     """The contact forces of shoes that are solved in one system, in the order of the shoes.
@@ -170,7 +192,7 @@ def contact_forces_of_shoes_in_one_system(
     faces : the shoes, condensed to the faces of their linings
     shoes : the same shoes, for their hinges or abutments and their actuation
     rim : the elastic ring of the drum, or None for a rigid drum
-    first : for each shoe, whether each node (n,) is in contact at the start
+    first : the nodes and the one-sided supports in contact at the start
     senses : sense (+1, 0, -1) of the friction on the foot of each shoe at its abutment; None: all
         combinations are tried until every foot stays on its abutment
 
@@ -267,7 +289,7 @@ def _solve_for_abutment_friction_senses(
     faces: list[CondensedFace],
     shoes: list[Shoe],
     rim: CondensedRing | None,
-    first: list[Bools],
+    first: ContactAtStart,
     senses: tuple[int, ...],
 ) -> list[ContactForces]:
     """The contact forces of each shoe, for an assumed sense of the friction at each abutment."""
@@ -304,39 +326,37 @@ def _solve_for_abutment_friction_senses(
     ]
     is_force = np.zeros(k, dtype=bool)
     equations = ContactEquations(A, q, B, C, np.zeros((k, k)), h, weight, is_force)
-    return _solve_on_one_sided_supports(brake, places, equations, np.concatenate(first))
+    return _solve_on_one_sided_supports(brake, places, equations, first)
 
 
 def _solve_on_one_sided_supports(
-    brake: Brake, places: list[ShoeInEquations], equations: ContactEquations, first: Bools
+    brake: Brake, places: list[ShoeInEquations], equations: ContactEquations, start: ContactAtStart
 ) -> list[ContactForces]:
     """The contact forces of each shoe on those one-sided supports that bear.
 
     Each choice of bearing supports is tried until none of them pulls and no open support overlaps
-    its shoe; the choice of the rigid-shoe law comes first. Shoes without such supports have one
-    choice.
+    its shoe; that of an earlier solution comes first. Shoes without such supports have one choice.
 
     Parameters
     ----------
     brake : the brake
     places : the shoes and their places in the equations
     equations : the contact equations of the shoes without the forces of one-sided supports
-    first : (n,) whether each node is active at the start
+    start : the nodes and the supports in contact at the start
 
     Raises
     ------
     NoAnswer
         If no choice holds the shoes, or if no contact set solves the equations.
     """
-    shoes = [place.shoe for place in places]
+    first, shoes = np.concatenate(start.nodes), [place.shoe for place in places]
     supports = one_sided_supports_of_shoes(brake, shoes)
     if not supports:
         return _contact_forces_of_each_shoe(places, solve_contact_complementarity(equations, first))
-    names = [shoe.name for shoe in brake.shoes]
-    members = tuple(names.index(shoe.name) for shoe in shoes)
     openings = support_equations(supports, places, brake)
     failure: NoAnswer | None = None
-    for bearing in possible_bearings(len(supports), bearing_of_rigid_shoes(brake, members)):
+    earlier = tuple(support.name in start.supports for support in supports)
+    for bearing in possible_bearings(len(supports), earlier if any(earlier) else ()):
         on_supports = equations_on_bearing_supports(equations, openings, bearing)
         if on_supports is None:
             continue
@@ -352,7 +372,8 @@ def _solve_on_one_sided_supports(
                 one._replace(supports=forces_of_supports_on_shoe(supports, s, i))
                 for i, one in enumerate(_contact_forces_of_each_shoe(places, found))
             ]
-    raise failure or NoAnswer(f"{brake.names(members)}: {NOT_HELD_TEXT}")
+    names = ", ".join(repr(shoe.name) for shoe in shoes)
+    raise failure or NoAnswer(f"{names}: {NOT_HELD_TEXT}")
 
 
 def _contact_forces_of_each_shoe(

@@ -14,9 +14,10 @@ from drumlin.brake.further_loads import (
     reason_if_shoe_has_further_loads,
     require_springs_of_constant_pull,
 )
+from drumlin.brake.one_sided import groups_of_shoes_on_anchors
 from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
-from drumlin.laws.anchored import groups_of_shoes_on_anchors
 from drumlin.verification.triangles.contact import (
+    ContactAtStart,
     ContactForces,
     contact_forces_of_shoes_in_one_system,
 )
@@ -149,10 +150,12 @@ def solve_brake_on_one_triangle_mesh(
         )
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
     ]
-    firsts = [
+    nodes = [
         _is_node_in_contact_at_start(one, its) for one, its in zip(faces, earlier, strict=True)
     ]
-    shoes, found = _contact_forces_of_condensed_shoes(brake, faces, ring, firsts)
+    bore = {force.name for its in before or () for force in its.supports if force.push.force > 0}
+    first = ContactAtStart(nodes, frozenset(bore))
+    shoes, found = _contact_forces_of_condensed_shoes(brake, faces, ring, first)
     return [
         solution_from_contact_forces(brake, shoe, one, its)
         for shoe, one, its in zip(shoes, faces, found, strict=True)
@@ -177,7 +180,7 @@ def _draft_graded_to_corners_and_contact_ends(
 
 
 def _contact_forces_of_condensed_shoes(
-    brake: Brake, faces: list[CondensedFace], ring: MeshedBody | None, first: list[Bools]
+    brake: Brake, faces: list[CondensedFace], ring: MeshedBody | None, first: ContactAtStart
 ) -> tuple[list[Shoe], list[ContactForces]]:
     """The shoes of a brake under their actuation forces, and the contact forces of each.
 
@@ -186,7 +189,7 @@ def _contact_forces_of_condensed_shoes(
     brake : the brake
     faces : the shoes, condensed to the faces of their linings
     ring : the meshed ring of the drum, or None for a rigid drum
-    first : for each shoe, whether each node (n,) is in contact at the start
+    first : the nodes and the one-sided supports in contact at the start
     """
     shoes = list(brake.shoes)
     if _are_forces_shared(brake):
@@ -206,7 +209,7 @@ def _contact_forces_of_condensed_shoes(
             [faces[i] for i in members],
             [shoes[i] for i in members],
             None,
-            [first[i] for i in members],
+            first.of_shoes(members),
         )
         found |= dict(zip(members, its, strict=True))
     return shoes, [found[i] for i in range(len(shoes))]
