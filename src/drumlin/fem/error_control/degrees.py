@@ -82,8 +82,6 @@ at the highest degree, p changed by 0.3 to 1.3 times the relative rounding, the 
 times, the reaction by up to 0.2 times and the torque by up to 0.07 times. Smaller factors make
 stated errors of rounded meshes too small.
 """
-PRESSURE, PEAK = (1 + QUANTITIES.index(name) for name in ("pressure", "peak"))
-"""The places of the first shoe's p and its peak in the order of `LevelDifferences`."""
 NEGLIGIBLE_MOVE = 1e-5
 """Largest distance between side and arc, relative to the lining's thickness, that is neglected.
 
@@ -219,11 +217,11 @@ def _errors_of_straight_sides(
     except NoAnswer as refusal:
         raise NoAnswer(f"with sides that follow the curves: {refusal}") from refusal
     moved = relative_differences_of_two_levels(brake, of_smooth, of_straight)
-    steps = moved.steps.copy()
+    torque, of_shoes = moved.steps[:1], moved.steps[1:].reshape(-1, len(QUANTITIES)).copy()
+    pressure, peak = (QUANTITIES.index(name) for name in ("pressure", "peak"))
     # The difference of a peak may be small by accident; it counts as at least that of p.
-    steps[PEAK :: len(QUANTITIES)] = np.maximum(
-        steps[PEAK :: len(QUANTITIES)], steps[PRESSURE :: len(QUANTITIES)]
-    )
+    of_shoes[:, peak] = of_shoes[:, [pressure, peak]].max(axis=1)
+    steps = np.concatenate([torque, of_shoes.ravel()])
     factors = OUTLINE_FACTORS.error_factors_of_refinement_differences(len(brake.shoes))
     return factors * steps + OUTLINE_FACTORS.cancelled * moved.chance
 
