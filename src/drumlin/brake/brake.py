@@ -225,6 +225,19 @@ class Shoe(Meshed):
         phi = max(ends, key=abs) if loaded else min(ends, key=abs)
         return self.at(np.array(self.depth - 0.5 * self.body.depth), np.array(phi), size)
 
+    def is_nearer_to_loaded_end(self, point: Point, size: float) -> bool:
+        """Whether a point is nearer to the loaded end of the shoe's body than to its pin.
+
+        A one-sided support at such a point pushes on the loaded end, as the actuation does; others
+        act on the rigid frame at the held end. `size` [m] is that of the brake.
+        """
+        # A mesh of the shoe's own has its loaded nodes near the point of the actuation.
+        loaded = self.convert_points_to_shoe_frame(self.actuation.point.xy)
+        if isinstance(self.body, Bar) and self.mesh is None:
+            loaded = self.middle_of_body_end_face(size, loaded=True)
+        at = self.convert_points_to_shoe_frame(point.xy)
+        return math.dist(at, loaded) < math.dist(at, self.pin_in_shoe_frame)
+
     @property
     def has_support_on_back_of_body(self) -> bool:
         """Whether the support acts on the back of an elastic body and not on an end face.

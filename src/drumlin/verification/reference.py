@@ -23,7 +23,6 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.further_loads import brake_with_springs_of_constant_pull
-from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.comparison import length_of_uncompared_zone_at_lining_end
 from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
@@ -121,10 +120,9 @@ def solve_brake_for_reference_values(
 ) -> ReferenceResponses:
     """Solve a brake for its reference values: on two hp meshes, and by curved triangles.
 
-    Raises BadInput if finite elements cannot solve the brake, a shoe has a mesh file or rests on
-    anchors, and NoAnswer if the brake has no equilibrium.
+    Raises BadInput if finite elements cannot solve the brake or a shoe has a mesh file, and
+    NoAnswer if the brake has no equilibrium.
     """
-    require_no_shoe_on_anchors(brake, "the reference by triangles")
     brake.check_shoes_have_one_lining("the reference")
     for shoe in brake.shoes:
         if shoe.mesh is not None:

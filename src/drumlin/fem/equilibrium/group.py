@@ -16,7 +16,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.one_sided import possible_bearings
+from drumlin.brake.one_sided import NOT_HELD_TEXT, possible_bearings
 from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
 from drumlin.fem.equilibrium.problems import GroupProblems
@@ -28,7 +28,7 @@ from drumlin.fem.preparation.bodies import (
 )
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
-from drumlin.laws.anchored import NOT_HELD_TEXT, bearing_of_rigid_shoes
+from drumlin.laws.anchored import bearing_of_rigid_shoes
 
 FOOT_LEAVES_TEXT = "no equilibrium, a foot leaves its abutment"
 """Text of the refusal of a brake in which the foot of a shoe would lift off its abutment."""

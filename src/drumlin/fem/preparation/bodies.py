@@ -9,7 +9,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Actuation, Bar
+from drumlin.brake.components import Actuation
 from drumlin.brake.heat import HeatedLayer, heated_layers_of_shoe
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.substructure.body import CondensedBody
@@ -338,12 +338,7 @@ def load_factors_of_push_on_shoe(
     factors, _ = load_factors_and_pin_moment_per_newton(
         body, shoe.model_copy(update={"actuation": push})
     )
-    # A mesh of the shoe's own has its loaded nodes near the point of the actuation.
-    loaded = shoe.convert_points_to_shoe_frame(shoe.actuation.point.xy)
-    if isinstance(shoe.body, Bar) and shoe.mesh is None:
-        loaded = shoe.middle_of_body_end_face(size, loaded=True)
-    at = shoe.convert_points_to_shoe_frame(push.point.xy)
-    on_loaded_end = math.dist(at, loaded) < math.dist(at, shoe.pin_in_shoe_frame)
+    on_loaded_end = shoe.is_nearer_to_loaded_end(push.point, size)
     return push.force * factors if on_loaded_end else np.zeros_like(factors)
 
 
