@@ -13,6 +13,8 @@ from drumlin import BadInput, vary
 from drumlin.brake.further_loads import brake_with_loads_at_actuation
 from drumlin.fem import solid
 from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.load_places import unit_loads_of_forces_and_mass
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -114,6 +116,47 @@ def test_a_force_bends_a_curved_cantilever_where_it_acts(level: Any) -> None:
     stiffness = 2.1e11 * width * thickness**3 / 12
     wanted = radius**3 / stiffness * (angle / 2 - math.sin(2 * angle) / 4)
     assert found == pytest.approx(wanted, rel=2e-3)
+
+
+def test_unit_loads_have_the_resultants_of_their_forces() -> None:
+    """Force and moment of each unit load are those of a force at its point, by statics."""
+    brake = brake_with(body=BODY, force=[FORCE, INNER], **HEAVY)
+    shoe, body = brake.shoes[0], prepared_body(brake, None)
+    unit = unit_loads_of_forces_and_mass(body.basis, shoe, R)
+    x, y = body.basis.doflocs
+    points = [each["point"] for each in (FORCE, FORCE, INNER, INNER)] + 3 * [HEAVY["mass"]["point"]]
+    forces = [[1, 0], [0, 1]] * 3
+    for load, point in zip(np.hstack(list(unit.values())).T, points, strict=True):
+        at = shoe.convert_points_to_shoe_frame(np.array([point["x"], point["y"]]))
+        # The last unit load is the square of the speed, whose force points away from the centre.
+        force = np.array(forces.pop(0) if forces else at)
+        fx, fy = load.reshape(-1, 2).T
+        assert [fx.sum(), fy.sum()] == pytest.approx(list(force), abs=1e-12)
+        assert x @ fy - y @ fx == pytest.approx(at[0] * force[1] - at[1] * force[0], abs=1e-12)
+
+
+def test_mass_lies_in_the_volume_of_a_section_of_two_widths() -> None:
+    """Weight alone acts on a shoe whose centre of mass is that of its volume: no couple is left."""
+    half, depths = 1.0, [0.0, 0.001, 0.005, 0.017]
+    arc = {"start": -half, "end": half, "material": STEEL}
+    table = {"thickness": 0.004, "width": 0.04}
+    volume = moment = 0.0
+    for near, far, width in zip(depths, depths[1:], (0.04, 0.04, 0.008), strict=False):
+        outer, inner = R - near, R - far
+        volume += width * half * (outer**2 - inner**2)
+        moment += width * 2 / 3 * math.sin(half) * (outer**3 - inner**3)
+    brake = brake_with(
+        lining=arc | {"thickness": 0.001, "width": 0.04},
+        body=arc | {"thickness": 0.012, "width": 0.008, "table": table},
+        mass={"mass": 1.0, "point": {"x": moment / volume, "y": 0.0}},
+        brake={"gravity": {"direction": 0.0}},
+    )
+    shoe, body = brake.shoes[0], prepared_body(brake, None, 32)
+    load = unit_loads_of_forces_and_mass(body.basis, shoe, R)[FORCES_ON_MASS]
+    # Weight square to the line through both centres would have a couple if the centres differed.
+    line, weight = shoe.frame.convert_to_shoe_frame(np.eye(2))
+    along = load[:, :2].reshape(-1, 2, 2) @ weight @ line
+    assert np.abs(along).max() < 1e-5 * np.abs(load).max()
 
 
 @DIVISIONS
@@ -236,3 +279,17 @@ def test_triangles_agree_on_arcs_and_straight_beams(file: str, shoe: int, loads:
     fine = solve_brake_on_one_triangle_mesh(loaded, TRIANGLE_LEVELS[0])
     for a, b in zip(solve(loaded).shoes, fine, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=2e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("loads", LOADS.values(), ids=LOADS)
+def test_a_mesh_file_has_the_loads_of_the_parametric_shoe(tmp_path: Any, loads: Any) -> None:
+    """Raised degrees on the elements of a file, split at corners, and hp elements agree."""
+    brake = brake_with(body=BODY, **loads)
+    path = tmp_path / "shoe.msh"
+    write_shoe_mesh_to_file(path, parametric_mesh_of_shoe(brake.shoes[0], R, 24), brake.shoes[0])
+    meshed = vary(brake, {"shoe.mesh": str(path)})
+    found, true = solve(meshed), solve(brake)
+    assert found.torque == pytest.approx(true.torque, rel=1e-5)
+    assert found.shoes[0].peak_pressure == pytest.approx(true.shoes[0].peak_pressure, rel=5e-3)
+    assert not any("act where its actuation acts" in note for note in found.notes)
