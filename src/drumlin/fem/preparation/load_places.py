@@ -76,7 +76,8 @@ class _LoadedArea(NamedTuple):
         """The nodal values (N,) that do the work of a density (e, q) at the quadrature points."""
         values = (density * self.areas) @ self.shapes.T
         count = self.node_places.shape[1]
-        return np.bincount(self.nodes.ravel(), values.ravel(), minlength=count)
+        found = np.bincount(self.nodes.ravel(), values.ravel(), minlength=count)
+        return np.asarray(found, dtype=float)
 
     def resultant(self, forces: Floats) -> Floats:
         """Force x, force y [N] and moment about the origin [N m] of nodal forces (2, N)."""
@@ -120,11 +121,13 @@ def unit_loads_of_forces_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict
     elements of a body.
     """
     places = places_of_loads_on_body(shoe)
-    elements = quadrature_of_elements(basis) if len(places) else None
-    members = [] if elements is None else [elements.parts.get(name, []) for name in BODY_PARTS]
-    on_body = np.concatenate([np.zeros(0, dtype=int), *members]).astype(int)
-    if elements is None or not len(on_body):
+    if not len(places):
         return {}
+    elements = quadrature_of_elements(basis)
+    members = [elements.parts[name] for name in BODY_PARTS if name in elements.parts]
+    if not members:
+        return {}
+    on_body = np.concatenate(members)
     layers = elastic_layers_of_shoe(shoe)
     body = _LoadedArea(
         elements.xy[:, on_body],
@@ -134,7 +137,7 @@ def unit_loads_of_forces_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict
         basis.doflocs,
     )
     at_places = [_unit_loads_at_place(body, shoe, layers, radius, place) for place in places]
-    found = {}
+    found: dict[str, Floats] = {}
     forces = len(shoe.further_forces_at_points)
     if forces:
         columns = []
