@@ -30,13 +30,14 @@ from drumlin.fem.equilibrium.springs import (
 )
 from drumlin.fem.mesh.from_file import notes_on_mesh_file
 from drumlin.fem.preparation.bodies import (
+    force_of_load_factors,
     load_factors_under_actuation_force,
     moment_of_further_loads_about_pin,
     support_reaction_of_shoe,
 )
 from drumlin.fem.preparation.cache import shape_key_of_shoe
+from drumlin.fem.preparation.load_places import has_loads_at_their_places
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
-from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws.rigid import notes_on_cam_force_of_unlike_linings
 from drumlin.response.balance import (
     largest_imbalance_among_shoes,
@@ -185,6 +186,7 @@ def _solve_under_known_spring_pulls(
             *(answer.note for answer in in_order),
             *notes_on_forces_of_supports([answer.response for answer in in_order]),
             *_notes_on_supports_of_shoe_bodies(brake),
+            *_notes_on_loads_away_from_their_places(scene, brake),
             *notes_on_cam_force_of_unlike_linings(brake),
             *filter(None, [note_on_heat(brake)]),
         ),
@@ -197,7 +199,7 @@ def _check_brake_matches_model(scene: PreparedModel, brake: Brake) -> None:
     if [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes] != scene.cache_keys_of_shoe_shapes:
         raise BadInput(
             "the brake differs from the prepared scene in more than "
-            "friction, rotation, load, clearance"
+            "friction, rotation, sizes of loads, clearance"
         )
     if brake.friction > 0 and scene.brake.friction == 0:
         raise BadInput(
@@ -241,6 +243,22 @@ def _notes_on_mesh_files(
     for body, shoe, response in zip(scene.bodies, brake.shoes, responses, strict=True):
         if body.of_file is not None:
             yield from notes_on_mesh_file(shoe, body.of_file, response)
+
+
+def _notes_on_loads_away_from_their_places(scene: PreparedModel, brake: Brake) -> Iterator[str]:
+    """Yield a line of text on elastic shoes whose further loads act where the actuation acts."""
+    names = [
+        repr(shoe.name)
+        for shoe, body in zip(brake.shoes, scene.bodies, strict=True)
+        if shoe.body is not None
+        and shoe.has_further_loads
+        and not has_loads_at_their_places(body.unit_load_vectors_by_name)
+    ]
+    if names:
+        yield (
+            f"note: shoe {', '.join(names)}: its further forces act where its actuation acts, "
+            "not at their own places"
+        )
 
 
 def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
@@ -613,7 +631,7 @@ def _forces_on_shoe_by_pressure_and_actuation(solution: _ShoeSolution) -> _Force
     moment = abs(solution.force) * group.actuation_of_each_shoe_by_one_newton[k].moment_about_pin
     if shoe.has_further_loads:
         moment += moment_of_further_loads_about_pin(shoe)
-    push = body.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, load)[:2]
+    push = force_of_load_factors(body, shoe, load)
     drag = group.brake.signed_friction_per_pressure_in_shoe_frame(shoe)
     normal, dragged = body.resultants_of_contact_node_forces @ p
     contact = drag * dragged - normal

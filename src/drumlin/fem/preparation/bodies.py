@@ -9,9 +9,15 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Actuation
+from drumlin.brake.components import Actuation, Bar
+from drumlin.brake.further_loads import ForceAtPoint, resultant_of_force_at_point
 from drumlin.brake.heat import HeatedLayer, heated_layers_of_shoe
 from drumlin.fem.mesh.from_file import ShoeMesh
+from drumlin.fem.preparation.load_places import (
+    factors_of_forces_and_mass,
+    has_loads_at_their_places,
+    unit_loads_of_forces_and_mass,
+)
 from drumlin.fem.substructure.body import CondensedBody
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.expansion import Strains, expansion_forces
@@ -21,7 +27,7 @@ from drumlin.fem.substructure.interface import (
     function_for_drum_normals_and_tangents,
     plane_normals_and_tangents,
 )
-from drumlin.fem.substructure.loads import ACTUATION, HEAT, LoadColumns
+from drumlin.fem.substructure.loads import ACTUATION, FURTHER_FORCES, HEAT, LoadColumns
 
 
 class ActuatedBody(Protocol):
@@ -252,19 +258,23 @@ def _free_strains_at_points(
     return np.asarray(heated.free_strains_at_depths(shoe.off(points, radius)))
 
 
-def heat_load_of_shoe(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats]:
-    """The nodal forces (2 nodes, 1) [N] of a heated shoe, as a load by its name; else no load.
+def loads_of_shoe_besides_actuation(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats]:
+    """The nodal forces (2 nodes, l) of all unit loads of a shoe besides its actuation, by name.
+
+    They are the load of a heated shoe and the unit loads of further forces and of forces on its
+    mass. A shoe without such loads has none.
 
     Parameters
     ----------
     basis : scalar basis of the shoe's mesh, or its grid of hp elements
     shoe : the shoe
-    radius : radius of the drum [m]
+    radius : radius of the drum [m]; on a plane the length of phi = 1
     """
+    loads = unit_loads_of_forces_and_mass(basis, shoe, radius)
     strains = free_strains_of_heated_layers(shoe, radius)
-    if not strains:
-        return {}
-    return {HEAT: expansion_forces(basis, elastic_layers_of_shoe(shoe), strains)[:, None]}
+    if strains:
+        loads[HEAT] = expansion_forces(basis, elastic_layers_of_shoe(shoe), strains)[:, None]
+    return loads
 
 
 def load_factors_under_actuation_force(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
@@ -287,9 +297,40 @@ def load_factors_under_actuation_force(body: ActuatedBody, shoe: Shoe, force: fl
 def load_factors_of_further_loads(body: ActuatedBody, shoe: Shoe) -> Floats:
     """The factors (l,) of a body's load columns under the loads besides its actuation.
 
-    These loads act where the actuation acts: on the loaded end of the body, or on its frame.
+    The loads act at their own places if the body has load columns for them. Else the body is rigid,
+    or its model has no such columns, and the loads act where the actuation acts.
     """
-    return load_factors_of_resultant(body, shoe, shoe.further_load)
+    columns = body.unit_load_vectors_by_name
+    if not has_loads_at_their_places(columns):
+        return load_factors_of_resultant(body, shoe, shoe.further_load)
+    return columns.factors_of_all_load_columns(factors_of_forces_and_mass(shoe))
+
+
+def load_factors_of_force_at_point(
+    body: ActuatedBody, shoe: Shoe, index: int, force: ForceAtPoint
+) -> Floats:
+    """The factors (l,) of a body's load columns under the further force with a number `index`.
+
+    `force` is the force with its point in the frame of the brake.
+    """
+    columns = body.unit_load_vectors_by_name
+    at_place = columns.column_slice_of_each_load.get(FURTHER_FORCES)
+    if at_place is None:
+        resultant = resultant_of_force_at_point(np.array(force.force), np.array(force.point))
+        return load_factors_of_resultant(body, shoe, resultant)
+    factors = np.zeros(columns.number_of_load_columns)
+    first = at_place.start + 2 * index
+    factors[first : first + 2] = shoe.frame.convert_to_shoe_frame(np.array(force.force))
+    return factors
+
+
+def force_of_load_factors(body: ActuatedBody, shoe: Shoe, load: Floats) -> Floats:
+    """The sum (2,) [N] of the forces on a shoe under load factors (l,), in the shoe's frame."""
+    columns = body.unit_load_vectors_by_name
+    force = columns.factors_of_load_with_name(ACTUATION, load)[:2]
+    if has_loads_at_their_places(columns):
+        force = force + shoe.frame.convert_to_shoe_frame(shoe.further_load[:2])
+    return np.asarray(force)
 
 
 def load_factors_of_resultant(body: ActuatedBody, shoe: Shoe, resultant: Floats) -> Floats:

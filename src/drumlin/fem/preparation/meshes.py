@@ -25,7 +25,7 @@ from drumlin.fem.preparation.bodies import (
     DividedBody,
     ShoeSubstructure,
     actuation_force_and_moments_per_newton,
-    heat_load_of_shoe,
+    loads_of_shoe_besides_actuation,
     make_shoe_substructure,
 )
 from drumlin.fem.preparation.cache import (
@@ -290,9 +290,9 @@ def mesh_and_assemble_shoe(
             load_centre = pin
             actuated = np.zeros((constraints.matrix.shape[1], FRAME))
             actuated[-FRAME:] = np.eye(FRAME)
-        heat = heat_load_of_shoe(basis, shoe, brake.size)
+        others = loads_of_shoe_besides_actuation(basis, shoe, brake.size)
     loads = {ACTUATION: actuated} | {
-        name: constraints.matrix.T @ forces for name, forces in heat.items()
+        name: constraints.matrix.T @ forces for name, forces in others.items()
     }
     return AssembledShoe(mesh, basis, line, K, constraints, loads, load_centre, of_file)
 

@@ -377,6 +377,39 @@ def quadrature_points_of_elements(basis: Any, *, precise: bool = False) -> Any:
     return np.einsum("cae,aq->ceq", nodes, shape_function_values_at_points(basis, precise=precise))
 
 
+class ElementQuadrature(NamedTuple):
+    """The quadrature of all elements of a body.
+
+    Attributes
+    ----------
+    xy : (2, e, q) quadrature points [m]
+    shapes : (a, q) shape functions
+    areas : (e, q) areas that the points stand for [m^2]
+    nodes : (e, a) numbers of the nodes of each element
+    parts : numbers of the elements of each part of the body, by the name of the part
+    """
+
+    xy: Floats
+    shapes: Floats
+    areas: Floats
+    nodes: Ints
+    parts: Mapping[str, Ints]
+
+
+def quadrature_of_elements(basis: Any) -> ElementQuadrature:
+    """The quadrature of all elements of a basis, or of a grid of hp elements, which has its own."""
+    if hasattr(basis, "element_quadrature"):
+        found: ElementQuadrature = basis.element_quadrature
+        return found
+    return ElementQuadrature(
+        xy=quadrature_points_of_elements(basis),
+        shapes=shape_function_values_at_points(basis),
+        areas=basis.dx,
+        nodes=basis.element_dofs.T,
+        parts=basis.mesh.subdomains,
+    )
+
+
 def _orthotropic_part_of_element_stiffness(
     layer: ElasticLayer, gradients: Any, dx: Any, points: Any
 ) -> Any:

@@ -13,6 +13,7 @@ from drumlin.brake.one_sided import pushes_of_one_sided_supports_on_shoe
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.lagrange import Nodes
 from drumlin.verification.triangles.outline import Outline
+from drumlin.verification.triangles.places import nodal_forces_of_further_loads
 from drumlin.verification.triangles.triangulation import Triangles
 
 FACE_GAUSS, FACE_WEIGHTS = legendre.leggauss(8)
@@ -165,11 +166,8 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         loads = _nodal_forces_on_loaded_end(
             body, shoe.actuation.force_vector, shoe.actuation.point.xy
         )[:, None]
-        # Two opposite forces on an arm of one metre make the moment of the further loads.
-        fx, fy, moment = shoe.further_load
-        for force, point in (([fx, fy - moment], [0, 0]), ([0, moment], [1, 0])):
-            if shoe.has_further_loads:
-                loads[:, 0] += _nodal_forces_on_loaded_end(body, np.array(force), np.array(point))
+    if shoe.has_further_loads and shape.plates:
+        loads[:, 0] += nodal_forces_of_further_loads(body, shoe)
     heat = lagrange.nodal_forces_of_heated_triangles(body.mesh, nodes, shape.layers, body.degree)
     loads = np.column_stack([loads, heat, *_nodal_forces_of_unit_pushes(brake, shoe, body)])
     # The nodes of the face are put in the order of growing theta.
