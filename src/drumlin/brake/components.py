@@ -7,7 +7,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import (
@@ -797,6 +797,8 @@ class Actuation(Part):
 
     If the drive of the brake gives the forces (`Drive`), the file gives no force for the shoe.
     """
+
+    hint_if_several: ClassVar[str] = "; further forces on a shoe are [[shoe.force]]"
 
     force: Force = 0.0
     direction: Angle

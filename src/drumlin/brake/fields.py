@@ -9,7 +9,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Annotated, Any, Self, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Self, get_args, get_origin
 
 import numpy as np
 from pydantic import (
@@ -118,6 +118,9 @@ class Part(BaseModel):
         frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, defer_build=True
     )
 
+    # What the error line adds where a file has a list of tables in the place of one table.
+    hint_if_several: ClassVar[str] = ""
+
     @model_validator(mode="before")
     @classmethod
     def _check_keys_are_known(cls, data: object) -> object:
@@ -130,7 +133,8 @@ class Part(BaseModel):
                     meant = did_you_mean_hint(str(key), allowed)
                     raise ValueError(f"unknown key {key!r}{meant}; allowed: {', '.join(allowed)}")
         elif not isinstance(data, Part):
-            raise ValueError(f"must be a table with keys of {', '.join(allowed)}")
+            several = cls.hint_if_several if isinstance(data, list) else ""
+            raise ValueError(f"must be a table with keys of {', '.join(allowed)}{several}")
         return data
 
     def __copy__(self) -> Self:
