@@ -9,7 +9,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Actuation, Bar
+from drumlin.brake.components import Actuation
 from drumlin.brake.further_loads import ForceAtPoint, resultant_of_force_at_point
 from drumlin.brake.heat import HeatedLayer, heated_layers_of_shoe
 from drumlin.fem.mesh.from_file import ShoeMesh
