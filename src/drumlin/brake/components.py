@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple,
 
 import numpy as np
 from pydantic import (
-    AfterValidator,
     Discriminator,
     Field,
     SerializerFunctionWrapHandler,
@@ -22,8 +21,8 @@ from pydantic import (
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.fields import (
-    PURE_NUMBER,
     Angle,
+    AngularSpeed,
     AnyMaterial,
     BendingStiffness,
     Expansion,
@@ -40,15 +39,8 @@ from drumlin.brake.fields import (
     validator_of_number_or_table,
     validator_of_table_with_growing_coordinates,
 )
-from drumlin.brake.units import SMALLEST, deg_text, mm_text
-
-Friction = Annotated[
-    float,
-    Field(ge=0, le=1e6, strict=True),
-    AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0),
-    PURE_NUMBER,
-]
-"""The type of a friction coefficient. A value below SMALLEST is set to 0, as for all quantities."""
+from drumlin.brake.friction import FrictionOrTable, FrictionTable
+from drumlin.brake.units import deg_text, mm_text
 
 
 class Section(NamedTuple):
@@ -213,7 +205,8 @@ class Drum(Part):
     the drum: `angle` [rad] is the angular position of the drum, and the harmonics are given for
     `angle` = 0. A heated drum grows: `temperature_rise` [K] is the rise at its friction surface,
     `back_temperature_rise` [K] that at the far edge of its ring, and `expansion` [1/K] is its
-    coefficient of thermal expansion, see `drumlin.brake.heat`.
+    coefficient of thermal expansion, see `drumlin.brake.heat`. `speed` [rad/s] is the angular speed
+    of the drum, on which a friction coefficient may depend.
     """
 
     radius: Thickness
@@ -223,6 +216,7 @@ class Drum(Part):
     temperature_rise: TemperatureRise = 0.0
     back_temperature_rise: TemperatureRise | None = None
     expansion: Expansion | None = None
+    speed: AngularSpeed | None = None
 
 
 # Types of quantities that are constant or given by a table: over the distance from the hinge for a
@@ -325,7 +319,9 @@ class Lining(Part):
         @property
         def misfit(self) -> Misfit: ...
         @property
-        def friction(self) -> float | None: ...
+        def friction(self) -> float | FrictionTable | None: ...
+        @property
+        def temperature_rise(self) -> float: ...
 
     @property
     def linings(self) -> "tuple[Lining, ...]":
@@ -389,7 +385,8 @@ class DrumLining(Lining):
 
     `clearance` [m] is the gap between unloaded lining and drum, positive if open: a number, or a
     table of rows (angle, clearance) with linear interpolation. The gap due to the `misfit` is added
-    to it. `friction` is the lining's own friction coefficient, by default that of the brake.
+    to it. `friction` is the lining's own friction coefficient, or a table of it, by default that of
+    the brake.
     """
 
     start: Angle
@@ -399,7 +396,7 @@ class DrumLining(Lining):
     material: AnyMaterial
     clearance: Clearance = 0.0
     misfit: Misfit = Misfit()
-    friction: Friction | None = None
+    friction: FrictionOrTable | None = None
     temperature_rise: TemperatureRise = 0.0
     back_temperature_rise: TemperatureRise | None = None
 
@@ -520,8 +517,8 @@ class DrumLiningRow(Lining):
         return self.parts[0].material
 
     @property
-    def friction(self) -> float | None:
-        """Friction coefficient of all linings; None for that of the brake."""
+    def friction(self) -> float | FrictionTable | None:
+        """Friction coefficient of all linings, or its table; None for that of the brake."""
         return self.parts[0].friction
 
     @property

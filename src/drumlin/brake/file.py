@@ -50,6 +50,7 @@ pydantic's own messages for these errors use words of Python, such as "tuple".
 UNION_TAGS = {
     *("arc", "beam", "isotropic", "orthotropic", "float", "str"),
     *("one lining", "several linings", "parts"),
+    *("friction number", "friction table"),
 }
 """Words in pydantic's path to a wrong value that are no keys of the brake file.
 

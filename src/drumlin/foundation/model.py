@@ -31,6 +31,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
+from drumlin.brake.friction import reason_if_friction_depends_on_pressure
 from drumlin.brake.further_loads import reason_if_shoe_has_further_loads
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
@@ -121,6 +122,7 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
         or reason_if_shoe_has_further_loads(brake, model)
         or reason_if_any_part_is_orthotropic(brake, model)
         or reason_if_any_shoe_is_heated(brake, model)
+        or reason_if_friction_depends_on_pressure(brake, model)
         or reason_if_ring_support_is_not_plain(brake, model)
     )
 

@@ -18,6 +18,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import table_rows_from_coordinates_and_values
 from drumlin.brake.file import vary
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.further_loads import require_springs_of_constant_pull
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
@@ -141,6 +142,7 @@ def wear_setup_by_finite_elements(
         if no shoe touches the drum
     """
     require_springs_of_constant_pull(brake, "wear")
+    require_friction_without_pressure(brake, "wear")
     interfaces: list[WearInterface] = []
     surfaces: list[WornLining] = []
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):

@@ -18,6 +18,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.further_loads import require_springs_of_constant_pull
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
@@ -202,6 +203,7 @@ def meshes_of_shoes_for_peer_program(
                 "must be greater than 0"
             )
     require_springs_of_constant_pull(brake, "a peer")
+    require_friction_without_pressure(brake, "a peer")
     heated = reason_if_any_shoe_is_heated(brake, "a peer")
     if heated is not None:
         raise BadInput(heated)

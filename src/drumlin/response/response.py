@@ -193,6 +193,8 @@ class ShoeResponse:
     theta : (n,) [rad], growing angles of the nodes at which the pressure is given. Between the
         nodes the pressure is a piecewise polynomial, whose neighbouring pieces share an end node.
     pressure : (n,) [Pa], pressures at the nodes
+    friction_stress : (n,) [Pa], friction stresses at the nodes, if the friction coefficient depends
+        on the pressure; otherwise None, and the stress is the coefficient times the pressure
     order : degree of the polynomial pieces
     slots : begin and end of each slot between two linings [rad]. There the pressure is 0, and the
         polynomial pieces beside a slot are JUMP long, see `resultants.nodes_with_slots`
@@ -227,6 +229,7 @@ class ShoeResponse:
     pressure: Floats
     order: int = 2
     slots: Slots = ()
+    friction_stress: Floats | None = None
     turn: float | None = None
     lumped: Resultant | None = None
     pivot_reaction: Floats | None = None
@@ -249,10 +252,14 @@ class ShoeResponse:
     @property
     def nodal_pressures_on_linings(self) -> Floats:
         """The pressures [Pa] at the nodes on linings, without those in slots between linings."""
+        return self.nodal_values_on_linings(self.pressure)
+
+    def nodal_values_on_linings(self, values: Floats) -> Floats:
+        """The values at the nodes on linings, of `values` (n,) at all nodes."""
         on_lining = np.ones(len(self.theta), dtype=bool)
         for start, end in self.slots:
             on_lining &= (self.theta <= start) | (self.theta >= end)
-        return self.pressure[on_lining]
+        return values[on_lining]
 
     def pressure_at(self, theta: Floats) -> Floats:
         """The pressure [Pa] at angles `theta` [rad] of any shape; 0 beyond the lining.
@@ -357,6 +364,9 @@ class ShoeResponse:
             "pressure": pressure.tolist(),
         }
         # Results that this shoe or its model does not have get no key.
+        if self.friction_stress is not None:
+            stress = replace(self, pressure=self.friction_stress).curve()[1]
+            data["friction_stress"] = stress.tolist()
         if self.error is not None:
             data["error"] = dict(self.error)
         if self.force is not None:
@@ -600,6 +610,7 @@ def response_of_pressed_elastic_shoe(
     on_lining: Bools | None = None,
     peak: float | None = None,
     surface: PressureOverWidth | None = None,
+    friction_stress: Floats | None = None,
     **results: Any,
 ) -> ShoeResponse:
     """The response of a shoe with an elastic lining that is in contact.
@@ -618,6 +629,7 @@ def response_of_pressed_elastic_shoe(
     on_lining : (n,) mask of the nodes on linings; None if no node lies in a slot between linings
     peak : peak pressure [Pa]; None if it is to be found from the nodal pressures
     surface : pressure over the width, whose rows belong to the angles `theta`
+    friction_stress : (n,) [Pa], friction stresses at the nodes; see ShoeResponse
     results : values of the attributes torque, normal_force, self_energising and hinge_reaction of
         ShoeResponse, and of optional attributes
 
@@ -654,6 +666,7 @@ def response_of_pressed_elastic_shoe(
         order=order,
         slots=slots,
         surface=surface,
+        friction_stress=None if friction_stress is None else friction_stress[forward],
         **results,
     )
 

@@ -19,6 +19,7 @@ from drumlin.base.tables import (
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import first_key_in_which_two_brakes_differ
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.brake.units import LARGEST_NUMBER_SI, quantity_in_si
@@ -341,6 +342,7 @@ def _verdict_on_pressure_curve(
     # The curve is interpolated linearly to the angles of the reference.
     off = np.interp(theta, *curve) - p
     worst = int(np.abs(off).argmax())
+    require_friction_without_pressure(brake, "check")
     # The torque is mu b R^2 times the integral of p over theta; `lever` is the factor mu b R^2.
     lever = brake.friction_of_shoe(spec) * spec.lining.width * brake.scale_factor**2
     torque_off, torque = abs(lever * float(np.trapezoid(off, theta))), known.torque.value

@@ -22,6 +22,7 @@ import drumlin
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.further_loads import brake_with_springs_of_constant_pull
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.comparison import length_of_uncompared_zone_at_lining_end
@@ -123,6 +124,7 @@ def solve_brake_for_reference_values(
     Raises BadInput if finite elements cannot solve the brake or a shoe has a mesh file, and
     NoAnswer if the brake has no equilibrium.
     """
+    require_friction_without_pressure(brake, "the reference by triangles")
     brake.check_shoes_have_one_lining("the reference")
     for shoe in brake.shoes:
         if shoe.mesh is not None:

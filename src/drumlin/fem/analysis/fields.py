@@ -188,6 +188,7 @@ def stress_and_displacement_fields_of_ring(
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
     u = ring.displacement_of_ring_nodes(
         nodal_contact_pressures_of_each_lining(brake, response),
+        dragging_pressures_of_each_lining(brake, response),
         list(map(brake.signed_friction_per_pressure, brake.shoes)),
     )
     no_pressure = np.zeros(ring.basis.N)
@@ -204,6 +205,31 @@ def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> 
     """
     pairs = zip(brake.shoes, response.shoes, strict=True)
     return [answer.nodal_pressures_on_linings[:: shoe.frame.sense] for shoe, answer in pairs]
+
+
+def dragging_pressures_of_each_lining(brake: Brake, response: Response) -> list[Floats]:
+    """The pressures (n_i,) [Pa] that the friction coefficient of each shoe turns into friction.
+
+    The nodes are in the order of the shoe's own frame.
+    """
+    pressures = nodal_contact_pressures_of_each_lining(brake, response)
+    found = []
+    for shoe, answer, p in zip(brake.shoes, response.shoes, pressures, strict=True):
+        found.append(_dragging_pressures_of_lining(brake, shoe, answer, p))
+    return found
+
+
+def _dragging_pressures_of_lining(
+    brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
+) -> Floats:
+    """The pressures that friction turns into friction on one lining, see the function above.
+
+    They are the pressures p (n,) themselves, unless friction depends on the pressure.
+    """
+    if answer.friction_stress is None:
+        return p
+    stress = answer.nodal_values_on_linings(answer.friction_stress)[:: shoe.frame.sense]
+    return np.asarray(stress / brake.friction_of_shoe(shoe))
 
 
 def stress_and_displacement_fields_of_bodies(
@@ -236,8 +262,9 @@ def nodal_displacements_of_shoe(
     for support in answer.supports:
         load = load + load_factors_of_push_on_shoe(body, shoe, support.push, brake.size)
     # These forces (2n,) [N] of pressure and friction act on the contact nodes.
+    dragging = _dragging_pressures_of_lining(brake, shoe, answer, p)
     nodal = (
-        brake.signed_friction_per_pressure_in_shoe_frame(shoe) * (body.coupling.T.T @ p)
+        brake.signed_friction_per_pressure_in_shoe_frame(shoe) * (body.coupling.T.T @ dragging)
         - body.coupling.N.T @ p
     )
     motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))

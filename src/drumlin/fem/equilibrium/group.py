@@ -311,7 +311,8 @@ class ShoeGroup(GroupProblems):
             contact.p[self.contact_node_slices_of_shoes[k]],
         )
         # The reaction balances the contact and the actuation.
-        normal, dragged = body.resultants_of_contact_node_forces @ p
+        normal, dragged = body.resultants_of_contact_node_forces
+        normal, dragged = normal @ p, dragged @ self.dragging_pressures_of_shoe(k, p)
         push = (
             self.actuation_forces_under_contact_pressures(contact.p)[k]
             * shoe.actuation.unit_vector_of_force

@@ -401,7 +401,7 @@ def actuation_force_and_moments_per_newton(centre: Floats, shoe: Shoe) -> tuple[
 
 
 def support_reaction_of_shoe(
-    body: ShoeSubstructure, p: Floats, drag: float, load: Floats
+    body: ShoeSubstructure, p: Floats, dragging: Floats, drag: float, load: Floats
 ) -> Floats:
     """The support reaction (3,) of a shoe: force x [N], force y [N] and moment about the pin [N m].
 
@@ -409,13 +409,15 @@ def support_reaction_of_shoe(
     ----------
     body : the substructure
     p : (n,) pressure at the contact nodes [Pa]
+    dragging : (n,) pressures that `drag` turns into friction [Pa], see
+        `GroupState.dragging_pressures_of_shoe`
     drag : friction coefficient mu times the sense s of sliding
     load : (l,) factors of the load columns
     """
     reaction = body.reaction_to_pressure @ p + body.reaction_to_load @ load
     if body.reaction_to_friction is None:
         return reaction
-    return reaction + drag * (body.reaction_to_friction @ p)
+    return reaction + drag * (body.reaction_to_friction @ dragging)
 
 
 def penalty_stiffness_of_contact_per_area(shoe: Shoe, penalty: float) -> float:

@@ -85,17 +85,20 @@ class RingSubstructure:
     held: Ints
     rim_balance: "RimBalance | None"
 
-    def displacement_of_ring_nodes(self, pressures: list[Floats], drags: list[float]) -> Floats:
+    def displacement_of_ring_nodes(
+        self, pressures: list[Floats], dragging: list[Floats], drags: list[float]
+    ) -> Floats:
         """Displacement (2, nodes) [m] of all nodes of the ring under the pressures of the linings.
 
         Parameters
         ----------
         pressures : (n_i,) nodal pressure of each lining [Pa]
+        dragging : (n_i,) nodal pressures of each lining that its drag turns into friction [Pa]
         drags : friction coefficient mu of each lining times the sense s of sliding
         """
         nodal = np.zeros(2 * len(self.line.nodes))
-        for (N, T), p, drag in zip(self.coupling_matrices, pressures, drags, strict=True):
-            nodal += N.T @ p - drag * (T.T @ p)
+        for i, (N, T) in enumerate(self.coupling_matrices):
+            nodal += N.T @ pressures[i] - drags[i] * (T.T @ dragging[i])
         frame = np.zeros(FRAME)
         if self.rim_balance is None:
             return self.condensed.nodal_displacements_in_one_case(

@@ -10,6 +10,7 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.further_loads import (
     reason_if_shoe_has_further_loads,
     require_springs_of_constant_pull,
@@ -130,6 +131,7 @@ def solve_brake_on_one_triangle_mesh(
     if refusal is not None:
         raise BadInput(refusal)
     require_springs_of_constant_pull(brake, "the verification by triangles")
+    require_friction_without_pressure(brake, "the verification by triangles")
     shoes = list(brake.shoes)
     if len(indices_of_shoes_pressed_on_drum(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")
