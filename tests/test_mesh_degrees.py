@@ -33,6 +33,11 @@ from drumlin.report import render
 from drumlin.report.comparison import write_and_draw_stress_fields
 from drumlin.response.resultants import gauss_lobatto_points
 from drumlin_studies import mesh_degrees
+from drumlin_studies.mesh_cost import (
+    TOLERANCE,
+    costs_on_mesh_file,
+    write_mesh_of_main_example,
+)
 from drumlin_studies.mesh_degrees import (
     JudgedMesh,
     MeshForm,
@@ -422,3 +427,16 @@ def test_rounded_nodes_inside_sides_are_put_on_the_drum(tmp_path, form):
     assert read.contact.rounded > 20
     assert read.contact.rounded_by > 1e-7
     assert np.abs(read.off).max() < 1e-12
+
+
+@pytest.mark.slow
+def test_cost_on_a_mesh_file_has_errors_that_the_mesh_explains(tmp_path):
+    """The answer with a stated error is nearer than one on the elements of the file's degree."""
+    pytest.importorskip("gmsh")
+    alone, filed = write_mesh_of_main_example(tmp_path / "shoe.msh", 8e-3)
+    rows = {row.way: row for row in costs_on_mesh_file(alone, filed)}
+    split, whole = rows["drumlin, stated error"], rows["drumlin, file's degree"]
+    assert split.pressure < split.stated < TOLERANCE
+    assert 2 * split.pressure < whole.pressure < 0.1
+    assert whole.stated is None
+    assert min(row.seconds for row in rows.values()) > 0
