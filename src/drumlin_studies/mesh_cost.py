@@ -34,7 +34,7 @@ SIZE = 2.25
 """Size of the elements [mm] without a word on the command line: some 10 000 nodes."""
 TOLERANCE = 5e-3
 """Tolerance to which drumlin solves the file."""
-TIMED_SOLVES = 3
+SOLVES_OF_MESH_FILE = 3
 """Number of solves by drumlin, of which the fastest counts; others have to load modules."""
 
 
@@ -87,7 +87,7 @@ def costs_on_mesh_file(brake: Brake, filed: Brake) -> Iterator[CostOfSolve]:
     }
     for way, respond in ways.items():
         seconds = []
-        for _ in range(TIMED_SOLVES):
+        for _ in range(SOLVES_OF_MESH_FILE):
             start = time.process_time()
             response = respond()
             seconds.append(time.process_time() - start)
