@@ -193,7 +193,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LARGEST_NUMBER": MEMORY,
         "METRES_PER_UNIT": FORMAT,
     },
-    "fem/mesh/arc.py": {"FACE_SLACK": ROUND_OFF},
+    "fem/mesh/arc.py": {"FACE_SLACK": ROUND_OFF, "MESH_KINDS": DEFINITION},
     "fem/mesh/beam.py": {"BEAM_SLACK": ROUND_OFF},
     "fem/mesh/grading.py": {
         "MOST_OVERHANG_ELEMENTS": MEMORY,

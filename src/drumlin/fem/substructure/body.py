@@ -20,7 +20,6 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, solve_lower_triangular_system
 from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
-from drumlin.fem.mesh.arc import element_kind_of_mesh
 from drumlin.fem.substructure.elasticity import (
     isotropic_and_orthotropic_elastic_constants,
     thickness_directions_of_layers,
@@ -261,18 +260,6 @@ class CondensedBody:
                 self.columns.sizes + LoadColumns.load_columns_of_named_loads(loads).sizes
             ),
         )
-
-
-def scalar_finite_element_basis_of_mesh(mesh: Any) -> Any:
-    """The scikit-fem basis of one displacement component on a mesh.
-
-    The quadrature has order 4, or 2 on linear elements.
-    """
-    # The import of skfem takes time, and bodies of hp elements do without it.
-    import skfem  # noqa: PLC0415
-
-    element = element_kind_of_mesh(mesh).scikit_fem_element_class()
-    return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
 
 
 def sparse_stiffness_of_body(

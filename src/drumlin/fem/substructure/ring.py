@@ -22,6 +22,7 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Ring, Section
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.grading import (
     EDGE_SIZE,
@@ -36,7 +37,6 @@ from drumlin.fem.substructure.body import (
     condense_body_to_contact_and_frame,
     multi_point_constraints_of_body,
     rigid_body_displacements_of_nodes,
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_ring
@@ -235,7 +235,7 @@ def condense_meshed_drum_ring_to_contact_nodes(
     ring = brake.ring
     assert ring is not None and ring.section is not None
     mesh = mesh_of_drum_ring(ring.section, brake.size, brake.shoes, elements)
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     K = ring_stiffness(basis, ring)
     arcs = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
