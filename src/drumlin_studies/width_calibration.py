@@ -81,7 +81,7 @@ TRUE_OVER_UNCERTAINTY = 2.0
 
 The uncertainty is the distance of the truth from the answer of the highest degree. On a wide
 overhang the truth is at times less exact than this degree. On one brake ("free" 1009) the truth is
-off by 1.5e-3 of the torque, and degree 5 by 3e-4. From 2 to 3 the factor of forces is 1.2. With
+off by 1.5e-3 of the torque, and degree 5 by 3e-4. From 2 to 2.5 the factor of forces is 1.2. With
 1.5 it is 2.6 and with 0 it is 5.7, since errors of the truth are fitted as well. With 4 no rows are
 left of brakes whose errors fall as the inverse of the degree, from degree 2 to degree 7 by a factor
 of 3.5.
