@@ -182,10 +182,10 @@ def test_a_beam_on_an_elastic_foundation_is_hetenyis():
 
 def test_stations_end_at_the_linings_ends_and_their_number_is_as_asked():
     for sections in (10, 45, 360):
-        x, under = places_of_beam_stations(4.6, 1.0, 3.6, sections)
+        x, (under,) = places_of_beam_stations(4.6, [np.array([1.0, 3.6])], sections)
         assert abs(len(x) - 1 - sections) <= 1
         assert (x[under[0]], x[under[-1]], x[-1]) == pytest.approx((1.0, 3.6, 4.6))
-    x, under = places_of_beam_stations(4.6, 0.0, 4.6, 20)
+    x, (under,) = places_of_beam_stations(4.6, [np.array([0.0, 4.6])], 20)
     assert len(x) == len(under) == 21
 
 
