@@ -14,6 +14,7 @@ from drumlin.brake.file import read_brake
 from drumlin.cli.terminal import print_table_of_compared_models
 from drumlin.comparison import COLUMNS
 from drumlin.fem.solve import solve
+from drumlin.studies import paths_of_own_studies
 from picking import picked
 
 
@@ -376,6 +377,20 @@ def test_no_output_is_written_over_a_brake_file(tmp_path):
         done = drumlin(command, path, option, path)
         assert done.returncode == 2 and "must not be a .toml file" in done.stderr
     assert path.read_text() == text
+
+
+def test_a_study_without_a_name_lists_all_of_them_with_what_they_do():
+    done = drumlin("study")
+    assert done.returncode == 0
+    lines = dict(line.split(maxsplit=1) for line in done.stdout.splitlines() if line[0] != " ")
+    assert set(lines) == set(paths_of_own_studies()) >= {"double_shoe", "post_brake", "manual"}
+    assert all(line[0].isupper() for line in lines.values())
+
+
+def test_h_is_the_short_form_of_help():
+    for words in ((), ("solve",)):
+        short, long = (drumlin(*words, option) for option in ("-h", "--help"))
+        assert short.returncode == 0 and short.stdout == long.stdout
 
 
 def test_an_unknown_study_is_refused_by_name():

@@ -5,6 +5,7 @@ A study is a file studies/NAME/study.py with the functions `study(short, say)` a
 the journal. A study that was stopped then continues with the next case.
 """
 
+import ast
 import importlib
 import inspect
 import os
@@ -74,6 +75,24 @@ def text_of_example_brake(name: str) -> str:
     return re.sub(r"(?m)^#:schema .*/", "#:schema ", text)
 
 
+def paths_of_own_studies() -> dict[str, Path]:
+    """The paths study.py of drumlin's own studies by their names."""
+    files = sorted((REPOSITORY / "studies").glob("*/study.py"))
+    return {file.parent.name: file for file in files}
+
+
+def first_lines_of_own_studies() -> dict[str, str]:
+    """The first line of the docstring of each of drumlin's own studies, by name.
+
+    The studies are read and not run.
+    """
+    found = {}
+    for name, file in paths_of_own_studies().items():
+        text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+        found[name] = text.partition("\n")[0]
+    return found
+
+
 def import_study(name: str) -> tuple[ModuleType, Path]:
     """Import a study; returns its module and the folder that has the folder studies/.
 
@@ -82,7 +101,7 @@ def import_study(name: str) -> tuple[ModuleType, Path]:
     run. Raises BadInput, which lists drumlin's own studies, if there is no such study.
     """
     # A name without a folder never runs code that happens to lie in the current folder.
-    own = {path.parent.name: path for path in sorted((REPOSITORY / "studies").glob("*/study.py"))}
+    own = paths_of_own_studies()
     file = own.get(name)
     if file is None and len(Path(name).parts) > 1:
         # Symbolic links are not resolved: studies/ must be a folder of the path as it was given.

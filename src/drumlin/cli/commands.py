@@ -13,7 +13,11 @@ from drumlin.cli.starting import init, schema
 from drumlin.cli.studying import study, sweep
 from drumlin.cli.terminal import print_folded_line
 
-app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+app = typer.Typer(
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 
 
 def _print_version_and_exit(asked: bool) -> None:

@@ -10,7 +10,7 @@ import typer
 
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import did_you_mean_hint
-from drumlin.cli.terminal import print_folded_line, print_text_unchanged
+from drumlin.cli.terminal import print_names_beside_texts, print_text_unchanged
 
 
 def init(
@@ -27,12 +27,11 @@ def init(
     if name is not None:
         print_text_unchanged(text_of_example_brake(name))
         return
-    found = paths_of_example_brakes()
-    wide = max(map(len, found))
-    for key, path in found.items():
-        print_folded_line(
-            f"{key:{wide}}  {tomllib.loads(path.read_text(encoding='utf-8'))['title']}"
-        )
+    titles = {
+        key: tomllib.loads(path.read_text(encoding="utf-8"))["title"]
+        for key, path in paths_of_example_brakes().items()
+    }
+    print_names_beside_texts(titles)
 
 
 def schema(

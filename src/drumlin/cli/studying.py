@@ -8,6 +8,7 @@ import typer
 from drumlin.base.errors import NoAnswer
 from drumlin.cli.terminal import (
     print_folded_line,
+    print_names_beside_texts,
     print_note_to_standard_error,
     show_progress_bar,
     show_progress_bar_if_long,
@@ -25,14 +26,21 @@ The table of the sweep gives the reason of each case.
 
 
 def study(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="a folder of studies/")],
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="[NAME]", help="a study; without one they are listed"),
+    ] = None,
     output: Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")] = None,
     short: Annotated[
         bool, typer.Option("--short", help="the quick setting that the tests use")
     ] = False,
 ) -> None:
-    """Run a study from studies/ and write its report into reports/NAME."""
-    from drumlin.studies import run_study_and_write_report
+    """List the studies, or run one of them and write its report into reports/NAME."""
+    from drumlin.studies import first_lines_of_own_studies, run_study_and_write_report
+
+    if name is None:
+        print_names_beside_texts(first_lines_of_own_studies())
+        return
 
     with show_spinner_beside_words(f"study {name}") as say:
         page = run_study_and_write_report(name, output, short=short, say=say)

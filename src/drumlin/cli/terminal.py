@@ -62,6 +62,13 @@ def print_folded_line(line: str, *, at_once: bool = False) -> None:
         print(line, flush=at_once)
 
 
+def print_names_beside_texts(texts: Mapping[str, str]) -> None:
+    """Print each name of `texts` with its text beside it, the texts below each other."""
+    wide = max(map(len, texts))
+    for name, text in texts.items():
+        print_folded_line(f"{name:{wide}}  {text}")
+
+
 def print_text_unchanged(text: str) -> None:
     """Print a text to standard output as it is: neither folded nor escaped, without a line end."""
     with _turn_output_faults_into_drumlin_errors():
