@@ -9,7 +9,7 @@ import pytest
 
 import drumlin
 from drumlin.brake.brake import Brake
-from drumlin.brake.file import make_drum_brake_from_data
+from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.brake.writing import brake_file_text
 from drumlin.explore.answers import Explorer
 from drumlin.explore.knobs import brake_at_knob_setting, setting_at_brake_file_values
@@ -24,6 +24,7 @@ from drumlin.lining_wear.run_in import (
     final_pressure_and_torque_of_wear_on_mesh,
 )
 from drumlin.lining_wear.worn_in import post_brake_with_worn_in_clearances
+from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.verification import triangles
 from drumlin.verification.check import PressureTable, _pressure_integral_along_lining
 from drumlin.verification.reference import (
@@ -36,8 +37,9 @@ from drumlin.verification.reference_file import (
     reference_values_as_json_data,
     write_reference_file,
 )
-from test_foundation import upright
-from test_several_linings import APART, BODY, brake_with, lining
+from drumlin.verification.triangles.levels import solve_on_triangle_level_sequence
+from posts import upright
+from several_linings import APART, BODY, brake_with, lining
 
 THREE = brake_with([lining(-56, -20), lining(-10, 10), lining(20, 56)], body=BODY)
 
@@ -231,3 +233,77 @@ def test_the_explorer_turns_the_knobs_of_all_linings() -> None:
     # With wear the file that the page saves has a table of clearances for each lining.
     for part in answer.brake.shoes[0].lining.linings:
         assert isinstance(part.clearance, tuple)
+
+
+@pytest.mark.slow
+def test_triangles_agree_on_an_elastic_ring_under_several_linings() -> None:
+    """The second solver has its own ring, which bends under three linings of one shoe."""
+    data = THREE.model_dump(exclude_none=True)
+    data["drum"]["ring"] = {
+        "thickness": 0.02,
+        "width": 0.2,
+        "material": {"E": 1.2e11, "nu": 0.27},
+        "support": "fixed",
+    }
+    brake = make_drum_brake_from_data(data)
+    response = drumlin.solve(brake, model_error=False)
+    rigid = drumlin.solve(THREE, model_error=False)
+    (true,) = solve_on_triangle_level_sequence(brake, triangles.TRIANGLE_LEVELS[:2])[-1]
+    (shoe,) = response.shoes
+    assert response.error is not None
+    assert abs(shoe.torque / true.torque - 1) < response.error["torque"] < 2e-5
+    off = np.hypot(*(shoe.hinge_reaction - true.hinge_reaction))
+    assert off < response.error["reaction"] * np.hypot(*true.hinge_reaction)
+    # The zones of 0.2 deg at the ends of the linings do not count.
+    arcs = brake.shoes[0].lining.arcs
+    theta = np.concatenate([np.linspace(a + 0.0036, b - 0.0036, 2001) for a, b in arcs])
+    p, q = shoe.pressure_at(theta), true.pressure_at(theta)
+    assert math.sqrt(np.sum((p - q) ** 2) / np.sum(q**2)) < response.error["pressure"] < 2e-3
+    # The ring changes the pressure by more than both solvers' errors.
+    without = rigid.shoes[0].pressure_at(theta)
+    assert math.sqrt(np.sum((without - q) ** 2) / np.sum(q**2)) > 2 * response.error["pressure"]
+
+
+def random_brake_of_several_linings(seed: int) -> Brake:
+    """A shoe of two to four linings of random lengths, slots, thickness, modulus and clearances."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(2, 5))
+    # Linings and slots in turn; the slots are shorter.
+    sizes = rng.uniform(0.3, 1.0, 2 * count - 1) * np.where(np.arange(2 * count - 1) % 2, 0.3, 1.0)
+    ends = -56 + 112 * np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum()
+    same = {
+        "material": {"E": float(10 ** rng.uniform(8, 9.3)), "nu": float(rng.uniform(0.1, 0.4))},
+        "thickness": float(rng.uniform(0.005, 0.02)),
+    }
+    clearances = rng.uniform(0, 4e-5, count) * rng.integers(0, 2, count)
+    rows = [
+        lining(start, end, clearance=gap, **same)
+        for start, end, gap in zip(ends[::2], ends[1::2], clearances.tolist(), strict=True)
+    ]
+    body = BODY | {"thickness": float(rng.uniform(0.01, 0.04))}
+    brake = brake_with(rows, **({} if rng.random() < 0.2 else {"body": body}))
+    rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
+    return vary(brake, {"friction": float(rng.uniform(0.1, 0.45)), "rotation": rotation})
+
+
+@pytest.mark.slow
+def test_errors_stated_on_random_linings_are_true() -> None:
+    """Judged against a solution of a tolerance ten times as tight, on 20 shoes."""
+    ratios = []
+    for seed in range(20):
+        brake = random_brake_of_several_linings(seed)
+        found = drumlin.solve(brake, model_error=False)
+        fine = drumlin.solve(brake, tolerance=1e-4, model_error=False)
+        assert found.error is not None
+        (shoe,), (true,) = found.shoes, fine.shoes
+        ratios.append(
+            [
+                abs(found.torque / fine.torque - 1) / found.error["torque"],
+                relative_distance_of_pressures(shoe, true) / found.error["pressure"],
+                abs(shoe.peak_pressure / true.peak_pressure - 1) / found.error["peak"],
+            ]
+        )
+    # No error is more than twice the stated one, and of the 60 errors one may be above it.
+    assert np.max(ratios) < 2
+    assert np.sum(np.array(ratios) > 1) <= 1
+    assert np.all(np.median(ratios, axis=0) > 0.02)
