@@ -114,7 +114,7 @@ def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
         0,
     ]
     assert [
-        true_and_estimated_errors_of_quantity([unknown], name).is_true_error_usable.tolist()
+        true_and_estimated_errors_of_quantity([unknown], name).which_true_errors_are_usable.tolist()
         for name in ("pressure", "torque")
     ] == [
         [True],

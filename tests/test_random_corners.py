@@ -10,7 +10,7 @@ from drumlin_studies.random_corners import (
     CORNER_KINDS,
     SHORT_CONTACT,
     draw_brake_pressing_with_corner_or_tip,
-    is_gap_tip_in_contact,
+    is_kink_towards_drum_in_contact,
     is_lining_corner_in_contact,
 )
 
@@ -28,8 +28,10 @@ def test_a_seed_gives_a_brake_that_presses_as_its_kind_says(number):
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
     presses = {
         "corner": is_lining_corner_in_contact,
-        "tip": is_gap_tip_in_contact,
-        "table": lambda *pair: is_lining_corner_in_contact(*pair) or is_gap_tip_in_contact(*pair),
+        "tip": is_kink_towards_drum_in_contact,
+        "table": lambda *pair: (
+            is_lining_corner_in_contact(*pair) or is_kink_towards_drum_in_contact(*pair)
+        ),
     }
     assert any(presses[CORNER_KINDS[kind].presses](*pair) for pair in pairs)
     for shoe in found.shoes:

@@ -13,7 +13,7 @@ from drumlin_studies.sharpness import (
     describe_faults_of_stated_errors,
     describe_worsened_accuracies_and_costs,
     list_stored_truth_files,
-    quickly_solved_brakes,
+    names_of_quickly_solved_brakes,
     read_stored_spreads_of_stated_errors,
     rows_with_scaled_stated_errors,
     stated_and_true_errors_of_folder,
@@ -38,7 +38,7 @@ def rows():
 @pytest.fixture(scope="module")
 def quick_rows(written):
     """Stated and true errors of the brakes that are quickly solved."""
-    return stated_and_true_errors_of_folder(FOLDER, quickly_solved_brakes(written.worths))
+    return stated_and_true_errors_of_folder(FOLDER, names_of_quickly_solved_brakes(written.worths))
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,9 @@ A post is a beam whose lining is divided into sectors; each sector is a spring b
 the elastic ring of the drum. The unknowns are the deflection w of the beam and the displacement z
 of the ring's rim. The equations are (12) for each station inside the beam, (17) for each sector,
 and M_0 = 0 (19), the moment about the hinge. By (20) a sector has the stiffness k* = k if it is
-compressed, t = w cos(theta) - z - Delta > 0, and else k* = 0. The terms in z and Delta have the
-signs that follow from t; the paper prints them with the sign of the terms in w. The set of
-compressed sectors is revised until it agrees with the displacements.
+compressed, t = w cos(theta) - z - Delta > 0 with the gap Delta, and else k* = 0. This module gives
+the terms in z and Delta the signs that follow from t; the paper prints them with the sign of the
+terms in w. The set of compressed sectors is revised until it agrees with the displacements.
 """
 
 from typing import NamedTuple
@@ -24,7 +24,7 @@ MOST_REVISIONS = 100
 
 
 class IterationAnswer(NamedTuple):
-    """The result of the paper's iteration for a post with m stations and n sectors.
+    """Result of Barecki's iteration for a post with m stations and n sectors.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class IterationAnswer(NamedTuple):
     z, N : array (n,)
         Displacement of the drum's rim [m], and force of the lining [N], at each sector.
     rounds : int
-        Number of contacts that were tried.
+        Number of sets of compressed sectors that were tried.
     """
 
     w: Floats
@@ -43,7 +43,7 @@ class IterationAnswer(NamedTuple):
 
 
 def solve_post_brake_by_paper_iteration(brake: Brake, index: int, sections: int) -> IterationAnswer:
-    """Solve a shoe of a post brake by the paper's iteration, with all simplifications of the paper.
+    """Solve a shoe of a post brake by Barecki's iteration, with all simplifications of his paper.
 
     Parameters
     ----------
@@ -68,7 +68,8 @@ def solve_post_brake_by_paper_iteration(brake: Brake, index: int, sections: int)
     # The first guess of the contact is the whole lining.
     pressed = np.ones(len(p.theta), dtype=bool)
     for rounds in range(1, MOST_REVISIONS + 1):
-        # A sector is in contact if the displacements for the last contact compress it.
+        # A sector is in contact if the displacements, computed with the last contact set, compress
+        # it.
         w, z = _beam_and_rim_displacements(p, c, np.where(pressed, p.k, 0.0))
         t = w[p.under] * np.cos(p.theta) - z - p.gap
         if np.array_equal(t > 0, pressed):
@@ -93,7 +94,8 @@ def _beam_and_rim_displacements(p: SectionedShoe, c: Floats, k: Floats) -> tuple
         Stiffness k* of the sectors [N/m], 0 for those without contact.
     """
     m, n = p.pressed.shape
-    # Bending moments at the stations due to unit compression of a sector: B of eq. 11, times dx.
+    # Bending moments (m, n) at the stations by a unit compression of each sector: B of eq. 11,
+    # times dx.
     bent = (p.pressed + p.drag * p.dragged) * k
     matrix, right = np.zeros((m + n, m + n)), np.zeros(m + n)
     # Bending of the beam, by second differences of w at the stations inside the beam (eq. 12).

@@ -45,9 +45,10 @@ COUNTED_BRAKES = ("double_shoe", "post_brake")
 """Example brakes, without and with an elastic ring, whose unknowns and iterations are counted."""
 
 USUAL_REPEATS = 9
-"""Number of times that each step is timed by default.
+"""Number of times that each calculation is timed by default.
 
-The median of nine times varies by some 2 % on a busy machine."""
+The median of nine times varies by some 2 % on a busy machine.
+"""
 
 WORKLOAD_SYSTEM_SIZE = 60
 """Number of equations of each linear system in the fixed calculation.
@@ -60,7 +61,8 @@ WORKLOAD_SYSTEMS = 80
 WORKLOAD_ADDITIONS = 100_000
 """Number of additions in the fixed calculation.
 
-They stand for the much time that a solve spends in the Python interpreter."""
+They represent the large part of a solve's time that the Python interpreter takes.
+"""
 
 IMPORT_PROGRAM = "import numpy, scipy.linalg, pydantic"
 """Program with the imports that every command needs; times of commands are divided by its time."""
@@ -113,7 +115,7 @@ def measure_python_process_time(*arguments: str) -> float:
 def median_ratio_of_two_measured_times(
     timed: Callable[[], float], compared: Callable[[], float], repeats: int = USUAL_REPEATS
 ) -> float:
-    """Median of the ratio of two times, that of `timed` divided by that of `compared`.
+    """Median of the ratio of two times: the time of `timed` divided by the time of `compared`.
 
     Both arguments are functions that measure and return a time [s]. They are called one after the
     other in each repeat, so that a slow phase of the machine changes both times.
@@ -126,7 +128,7 @@ def median_ratio_of_two_measured_times(
 
 
 def solve_times_over_fixed_calculation(repeats: int = USUAL_REPEATS) -> dict[str, float]:
-    """Times of solves, of the sensitivity and of holding, relative to the fixed calculation."""
+    """Times of `solve`, `sensitivity` and `hold`, divided by the time of the fixed calculation."""
     calls: dict[str, Callable[[], object]] = {}
     for name in TIMED_SOLVES:
         calls[f"solve {name}"] = partial(
@@ -162,7 +164,7 @@ def count_unknowns_of_default_solve(brake: Brake) -> int:
 def unknown_and_iteration_counts_of_default_solves() -> dict[str, float]:
     """Numbers of unknowns and of active-set iterations of default solves, by name.
 
-    They do not depend on the machine.
+    These numbers do not depend on the machine.
     """
     found: dict[str, float] = {}
     for name in COUNTED_BRAKES:
@@ -225,7 +227,7 @@ def append_benchmark_to_history(path: Path, benchmark: Benchmark) -> None:
 
 
 def read_benchmark_history(path: Path = BENCHMARK_HISTORY) -> list[Benchmark]:
-    """The measurements in a history file, the oldest first."""
+    """The measurements in a history file, from the oldest to the newest."""
     lines = path.read_text(encoding="utf-8").splitlines()
     return [Benchmark(**json.loads(line)) for line in lines]
 

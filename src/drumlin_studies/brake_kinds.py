@@ -35,9 +35,10 @@ TRUSTED_LAW_ERROR = 0.05
 ROUGH_LAW_ERROR = 0.15
 """Relative error up to which the study's report calls a rigid-shoe law a rough estimate."""
 NO_EFFECT_ERROR = 1e-9
-"""Relative error of the law's torque below which the torque follows from equilibrium alone.
+"""Relative error of the law's torque below which the report says that the torque follows from
+equilibrium alone, whatever the pressure.
 
-The law and finite elements then agree to round-off, even if their pressures differ.
+The torques of law and finite elements then agree to round-off, even if their pressures differ.
 """
 
 
@@ -74,7 +75,7 @@ def brake_and_reversed_brake(brake: Brake) -> tuple[Brake, Brake]:
 def solve_brake_by_all_models(
     file: str, brake: Brake, elements: int, *, solid: bool = False
 ) -> BrakeInMotion:
-    """Solve a brake by its rigid-shoe law, by finite elements and by all other models that can.
+    """Solve a brake by its rigid-shoe law, by finite elements and by every other suitable model.
 
     Parameters
     ----------
@@ -124,15 +125,16 @@ def locking_friction_by_elements(brake: Brake, most: float = 2.0, elements: int 
 def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
     """A row of a table with the errors of a brake's law, for new and for worn-in linings.
 
-    The errors are relative to finite elements: `new` and `worn` of the torque (on a plane, of the
-    braking force), `p` and `p_worn` of the pressure, as L2 distances. `factor` and `factor_worn`
-    are brake factors by finite elements. `limit` is the friction at which the brake locks itself.
+    `new` and `worn` are relative errors of the torque (on a plane, of the braking force) against
+    finite elements; `p` and `p_worn` are relative L2 distances of the pressure from finite
+    elements. `factor` and `factor_worn` are brake factors by finite elements. `limit` is the
+    friction at which the brake locks itself.
     """
     brake, new = found.brake, found.new
     size = new.effect
 
     def largest_pressure_error_of_law_over_shoes(by: Response) -> float:
-        """The largest relative L2 distance of the law's pressure from `by`, over all shoes."""
+        """Largest relative L2 distance, of all shoes, from the pressure by `by` to the law's."""
         # A shoe without contact has no pressure to which a distance could be relative.
         pairs = zip(found.law.shoes, by.shoes, strict=True)
         return max(
@@ -184,8 +186,8 @@ def error_rows_of_other_models(found: BrakeInMotion) -> list[dict[str, Any]]:
 def brake_factor_of_cam_brake(brake: Brake) -> float:
     """Brake factor T/(F R) = 4 B1 B2/(B1 + B2) of an S-cam brake with rigid worn-in shoes.
 
-    The cam displaces both shoe tips by the same distance. B1 and B2 are the shoe factors T/(F R)
-    of the two shoes, each actuated alone.
+    The cam moves the loaded ends of both shoes by the same distance. B1 and B2 are the shoe factors
+    T/(F R) of the two shoes, each actuated alone.
     """
 
     def factor_of_shoe_alone(shoe: Shoe) -> float:
@@ -202,13 +204,16 @@ def brake_factor_of_cam_brake(brake: Brake) -> float:
 def sentence_on_whether_law_can_be_trusted(rows: list[dict[str, Any]]) -> str:
     """A sentence that says whether the law of a brake can be trusted.
 
-    `rows` are the rows `row_of_errors_of_rigid_shoe_law` of the brake in both senses of motion.
+    `rows` are the results of `row_of_errors_of_rigid_shoe_law` for both senses of motion.
     """
     surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
     effect_ = surface.effect
 
-    def larger_error_text(key: str) -> str:
-        """A verdict on the error `key` of the law, by the larger error of both rows."""
+    def verdict_on_error(key: str) -> str:
+        """A verdict such as "can be trusted (off by up to 3 %)".
+
+        The law is judged by the larger of its errors `key` in both rows.
+        """
         error = np.abs(values_of_key_in_rows(rows, key)).max()
         word = "is an estimate" if error <= ROUGH_LAW_ERROR else "cannot be trusted"
         word = "can be trusted" if error <= TRUSTED_LAW_ERROR else word
@@ -219,8 +224,8 @@ def sentence_on_whether_law_can_be_trusted(rows: list[dict[str, Any]]) -> str:
         return (
             f"The {effect_} follows from equilibrium alone, whatever the pressure. "
             f"The pressure of the law {name!r} "
-            f"{larger_error_text('p')} new, and {larger_error_text('p_worn')} worn in."
+            f"{verdict_on_error('p')} new, and {verdict_on_error('p_worn')} worn in."
         )
-    new = f"{larger_error_text('new')}, its pressure {larger_error_text('p')}"
-    worn = f"{larger_error_text('worn')}, its pressure {larger_error_text('p_worn')}"
+    new = f"{verdict_on_error('new')}, its pressure {verdict_on_error('p')}"
+    worn = f"{verdict_on_error('worn')}, its pressure {verdict_on_error('p_worn')}"
     return f"New, the {effect_} of the law {name!r} {new}; worn in, the {effect_} {worn}."

@@ -55,15 +55,19 @@ FIRST_SEED, FITTED_BRAKES = 300_000, 260
 Other brakes, with the seeds from 70000 and from 700000 on, test the fitted factors."""
 
 FIRST_CORNER, CORNER_BRAKES = 310_000, 60
-"""Seed of the first brake of the fit that presses on the drum by a corner or a tip of the lining.
+"""Seed of the first brake of the fit that presses on the drum only by a corner or a tip.
 
+A corner is an end of the lining's surface; a tip is a kink of this surface that points to the drum.
 The second number is the number of these brakes: six of each kind. The factors are tested on brakes
-of other seeds, see `corner_rows.FIRST_JUDGED`."""
+of other seeds, see `corner_rows.FIRST_JUDGED`.
+"""
 
 STATED_QUANTILE = 0.995
 """Fraction of the true errors that must not exceed the stated errors in the fit.
 
-README promises that at most twice the rest, 1 %, of the stated errors is too small."""
+README promises that at most 1 % of the stated errors are too small: twice the share that this fit
+allows.
+"""
 
 FITTED_LEVELS = 5
 """Number of hp meshes (levels) of each brake whose errors are fitted.
@@ -75,7 +79,8 @@ CHANCE_WEIGHTS = tuple(2.0**-k for k in range(4, 14))
 
 The contributions of hp elements to the change of a force may cancel by accident. Therefore the
 change that they would cause with random signs is multiplied by this weight and added to the actual
-change. `fit_safety_factors` takes the candidate with the smallest median of stated over true error.
+change. `fit_safety_factors` takes the candidate with the smallest median ratio of stated to true
+error.
 """
 
 HALF_STATED_QUANTILE = 0.999
@@ -94,7 +99,7 @@ class LevelRecord(NamedTuple):
 
     Attributes
     ----------
-    step : relative change since the level before, the largest of all shoes
+    step : relative change from the level before to this one, the largest of all shoes
     chance : change that a force would have if the elements contributed to it with random signs
     beside : sum of the error by the finite contact stiffness (penalty) and of the round-off error
     true : true error, relative to a far finer solution
@@ -109,10 +114,10 @@ class LevelRecord(NamedTuple):
 
 
 def draw_calibration_brake(seed: int) -> tuple[str, Brake]:
-    """The random brake of a seed, and before it the name of its kind.
+    """The name of a kind of brakes, and the random brake of this kind, that a seed gives.
 
     Consecutive seeds go through all kinds. Seeds from FIRST_CORNER on give brakes that press on the
-    drum by a corner or a tip of the lining.
+    drum only by a corner of the lining or by a kink of its surface that points to the drum.
     """
     if seed >= FIRST_CORNER:
         names = list(CORNER_KINDS)
@@ -141,7 +146,7 @@ def true_and_estimated_errors_of_random_brake(seed: int) -> dict[str, Any]:
             islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), FITTED_LEVELS),
         )
     except (NoAnswer, AssertionError) as error:
-        # An AssertionError means that round-off has turned over a tiny triangle.
+        # An AssertionError means that round-off has inverted a tiny triangle.
         return {"seed": seed, "kind": kind, "reason": str(error), "levels": []}
     return {
         "seed": seed,
@@ -159,7 +164,8 @@ def true_errors_and_estimates_on_each_mesh(
     The true error of a quantity is nan if drumlin itself says that the quantity is not known, such
     as the peak of a pressure without bound.
     """
-    # With stated errors of zero, only a quantity that drumlin calls unknown gets an error above 0.
+    # Stated errors of zero are given to drumlin. Only the error of a quantity that drumlin calls
+    # unknown, such as an unbounded peak, then becomes larger than 0.
     nothing = Errors.brake_errors_from_torque_and_shoe_errors(
         0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes)
     )
@@ -214,7 +220,7 @@ class Samples(NamedTuple):
     unsure: Floats
 
     @property
-    def is_true_error_usable(self) -> Bools:
+    def which_true_errors_are_usable(self) -> Bools:
         """Whether each true error (m,) is large enough and certain enough to be used in the fit.
 
         A smaller one may be the error of the finer solution from which true errors are taken.
@@ -229,7 +235,9 @@ class Samples(NamedTuple):
         true error that is not certain, any factor counts as large enough.
         """
         # The factor that each sample needs, so that its stated error equals its true error.
-        most = np.where(self.is_true_error_usable, self.true - self.unsure - self.beside, 0.0)
+        most = np.where(
+            self.which_true_errors_are_usable, self.true - self.unsure - self.beside, 0.0
+        )
         needed = np.maximum(most, 0.0) / np.maximum(
             self.step + weight * self.chance, np.finfo(float).tiny
         )
@@ -243,14 +251,19 @@ class Samples(NamedTuple):
     def stated_over_true_errors(self, factor: float, weight: float) -> Floats:
         """Ratios (k,) of the stated error to the true error, of the k usable samples.
 
-        See `is_true_error_usable`.
+        See `which_true_errors_are_usable`.
         """
         stated = factor * (self.step + weight * self.chance) + self.beside
-        return stated[self.is_true_error_usable] / self.true[self.is_true_error_usable]
+        return (
+            stated[self.which_true_errors_are_usable] / self.true[self.which_true_errors_are_usable]
+        )
 
 
 def true_and_estimated_errors_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
-    """The errors of one quantity on all meshes of all brakes, without those whose error is nan."""
+    """The errors of one quantity on all meshes of all brakes.
+
+    Meshes on which the true error is nan are left out.
+    """
     rows = []
     for level in levels:
         if not math.isnan(level.true[quantity]):
@@ -265,14 +278,15 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     HALF_STATED_QUANTILE. Torque and reaction have the same factor, the larger of their two factors.
     The estimated error of a force has a term for the change that the force would have if the
     elements contributed with random signs. Of the weights CHANCE_WEIGHTS of this term, the one with
-    the smallest median of stated over true error is taken.
+    the smallest median ratio of stated to true error is taken.
     """
-    # The factor of forces depends on the weight of the term for contributions with random signs.
+    # The weight multiplies the force change that contributions with random signs would cause. The
+    # safety factor of forces depends on this weight.
     forces = [
         true_and_estimated_errors_of_quantity(levels, name) for name in ("torque", "reaction")
     ]
     weight = min(CHANCE_WEIGHTS, key=partial(_median_stated_over_true_error, forces))
-    of_forces = _common_safety_factor(forces, weight)
+    of_forces = _largest_safety_factor_of_quantities(forces, weight)
     pressure, peak = (
         true_and_estimated_errors_of_quantity(levels, name).smallest_safety_factor(0.0)
         for name in ("pressure", "peak")
@@ -285,24 +299,29 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     )
 
 
-def _common_safety_factor(quantities: Sequence[Samples], weight: float) -> float:
-    """The safety factor that all quantities need, for a weight of the term with random signs."""
+def _largest_safety_factor_of_quantities(quantities: Sequence[Samples], weight: float) -> float:
+    """The largest safety factor that any of the quantities needs.
+
+    `weight` multiplies the change that a force would have if elements contributed with random
+    signs.
+    """
     return max(of.smallest_safety_factor(weight) for of in quantities)
 
 
 def _median_stated_over_true_error(quantities: Sequence[Samples], weight: float) -> float:
     """The median ratio of stated to true error of several quantities, with their safety factor.
 
-    The weight belongs to the term for contributions of the elements with random signs.
+    `weight` multiplies the change that a force would have if elements contributed with random
+    signs.
     """
-    factor = _common_safety_factor(quantities, weight)
+    factor = _largest_safety_factor_of_quantities(quantities, weight)
     ratios = [of.stated_over_true_errors(factor, weight) for of in quantities]
     return float(np.median(np.concatenate(ratios)))
 
 
 def round_up_to_significant_digits(value: float) -> float:
     """The value rounded up to SIGNIFICANT_DIGITS significant digits."""
-    # The small number keeps a value that is already rounded from being rounded up again.
+    # The subtraction of 1e-9 keeps a value that is already rounded from being rounded up again.
     scale = 10.0 ** (math.floor(math.log10(value)) - SIGNIFICANT_DIGITS + 1)
     return float(f"{math.ceil(value / scale - 1e-9) * scale:.{SIGNIFICANT_DIGITS}g}")
 
@@ -368,7 +387,7 @@ def safety_factors_as_json_text(
 
 
 def estimate_factors_as_json_text(factors: Factors, provenance: Provenance) -> str:
-    """The JSON text of the file of the factors of the error estimate."""
+    """The JSON text of the file with the safety factors of the error estimate."""
     return safety_factors_as_json_text(
         factors._asdict(),
         FACTOR_MEANINGS,

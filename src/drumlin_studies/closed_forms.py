@@ -122,7 +122,8 @@ def ring_displacement_per_harmonic_pressure(
         _michell_displacements_and_stresses(n, free, nu),
         _michell_displacements_and_stresses(n, held, nu),
     )
-    # Four conditions: no displacement at the fixed edge, unit pressure and no shear at the other.
+    # Four conditions: no displacement at the fixed edge, unit pressure and no shear at the free
+    # edge.
     terms = np.linalg.solve(np.vstack([at_held[:2], at_free[2:]]), [0, 0, -1, 0])
     return float(at_free[0] @ terms / two_mu)
 
@@ -130,8 +131,8 @@ def ring_displacement_per_harmonic_pressure(
 def _michell_displacements_and_stresses(n: int, r: float, nu: float) -> Floats:
     """Displacements and stresses (4, 4) at a radius, for the four terms of Michell's solution.
 
-    Each column is a term. The rows are 2 mu u_r, 2 mu u_theta, s_rr and s_rtheta, without the
-    factors cos(n theta) or sin(n theta).
+    Each column is a term. The rows are 2 mu u_r, 2 mu u_theta, s_rr and s_rtheta, with the shear
+    modulus mu and without the factors cos(n theta) or sin(n theta).
 
     Parameters
     ----------
@@ -192,7 +193,8 @@ def pressure_exponent_at_sliding_corner(mu: float, nu: float) -> float:
     def determinant_of_corner_boundary_conditions(e: float) -> float:
         """Determinant of the four boundary conditions for the exponent e; it is zero at a root.
 
-        F is A cos((e+1) theta) + B sin((e+1) theta) + C cos((e-1) theta) + D sin((e-1) theta).
+        The stress function is r^(e+1) F(theta), with F = A cos((e+1) theta) + B sin((e+1) theta) +
+        C cos((e-1) theta) + D sin((e-1) theta).
         """
         a, b = e + 1, e - 1
         sa, ca = math.sin(a * right), math.cos(a * right)
@@ -229,7 +231,8 @@ def capstan_tension_ratio(mu: float, angle: float) -> float:
 def sine_shoe_locking_friction(R: float, a: float, phi_1: float, phi_2: float) -> float:
     """Coefficient of friction at which a rigid hinged shoe with a lining of springs locks itself.
 
-    At this friction the moment of the pressure p ~ sin phi about the hinge equals that of friction.
+    At this friction the moment of the pressure p ~ sin phi about the hinge equals the moment of
+    friction.
 
     Parameters
     ----------
@@ -240,7 +243,8 @@ def sine_shoe_locking_friction(R: float, a: float, phi_1: float, phi_2: float) -
     phi_1, phi_2 : float
         Angles of the lining's ends from the line to the hinge [rad].
     """
-    # Moment of the pressure, and of friction divided by mu, both per p_0 b R.
+    # Moments about the hinge of the pressure, and of friction divided by mu. Both are divided by
+    # p_0 b R, with the width b.
     normal = a * ((phi_2 - phi_1) / 2 - (math.sin(2 * phi_2) - math.sin(2 * phi_1)) / 4)
     friction = (
         R * (math.cos(phi_1) - math.cos(phi_2))
@@ -275,7 +279,7 @@ def flat_punch_pressure(load: float, half: float, x: Floats) -> Floats:
 
 
 def equivalent_friction_ratio_of_block(half: float) -> float:
-    """Equivalent coefficient of friction of a block with p = p_0 cos phi, over the actual one.
+    """Equivalent divided by actual coefficient of friction of a block with p = p_0 cos phi.
 
         mu'/mu = 4 sin half/(2 half + sin 2 half)
 

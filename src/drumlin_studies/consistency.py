@@ -70,7 +70,7 @@ class Count(NamedTuple):
     agree, said, differ, refused : int
         Number of comparisons with each outcome.
     largest : float
-        Largest ratio of the difference to the allowed one, among comparisons that agree.
+        Largest ratio of the difference to the allowed difference, among comparisons that agree.
     """
 
     check: str
@@ -100,7 +100,7 @@ def counts_of_comparison_outcomes_by_check(rows: Sequence[Check]) -> list[Count]
                 said=outcomes["said"],
                 differ=outcomes["differs"],
                 refused=outcomes["refused"],
-                # The value 1 would mean that a difference is as large as the allowed one.
+                # The value 1 would mean that a difference is as large as the allowed difference.
                 largest=max(used, default=0.0),
             )
         )

@@ -31,13 +31,16 @@ from drumlin_studies.stated_true import (
 BLOCKS_CHECK = "blocks: error stated by the default solve, error against finer levels"
 """Name of this check in tables."""
 FEWEST_BLOCK_STEPS, MOST_BLOCK_STEPS = 7, 30
-"""Smallest and largest number of steps on a lining, the rows of `misfit.blocks`.
+"""Smallest and largest number of steps on a lining. Each step is a row of `misfit.blocks`.
 
-Each step makes two kinks in the gap."""
+Each step makes two kinks in the gap.
+"""
 BLOCK_ATTEMPTS = 200
 """Number of brakes that are drawn for one seed before the generator gives up."""
 BLOCK_TRIAL_ELEMENTS = 40
-"""Number of elements along a lining of the mesh that shows its compression and its contact."""
+"""Number of elements along a lining of the mesh on which a drawn brake is solved for a first look.
+This solve gives the compression of the linings, and shows whether every shoe is in contact.
+"""
 STEP_SPACING = 1.05
 """Smallest distance between two steps, relative to the arc over which a step extends.
 
@@ -47,7 +50,8 @@ STEP_DEPTH_DECADES = (-1.0, 1.0)
 BLOCKS_TRUTH_TOLERANCE = 2.5e-3
 """Relative tolerance of the finer solution from which true errors are taken.
 
-Its meshes are refined until p changes by a tenth of this tolerance."""
+The meshes of this solution are refined until p changes by a tenth of the tolerance.
+"""
 BLOCK_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
 """The kinds of random brakes, in the order in which consecutive seeds draw them."""
 Rng = np.random.Generator
@@ -147,7 +151,7 @@ def _lining_compression_under_mean_pressure(brake: Brake, shoe: Shoe, found: Sho
 
 
 class StatedAndTrue(NamedTuple):
-    """A response with the errors that it states, a far finer solution, and the true errors."""
+    """A response with its stated errors, a far finer solution, and the response's true errors."""
 
     response: Response
     truth: Truth

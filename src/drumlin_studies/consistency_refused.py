@@ -19,14 +19,15 @@ from drumlin_studies.standing_off import draw_random_brake_with_clearances
 MESH_SIZES = 20, 40, 80
 """Number of elements along a lining of the three uniform meshes."""
 SAME_FORCE = 0.05
-"""Relative spread of the total contact force up to which the three meshes agree.
+"""Relative spread of the shoes' total normal force up to which the three meshes agree.
 
 With a larger spread the meshes are too coarse for the contact, and prove nothing.
 """
 BRAKES_PER_MESH_CHECK = 10
-"""One of this many brakes that the default solve can solve is also solved on the uniform meshes.
+"""Of this many brakes that the default solve can solve, one is also solved on the uniform meshes.
 
-A brake that it refuses is always solved on them. This takes about one second for each brake.
+A brake that the default solve refuses is always solved on them. The uniform meshes of a brake take
+about one second.
 """
 
 
@@ -43,7 +44,9 @@ def default_solve_against_mesh_rows(seed: int) -> list[Check]:
         return []
     # If the three meshes agree on the contact force, the brake has an equilibrium.
     on_meshes = [_brake_response_or_refusal_message(brake, elements) for elements in MESH_SIZES]
-    forces = [total_contact_force(mesh) for mesh in on_meshes if not isinstance(mesh, str)]
+    forces = [
+        sum_of_normal_forces_of_shoes(mesh) for mesh in on_meshes if not isinstance(mesh, str)
+    ]
     one_answer = len(forces) == len(MESH_SIZES) and relative_spread_of_values(forces) <= SAME_FORCE
     if isinstance(found, str):
         if one_answer:
@@ -62,7 +65,7 @@ def default_solve_against_mesh_rows(seed: int) -> list[Check]:
         ]
     if not one_answer:
         return []
-    difference = max(abs(each / total_contact_force(found) - 1) for each in forces)
+    difference = max(abs(each / sum_of_normal_forces_of_shoes(found) - 1) for each in forces)
     # The error of the coarsest mesh is about the spread of the forces; the factor 2 allows for slow
     # convergence.
     return [
@@ -81,8 +84,8 @@ def draw_brake_for_refusal_check(seed: int) -> Brake:
     return draw_random_brake_of_kind(half, kinds[half % len(kinds)])
 
 
-def total_contact_force(response: Response) -> float:
-    """The sum over all shoes of the contact force's normal part [N]."""
+def sum_of_normal_forces_of_shoes(response: Response) -> float:
+    """The sum over all shoes of the size of the resultant of the lining's pressure [N]."""
     return sum(shoe.normal_force for shoe in response.shoes)
 
 

@@ -48,7 +48,8 @@ A larger step may change the contact set, and has a larger truncation error. A s
 larger error by round-off, which is some 1e-11 of the torque in a solve.
 """
 STEP_FACTORS = (1.0, 0.1, 0.01)
-"""Factors on all three steps, tried in turn until no step changes the contact set."""
+"""Factors that multiply all DIFFERENCE_STEPS, tried in turn until no step changes the contact set.
+"""
 ALLOWED_SLOPE_DIFFERENCE = 0.01
 """Largest relative difference between a slope and a central difference that counts as agreement.
 
@@ -57,8 +58,8 @@ It is the accuracy that drumlin aims at for printed slopes.
 SMALLEST_SLOPE = 1e-3
 """Slope below which differences are relative to this slope instead of to the slope itself.
 
-Its unit is torque over size of the varied quantity. Central differences cannot resolve smaller
-slopes: ALLOWED_SLOPE_DIFFERENCE of this slope is 1e-5 of the torque.
+Its unit is the torque divided by the size of the varied quantity. Central differences cannot
+resolve smaller slopes: ALLOWED_SLOPE_DIFFERENCE of this slope is 1e-5 of the torque.
 """
 SLOPES_PER_BRAKE = 3
 """Number of slopes of a brake that are compared; the seed decides which ones.
@@ -364,7 +365,7 @@ SLOPE_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
 
 
 def draw_brake_with_friction(seed: int) -> tuple[str, Brake]:
-    """The random brake of a seed, with friction, and before it the name of its kind.
+    """The name of a kind of brakes, and the random brake with friction, that a seed gives.
 
     In half of the brakes the shoe's body and the ring have a bending stiffness given by number.
     """

@@ -1,9 +1,10 @@
 """Checks the simulation of lining wear at its beginning, middle and end, on random brakes.
 
-Unworn linings must have the torque and the pressure of `solve`. So must worn linings, at every
-sliding distance and in both senses of rotation. At the end of wear, all points of a lining wear at
-the rate at which a rigid-body motion of the shoe closes the gap. The pressure must then be that of
-the worn-in state, and both must equal that of the rigid-shoe law, within the error of the mesh.
+Unworn linings must have the torque and the pressure of `solve`. Worn linings must have the torque
+and the pressure that `solve` gives for their worn surface, in both senses of rotation. At the end
+of wear, all points of a lining wear at the rate at which a rigid-body motion of the shoe closes the
+gap. The pressure must then equal the pressure of the worn-in state and the pressure of the
+rigid-shoe law, within the error of the mesh.
 """
 
 import math
@@ -61,7 +62,7 @@ LAW_PRESSURE = 0.02
 The pressure of the law has a kink at the end of its contact, inside an element.
 """
 END_REACHED = 1.1 * WEAR_SETTLED
-"""Allowed difference between torque and pressure at the end of a wear run and their limits.
+"""Allowed relative difference of torque and pressure at the end of a wear run from their limits.
 
 A run ends at a difference of WEAR_SETTLED. The factor allows for the mesh and the penalty.
 """
@@ -162,7 +163,7 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
     """
     scene = make_prepared_model(brake, elements=WORN_ELEMENTS)
     setup = wear_setup_by_finite_elements(scene, brake)
-    worn_in = partial(_torque_and_pressure_worn_in, setup, scene, brake)
+    worn_in = partial(_torque_and_pressure_of_worn_in_brake, setup, scene, brake)
     try:
         states = wear_brake_linings_until_worn_in(setup)
     except NoAnswer as error:
@@ -184,7 +185,8 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
         LAW_TORQUE,
         LAW_PRESSURE,
     )
-    # If the pressure is that of the law from the start, nothing wears and there is no middle.
+    # If unworn linings already have the pressure of the law, the wear run ends at once. It then has
+    # no worn state that could be compared.
     middle = states[len(states) // 2]
     if middle.s == 0:
         return rows
@@ -199,7 +201,7 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
     return rows + _check_rows_after_drum_reversal(name, setup, backward, scene, middle.s)
 
 
-def _torque_and_pressure_worn_in(
+def _torque_and_pressure_of_worn_in_brake(
     setup: WearSetup, scene: PreparedModel, brake: Brake
 ) -> _TorqueAndPressure:
     """Torque and pressure of a brake with worn-in linings by `solve`."""
@@ -299,7 +301,7 @@ def _torque_and_pressure_comparison_rows(
     check : str
         Name of the check, which says what two paths are compared.
     setup : WearSetup
-        The linings; areas of their nodes weigh the difference of pressures.
+        The linings; the areas of their nodes weight the differences of the nodal pressures.
     paths : two functions
         Functions that return torque and pressure by each path.
     torque, pressure : float
@@ -311,7 +313,7 @@ def _torque_and_pressure_comparison_rows(
             answers.append(path())
         except NoAnswer as error:
             refusals.append(str(error))
-    # If one path alone refuses the brake, its reason must be a valid one.
+    # If only one path refuses the brake, its error message must have one of TRUE_REASONS.
     if refusals:
         both = not answers
         tells = both or any(reason in refusals[0] for reason in TRUE_REASONS)

@@ -1,7 +1,8 @@
 """Stated and true errors of brakes that press on the drum only by a corner or a tip of the lining.
 
-These brakes have a table apart from that of the other random brakes. Their pressure p grows without
-bound towards the corner. With much friction p grows so fast that no solution has a small error.
+A corner is an end of the lining's surface; a tip is a kink of this surface that points to the drum.
+These brakes have a table of their own, because their pressure p grows without bound towards the
+corner or the tip. With much friction p grows so fast that no solution has a small error.
 """
 
 import math
@@ -30,7 +31,7 @@ those from `calibration.FIRST_CORNER` on for the safety factors."""
 STEEPEST_JUDGED = -0.3
 """Exponent a of the pressure p ~ x^a at a corner below which no solution reaches 0.1 % of p.
 
-The limit comes from angles as floating-point numbers. The smallest element of p has 1e-12 rad
+The limit exists because angles are floating-point numbers. The smallest element of p has 1e-12 rad
 (`corner.SMALLEST_PIECE`), which is 1e-10 of a contact of half a degree. In it, p has an error of
 about (1e-10)^(a + 1/2) (`polynomial_error_of_power_function`): with degree 7 the error is 0.13 %
 for a = -0.3, 0.8 % for -0.38 and 5 % for -0.45. For -0.5 p is not square-integrable. On a rigid
@@ -81,8 +82,8 @@ def error_summary_rows_by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[s
     """Summarise rows of errors in a table with a row for each kind of brake and each tolerance.
 
     A row has the number of brakes, the fraction that reaches the tolerance, and the smallest and
-    the median ratio of stated to true error of p. Two further groups follow: all brakes, and all
-    without those with an exponent below STEEPEST_JUDGED.
+    the median ratio of stated to true error of p. Two further groups follow: all brakes, and the
+    brakes whose exponent is at least STEEPEST_JUDGED.
     """
     kinds: dict[str, list[Mapping[str, Any]]] = {}
     for kind in sorted(set(values_of_key_in_rows(rows, "kind"))):

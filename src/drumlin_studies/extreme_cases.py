@@ -1,8 +1,8 @@
 """A set of brakes with extreme parameters, as a test of drumlin's robustness.
 
-A case starts from one internal shoe like that of a car's rear brake and changes a few parameters,
-called knobs. The set varies each knob over its whole range, combines extreme values of several
-knobs, and adds a Latin hypercube sample of all knobs.
+A case starts from one internal shoe like the shoe of a car's rear brake and changes a few
+parameters. The set varies each parameter over its whole range, combines extreme values of several
+parameters, and adds a Latin hypercube sample of all parameters.
 """
 
 import dataclasses
@@ -47,7 +47,7 @@ the clearance there [mm].
 
 @dataclass(frozen=True)
 class KnobCase:
-    """A case of the set: the parameters (knobs) of a brake and of its solve, in SI units.
+    """A case of the set: the parameters of a brake and of its solve, in SI units.
 
     Attributes
     ----------
@@ -60,16 +60,18 @@ class KnobCase:
     friction : float
         Coefficient of friction.
     shoe, ring : float or None
-        Young's modulus of the shoe and of the drum's ring, over that of the lining; None: rigid.
+        Young's modulus of the shoe and of the drum's ring, divided by the lining's modulus; None
+        for a rigid part.
     support : str
         Support of the ring, "fixed" or "free".
     penalty : float
-        Contact penalty.
+        Penalty factor alpha of the contact stiffness alpha E/t; inf for exact contact.
     thickness : float
         Thickness of the lining, relative to the drum's radius.
     arc : float
         Arc of the lining [deg].
-    clearance : float or str Clearance [m], or a name of CLEARANCE_TABLES.
+    clearance : float or str
+        Clearance [m], or a name of CLEARANCE_TABLES.
     force : float
         Actuating force [N].
     lever : float
@@ -79,10 +81,10 @@ class KnobCase:
     elements, kind : int, str
         Number of elements along a lining, and kind of the elements.
     aspect : float or None
-        Length over height of the elements at the lining's surface at its heel; None for the usual
-        mesh.
+        Length divided by height of the elements at the lining's surface next to the heel; None for
+        the usual mesh.
     size, pressure : float
-        Factors on all lengths and on all Young's moduli.
+        Factors that multiply all lengths and all Young's moduli.
     """
 
     knob: str = "base"
@@ -107,13 +109,13 @@ class KnobCase:
 
     @property
     def parameters_changed_from_default_case(self) -> dict[str, Any]:
-        """The parameters (knobs) of the case that differ from the unchanged case, by name."""
+        """The parameters of the case that differ from the unchanged case, by name."""
         base, own = dataclasses.asdict(KnobCase()), dataclasses.asdict(self)
         del own["knob"]
         return {key: value for key, value in own.items() if value != base[key]}
 
     def brake(self) -> Brake:
-        """The brake of the case. Raises BadInput if the knobs give no valid brake."""
+        """The brake of the case. Raises BadInput if the parameters give no valid brake."""
         title = ", ".join(
             f"{key} {value}" for key, value in self.parameters_changed_from_default_case.items()
         )
@@ -176,8 +178,8 @@ class KnobCase:
     def _clearance_on_side(self, side: int, start: float) -> float | list[tuple[float, float]]:
         """The clearance [m] of a lining, or the rows of its table: angle [rad] and clearance [m].
 
-        The lining of the right shoe (side 1) starts at the angle `start`. That of the left shoe
-        (-1) is its mirror image.
+        The lining of the right shoe (side 1) starts at the angle `start`. The lining of the left
+        shoe (-1) is its mirror image.
         """
         if not isinstance(self.clearance, str):
             return self.clearance * self.size
@@ -194,11 +196,13 @@ class KnobCase:
 
 
 def _shoe_mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any:
-    """The mesh of a shoe whose surface elements at the heel have the aspect ratio of the case.
+    """The mesh of a shoe whose elements at the heel have the case's aspect ratio at the surface.
 
-    Away from the heel's surface each element is ten times as large as the element before.
+    From there each further element is ten times as large as the element before: through the lining
+    for ratios from 1 on, else along the lining within the first usual element.
     """
-    # For a ratio above 1 the elements become flatter, else they become shorter.
+    # For a ratio from 1 on the surface elements become flatter, else the elements at the heel
+    # become shorter.
     division = divide_lining_into_elements(shoe, radius, case.elements)
     start, end = shoe.arc
     step = (end - start) / case.elements
@@ -220,7 +224,7 @@ def _shoe_mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any
 
 
 def _points_each_ten_times_as_far_from_zero(first: float, whole: float) -> Floats:
-    """Points from 0 to `whole`: the second at `first`, each further one ten times as far from 0."""
+    """Points from 0 to `whole`: the second at `first`, each further one ten times as far."""
     steps = max(0, math.ceil(math.log10(whole / first) - 0.5)) if first < whole else 0
     return np.array([0.0, *(first * 10.0**k for k in range(steps)), whole])
 
@@ -232,13 +236,13 @@ def all_extreme_cases(*, short: bool = False) -> list[KnobCase]:
     """
     sweeps = [
         _sweep_cases_from_changed_parameters(knob, settings)
-        for knob, settings in _knob_changes_of_all_sweeps().items()
+        for knob, settings in _parameter_changes_of_all_sweeps().items()
     ]
     if not short:
         return [
             *itertools.chain(*sweeps),
             *_cases_with_combined_parameter_extremes(),
-            *_cases_on_grids_of_two_knobs(),
+            *_cases_on_grids_of_two_parameters(),
             *_cases_of_latin_hypercube(100),
         ]
     ends: list[KnobCase] = []
@@ -247,7 +251,7 @@ def all_extreme_cases(*, short: bool = False) -> list[KnobCase]:
     chosen = (
         ends
         + _cases_with_combined_parameter_extremes()[::8]
-        + _cases_on_grids_of_two_knobs()[::12]
+        + _cases_on_grids_of_two_parameters()[::12]
         + _cases_of_latin_hypercube(8)
     )
     coarse = (
@@ -261,34 +265,36 @@ def _powers_of_ten(first: int, last: int, step: int = 1) -> list[float]:
     return [10.0**k for k in range(first, last + 1, step)]
 
 
-def _knob_changes_over_values(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]]:
-    """Changes of parameters (knobs), one dictionary for each value of the knob `name`.
+def _parameter_changes_over_values(
+    name: str, values: list[Any], **rest: Any
+) -> list[dict[str, Any]]:
+    """Changes of parameters of KnobCase: one dictionary for each value of the parameter `name`.
 
-    `rest` are values of other knobs, the same in each dictionary.
+    `rest` are values of other parameters, the same in each dictionary.
     """
     return [{name: value, **rest} for value in values]
 
 
-def _knob_changes_of_all_sweeps() -> dict[str, list[dict[str, Any]]]:
-    """The changed parameters (knobs) and their values, for each case of each sweep by name."""
+def _parameter_changes_of_all_sweeps() -> dict[str, list[dict[str, Any]]]:
+    """For each sweep by name: the parameters that each of its cases changes, with their values."""
     return (
-        _knob_changes_of_stiffness_sweeps()
-        | _knob_changes_of_contact_sweeps()
-        | _knob_changes_of_mesh_and_size_sweeps()
+        _parameter_changes_of_stiffness_sweeps()
+        | _parameter_changes_of_contact_sweeps()
+        | _parameter_changes_of_mesh_and_size_sweeps()
     )
 
 
-def _knob_changes_of_stiffness_sweeps() -> dict[str, list[dict[str, Any]]]:
-    """The changed knobs of the sweeps over the stiffness of shoe, ring and contact."""
+def _parameter_changes_of_stiffness_sweeps() -> dict[str, list[dict[str, Any]]]:
+    """Changed parameters of each case of the sweeps over stiffness of shoe, ring and contact."""
     moduli = _powers_of_ten(-8, 8)
     return {
-        "shoe over lining": _knob_changes_over_values("shoe", moduli)
-        + _knob_changes_over_values("shoe", moduli, assisted=False)
+        "shoe over lining": _parameter_changes_over_values("shoe", moduli)
+        + _parameter_changes_over_values("shoe", moduli, assisted=False)
         + [{"shoe": None}],
-        "ring over lining": _knob_changes_over_values("ring", moduli[::2], shoes=2)
-        + _knob_changes_over_values("ring", moduli[::2], shoes=2, support="free"),
-        "penalty": _knob_changes_over_values("penalty", [*_powers_of_ten(-2, 16), math.inf])
-        + _knob_changes_over_values(
+        "ring over lining": _parameter_changes_over_values("ring", moduli[::2], shoes=2)
+        + _parameter_changes_over_values("ring", moduli[::2], shoes=2, support="free"),
+        "penalty": _parameter_changes_over_values("penalty", [*_powers_of_ten(-2, 16), math.inf])
+        + _parameter_changes_over_values(
             "penalty",
             [*_powers_of_ten(-2, 6), 1e9, 1e12, math.inf],
             clearance=1e-4,
@@ -298,50 +304,50 @@ def _knob_changes_of_stiffness_sweeps() -> dict[str, list[dict[str, Any]]]:
     }
 
 
-def _knob_changes_of_contact_sweeps() -> dict[str, list[dict[str, Any]]]:
-    """The changed knobs of the sweeps over friction, lining, gap and force."""
-    # Values of the knobs in the units of KnobCase.
+def _parameter_changes_of_contact_sweeps() -> dict[str, list[dict[str, Any]]]:
+    """Changed parameters of each case of the sweeps over friction, lining, gap and force."""
+    # Values of the parameters in the units of KnobCase.
     arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
     gaps = [-1e-2, -1e-3, -1e-4, -1e-6, -1e-9, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2]
     mu = [0.0, 1e-9, 0.05, 0.2, 0.5, 0.8, 1.0, 1.1, 1.15, 1.17, 1.18, 1.19, 1.2, 1.3, 1.5, 2.0]
     mu += [3.0, 5.0]
     return {
-        "friction": _knob_changes_over_values("friction", mu)
-        + _knob_changes_over_values("friction", mu[1:], assisted=False),
-        "lining thickness": _knob_changes_over_values(
+        "friction": _parameter_changes_over_values("friction", mu)
+        + _parameter_changes_over_values("friction", mu[1:], assisted=False),
+        "lining thickness": _parameter_changes_over_values(
             "thickness", [*(1 / t for t in (1e5, 1e4, 1e3, 100, 30, 10, 5, 3))]
         )
-        + _knob_changes_over_values("thickness", [1e-5, 1e-3, 1 / 3], penalty=math.inf),
-        "arc": _knob_changes_over_values("arc", arcs)
-        + _knob_changes_over_values("arc", arcs, assisted=False),
-        "clearance": _knob_changes_over_values("clearance", gaps),
-        "force": _knob_changes_over_values(
+        + _parameter_changes_over_values("thickness", [1e-5, 1e-3, 1 / 3], penalty=math.inf),
+        "arc": _parameter_changes_over_values("arc", arcs)
+        + _parameter_changes_over_values("arc", arcs, assisted=False),
+        "clearance": _parameter_changes_over_values("clearance", gaps),
+        "force": _parameter_changes_over_values(
             "force", [*_powers_of_ten(-9, 12), 0.0, -2000.0], clearance=1e-4
         ),
-        "contact": _knob_changes_over_values("clearance", list(CLEARANCE_TABLES))
-        + _knob_changes_over_values(
+        "contact": _parameter_changes_over_values("clearance", list(CLEARANCE_TABLES))
+        + _parameter_changes_over_values(
             "clearance", list(CLEARANCE_TABLES), assisted=False, penalty=math.inf
         )
-        + _knob_changes_over_values("clearance", list(CLEARANCE_TABLES), elements=2),
+        + _parameter_changes_over_values("clearance", list(CLEARANCE_TABLES), elements=2),
     }
 
 
-def _knob_changes_of_mesh_and_size_sweeps() -> dict[str, list[dict[str, Any]]]:
-    """The changed knobs of the sweeps over the elements, Poisson's ratio, lever and size."""
+def _parameter_changes_of_mesh_and_size_sweeps() -> dict[str, list[dict[str, Any]]]:
+    """Changed parameters of each case of the sweeps over mesh, Poisson's ratio, lever and size."""
     return {
-        "aspect": _knob_changes_over_values(
+        "aspect": _parameter_changes_over_values(
             "aspect", [*_powers_of_ten(0, 4), *_powers_of_ten(-4, -1)]
         )
-        + _knob_changes_over_values("aspect", [1e4, 1e-4], kind="tri2"),
+        + _parameter_changes_over_values("aspect", [1e4, 1e-4], kind="tri2"),
         "elements": [
-            *_knob_changes_over_values("elements", [1, 2, 3, 5, 10, 20, 80, 160]),
-            *_knob_changes_over_values("elements", [320, 640], shoe=None),
-            *_knob_changes_over_values("elements", [1000, 2000], shoe=None, kind="quad1"),
+            *_parameter_changes_over_values("elements", [1, 2, 3, 5, 10, 20, 80, 160]),
+            *_parameter_changes_over_values("elements", [320, 640], shoe=None),
+            *_parameter_changes_over_values("elements", [1000, 2000], shoe=None, kind="quad1"),
         ],
-        "Poisson's ratio": _knob_changes_over_values(
+        "Poisson's ratio": _parameter_changes_over_values(
             "nu", [-0.99, -0.5, 0.0, 0.4, 0.45, 0.49, 0.499, 0.4999]
         ),
-        "lever": _knob_changes_over_values("lever", [*_powers_of_ten(-12, -1), 0.0, -1e-6]),
+        "lever": _parameter_changes_over_values("lever", [*_powers_of_ten(-12, -1), 0.0, -1e-6]),
         "size": [
             {"size": 1e3, "pressure": 1e-6},
             {"size": 1e3, "pressure": 1e-6, "penalty": math.inf},
@@ -351,20 +357,20 @@ def _knob_changes_of_mesh_and_size_sweeps() -> dict[str, list[dict[str, Any]]]:
             {"size": 1e3, "force": 2e9},
             {"size": 1e-3, "force": 2e-3, "kind": "tri2"},
         ],
-        "kind": _knob_changes_over_values("kind", ["quad1", "tri2", "tri1"])
-        + _knob_changes_over_values("kind", ["quad1", "tri2", "tri1"], shoe=1e-4),
+        "kind": _parameter_changes_over_values("kind", ["quad1", "tri2", "tri1"])
+        + _parameter_changes_over_values("kind", ["quad1", "tri2", "tri1"], shoe=1e-4),
     }
 
 
 def _sweep_cases_from_changed_parameters(
     knob: str, settings: list[dict[str, Any]]
 ) -> list[KnobCase]:
-    """The cases of the sweep named `knob`; `settings` are the changed knobs of each case."""
+    """The cases of the sweep named `knob`; `settings` are the changed parameters of each case."""
     return [KnobCase(knob=knob, **setting) for setting in settings]
 
 
 def _cases_with_combined_parameter_extremes() -> list[KnobCase]:
-    """The 32 cases in which each of five knobs has a small or a large value."""
+    """The 32 cases in which each of five parameters has a small or a large value."""
     ends: dict[str, tuple[Any, Any]] = {
         "shoe": (1e-4, 1e6),
         "penalty": (1.0, math.inf),
@@ -377,8 +383,8 @@ def _cases_with_combined_parameter_extremes() -> list[KnobCase]:
     return _sweep_cases_from_changed_parameters("corners", settings)
 
 
-def _cases_on_grids_of_two_knobs() -> list[KnobCase]:
-    """The cases of two grids, each over the whole ranges of two knobs."""
+def _cases_on_grids_of_two_parameters() -> list[KnobCase]:
+    """The cases of two grids; each grid covers the whole ranges of two parameters."""
     moduli, mu = _powers_of_ten(-8, 8, 2), [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.5, 2.5, 5.0]
     thicknesses, penalties = (
         [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1 / 3],
@@ -393,7 +399,7 @@ def _cases_on_grids_of_two_knobs() -> list[KnobCase]:
 
 
 def _cases_of_latin_hypercube(count: int) -> list[KnobCase]:
-    """`count` cases, a Latin hypercube sample of 13 knobs, most of them on logarithmic scales."""
+    """A Latin hypercube sample of `count` cases: 13 parameters, most on logarithmic scales."""
     rng = np.random.default_rng(HYPERCUBE_SEED)
     # Each of the 13 columns has one number in each of `count` equal intervals of [0, 1].
     strata = np.array([rng.permutation(count) for _ in range(13)]).T

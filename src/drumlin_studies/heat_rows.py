@@ -1,4 +1,4 @@
-"""Table rows on heat: a brake with heat in each of its parts alone, and in all of them."""
+"""Table rows on the effect of heat in each part of a brake alone, and in all parts."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -39,7 +39,7 @@ def responses_with_heat_in_each_part(
 
 
 def rows_of_changes_by_heat(responses: Mapping[str, Response]) -> list[dict[str, Any]]:
-    """A row for each state of a brake: torque, peak pressure, contact, and changes from cold."""
+    """A row for each state of HEATED_PARTS: torque, peak pressure, contact, changes by the heat."""
     cold = responses["cold"]
     rows = []
     for name, response in responses.items():
@@ -64,11 +64,11 @@ def _contact_length_of_shoe(arcs: Iterable[tuple[float, float]]) -> float:
     return float(sum(end - start for start, end in arcs))
 
 
-def distance_from_second_solver(brake: Brake, response: Response) -> dict[str, float]:
+def relative_distances_from_triangle_solution(brake: Brake, response: Response) -> dict[str, float]:
     """Relative distances of a response from the solution by triangles: "torque" and "reaction".
 
-    The reaction is that of the shoe with the largest distance. The triangles share neither mesh nor
-    assembly with the finite elements of the response.
+    "reaction" is the distance of the hinge reaction, the largest of all shoes. The triangles share
+    neither mesh nor assembly with the finite elements of the response.
     """
     shoes = solve_on_triangle_level_sequence(brake)[-1]
     torque = sum(shoe.torque for shoe in shoes)

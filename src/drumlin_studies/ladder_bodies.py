@@ -37,7 +37,9 @@ from drumlin_studies.two_bodies import LADDER_STEEL, plane_mesh_of_closed_ring
 from drumlin_studies.uncertainty import Index, grid_convergence_index_of_three_values
 
 ROACHE_VALUES = (0.96178, 0.96854, 0.97050)
-"""Roache's example values on three meshes; each mesh is twice as fine as the mesh before."""
+"""Values of one quantity on three meshes, from an example of Roache. The second mesh is twice as
+fine as the first, and the third twice as fine as the second.
+"""
 ON_AXIS = 1e-9
 """Distance [m] from an axis of symmetry within which a node counts as lying on it."""
 
@@ -76,7 +78,7 @@ def _basis_and_stiffness_of_mesh(mesh: Any, material: Material) -> tuple[Any, An
 
 
 def solve_nodal_displacements(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:
-    """Nodal displacements (2 nodes,) of a body under nodal forces, some of them prescribed.
+    """Nodal displacements (2 nodes,) of a body under nodal forces and prescribed displacements.
 
     Parameters
     ----------
@@ -120,7 +122,7 @@ def _end_moment_of_bent_bar() -> float:
     return float(-((K @ u)[0::2] * y)[end].sum())
 
 
-def _cantilever_tip_force_over_closed_form() -> float:
+def _cantilever_end_force_over_closed_form() -> float:
     """End force of a cantilever of length 4 and height 1, relative to the closed form.
 
     The displacements of both ends are prescribed as in the closed form (Timoshenko & Goodier,
@@ -151,7 +153,8 @@ def _work_of_end_force_on_curved_bar() -> float:
     curved = skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t)
     basis, K = _basis_and_stiffness_of_mesh(curved, Material(E=1e4, nu=0.25))
     x, y = basis.doflocs
-    # The base is fixed along x, and one node of it along y; the tip is displaced along y by 0.01.
+    # The base is fixed along x, and one node of it along y. The other end is displaced along y by
+    # 0.01.
     base, tip = np.flatnonzero(np.abs(x) < 1e-12), np.flatnonzero(np.abs(y) < 1e-12)
     pinned = base[np.argmin(np.abs(y[base] - 1))]
     held = np.concatenate([2 * base, [2 * pinned + 1], 2 * tip])
@@ -223,7 +226,8 @@ def _diameter_changes_of_thin_ring() -> DiameterChanges:
 def _observed_order_of_convergence(kind: str) -> float:
     """Observed order of convergence of the L2 error, for elements of a kind.
 
-    The kind is "quad2" or "tri1". The error is that of a manufactured solution on two meshes.
+    The kind is "quad2" or "tri1". The order follows from the errors for a manufactured solution on
+    two meshes.
     """
     return math.log2(
         _displacement_error_for_manufactured_solution(kind, 8)
@@ -252,7 +256,7 @@ def _displacement_error_for_manufactured_solution(kind: str, n: int) -> float:
     for psi, dofs in zip(basis.basis, basis.element_dofs, strict=True):
         for c in (0, 1):
             np.add.at(f[:, c], dofs, (psi[0] * force[c] * basis.dx).sum(axis=1))
-    # The displacements of the whole edge are prescribed.
+    # The displacements of all nodes on the boundary are prescribed.
     exact = _displacements_of_manufactured_solution(*basis.doflocs)
     edge = basis.get_dofs().flatten()
     held = np.concatenate([2 * edge, 2 * edge + 1])
@@ -270,7 +274,8 @@ def _displacements_of_manufactured_solution(x: Floats, y: Floats) -> Floats:
 def _largest_pressure_of_murty_problem() -> float:
     """Largest pressure of Murty's contact problem, on which a simpler active-set method cycles.
 
-    The simpler method changes the state of all wrong nodes in each step, for ever.
+    The simpler method changes the state of all wrong nodes at once, and so returns to earlier
+    contact sets for ever.
     """
     A = np.array([[1.0, 2, 0], [0, 1, 2], [2, 0, 1]])
     none = np.zeros((3, 0))
@@ -292,7 +297,8 @@ def _outer_spring_force_of_lever() -> float:
 
 
 LAME_EDGES = closed_forms.lame_displacements_of_ring_edges(0.1, 0.2, 60e6, 200e9, 0.3)
-"""Displacements [m] of the inner and outer edge of a Lame ring, in closed form."""
+"""Radial displacements [m] of the inner and the outer edge of a ring under inner pressure (Lame).
+"""
 STEEL_MODULUS, STEEL_POISSON = LADDER_STEEL.E, LADDER_STEEL.nu
 """Young's modulus [Pa] and Poisson's ratio of the steel of the ladder."""
 ROACHE_SOURCE = (
@@ -371,7 +377,7 @@ BODY_CASES = (
         expected=1.0,
         tolerance=1e-4,
         tier=DISCRETISATION_TIER,
-        found=_cantilever_tip_force_over_closed_form,
+        found=_cantilever_end_force_over_closed_form,
     ),
     KnownAnswer(
         family="curved bar under end shear",

@@ -10,7 +10,9 @@ PRINTED_DIGITS_TIER = "digits given"
 DISCRETISATION_TIER = "discretisation"
 """Reason of a tolerance: the discretisation error of drumlin's mesh."""
 MODEL_LIMIT_TIER = "limit of the model"
-"""Reason of a tolerance: the closed form holds in a limit that the case does not reach."""
+"""Reason of a tolerance: the closed form holds in a limit, such as zero lining thickness, that the
+case approaches but does not reach.
+"""
 
 
 @dataclass(frozen=True)
@@ -31,8 +33,9 @@ class KnownAnswer:
         Known value of the quantity.
     tolerance : float
         Largest relative difference that counts as agreement.
-    tier : str Reason of the tolerance, one of the four texts above: ROUND_OFF_TIER,
-        PRINTED_DIGITS_TIER, DISCRETISATION_TIER or MODEL_LIMIT_TIER.
+    tier : str
+        Reason of the tolerance, one of the four texts above: ROUND_OFF_TIER, PRINTED_DIGITS_TIER,
+        DISCRETISATION_TIER or MODEL_LIMIT_TIER.
     found : function
         Function that computes the quantity by drumlin.
     """

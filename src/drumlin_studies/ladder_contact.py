@@ -141,7 +141,7 @@ def _punch_pressure_over_closed_form() -> float:
 
 
 class DiscInHole(NamedTuple):
-    """Pressure in the middle and half-angle of contact of a disc in a hole, relative to Persson."""
+    """Middle pressure and contact half-angle of a disc in a hole, relative to Persson's values."""
 
     pressure: float
     half_angle: float
@@ -202,9 +202,10 @@ def _node_angles_around_circle(count: int, eps: float) -> Floats:
 
 
 def _wavy_ring_pressure_over_westergaard(share: float) -> float:
-    """Pressure at the crests of a wavy ring in another ring, relative to Westergaard's.
+    """Pressure at the crests of a wavy ring in another ring, relative to the closed form.
 
-    `share` is roughly the mean pressure divided by the pressure p* of full contact.
+    The closed form is Westergaard's. `share` is roughly the mean pressure divided by the pressure
+    p* of full contact.
     """
     count = 12 * RING_WAVES
     angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
@@ -243,7 +244,10 @@ def _wavy_ring_pressure_over_westergaard(share: float) -> float:
 
 @cache
 def _make_concentric_rings() -> BodyPair:
-    """Two concentric rings, fixed at the radii 0.6 and 1.4, with nodes that do not match."""
+    """Two concentric rings in contact at the radius 1, with contact nodes that do not match.
+
+    The inner ring is fixed at the radius 0.6, the outer ring at the radius 1.4.
+    """
     angles = np.linspace(-math.pi, math.pi, 49)[:-1]
     inner = condense_body_to_contact_nodes(
         plane_mesh_of_closed_ring(angles, np.linspace(0, 0.4, 6), 1.0, -1), LADDER_STEEL
@@ -266,7 +270,7 @@ class Harmonics(NamedTuple):
 def _pressure_harmonics_of_pressed_rings(n: int) -> Harmonics:
     """Harmonics of the pressure between two rings whose exact pressure is known.
 
-    The overlap of the rings is chosen so that it is 3 MPa + 1 MPa cos(n theta).
+    The overlap of the rings is chosen so that the exact pressure is 3 MPa + 1 MPa cos(n theta).
     """
     pair = _make_concentric_rings()
     angle = pair.contact_node_angles
@@ -305,7 +309,7 @@ def _computed_bonded_layer_stiffness() -> float:
 
 @cache
 def _make_lining_strip_on_rigid_back(nu: float) -> BodyPair:
-    """A lining with sharp edges on a rigid back, without an opposite body.
+    """A lining with sharp edges on a rigid back, against a rigid opposite body.
 
     The elements shrink to some 1e-7 of the lining's thickness at its ends and its face.
     """
@@ -335,7 +339,7 @@ def _pressure_exponent_at_sliding_edge(mu: float, nu: float) -> float:
         ContactProblem(matrix, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
     ).p
     r = pair.contact_node_angles - pair.contact_node_angles[0]
-    # The exponent is the slope of log p over log r, away from the smallest elements.
+    # lambda - 1 is the slope of log p against log r, fitted away from the smallest elements.
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)
     return float(1 + np.polyfit(np.log(r[near]), np.log(p[near]), 1)[0])
 

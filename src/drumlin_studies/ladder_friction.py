@@ -100,7 +100,7 @@ def _energy_dissipated_in_slip_loop() -> float:
         answer = stick_slip.solve_load_increment(
             _problem_of_node_on_springs(10.0, shift), 0.5, history, state
         )
-        # The first 21 positions are the way from zero to the loop and do not count.
+        # The first 21 positions lead from zero to the loop; their dissipation does not count.
         if i > 20:
             dissipated += float(answer.t[0] * (answer.s[0] - history.s[0]))
         history, state = answer.history_for_next_increment, answer.state
@@ -123,7 +123,10 @@ def _constant_normal_and_tangent(normal: Floats, tangent: Floats) -> Directions:
 
 
 def _push_over_weight_on_wedge() -> float:
-    """Horizontal push over weight of a block that slides up a wedge of slope 0.1 at mu = 0.3."""
+    """Push on a block that slides up a wedge, divided by the weight of the block.
+
+    The push is horizontal, the wedge has the slope 0.1, and mu is 0.3.
+    """
     slope, x = math.atan(0.1), np.linspace(0, 1, 5)
     up = np.array([math.cos(slope), math.sin(slope)])
     # A straight contact line of two quadratic edges.
@@ -139,7 +142,7 @@ def _push_over_weight_on_wedge() -> float:
 
 @cache
 def _sticking_over_contact_half_width(share: float) -> float:
-    """Half-width c of the sticking zone over half-width a of the contact of two cylinders.
+    """Half-width c of the sticking zone of two cylinders, divided by half-width a of their contact.
 
     The tangential load is `share` times mu P. The ratio is computed from the tractions in the
     middle, (1 - t/(mu p))^2 = c^2/a^2, because the ends of the zones depend on the nodes there.
@@ -321,7 +324,7 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
 
 
 def _largest_pressure_in_patch_test(turned: float) -> float:
-    """Largest pressure [Pa] on a strip that is pressed on an inclined plane, 0.05 m deep.
+    """Largest pressure [Pa] on a strip that is pressed 0.05 m deep on an inclined plane.
 
     The strip is 1 m high and has nu = 0, so that the exact pressure is uniform. `turned` is the
     inclination of the plane [rad].
@@ -339,7 +342,8 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
     strip = FlexibleBody.elastic_body_of_mesh(mesh, Material(E=2e6, nu=0.0), held, directions, 0.3)
     N, M = strip.coupling.N, strip.coupling.M
     n = len(M)
-    # Opening of the gap by unit pressures; at first the plane lies 0.05 m inside the strip.
+    # Weighted opening of the gap by unit nodal pressures; at first the plane lies 0.05 m inside the
+    # strip.
     closure = (
         N
         @ strip.displacements_under_forces(strip.nodal_forces_of_unit_tractions(N))[
@@ -361,7 +365,8 @@ class Plate(NamedTuple):
     Attributes
     ----------
     moment : float
-        Moment of the contact pressure about a corner of the plate, over that of all other forces.
+        Moment of the contact pressure about a corner of the plate, divided by the moment of all
+        other forces.
     states : frozenset of int
         States that occur among the contact nodes: open, stick or slip.
     """
@@ -374,7 +379,7 @@ class Plate(NamedTuple):
 def solve_pressed_and_pushed_plate() -> Plate:
     """Press an elastic plate on a rigid plane at mu = 1 and push it from its side.
 
-    The plate is that of Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa on its upper edge
+    The plate comes from Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa on its upper edge
     and 10 MPa on its side, with a plane of symmetry at x = 0. Moments are taken about the corner in
     the origin. Friction on the rigid plane has no moment about this corner, nor has the vertical
     force that fixes the plate there.
@@ -553,7 +558,7 @@ def _wear_problem_of_winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
 
 def _locking_friction_of_winkler_shoe() -> float:
     """Coefficient of friction at which the shoe with a lining of springs locks itself."""
-    # The equations are linear in friction: two problems give those at any friction.
+    # The equations are linear in friction: two problems give the equations at any friction.
     still, unit = (
         _wear_problem_of_winkler_shoe(0.0)[0].problem,
         _wear_problem_of_winkler_shoe(-1.0)[0].problem,
@@ -579,7 +584,7 @@ def _wear_states_of_winkler_shoe() -> tuple[list[WearState], Floats]:
 
 
 def _remaining_deviation_from_sine_law() -> float:
-    """The deviation from the sine law after a sliding distance of 2/(k K), over that at first."""
+    """Deviation of the pressure from the sine law after sliding by 2/(k K), relative to new."""
     states, law = _wear_states_of_winkler_shoe()
     first = states[0].pressure - SPRING_MOMENT * law
     last = states[-1].pressure - SPRING_MOMENT * law
@@ -595,9 +600,16 @@ def _worn_volume_over_archard_volume() -> float:
 
 
 class ThinLinings(NamedTuple):
-    """A brake with thin linings on rigid shoes: torque [N m] by the sine law, response, brake.
+    """A brake with thin linings on rigid shoes, and its results.
 
-    The response is that by finite elements.
+    Attributes
+    ----------
+    law_torque : float
+        Torque by the sine law [N m].
+    response : Response
+        Response by finite elements.
+    brake : Brake
+        The brake.
     """
 
     law_torque: float
@@ -613,7 +625,7 @@ def _solve_brake_with_thin_linings() -> ThinLinings:
 
 
 def _external_moment_over_torque() -> float:
-    """Moment of all actuations and hinge reactions about the drum's centre, over the torque."""
+    """Moment of actuations and hinge reactions about the drum's centre, divided by the torque."""
     response, brake = (
         _solve_brake_with_thin_linings().response,
         _solve_brake_with_thin_linings().brake,

@@ -157,7 +157,7 @@ def _locking_friction_of_block() -> float:
 
 
 def _two_block_torque_over_one_block() -> float:
-    """Torque of a brake with two opposite blocks, over that of a brake with one block."""
+    """Torque of a brake with two opposite blocks, relative to a brake with one block."""
     one = brake_with_block_on_lever(
         R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1
     )
@@ -227,7 +227,7 @@ def _peak_pressure_of_long_pad_by_statics() -> float:
     """Peak pressure [Pa] of the long flat shoe from equilibrium.
 
     The pressure grows linearly with the distance from the pin. The moments of pressure and friction
-    about the pin balance that of the actuation.
+    about the pin balance the moment of the actuation.
     """
     normal = (PAD_END**3 - PAD_START**3) / 3
     friction = PAD_MU * PIN_HEIGHT * (PAD_END**2 - PAD_START**2) / 2
@@ -288,7 +288,11 @@ def _friction_sensitivity_by_differences() -> float:
 
 
 def _friction_sensitivity_by_formula() -> float:
-    """Relative change of a short shoe's torque per relative change of friction, m/(m - n)."""
+    """Relative change of a short shoe's torque per relative change of friction, m/(m - n).
+
+    m is the moment of the normal force about the hinge, and n the moment of friction. Both are
+    divided by the torque.
+    """
     m, n = 0.25 * sin(radians(75)) / (0.3 * 0.2), 1 - 0.25 * cos(radians(75)) / 0.2
     assert np.allclose(short_shoe_moments_over_torque(0.3, radians(75), 0.2, 0.25), (m, n))
     return m / (m - n)
@@ -297,7 +301,8 @@ def _friction_sensitivity_by_formula() -> float:
 def _result_of_simscape_double_shoe(what: str) -> float:
     """A result of Simscape's double-shoe brake block with its default parameters.
 
-    It is the torque over the force [m] for `what` = "T/F", else the friction that locks the brake.
+    It is the torque divided by the force [m] for `what` = "T/F", else the friction that locks the
+    brake.
     """
     block = DoubleShoe()
     return float(sum(block.shoe_torques(1.0, 1.0))) if what == "T/F" else block.mu_lock

@@ -1,7 +1,7 @@
 """Cases of the benchmark ladder on pads on a plane, solved as whole brakes.
 
-They compare the compression of a thin lining with that of springs, and the exponent of the pressure
-at a pad's edge with its closed form.
+They compare two results with closed forms: the compression of a thin lining, and the exponent of
+the pressure at a pad's edge.
 """
 
 import math

@@ -68,14 +68,13 @@ def row_of_shoe_results(response: Response, index: int) -> Row:
 def rows_of_laws_that_cannot_solve_brakes(rows: Sequence[Row]) -> list[Row]:
     """A row for each brake file and reason, with the laws that could not solve the brake.
 
-    `rows` holds a row for each shoe and law, or for a law that cannot solve a brake a row with the
-    reason.
+    `rows` are rows of `rows_of_shoe_results_by_every_law`.
     """
     laws: dict[tuple[str, str], Row] = {}
     for row in rows:
         if row["status"] == "applies":
             continue
-        # A further law with the same reason joins the row of the first.
+        # A further law that fails for the same reason is added to the row of the first law.
         key = row["file"], row["reason"]
         names = f"{laws[key]['laws']}, {row['law']}" if key in laws else row["law"]
         laws[key] = {"file": row["file"], "laws": names, "reason": row["reason"]}
@@ -85,8 +84,8 @@ def rows_of_laws_that_cannot_solve_brakes(rows: Sequence[Row]) -> list[Row]:
 def rows_of_shoe_factors_of_post_brake(brake: Brake) -> list[Row]:
     """Rows with the shoe factors of a post brake, by eq. 26 of Barecki & Scieszka and by laws.
 
-    Eq. 26 calls a shoe leading or trailing by the sign of one of its terms. A row has this word,
-    and whether the shoe is self-energising.
+    `word` says "leading" or "trailing" by the sign of a term of eq. 26. `helps` says whether the
+    shoe is self-energising.
     """
     rows = []
     for law in ("short", "cosine", "uniform", "sine"):
@@ -127,8 +126,8 @@ def first_shoe_responses_by_law(block: Brake, pad: Brake) -> dict[str, ShoeRespo
     """The response of one shoe by every law, by the names of the laws.
 
     Laws for drum brakes solve the first shoe of the brake `block`. For the law "pivoted" this shoe
-    gets a pivot away from its best place. The law "linear" solves the first shoe of the brake
-    `pad`, which presses on a plane.
+    gets a pivot away from the point about which its pressure would be symmetric. The law "linear"
+    solves the first shoe of the brake `pad`, which presses on a plane.
     """
     shoes = {name: MODELS[name].solve(block).shoes[0] for name in LAWS}
     pivoted = vary(block, {"shoe.pivot": {"radius": "140 mm", "angle": "84 deg"}})

@@ -11,8 +11,8 @@ four levels, and prints
 - the safety factors of the error estimate, fitted on these levels alone;
 - for each of three tolerances, the processor time of all brakes up to the level where a solve would
   stop, and the percentage of brakes that reach the tolerance on four levels;
-- the median of stated over true error of each quantity, with the number of stated errors that are
-  too small.
+- the median ratio of stated to true error of each quantity, with the number of stated errors that
+  are too small.
 
 The far finer solutions, from which true errors are taken, need ten minutes on two cores, each rule
 one to three minutes.
@@ -60,7 +60,7 @@ class LevelsOfRule(NamedTuple):
 
     Attributes
     ----------
-    levels : errors and terms of their estimate, for each level from the second one on
+    levels : true errors and the terms of their estimate, for each level from the second one on
     seconds : processor time [s], for each level from the first one on
     """
 
@@ -137,7 +137,7 @@ def _errors_stated_on_mesh_by_safety_factors(
     level: LevelRecord, factors: Factors
 ) -> dict[str, float]:
     """The errors that drumlin would state on a mesh (level) with given safety factors."""
-    # Pressure and peak have factors of their own; torque and reaction share that of forces.
+    # Pressure and peak have factors of their own; torque and reaction share the factor of forces.
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}
     for name in QUANTITIES:
@@ -163,7 +163,7 @@ def report_text_on_refinement_rule(brakes: Sequence[LevelsOfRule]) -> str:
 
 
 def _error_ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
-    """Text with the median ratio of stated to true error, and the number of too small ratios."""
+    """Text with the median ratio of stated to true error, and the number of ratios below 1."""
     # True errors that are uncertain do not count.
     certain = [
         stop.stated[quantity] / stop.level.true[quantity]
@@ -175,7 +175,7 @@ def _error_ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
 
 
 def refinement_rule_with_changed_numbers(words: Sequence[str]) -> LevelRule:
-    """A copy of LEVEL_RULE with the numbers changed that words such as `fall=6` give.
+    """A copy of LEVEL_RULE in which words such as `fall=6` replace numbers.
 
     Raises ValueError for a word of another form.
     """
@@ -187,7 +187,7 @@ def refinement_rule_with_changed_numbers(words: Sequence[str]) -> LevelRule:
 
 
 def main(words: Sequence[str]) -> int:
-    """Try LEVEL_RULE and, if there are words, the changed rule; returns the exit status."""
+    """Try LEVEL_RULE, and the rule that `words` change if given; returns the exit status."""
     seeds = range(FIRST_SEED, FIRST_SEED + FITTED_BRAKES)
     rules = {"as it is": LEVEL_RULE} | (
         {" ".join(words): refinement_rule_with_changed_numbers(words)} if words else {}

@@ -70,7 +70,7 @@ def _list_fixed_mesh_methods(brake: Brake, *, short: bool) -> Iterator[Method]:
 
 
 def _list_hp_element_methods(*, short: bool) -> Iterator[Method]:
-    """Methods that solve a brake by hp elements, which are of high degree and graded.
+    """Methods that solve a brake by hp elements: of high degree, and smaller near corners.
 
     Some methods use one fixed level of refinement. The others refine until the estimated error is
     below a tolerance.

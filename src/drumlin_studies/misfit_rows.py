@@ -1,7 +1,7 @@
 """Table rows on misfit, which is any deviation of lining or drum from a lining that fits the drum.
 
-The rows show the effect of one misfit at a time, of a turn of a drum with lobes, and of random
-misfits within manufacturing tolerances.
+The rows show the effect of one misfit at a time, of an out-of-round drum over one revolution, and
+of random misfits within manufacturing tolerances.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -40,8 +40,9 @@ STATES = ("new", "worn in")
 LOBES = {"run-out": 1, "oval": 2, "three lobes": 3, "five lobes": 5}
 """Number of lobes around the drum, by the name of the out-of-roundness. Run-out has one lobe."""
 EXPANSION, WARMING = 11e-6, 100.0
-"""Coefficient of thermal expansion of the drum [1/K]; temperature of the drum minus that of the
-shoes [K]."""
+"""Coefficient of thermal expansion of the drum [1/K]; temperature of the drum minus temperature of
+the shoes [K].
+"""
 
 
 def table_rows_of_changes_by_each_misfit_alone(
@@ -49,7 +50,7 @@ def table_rows_of_changes_by_each_misfit_alone(
 ) -> list[dict[str, Any]]:
     """A row for each single misfit, with the changes of torque and peak pressure that it causes.
 
-    The changes are relative to the brake with linings that fit, and relative to the law.
+    The changes are relative to the brake with linings that fit, and relative to a rigid-shoe law.
 
     Parameters
     ----------
@@ -158,14 +159,14 @@ def torques_over_turn_of_lobed_drum(
 
 
 def torque_ranges_over_mean_torque(torques: Mapping[str, Floats]) -> dict[str, float]:
-    """Largest minus smallest torque over the mean torque, by the keys of `torques`."""
+    """Largest minus smallest torque, divided by the mean torque, by the keys of `torques`."""
     return {name: float(np.ptp(torque) / np.mean(torque)) for name, torque in torques.items()}
 
 
 def maps_of_deviation_from_law(
     rows: Sequence[Row], brake: Brake, law: Response, shape: tuple[int, int]
 ) -> dict[str, Floats]:
-    """Maps of torque and peak pressure of a sweep, over their values by the law, minus 1.
+    """Maps of the relative differences of torque and peak pressure from their values by the law.
 
     Parameters
     ----------
@@ -183,7 +184,7 @@ def maps_of_deviation_from_law(
     dict
         The arrays of the given shape under the keys "torque" and "peak_pressure".
     """
-    # A map holds the relative difference of a quantity from its value by the law.
+    # The law's values belong to the brake without the changes of the sweep.
     nominal = results_of_response_by_name(brake, law)
     maps = {}
     for name in ("torque", "peak_pressure"):
@@ -219,7 +220,7 @@ class DrawnBrakes:
         return values * 1e-6 if name == "peak_pressure" else values
 
     def torque_over_torque_by_law(self, state: str) -> Floats:
-        """Torque of each random brake over its torque by the sine law (2 n,).
+        """Torque (2 n,) of each random brake, divided by its torque by the sine law.
 
         state : "new" or "worn in", the state of the linings.
         """
@@ -237,7 +238,7 @@ class DrawnBrakes:
         return low - 1, high - 1
 
     def relative_torque_deviation(self, state: str) -> float:
-        """Standard deviation of the torque of the random brakes over their mean torque.
+        """Standard deviation of the torque of the random brakes, divided by their mean torque.
 
         state : a key of `rows`, for example "new" for new linings.
         """
@@ -248,7 +249,7 @@ class DrawnBrakes:
     def mean_and_95th_percentile_of_relative_peak_pressure(
         self, pressure: float
     ) -> tuple[float, float]:
-        """Mean and 95th percentile of the peak pressures of new brakes, over `pressure` [MPa]."""
+        """Mean and 95th percentile of new brakes' peak pressures, divided by `pressure` [MPa]."""
         peaks = self.values_of_quantity_for_random_brakes("new", "peak_pressure") / pressure
         return float(peaks.mean()), float(np.percentile(peaks, 95))
 
@@ -345,7 +346,8 @@ def sliding_distance_until_torque_settles(
     within : float
         Largest relative difference of a percentile from its last value.
     """
-    # At each distance: the largest relative difference of the three percentiles from their ends.
+    # At each distance: the largest relative difference of the three percentiles from their last
+    # values.
     ends = np.percentile(torque, (5, 50, 95), axis=0)
     off = np.abs(ends / ends[:, -1:] - 1).max(axis=0)
     return next(s for k, s in enumerate(distances) if off[k:].max() < within)

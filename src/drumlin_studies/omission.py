@@ -1,4 +1,4 @@
-"""Omissions: parts of a brake that a simpler model neglects, and the change of the answer by this.
+"""Omissions: parts of a brake that a simpler model neglects, and how this changes the answer.
 
 An omission replaces for example the elastic drum ring by a rigid drum.
 `relative_change_from_whole_to_simpler_brake` compares the answers of the simpler and of the whole
@@ -50,7 +50,7 @@ class Omission(NamedTuple):
 
 
 def _is_body_an_arc_along_drum(shoe: Shoe) -> bool:
-    """Whether the body of a shoe is an arc along the drum, no straight beam and no user's mesh."""
+    """Whether the body of a shoe is an arc along the drum, not a straight beam or a mesh file."""
     return shoe.mesh is None and not isinstance(shoe.body, Beam)
 
 
@@ -64,7 +64,7 @@ def _has_shoe_with_elastic_arc_body(brake: Brake) -> bool:
 def _has_shoe_with_backing(brake: Brake) -> bool:
     """Whether a shoe of the brake has a backing behind its lining and no straight beam.
 
-    Shoes on a mesh of the user do not count.
+    Shoes with a mesh file do not count.
     """
     return any(
         shoe.backing is not None and _is_body_an_arc_along_drum(shoe) for shoe in brake.shoes
@@ -109,12 +109,12 @@ class OmissionChange(NamedTuple):
     pressure : float
         L2 norm of the change of the pressure p, outside the zones at the lining's ends.
     shoes : float
-        Sum of the absolute changes of the shoes' torques, over the brake's torque. The sum is an
-        upper bound of `torque`, in which changes of opposite sign cancel.
+        Sum of the absolute changes of the shoes' torques, divided by the brake's torque. The sum is
+        an upper bound of `torque`, in which changes of opposite sign cancel.
     reaction, peak : float
         Change of the hinge reaction and of the peak pressure.
     each : float
-        Change of the torque of a shoe, over the torque of the same shoe.
+        Change of the torque of a shoe, divided by the torque of the same shoe.
     """
 
     torque: float
@@ -128,7 +128,7 @@ class OmissionChange(NamedTuple):
 def relative_change_from_whole_to_simpler_brake(
     simple: Response, whole: Response
 ) -> OmissionChange:
-    """The relative changes from the response of the whole brake to that of the simpler brake."""
+    """Relative changes from the response of the whole brake to the one of the simpler brake."""
     torques, pressures, reactions, peaks, each = [], [], [], [], []
     # If torque, peak or reaction of the whole brake is zero, the absolute change is taken in place
     # of the relative one.
@@ -164,10 +164,10 @@ def names_of_omissions_possible_for_brake(brake: Brake) -> list[str]:
 
 
 def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
-    """The brake without those of the parts "ring", "shoe" and "backing" that `names` contains.
+    """The brake without those parts of "ring", "shoe" and "backing" that are in `names`.
 
     The other names of OMISSIONS change no brake file; `prepared_model_without_parts` takes them
-    into account. Raises BadInput where OMISSIONS does not have a name.
+    into account. Raises BadInput if a name is not in OMISSIONS.
     """
     names = set(names)
     if unknown := sorted(names - set(OMISSIONS)):
@@ -179,7 +179,7 @@ def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
         gone["backing"] = None
     shoes = []
     for shoe in brake.shoes:
-        # A shoe on a mesh of the user or with a straight beam keeps its body and its backing.
+        # A shoe with a mesh file or with a straight beam keeps its body and its backing.
         shoes.append(shoe.model_copy(update=gone) if _is_body_an_arc_along_drum(shoe) else shoe)
     left = brake.brake_without_ring() if "ring" in names else brake
     return left.model_copy(update={"shoes": tuple(shoes)})
@@ -202,8 +202,8 @@ def prepared_model_without_parts(
     """
     names = set(names)
     simple = brake_without_neglected_parts(brake, names)
-    # Without "drag" friction deforms no body: the model is prepared without friction, and friction
-    # is added to the balance of moments alone.
+    # If "drag" is neglected, friction deforms no body: the model is prepared without friction, and
+    # friction is added to the balance of moments alone.
     if "drag" in names and brake.friction > 0:
         scene = _model_without_friction_deformation(
             make(simple.model_copy(update={"friction": 0.0})), simple
@@ -225,7 +225,8 @@ def _model_without_friction_deformation(scene: PreparedModel, brake: Brake) -> P
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
             x, y = body.line.xy - shoe.pin_in_shoe_frame[:, None]
-            # Rigid-body modes of the contact nodes: along x, along y, and turn about the pin.
+            # Rigid-body modes of the contact nodes: translation along x, along y, and rotation
+            # about the pin.
             modes = np.stack([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
             rigid = modes.transpose(0, 2, 1).reshape(3, -1)
             made[id(body)] = replace(

@@ -114,7 +114,7 @@ def table_rows_for_each_part_omitted_from_brake(
 
 
 def predicted_over_true_changes(rows: Sequence[Mapping[str, Any]], key: str) -> list[float]:
-    """Predicted change over true change, for each row whose true change lies in 0.01 % to 30 %.
+    """Predicted divided by true change, for each row with a true change from 0.01 % to 30 %.
 
     Exact omissions, the curvature of the elements, and all omissions with curvature are left out.
 
@@ -180,14 +180,15 @@ class _OmissionRow(NamedTuple):
 def _list_part_omissions_computed_for_brake(brake: Brake) -> list[_OmissionRow]:
     """The omissions for which a brake gets a row in the table, in the order of the rows.
 
-    First stand the EXACT_OMISSIONS, then each of OMISSIONS alone, then the OMISSIONS together.
+    The EXACT_OMISSIONS come first, then each of OMISSIONS alone, then the OMISSIONS together.
     """
     rows = [_OmissionRow(part, instead, None) for part, instead in EXACT_OMISSIONS.items()]
     names = names_of_omissions_possible_for_brake(brake)
     together = []
     for part in names:
         rows.append(_OmissionRow(part, OMISSIONS[part].instead, [part]))
-        # A rigid drum couples no shoes: with the ring gone the coupling is not neglected twice.
+        # A rigid drum does not couple the shoes. If the ring is neglected, to neglect the coupling
+        # as well changes nothing.
         if part != "curvature" and not (part == "coupling" and "ring" in names):
             together.append(part)
     if len(together) > 1:
@@ -263,7 +264,7 @@ def _functions_that_solve_whole_and_simpler_brake(
 def _solvers_with_and_without_needless_computation(
     brake: Brake, part: str, elements: int
 ) -> WholeAndSimple | None:
-    """Functions that solve a brake with and without one of EXACT_OMISSIONS.
+    """Functions that solve a brake with and without a needless computation of EXACT_OMISSIONS.
 
     The result is None where the omission does not apply to the brake.
 

@@ -1,7 +1,7 @@
 """Table rows on the convergence of finite elements.
 
-The rows show orders of convergence, estimated beside true errors, and how a nearly rigid shoe tends
-to the sine law.
+The rows show orders of convergence, estimated errors beside true errors, and how the pressure of a
+nearly rigid shoe tends to the sine law.
 """
 
 import math
@@ -100,7 +100,7 @@ LEVEL_REFERENCE = Refinement(
 )
 """Two fine hp meshes on which the reference of `error_rows_of_hp_levels` is solved.
 
-They are fine enough that the errors of four coarser levels are known to within a half.
+They are so fine that the errors of four coarser levels are known to within 50 %.
 """
 
 
@@ -108,10 +108,10 @@ def error_rows_of_hp_levels(brake: Brake, refinement: Refinement = LEVEL_REFEREN
     """A row for each level of hp elements: the errors of pressure and torque, with exact contact.
 
     The elements are refined towards the ends of the contact in the reference. `root` is the cube
-    root of the number of unknowns of a shoe. The logarithm of the error falls along a straight line
-    over `root` if the elements are graded to all singular points (Babuska & Guo 1986). The rows end
-    where the error falls below twice the distance between the two hp meshes of the reference. Above
-    this floor an error is known to within a half.
+    root of the number of unknowns of a shoe. The logarithm of the error falls linearly with `root`
+    if the elements are graded to all singular points (Babuska & Guo 1986). The rows end where the
+    error falls below twice the distance between the two hp meshes of the reference. Above this
+    floor an error is known to within 50 %.
     """
     reference = solve_brake_for_reference_values(brake, refinement)
     true, places = reference.value, singular_points_of_all_linings(brake, reference.value)
@@ -238,8 +238,8 @@ def rows_of_sine_law_and_rigid_shoes(brake: Brake, elements: int) -> list[Row]:
     """Rows that compare the sine law with finite elements on nearly rigid shoes with thin linings.
 
     A row has the torques of a shoe [N m], the last row the torques of the whole brake. `spread` is
-    the range of p/sin(phi) over its mean, for the pressure p by finite elements at the angle phi
-    from the hinge. By the sine law `spread` is zero.
+    the largest minus the smallest p/sin(phi), divided by the mean, for the pressure p by finite
+    elements at the angle phi from the hinge. By the sine law `spread` is zero.
 
     brake : the brake, before RIGID_CHANGES; elements : number of elements along each lining.
     """

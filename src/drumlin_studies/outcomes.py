@@ -50,7 +50,7 @@ def rows_with_fewest_correct_digits(rows: Sequence[Row], count: int = 10) -> lis
 
 
 def _group_rows_by_varied_quantity(rows: Sequence[Row]) -> dict[str, list[Row]]:
-    """The rows in groups: those of each varied quantity (knob) under its name, all under "all"."""
+    """Groups of rows, by the name of the quantity (knob) that they vary; "all" has all rows."""
     groups: dict[str, list[Row]] = {}
     for row in rows:
         groups.setdefault(row["knob"], []).append(row)
@@ -62,9 +62,8 @@ def count_row_values_by_varied_quantity(
 ) -> list[Row]:
     """A row for each varied quantity (knob) with counts of the values of a key.
 
-    The last row counts over all trials.
-
-    A row has None under the name of a value that does not occur.
+    The last row counts over all trials. A row has None under the name of a value that does not
+    occur.
 
     rows : the rows of the trials; key : key of these rows; names : the values that are counted.
     """
@@ -138,7 +137,7 @@ def trial_rows_with_varied_penalty(rows: Sequence[Row]) -> list[Row]:
 def log_slope_of_error_over_penalty(
     values: Sequence[tuple[float, float]], low: float = 1e2, high: float = 1e6
 ) -> float:
-    """Slope of the logarithm of the error over the logarithm of the penalty factor.
+    """Slope of the logarithm of the error against the logarithm of the penalty factor.
 
     values : pairs of a penalty factor and an error; low, high : range of factors that is used.
     """

@@ -1,9 +1,9 @@
 """Errors of the plane-stress model against solid shoes with polynomials across their width.
 
 There are tables, maps of the errors over two quantities, and the wear of solid linings across their
-width. Both models use the same division of the shoe's section into hp elements, so that the error
-of this division nearly cancels in their difference. A comparison on three divisions shows the error
-that remains.
+width. Both models use the same mesh of hp elements in the plane of the drum, so that the error of
+this mesh nearly cancels in their difference. A comparison on three meshes shows the error that
+remains.
 """
 
 import time
@@ -61,11 +61,11 @@ WIDTH_QUANTITIES = {
 "corrected" stands for plane stress with the correction for the finite width of the shoe.
 """
 SAID = {"torque": "the torque of each shoe", "pressure": "its mean pressure"}
-"""Words for two of these quantities in sentences of the report, by key."""
+"""Words for two keys of WIDTH_QUANTITIES in sentences of the report."""
 STUDY_DEGREE = 3
 """Degree across the width of solid shoes."""
 READER_LIMITS = (0.01, 0.05, 0.20)
-"""Relative errors for which the report says in which range plane stress is that exact."""
+"""Limits of the relative error. The report states for each in which range plane stress keeps it."""
 
 
 class SolidAndPlane(NamedTuple):
@@ -81,7 +81,9 @@ class SolidAndPlane(NamedTuple):
 
 
 def solve_by_solid_and_plane_stress(brake: Brake, across: int = STUDY_DEGREE) -> SolidAndPlane:
-    """The responses of a brake by the three models of `SolidAndPlane`, on one section.
+    """The responses of a brake by the three models of `SolidAndPlane`.
+
+    All models have the same mesh in the plane of the drum.
 
     across : degree across the width of the solid shoes.
     """
@@ -91,7 +93,7 @@ def solve_by_solid_and_plane_stress(brake: Brake, across: int = STUDY_DEGREE) ->
 
 
 def pressure_deviation_across_width(shoe: ShoeResponse, zone: float) -> float:
-    """Standard deviation of the pressure of a solid shoe across the width, over its mean.
+    """Standard deviation of a solid shoe's pressure across the width, divided by the mean.
 
     Both are taken as root mean squares along the lining. 0 means an even pressure across the width.
 
@@ -169,9 +171,10 @@ def plane_stress_error_rows_of_shoes(three: SolidAndPlane, case: str = "") -> li
 
 
 def mid_plane_over_side_pressure(shoe: ShoeResponse) -> float:
-    """Pressure of a solid shoe in its mid-plane over the pressure at its side.
+    """Pressure of a solid shoe in its mid-plane, divided by the pressure at its side.
 
-    It is taken at the middle of the contact; inf where no row of nodes touches over its width.
+    The ratio is taken at the middle of the contact. It is inf if no row of nodes across the width
+    is wholly in contact.
     """
     p = pressure_over_friction_face_of_solid_shoe(shoe).pressure
     # Indices of the rows of nodes across the width whose nodes all touch the drum.
@@ -284,12 +287,12 @@ def rows_of_shares_within_error_limits(charts: Sequence[PlaneErrorMap]) -> list[
 
 
 class TorqueOnLevels(NamedTuple):
-    """The torque of a brake on the levels of a solve, finer and finer divisions of the section.
+    """The torque of a brake on levels of a solve: finer and finer meshes in the drum's plane.
 
     Attributes
     ----------
     degrees : tuple of int
-        Degree of the section on each level, coarse to fine.
+        Polynomial degree in the plane of the drum on each level, coarse to fine.
     values : tuple of float
         Torque on each level [N m].
     """
@@ -318,7 +321,7 @@ def compare_plane_stress_torque_with_solid(
 ) -> Validation:
     """The error of the torque by plane stress against the solid shoe, with its uncertainty.
 
-    The uncertainty is due to the divisions of both models.
+    The uncertainty comes from the meshes of both models.
 
     plane, true : torque by plane stress and by solid shoes, each on the same levels.
     """
@@ -444,7 +447,7 @@ def _list_brake_models_with_their_solve_functions(
 def _largest_torque_and_pressure_error(
     brake: Brake, response: Response, truth: Response
 ) -> tuple[float, float]:
-    """The largest relative error of the shoes' torques, and the largest of their pressures."""
+    """The largest relative error of a shoe's torque, and the largest of a shoe's pressure."""
     torque, pressure = 0.0, 0.0
     for found, true, shoe in zip(response.shoes, truth.shoes, brake.shoes, strict=True):
         torque = max(torque, abs(relative_error_of_number(found.torque, true.torque)))
@@ -468,7 +471,7 @@ def solve_with_solid_shoes(
 ) -> Response:
     """The response of a brake with solid shoes.
 
-    across, level : degree across the width, and level of the section.
+    across, level : degree across the width, and level of the mesh in the plane of the drum.
     """
     return solve_prepared_model(prepare_brake_with_widths(brake, level, across), brake)
 
@@ -482,7 +485,7 @@ class WornSolid(NamedTuple):
         Sliding distances in units of 1/(k K), with the wear coefficient k and the stiffness K of
         the lining.
     uneven : tuple of tuples
-        For each shoe and distance the `pressure_deviation_across_width` across the width.
+        For each shoe and distance the result of `pressure_deviation_across_width`.
     from_law : tuple of tuples
         For each shoe and distance the relative L2 distance of the pressure from the sine law. The
         pressure is the mean over the width.
@@ -540,7 +543,7 @@ def wear_solid_linings(
 def _response_with_worn_lining_pressure(
     line: Any, first: ShoeResponse, forward: slice, p: Floats
 ) -> ShoeResponse:
-    """The response of a shoe before wear, with the pressure of the worn lining in its place.
+    """The response of a shoe before wear, with its pressure replaced by the worn lining's.
 
     Parameters
     ----------

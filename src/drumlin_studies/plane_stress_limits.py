@@ -1,8 +1,8 @@
-"""Where plane stress is right to 1, 5 and 20 %, by the model with functions across the width.
+"""Ranges in which plane stress is right to 1, 5 and 20 %, judged by a model of the shoe's width.
 
 Two brakes are varied: one whose shoes have one width, and one with shoes of T-section. Each error
-is the distance of plane stress from shoes whose displacements vary across the width with the degree
-LIMIT_DEGREE.
+is the distance of plane stress from shoes whose displacements are polynomials of the degree
+LIMIT_DEGREE across the width.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,7 +23,7 @@ from drumlin.fem.width.ladder import (
 LIMIT_DEGREE = 3
 """Degree across the width of the shoes with which plane stress is compared."""
 LIMITS = (0.01, 0.05, 0.20)
-"""Relative errors for which the ranges are stated."""
+"""Limits of the relative error. For each, the range is stated in which plane stress keeps it."""
 LIMIT_QUANTITIES = {"pressure": "mean p over the width", "torque": "torque"}
 """Names of the compared quantities by their key in the error of plane stress."""
 
@@ -37,7 +37,7 @@ class Variation(NamedTuple):
     values : its values
     value : returns the quantity's value on a brake
     changed : returns the brake with another value
-    needs_web : whether the quantity exists only on shoes of several widths
+    needs_web : whether the quantity exists only on shoes whose parts have several widths
     """
 
     name: str
@@ -48,13 +48,16 @@ class Variation(NamedTuple):
 
 
 def lining_width_over_thickness(brake: Brake) -> float:
-    """The width of the first lining over its thickness."""
+    """The width of the first lining divided by its thickness."""
     lining = brake.shoes[0].lining
     return lining.width / lining.thickness
 
 
 def brake_with_width_over_thickness(brake: Brake, ratio: float) -> Brake:
-    """The brake whose linings are `ratio` times as wide as thick; the bodies keep their share."""
+    """The brake whose linings are `ratio` times as wide as thick.
+
+    The width of the bodies changes in the same proportion.
+    """
     shoe = brake.shoes[0]
     width = ratio * shoe.lining.thickness
     changes = {"shoe.lining.width": width}
@@ -64,7 +67,7 @@ def brake_with_width_over_thickness(brake: Brake, ratio: float) -> Brake:
 
 
 def web_over_lining_width(brake: Brake) -> float:
-    """The width of the first web over that of its lining."""
+    """The width of the first web divided by the width of its lining."""
     shoe = brake.shoes[0]
     assert shoe.body is not None and shoe.body.width is not None
     return shoe.body.width / shoe.lining.width
@@ -76,7 +79,7 @@ def brake_with_web_over_lining_width(brake: Brake, ratio: float) -> Brake:
 
 
 def overhang_over_table_thickness(brake: Brake) -> float:
-    """The distance from the web's side to the lining's side, over the thickness of the table."""
+    """The distance from the web's side to the lining's side, divided by the table's thickness."""
     shoe = brake.shoes[0]
     assert shoe.backing is not None
     overhang = (1 - web_over_lining_width(brake)) * shoe.lining.width / 2
@@ -168,8 +171,8 @@ def rows_of_plane_stress_limits(
 
     Parameters
     ----------
-    brakes : the brakes that are varied, by name
-    every : one in so many values is computed
+    brakes : the brakes that are varied, by name every : of so many successive values of a quantity
+        only the first is computed
     say : is called with a line of text on the progress
     """
     rows = []
@@ -190,7 +193,8 @@ def rows_of_plane_stress_limits(
 class LimitRange(NamedTuple):
     """The values of a varied quantity with which the error of plane stress is within a limit.
 
-    `low` and `high` are the smallest and the largest of them; None if no value is within the limit.
+    `low` and `high` are the smallest and the largest of these values; None if no value is within
+    the limit.
     """
 
     varied: str

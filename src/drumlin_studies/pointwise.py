@@ -190,12 +190,14 @@ def _solve_one_shoe_by_penalty(
         u, on = contact_state.u, contact_state.touching
         p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
         nodal = points.pushing.T @ (points.weight * p)
-        # The hinge reaction is the residual of the equations of these two fixed displacements.
+        # The hinge reaction is the residual of the equations of the two displacements that the pin
+        # fixes.
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
     given = (force * per_newton)[:2]
     balance = _balance_of_forces_and_moments(parts, shoe, contact, reaction, given, force * moment)
-    # Friction assists the actuation where its work on a turn has the sign of the moment.
+    # Friction assists the actuation if its work in a rotation about the pin has the sign of the
+    # actuation's moment.
     assists = _friction_work_on_motion(points, p, turned) * moment > 0
     to_brake, turn = shoe.frame.convert_to_brake_frame(reaction), float(u[-1])
     response = _shoe_response_from_quadrature_pressures(
@@ -211,7 +213,7 @@ def _answer_of_shoe_without_contact(shoe: Shoe) -> PointwiseAnswer:
 
 
 def _friction_work_on_motion(points: _ContactPoints, p: Floats, motion: Floats) -> float:
-    """The work [N m] of the friction of the pressures p (q,) [Pa] on a motion (unknowns,) [m].
+    """Work [N m] of the friction due to the pressures p (q,) [Pa], in a motion (unknowns,) [m].
 
     `pushing` has normal and friction forces, `closing` the normal forces with the other sign, so
     that their sum is friction.
@@ -259,7 +261,8 @@ def _quadrature_points_of_shoe_friction_face(
 ) -> _ContactPoints:
     """The quadrature points of a shoe's friction face.
 
-    drag : friction force over normal force, positive where the drum drags towards growing angles.
+    drag : friction force divided by normal force, positive where the drum drags towards growing
+    angles.
     """
     line = parts.line
     at, weights = np.polynomial.legendre.leggauss(line.interpolation_degree_along_contact_line + 1)
@@ -297,7 +300,7 @@ def _quadrature_points_of_shoe_friction_face(
 
 
 def _nodal_displacements_per_turn_about_pin(parts: AssembledShoe, shoe: Shoe) -> Floats:
-    """Displacements (2 n,) of the n contact nodes per angle of a turn about the pin [m/rad]."""
+    """Displacements (2 n,) of the n contact nodes per angle of rotation about the pin [m/rad]."""
     x, y = parts.line.xy - shoe.pin_in_shoe_frame[:, None]
     return np.column_stack([-y, x]).ravel()
 

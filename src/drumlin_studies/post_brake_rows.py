@@ -34,12 +34,15 @@ from drumlin.response.norms import relative_error_of_number
 from drumlin.response.response import Merit, Response
 
 ALL_LIFTS = ("all",)
-"""Value of the option `lift` with which the foundation model includes all neglected effects."""
+"""Value of the option `lift` with which the foundation model includes every effect that the
+published model neglects.
+"""
 Solver = Callable[[Brake], Response]
 """A function that returns the response of a brake by one model."""
 Offsets = dict[str, dict[str, list[tuple[float, float]]]]
-"""For each shoe and model a list of pairs: radius of the lining less that of the drum [m], and
-relative change of the shoe's torque."""
+"""For each shoe and model a list of pairs: radius of the lining minus radius of the drum [m], and
+relative difference of the shoe's torque from the sine law.
+"""
 Merits = dict[str, dict[str, list[tuple[float, Merit]]]]
 """For each shoe and model a list of pairs: coefficient of friction, and figures of merit."""
 Curve = tuple[Floats, Floats]
@@ -49,14 +52,17 @@ POST_MODELS: dict[str, Solver] = {
     "lifted": partial(foundation.solve_brake_by_foundation_model, lift=ALL_LIFTS),
     "sine": solve_brake_by_sine_law,
 }
-"""Solvers of a post brake by name. "lifted" is the foundation model with all neglected effects."""
+"""Solvers of a post brake by name. "foundation" is the foundation model as published, "lifted" the
+same model with every effect that the published one neglects.
+"""
 TILT_AND_MODELS: dict[str, Solver] = {
     "tilt": partial(foundation.solve_brake_by_foundation_model, lift=("tilt",)),
     **POST_MODELS,
 }
 """Solvers of a post brake by name: POST_MODELS and a further foundation model.
 
-"tilt" includes the tilt of the beam's sections and neglects all else that the paper neglects.
+"tilt" includes the tilt of the beam's sections, and neglects every other effect that the published
+model neglects.
 """
 MATCHED_ASSUMPTIONS = {
     "drum.ring": None,
@@ -90,9 +96,9 @@ class ErrorMap:
     ----------
     title : str
         Title of the map.
-    x, y : array (n,), array (m,) Values of the dimensionless group k R^4/EI of the beam and of the
-        ring, with the bending stiffness EI of the beam or the ring and the stiffness k of the
-        layers.
+    x, y : array (n,), array (m,)
+        Values of the dimensionless group k R^4/EI of the beam and of the ring, with the bending
+        stiffness EI of the beam or the ring and the stiffness k of lining and block.
     error : array (m, n)
         Relative errors, nan where the model or the finite elements have no answer.
     """
@@ -120,8 +126,8 @@ def largest_relative_torque_error_of_shoes(response: Response, true: Response) -
 def error_rows_of_foundation_model_effects(brake: Brake, fem: Response) -> list[dict[str, Any]]:
     """Rows with the relative errors of the foundation model's torque against finite elements.
 
-    The first row has the model of the paper. In each further row the model includes one more effect
-    that the paper neglects, without the others; in the last row it includes all effects.
+    The first row belongs to the published model. In each further row the model also includes one
+    effect that the published model neglects; in the last row it includes all of these effects.
 
     brake : the post brake; fem : its response by finite elements.
     """
@@ -153,12 +159,12 @@ def brake_with_clearances_by_function_of_angle(
 
 
 def brake_with_other_lining_radius(brake: Brake, larger: float) -> Brake:
-    """The brake with linings whose radius differs from that of the drum.
+    """The brake with linings whose radius differs from the drum's radius.
 
     The unloaded lining touches the drum with its middle if its radius is larger, with its ends if
     its radius is smaller.
 
-    larger : radius of the lining less that of the drum [m].
+    larger : radius of the lining minus radius of the drum [m].
     """
     # The gap is zero in the middle of a larger lining, at the ends of a smaller one.
     end = math.cos(0.5 * (brake.shoes[0].lining.end - brake.shoes[0].lining.start))
@@ -171,7 +177,7 @@ def brake_with_other_lining_radius(brake: Brake, larger: float) -> Brake:
 def rows_of_post_brake_clearances(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
     """A row for each clearance, model and shoe: torque, peak pressure, figures of merit, contact.
 
-    The clearances are those of linings that fit, have another radius, are displaced or worn in.
+    The linings fit, have another radius, are displaced, or are worn in.
 
     brake : the post brake with linings that fit; scene : its prepared model by finite elements.
     """
@@ -202,7 +208,7 @@ def rows_of_post_brake_clearances(brake: Brake, scene: PreparedModel) -> list[di
 def _shoe_rows_of_response(brake: Brake, response: Response, law: Response) -> list[dict[str, Any]]:
     """A row for each shoe of a response.
 
-    `from_nominal` is the relative difference of the torque from that by the sine law.
+    `from_nominal` is the relative difference of the torque from the torque by the sine law.
 
     brake : the brake with clearances; response : its response; law : the response by the sine law
     of the brake with linings that fit.
@@ -226,10 +232,12 @@ def _shoe_rows_of_response(brake: Brake, response: Response, law: Response) -> l
     return rows
 
 
-def torques_over_lining_radius_error(brake: Brake, scene: PreparedModel, errors: Floats) -> Offsets:
-    """Torques of each shoe and model for linings of another radius.
+def torque_differences_by_lining_radius(
+    brake: Brake, scene: PreparedModel, errors: Floats
+) -> Offsets:
+    """Relative torque differences from the sine law, for linings of another radius.
 
-    The torques are divided by the torque of the sine law, minus 1.
+    The result has the differences for each shoe and model.
 
     Parameters
     ----------
@@ -238,7 +246,7 @@ def torques_over_lining_radius_error(brake: Brake, scene: PreparedModel, errors:
     scene : PreparedModel
         The model of the brake that is prepared for finite elements.
     errors : array (n,)
-        Radius of the lining less that of the drum [m].
+        Radius of the lining minus radius of the drum [m].
     """
     nominal = torques_of_all_shoes_of_response(solve_brake_by_sine_law(brake))
     found: Offsets = {}
@@ -255,7 +263,7 @@ def torques_over_lining_radius_error(brake: Brake, scene: PreparedModel, errors:
     return found
 
 
-def figures_of_merit_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -> Merits:
+def figures_of_merit_at_frictions(brake: Brake, scene: PreparedModel, friction: Floats) -> Merits:
     """Figures of merit of each shoe and model over the coefficient of friction.
 
     The list of a model ends before the first friction at which the model has no answer, because
@@ -355,18 +363,19 @@ def dimensionless_stiffnesses_of_beam_and_ring(brake: Brake) -> tuple[float, flo
 def torque_error_maps_of_models(
     brake: Brake, points: int, elements: int
 ) -> tuple[list[list[ErrorMap]], list[tuple[float, float]]]:
-    """Maps of the torque's error over the groups of beam and ring, for each of MAPPED_MODELS.
+    """Maps of the torque's error over the dimensionless groups of beam and ring, by model.
 
-    The first row of maps has a lining that is soft compared with its block, the second row a wooden
-    block. The error is against finite elements, and the shoe with the largest error counts. The
-    second result has for each row the groups of the brake itself.
+    Each row has a map for each of MAPPED_MODELS. In the first row the lining is soft compared with
+    its block; the second row has a wooden block. The error is against finite elements, and the shoe
+    with the largest error counts. The second result has for each row the groups of the brake
+    itself, see `dimensionless_stiffnesses_of_beam_and_ring`.
 
     Parameters
     ----------
     brake : Brake
         The post brake.
     points : int
-        Number of values of each group.
+        Number of values of each dimensionless group.
     elements : int
         Elements along a lining.
     """
@@ -420,8 +429,8 @@ def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dic
     """A row for each of several grids of the foundation model: errors, iterations and time.
 
     The errors of torque, normal force and friction radius are against a grid of 2880 sections. They
-    are taken on a changed brake, whose whole linings are in contact. Iterations and time are those
-    of the given brake.
+    are taken on a changed brake, whose whole linings are in contact. Iterations and time belong to
+    the given brake.
 
     brake : the post brake; repeats : number of timings.
     """
@@ -463,7 +472,7 @@ def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dic
 def _torque_normal_force_friction_radius(brake: Brake, sections: int) -> Floats:
     """The torque of a brake, and the normal force and friction radius of its first shoe, as (3,).
 
-    They are those of the foundation model with a number of sections of each beam.
+    They come from the foundation model with `sections` sections along each beam.
     """
     response = foundation.solve_brake_by_foundation_model(brake, sections=sections)
     merit = response.merits[0]
@@ -505,9 +514,9 @@ def drum_rim_displacement_curves_by_model(
 ) -> tuple[dict[str, Curve], dict[str, Curve]]:
     """Radial displacement [m] of the drum's rim over the angle [rad].
 
-    The first result has for each shoe the displacement by this shoe alone, by the model of the
-    paper. The second result has the displacement by all shoes, by the foundation model with all
-    neglected effects and by finite elements.
+    The first result has for each shoe the displacement by this shoe alone, by the published
+    foundation model. The second result has the displacement by all shoes: by the foundation model
+    with every effect that the published one neglects ("lifted"), and by finite elements ("fem").
 
     Parameters
     ----------

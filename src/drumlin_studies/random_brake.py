@@ -24,16 +24,16 @@ FRICTIONLESS_ELEMENTS = 4
 SHAPE_TRIAL_ELEMENTS = 16
 """Elements along a lining of the mesh on which a draw is tested for contact with friction."""
 BELOW_LOCKING = 0.7
-"""Largest friction of a random brake over the friction at which it locks itself by the sine law.
+"""Largest friction of a random brake, divided by the friction at which the sine law locks it.
 
 The value is a judgement: nearer to self-locking the torque grows without bound, and a small error
 of the friction causes a large error of the torque.
 """
 SHAPE_FRICTION_MARGIN = 1.2
-"""Factor on the friction of a random brake with which its shoes must press by finite elements too.
+"""Factor by which a random brake's friction is raised for a test: its shoes must still press.
 
-The elastic brake may lock itself at a lower friction than the sine law. A brake that fails this
-test is drawn again.
+The test uses finite elements, because the elastic brake may lock itself at a lower friction than
+the sine law. A brake that fails this test is drawn again.
 """
 SHAPE_ATTEMPTS = 400
 """Number of draws for one seed after which NoAnswer is raised.
@@ -132,8 +132,8 @@ class ShoeOnArc(NamedTuple):
     arc : tuple of float
         Smallest and largest arc of the lining [rad].
     thickness, body_thickness : tuple of float
-        Smallest and largest power of ten of the lining's and of the body's thickness over the
-        drum's radius.
+        Smallest and largest power of ten of the thickness of lining and body, divided by the drum's
+        radius.
     modulus, body_modulus : tuple of float
         Smallest and largest power of ten of Young's modulus [Pa] of the lining and of the body.
     largest_angle : float
@@ -285,14 +285,14 @@ class _RandomBeamAxis(NamedTuple):
     distance: float
 
     def point_at_distance_along(self, along: float) -> dict[str, float]:
-        """The point of the axis at a distance [m] from the foot of the normal."""
+        """The point of the axis at a distance [m] from its point nearest to the drum's centre."""
         c, s = math.cos(self.turn), math.sin(self.turn)
         x = self.distance * c - self.hand * along * s
         return {"x": x, "y": self.distance * s + self.hand * along * c}
 
 
 def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[str, Any]:
-    """The data of a random post: a straight beam outside the drum, with a block on the lining.
+    """The data of a random post: a straight beam outside the drum, with a block on its lining.
 
     R : radius of the drum [m].
     """
@@ -304,7 +304,8 @@ def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[st
     axis = _RandomBeamAxis(turn, hand, back + R * u(0.04, 0.3) + depth / 2)
     half = u(0.25, 0.85)
     first, last = -half * u(0.6, 1.0), half * u(0.6, 1.0)
-    # Distances along the beam: hinge at -foot, actuation at far.
+    # Distances along the beam from the foot of the normal through the drum's centre: the hinge lies
+    # at -foot, the actuation at far.
     foot = back * math.sin(-first) + R * u(0.15, 0.8)
     far = back * math.sin(last) + R * u(0.15, 0.8)
     # The arc of the lining contains the angle of the beam's normal.
@@ -345,7 +346,7 @@ def _mirror_shoe_data(shoe: dict[str, Any], about: float) -> dict[str, Any]:
     c, s = math.cos(2 * about), math.sin(2 * about)
 
     def mirror_point_about_drum_diameter(point: dict[str, float]) -> dict[str, float]:
-        """The mirror image of a point, in polar or in Cartesian coordinates as the point."""
+        """The mirror image of a point, in the same kind of coordinates as the point."""
         if "radius" in point:
             return {"radius": point["radius"], "angle": 2 * about - point["angle"]}
         return {"x": c * point["x"] + s * point["y"], "y": s * point["x"] - c * point["y"]}
@@ -562,7 +563,7 @@ LOCKING_KINDS = ("locking", "opposed")
 def _draw_self_locking_or_opposed_brake(seed: int, kind: str, attempt: int = 0) -> Brake:
     """A random brake of one of LOCKING_KINDS.
 
-    The brake is drawn again until in one of the senses of rotation it is of the kind.
+    Brakes are drawn until one of them is of the kind in one of the senses of rotation.
 
     attempt : number of draws so far.
     """
@@ -604,7 +605,8 @@ def _draw_brake_data_with_one_shoe(rng: np.random.Generator, seed: int) -> dict[
     start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + arc)])
     far = hinge_angle + hand * (gap + arc)
     even_clearance = u(-2e-4, 1e-3) * R
-    # A table of clearances. Below, one of no clearance, an even clearance and this table is chosen.
+    # A table of clearances. One of three is chosen below: no clearance, an even clearance, or this
+    # table.
     table = [[x, u(-2e-4, 1e-3) * R] for x in np.linspace(start, end, 5).tolist()]
     shoe: dict[str, Any] = {
         "name": "shoe",

@@ -32,9 +32,9 @@ from drumlin_studies.random_kinds import HOLDING_KINDS as OF_HOLDING
 MOST_ATTEMPTS = 200
 """Number of draws for one seed after which NoAnswer is raised."""
 MORE_FRICTION = 1.2
-"""Factor on a brake's friction with which all shoes must press as well.
+"""Factor by which a brake's friction is raised for a test: all shoes must still press on the drum.
 
-It keeps the brake away from the friction at which it would lock itself.
+The test keeps the brake away from the friction at which it would lock itself.
 """
 MOST_SCALINGS = 8
 """Largest number of solves in which the gap of a brake is scaled to the drawn contact length."""
@@ -74,8 +74,9 @@ class CornerKind(NamedTuple):
     shapes : tuple of str
         Kinds of SHAPE_KINDS or HOLDING_KINDS; one of them gives the shoes and the drum.
     presses : str
-        The part of the lining that bears the force: "corner" or "tip". "table" stands for a random
-        table of clearances under which either may bear the force.
+        The part of the lining that bears the force: "corner", or "tip", a kink that points to the
+        drum. "table" stands for a random table of clearances with which either of them may bear the
+        force.
     """
 
     shapes: tuple[str, ...]
@@ -103,11 +104,12 @@ CORNER_KINDS: dict[str, CornerKind] = {
 
 
 def draw_brake_pressing_with_corner_or_tip(seed: int, kind: str | None = None) -> Brake:
-    """The random brake of a seed, in which one shoe presses with a corner or under a tip.
+    """The random brake of a seed, in which one shoe presses only by a corner or a tip.
 
-    All shoes press, also with MORE_FRICTION times the friction of the brake. The first FEW_LEVELS
-    levels of a solve decide whether a corner or a tip presses. Finer levels may show that friction
-    lifts the corner itself a little off the drum.
+    A corner is an end of the lining's surface; a tip is a kink of this surface that points to the
+    drum. All shoes press, also with MORE_FRICTION times the friction of the brake. The first
+    FEW_LEVELS levels of a solve decide whether a corner or a tip presses. Finer levels may show
+    that friction lifts the corner itself a little off the drum.
 
     Parameters
     ----------
@@ -189,8 +191,9 @@ def _draw_gap_as_function_of_factor(
         Data of the shoe, as in a brake file.
     radius : float
         Radius of the drum [m].
-    presses : str The part of the lining that bears the force: "corner", "tip" or, for either,
-        "table".
+    presses : str
+        The part of the lining that bears the force: "corner", "tip" (a kink that points to the
+        drum), or "table" for either of them.
     """
     lining = shoe["lining"]
     area = radius * (lining["end"] - lining["start"]) * lining["width"]
@@ -198,19 +201,20 @@ def _draw_gap_as_function_of_factor(
     if presses == "corner":
         return _draw_gap_that_is_smallest_at_corner(rng, lining, radius, size)
     if presses == "tip":
-        return _draw_gap_with_one_tip(rng, lining, size)
+        return _draw_gap_with_one_kink_towards_drum(rng, lining, size)
     return _draw_gap_by_clearance_table(rng, lining, size)
 
 
 def _draw_gap_that_is_smallest_at_corner(
     rng: Rng, lining: Mapping[str, Any], radius: float, size: float
 ) -> Callable[[float], Gap]:
-    """A random gap that is smallest at a corner of the lining, as a function of a factor on it.
+    """A random gap that is smallest at a corner of the lining, scaled by a factor.
 
-    The function returns the data of a lining with a taper, another radius, an even clearance or a
-    table of clearances.
+    The result is a function from the factor to the data of a lining with a taper, another radius,
+    an even clearance or a table of clearances.
 
-    lining : data of the lining; radius : of the drum [m]; size : of the gap at a factor of 1 [m].
+    lining : data of the lining; radius : radius of the drum [m]; size : size of the gap at a factor
+    of 1 [m].
     """
     way, sign = rng.random(), float(rng.choice([-1, 1]))
     if way < 0.4:
@@ -227,12 +231,13 @@ def _draw_gap_that_is_smallest_at_corner(
     }
 
 
-def _draw_gap_with_one_tip(
+def _draw_gap_with_one_kink_towards_drum(
     rng: Rng, lining: Mapping[str, Any], size: float
 ) -> Callable[[float], Gap]:
-    """A random gap with a tip, as a function of a factor on the gap.
+    """A random gap with a tip, a kink of the lining that points to the drum, scaled by a factor.
 
-    At the tip the gap is zero; it opens to both sides. The function returns data of a lining.
+    At the tip the gap is zero; it opens to both sides. The result is a function from the factor to
+    the data of the lining.
 
     lining : data of the lining; size : largest gap at a factor of 1 [m].
     """
@@ -247,9 +252,9 @@ def _draw_gap_with_one_tip(
 def _draw_gap_by_clearance_table(
     rng: Rng, lining: Mapping[str, Any], size: float
 ) -> Callable[[float], Gap]:
-    """A random gap by a table of three to seven clearances, as a function of a factor on the gap.
+    """A random gap given by a table of three to seven clearances, scaled by a factor.
 
-    The function returns data of a lining.
+    The result is a function from the factor to the data of the lining.
 
     lining : data of the lining; size : largest gap at a factor of 1 [m].
     """
@@ -275,8 +280,9 @@ def _scale_gaps_to_random_contact_length(
 
     The result is None where no factor gives this length within LENGTH_TOLERANCE_FACTOR, or where
     the wrong part of the lining presses. The length of the contact falls as the inverse of the gap
-    if the gap is a wedge, and as the inverse square root if the gap is curved. The power 0.8 by
-    which the factor is corrected lies between both.
+    if the gap is a wedge, and as the inverse square root if the gap is curved. The factor is
+    multiplied by (length/wanted length)^0.8. The exact power is 1 for a wedge and 2 for a curved
+    gap; the smaller power 0.8 does not overshoot.
 
     Parameters
     ----------
@@ -284,8 +290,9 @@ def _scale_gaps_to_random_contact_length(
         Generator of the random length.
     drawn : function
         Returns the brake for a factor on its gaps.
-    presses : str The part of the lining that bears the force: "corner", "tip" or, for either,
-        "table".
+    presses : str
+        The part of the lining that bears the force: "corner", "tip" (a kink that points to the
+        drum), or "table" for either of them.
     """
     # The wanted length of the contact is uniform in its logarithm; the first factor is 3.
     low, high = SHORT_CONTACT if rng.random() < SHORT_SHARE else LONG_CONTACT
@@ -322,16 +329,17 @@ def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str
 
     The shoes must press with MORE_FRICTION times the friction as well.
 
-    found : response of the brake; presses : the part of the lining that must bear the force
-        ("corner", "tip" or, for either, "table").
+    found : response of the brake; presses : the part of the lining that must bear the force:
+        "corner", "tip" (a kink that points to the drum), or "table" for either of them.
     """
     more = solve(vary(brake, {"friction": MORE_FRICTION * brake.friction}), elements=16)
     if not all(shoe.contact_arcs for shoe in (*found.shoes, *more.shoes)):
         return False
-    # At least one shoe must press with its corner or under its tip, as its kind says.
+    # At least one shoe must press with a corner or with a tip, a kink that points to the drum, as
+    # its kind says.
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
     corner = any(is_lining_corner_in_contact(shoe, response) for shoe, response in pairs)
-    tip = any(is_gap_tip_in_contact(shoe, response) for shoe, response in pairs)
+    tip = any(is_kink_towards_drum_in_contact(shoe, response) for shoe, response in pairs)
     return {"corner": corner, "tip": tip, "table": corner or tip}[presses]
 
 
@@ -344,8 +352,8 @@ def is_lining_corner_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
     return bool((distances < END_ANGLE).any())
 
 
-def is_gap_tip_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
-    """Whether a tip of the shoe's gap lies inside one of its contact arcs."""
+def is_kink_towards_drum_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
+    """Whether a lining's kink that points to the drum (tip) lies inside a contact arc."""
     for angle, _ in clearance.gap_kinks_that_point_to_drum(shoe.lining):
         if any(start < angle < end for start, end in found.contact_arcs):
             return True

@@ -25,7 +25,7 @@ from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 HOLDING_ATTEMPTS = 200
 """Number of draws for one seed after which NoAnswer is raised."""
 HOLDING_FRICTION_MARGIN = 1.2
-"""Factor on the friction of a random brake with which all shoes must press as well.
+"""Factor by which a random brake's friction is raised for a test: all shoes must still press.
 
 A brake that locks itself below this friction is drawn again.
 """
@@ -183,7 +183,7 @@ def _draw_actuation_data(
     direction : float
         Direction of the force [rad].
     at : tuple of float
-        Coordinates x and y of the force's point, over the drum's radius.
+        Coordinates x and y of the point where the force acts, divided by the drum's radius.
     """
     lining = shoe["lining"]
     area = R * (lining["end"] - lining["start"]) * lining["width"]
@@ -194,12 +194,12 @@ def _draw_actuation_data(
 
 
 def _point_at_fractions_of_drum_radius(R: float, x: float, y: float) -> dict[str, float]:
-    """The data of the point (R x, R y), for coordinates x and y over the drum's radius R [m]."""
+    """The data of the point (R x, R y), for fractions x and y of the drum's radius R [m]."""
     return {"x": R * x, "y": R * y}
 
 
 def _draw_data_of_shoe_on_abutment(rng: Rng, R: float, *, rough: bool) -> dict[str, Any]:
-    """The data of a random internal shoe whose foot slides on a flat abutment.
+    """The data of a random internal shoe whose end (foot) slides on a flat abutment.
 
     R : radius of the drum [m]; rough : whether the abutment has friction.
     """
@@ -431,7 +431,7 @@ def _draw_linked_block_and_its_end_angle(
     angle : float
         Angle at which the block begins [rad].
     strap : float
-        Radius of the strap, on which the abutment lies, over the drum's radius.
+        Radius of the strap, on which the abutment lies, divided by the drum's radius.
     """
     block, half = _draw_unsupported_shoe_data(rng, R, inside=False), rng.uniform(0.15, 0.35)
     ends = {"start": angle + 0.05, "end": angle + 0.05 + 2 * half}
@@ -503,7 +503,8 @@ def _draw_support_and_line_of_force_of_pad(
         Start and length of the lining [m].
     """
     u, middle = rng.uniform, start + length / 2
-    # For a hinge or a lever: the force acts as far behind the pad's middle as the pin lies before.
+    # On a hinge or a lever, pin and force lie on opposite sides of the pad's middle, at one
+    # distance.
     away, height = length * u(0.8, 1.5), length * u(0.1, 0.5)
     pin, at = {"x": middle - away, "y": height}, {"x": middle + away, "y": height}
     straight: dict[str, Any] = {"direction": -math.pi / 2, "point": at}
@@ -635,7 +636,7 @@ class _MirrorTurnAndShift(NamedTuple):
 
     @property
     def sign(self) -> int:
-        """The factor on angles and on y by which the mirror changes them: 1 or -1."""
+        """Factor that multiplies angles and y coordinates: -1 if the shoe is mirrored, else 1."""
         return -1 if self.mirrored else 1
 
     def turned_vector(self, x: float, y: float) -> dict[str, float]:
@@ -649,7 +650,7 @@ class _MirrorTurnAndShift(NamedTuple):
         return turned | {"x": turned["x"] + self.shift}
 
     def moved_direction_and_point(self, part: dict[str, Any]) -> dict[str, Any]:
-        """The data of a support or actuation with its direction and its point moved likewise."""
+        """The data of a support or actuation after mirroring, turning and shifting."""
         moved = part | {"direction": self.turn + self.sign * part["direction"]}
         return moved | ({"point": self.moved_point(part["point"])} if "point" in part else {})
 
@@ -662,7 +663,7 @@ class _MirrorTurnAndShift(NamedTuple):
         return self.turn + self.sign * place
 
     def moved_lining_or_body(self, part: dict[str, Any]) -> dict[str, Any]:
-        """The data of a lining or body with start, end, clearances and misfit moved likewise.
+        """The data of a lining or body with its angles and misfit mirrored, turned and shifted.
 
         A mirror exchanges start and end.
         """
@@ -724,9 +725,9 @@ def brake_with_scaled_lengths_and_moduli(brake: Brake, length: float, modulus: f
     brake : Brake
         The brake to be scaled.
     length : float
-        Factor on all lengths.
+        Factor that multiplies all lengths.
     modulus : float
-        Factor on all moduli and pressures.
+        Factor that multiplies all moduli and pressures.
     """
     on_plane = brake.surface.is_plane_and_not_drum
     lengths = LENGTH_KEYS | ({"start", "end"} if on_plane else set())

@@ -3,7 +3,7 @@
 A target is the largest allowed relative error of a quantity. For each brake and target the fastest
 method is chosen whose error is below the target. Peers are other finite element programs. A row is
 the result of one method on one brake: its errors and times, with the name of the brake under
-`brake`. The floor of a brake is the uncertainty of the reference from which errors are taken;
+`brake`. The floors of a brake are the uncertainties of the reference from which errors are taken;
 smaller errors are not claimed.
 """
 
@@ -25,7 +25,7 @@ AIMS: Mapping[str, Mapping[float, tuple[float | None, float | None]]] = {
     "GetFEM": {HALF_PERCENT: (20, 100), 1e-3: (25, 100), 1e-4: (50, 100)},
     "CalculiX": {HALF_PERCENT: (1000, None), 1e-3: (1000, None)},
 }
-"""The aims of the project for the time of a peer over the time of drumlin.
+"""The aims of the project for the ratio of a peer's time to drumlin's time.
 
 The keys are the peer and the relative error of the pressure. The first number is for a solve from
 the start, the second for a further load case on a prepared model; None stands for no aim.
@@ -38,7 +38,7 @@ Floors = Mapping[str, float]
 
 
 def method_rows_of_brake_with_given_name(rows: Iterable[Row], name: str) -> list[Row]:
-    """The rows of the brake with a name."""
+    """The rows whose brake has the given name."""
     return [row for row in rows if row["brake"] == name]
 
 
@@ -57,7 +57,8 @@ def rows_of_fastest_methods_by_target(
 ) -> list[dict[str, Any]]:
     """A row for each brake and target with the fastest method whose error is below the target.
 
-    rows : rows of all methods and brakes; floors : floors of each brake, by its name.
+    rows : rows of all methods and brakes; floors : uncertainties of each brake's reference, by the
+        brake's name.
     """
     best = []
     for name in floors:
@@ -81,7 +82,8 @@ def _fastest_method_within_error_or_reason(
 
     Without such a method the row has the reason under `family`.
 
-    rows : rows of the brake; key : key of the error; floors : floors of the brake.
+    rows : rows of the brake; key : key of the error; floors : uncertainties of the brake's
+        reference.
     """
     fit = fastest_rows_within_error(rows, key, target, floors)
     if not fit:
@@ -169,7 +171,8 @@ def fastest_solve_times_within_error(
 
     Brakes without such a method are left out.
 
-    rows : rows of all methods and brakes; floors : floors of each brake; target : relative error.
+    rows : rows of all methods and brakes; floors : uncertainties of each brake's reference; target
+        : relative error.
     """
     seconds = []
     for name, known in floors.items():
@@ -197,8 +200,9 @@ class PeerTimes(NamedTuple):
     best, own : mapping or None
         Rows of the fastest solve of the peer (best) and of drumlin (own) with an error below the
         target; None where there is no such solve.
-    aims : tuple of two Ratios of the peer's time to drumlin's time that the project aims at: for a
-        solve from the start, and for a further load case.
+    aims : tuple of two
+        Ratios of the peer's time to drumlin's time that the project aims at: for a solve from the
+        start, and for a further load case.
     """
 
     peer: str
@@ -236,7 +240,8 @@ def compare_times_with_peer_programs(
 ) -> list[AgainstPeers]:
     """The comparison of drumlin with the peers for each brake that a peer has solved.
 
-    rows : rows of all methods and brakes; floors : floors of each brake, by its name.
+    rows : rows of all methods and brakes; floors : uncertainties of each brake's reference, by the
+        brake's name.
     """
     names = dict.fromkeys(row["brake"] for row in rows if row["family"] in PEER_FAMILIES)
     comparisons = []
@@ -251,7 +256,8 @@ def _compare_times_with_peers_on_brake(
 ) -> AgainstPeers:
     """The comparison of drumlin with the peers, other finite element programs, on one brake.
 
-    name : name of the brake; rows : rows of the brake; floors : floors of the brake.
+    name : name of the brake; rows : rows of the brake; floors : uncertainties of the brake's
+        reference.
     """
     own = rows_of_methods_that_may_be_recommended(rows)
     # The fastest solve of each peer and of drumlin for each error; uniform meshes are left out.
@@ -265,7 +271,7 @@ def _compare_times_with_peers_on_brake(
                     peer, target, best, _fastest_row_within_pressure_error(own, target, floors), aim
                 )
             )
-    # The finest solve of a peer on a uniform mesh stands beside the fastest solve of drumlin.
+    # The finest solve of a peer on a uniform mesh is compared with the fastest solve of drumlin.
     of_peers = [row for row in rows if row["family"] in PEER_FAMILIES]
     of_peers = [row for row in of_peers if row["status"] == "converged"]
     even = [row for row in of_peers if row.get("even")]

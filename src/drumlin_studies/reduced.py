@@ -1,8 +1,8 @@
 """Surrogates: coarse models of brakes, with linings on coarse meshes, shoes and ring as formulas.
 
 A surrogate is solved like any other prepared model. The flexibilities of shoe and drum ring are
-added to that of the lining's contact nodes. The difference between the answers of two surrogates
-predicts how much the answer changes if a part of the brake is omitted.
+added to the flexibility of the lining's contact nodes. The difference between the answers of two
+surrogates predicts how much the answer changes if a part of the brake is omitted.
 
 The shoe is a bar. Each of its sections carries the contact forces and the actuation force that act
 on the shoe beyond the section, seen from the hinge (Timoshenko, Strength of Materials II). Two unit
@@ -79,7 +79,7 @@ A higher degree changes no digit that is used.
 HALF_PLANE_WAVE = 7.0
 """Value of k h/R above which wave k deforms a ring of thickness h like a half-plane, to 1 %."""
 RIGID_FACTOR = 1e5
-"""Factor on the modulus of a straight beam, after which its mesh counts as rigid."""
+"""Factor that multiplies the modulus of a straight beam, so that the beam counts as rigid."""
 SECTION_SHEAR_FACTOR = 6 / 5
 """Shear coefficient kappa of a rectangular section."""
 
@@ -164,7 +164,11 @@ def _brake_with_rigid_shoes_and_drum(brake: Brake) -> Brake:
     """
 
     def shoe_with_rigid_body(shoe: Shoe) -> Shoe:
-        """The shoe without its elastic body, or with a stiff straight beam."""
+        """The shoe with a rigid body.
+
+        A straight beam becomes RIGID_FACTOR times as stiff; any other elastic body is left out. A
+        shoe with a mesh file is not changed.
+        """
         if not isinstance(shoe.body, Beam):
             return shoe.model_copy(update={"body": None}) if shoe.mesh is None else shoe
         section = shoe.body.section
@@ -187,7 +191,8 @@ def _add_elastic_shoe_flexibility_to_rigid_body(
 ) -> ShoeSubstructure:
     """The condensed body of a rigid shoe, to which the flexibility of the elastic shoe is added.
 
-    body : condensed lining on the rigid shoe; shoe : the elastic shoe; radius : of the drum [m].
+    body : condensed lining on the rigid shoe; shoe : the elastic shoe; radius : radius of the drum
+        [m].
     """
     bar, coupling = _bar_that_replaces_shoe(shoe, radius), body.coupling
     nodal = bar.square_root_of_flexibility(body.line.xy)
@@ -310,8 +315,9 @@ class _BarAxis(NamedTuple):
 
     Attributes
     ----------
-    at, tangent, along, foot : array The axis as in the attributes of `_Bar`: points, tangents,
-        distances from the hinged end, and hinged end.
+    at, tangent, along, foot : array
+        The axis as in the attributes of `_Bar`: points, tangents, distances from the hinged end,
+        and hinged end.
     ds : array (m,)
         Length of each section [m].
     stiffnesses : array (3, m) or (3, 1)
@@ -441,7 +447,8 @@ def _integrals_of_waves_over_lining(
         1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of_points_in_shoe_frame(x, 1.0))
     )
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
-    # A row of the pieces has each node at most once; indexed += would add repeated nodes only once.
+    # In each row of `line.pieces` a node occurs at most once, as += with an index array requires:
+    # of repeated nodes it would add only the last value.
     for value, nodes in zip(psi, line.pieces, strict=True):
         found[:, nodes] += shoe.lining.width * (wave * (value * ds)).sum(axis=2)
     return found.real, found.imag
@@ -519,7 +526,10 @@ def _shape_functions_through_ring() -> _ThroughRing:
 def _ring_stiffness_of_each_mode(
     material: Material, thickness: float, radius: float, sign: int, modes: Ints
 ) -> Floats:
-    """The stiffness (m, 2 n, 2 n) of a ring of width 1 for each mode, on U and then V of n nodes.
+    """The stiffness (m, 2 n, 2 n) of a ring of width 1 for each of m modes.
+
+    The unknowns are the radial displacements U at n nodes through the thickness, then the
+    displacements V around the drum at the same nodes.
 
     Parameters
     ----------
@@ -559,7 +569,7 @@ def _constraints_at_rim_of_each_mode(ring: Ring, modes: Ints) -> Floats:
     """The constraints (m, 2 n, 2) on the displacements U and V of n nodes, for each of m modes.
 
     A fixed rim does not move. Of a free rim the rigid-body modes k = 0 (rotation) and k = 1
-    (translation) are suppressed. A constraint of zeros is none.
+    (translation) are suppressed. A constraint whose coefficients are all zero is inactive.
     """
     size, rim = RING_DEGREE + 1, RING_DEGREE
     hold = np.zeros((len(modes), 2 * size, 2))
@@ -581,7 +591,8 @@ def _displacements_under_constraints(K: Floats, hold: Floats, load: Floats) -> F
     K : array (m, n, n)
         Stiffness of the bodies.
     hold : array (m, n, 2)
-        Coefficients of the displacements in the constraints; a constraint of zeros is none.
+        Coefficients of the displacements in the constraints; a constraint whose coefficients are
+        all zero is inactive.
     load : array (m, n, l)
         Loads on the bodies.
     """
@@ -591,7 +602,7 @@ def _displacements_under_constraints(K: Floats, hold: Floats, load: Floats) -> F
     bordered[:, :n, :n] = K
     bordered[:, :n, n:] = scale * hold
     bordered[:, n:, :n] = scale * hold.transpose(0, 2, 1)
-    # A mode without a constraint gets an equation in its place that keeps the system regular.
+    # An inactive constraint gets an equation of its own, so that the system stays regular.
     for j in range(2):
         bordered[:, n + j, n + j] = np.where(hold[:, :, j].any(axis=1), 0.0, scale)
     right = np.zeros((m, n + 2, load.shape[2]))

@@ -225,8 +225,8 @@ def table_row_of_wear_run_until_settled(one: Run) -> dict[str, Any]:
     """The table row of a run, in which a brake wears until its pressure no longer changes.
 
     The row has the distances of pressure and torque from the law for new linings ("new_") and after
-    the last state ("end_"), the sliding distances after which they are near the law, the shares of
-    the lining's life, and the errors of the balances of volume and energy.
+    the last state ("end_"), the sliding distances after which they are near the law, these
+    distances as shares of the lining's life, and the errors of the balances of volume and energy.
     """
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
     # Distances of pressure and torque from the law, with new linings and after the last state.
@@ -355,7 +355,7 @@ class Reversals:
         sense of rotation.
     mean : float
         Relative distance of the wear over the last two stretches, one in each sense of rotation,
-        from the wear by the mean of the laws of both senses.
+        from the wear that the mean of the law's pressures in both senses would cause.
     """
 
     every: float
@@ -368,8 +368,8 @@ class Reversals:
         """The table row of a run with reversals of the drum.
 
         `after` is the largest distance of the pressure from its law, reached right after a
-        reversal; `before` is the smallest distance, reached right before one. Both are taken over
-        the second half of the run.
+        reversal; `before` is the smallest distance, reached right before a reversal. Both are taken
+        over the second half of the run.
         """
         later = self.far[len(self.far) // 2 :]
         return {"every": self.every, "after": max(later), "before": min(later), "mean": self.mean}
@@ -468,7 +468,7 @@ def rows_of_runs_in_equal_steps(
 ) -> tuple[list[dict[str, Any]], list[EqualStepsEnd]]:
     """Table rows and last states of wear runs in steps of equal size, implicit and explicit ones.
 
-    The torque of each run is compared with that of a run in fine steps of controlled error.
+    The torque of each run is compared with the torque of a run in fine steps of controlled error.
 
     Parameters
     ----------

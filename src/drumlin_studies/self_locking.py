@@ -54,8 +54,9 @@ ALL_SETS_ELEMENTS = 4
 START_SEED = 7
 """Seed of the random contact sets; it is used together with the seed of the brake."""
 AGREEMENT_COUNTS = ("starts", "same", "others", "unstable", "lost")
-"""Attributes of the comparison of first contact sets that count how iterations from several contact
-sets end. They are summed over LIMIT_FRACTIONS."""
+"""Attributes of the result of `compare_solutions_from_starting_contact_sets`. They count how
+contact iterations from several starting sets end, and are summed over LIMIT_FRACTIONS.
+"""
 
 Row = dict[str, Any]
 """A row of a table: its values by key."""
@@ -86,7 +87,7 @@ def row_of_self_locking_friction(brake: Brake, elements: int) -> Row:
     }
 
 
-def row_of_torque_over_friction(brake: Brake, name: str, elements: int) -> Row:
+def row_of_torque_curves_by_friction(brake: Brake, name: str, elements: int) -> Row:
     """A row with the curves of torque [N m] over friction by finite elements and by the sine law.
 
     Each curve ends just before the friction at which the brake locks itself by the same model.
@@ -135,7 +136,7 @@ def torque_times_distance_to_locking_friction(row: Row) -> tuple[float, float]:
     If the torque T has a pole at the friction mu_lock, the product is constant near mu_lock. The
     second result is the relative change of the product over the last 1e-5 of the friction.
 
-    row : a row of `row_of_torque_over_friction`.
+    row : a row of `row_of_torque_curves_by_friction`.
     """
     limit_friction, products, near = row["mu_lock"], [], []
     for mu, torque in zip(row["mu"], row["torque"], strict=True):
@@ -228,7 +229,7 @@ def _count_answers_at_frictions(
     problems : FrictionDependentProblem
         The contact problem as a function of friction.
     end : FrictionLimit
-        The friction limit with its last contact.
+        The friction limit, with the contact set just below it.
     frictions : list of float
         Friction coefficients beyond the limit.
     starts : list of array of bool (n,)

@@ -41,7 +41,7 @@ ASKED = {"default": DEFAULT_TOLERANCE, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": To
 """The tolerances to which the brakes are solved, by name: the default one and two smaller ones."""
 
 SMALLEST_TOLERANCE = "1e-4"
-"""Name of the smallest tolerance of ASKED, at which a solve is dearest."""
+"""Name of the smallest tolerance of ASKED, at which a solve takes longest."""
 
 PROMISED = 0.01
 """Largest fraction of stated errors that may be below the true errors, as README promises.
@@ -71,8 +71,11 @@ MUCH_MORE = 1.4
 round-off can cost one more solve on a level of refinement, in addition to four or more solves."""
 
 QUICK = 100_000
-"""Largest number of unknowns, of all divisions up to the answer at the smallest tolerance, of a
-brake that is solved in at most half a second. The fast tests judge these brakes alone."""
+"""Largest number of unknowns of a brake that counts as quickly solved, in at most half a second.
+
+The unknowns of all meshes up to the answer at the smallest tolerance are added. The fast tests
+judge only these brakes.
+"""
 
 FILE = "sharpness.json"
 """Name of the file with `Spread` and `AccuracyAndCost` at the last fit of the error estimate.
@@ -109,7 +112,7 @@ class StatedTrueErrors(NamedTuple):
     unknowns: int = 0
 
     def stated_over_true_error(self, quantity: str) -> float:
-        """The ratio of the stated error to the true error less its uncertainty.
+        """The ratio of the stated error to the true error minus its uncertainty.
 
         The ratio is inf if the uncertainty is as large as the true error, and nan if the quantity
         is not judged.
@@ -226,7 +229,7 @@ def stated_and_true_errors_of_folder(
     return found
 
 
-def quickly_solved_brakes(worths: Mapping[str, AccuracyAndCost]) -> set[str]:
+def names_of_quickly_solved_brakes(worths: Mapping[str, AccuracyAndCost]) -> set[str]:
     """Names of the brakes that reach every tolerance of ASKED with at most QUICK unknowns."""
     unknowns = worths[SMALLEST_TOLERANCE].unknowns
     return {name for name, count in unknowns.items() if count <= QUICK}
@@ -271,7 +274,7 @@ def describe_worsened_accuracies_and_costs(
 ) -> list[str]:
     """Lines of text, one for each accuracy or cost that has become worse.
 
-    It is compared with its value at the last fit of the error estimate's factors.
+    Each is compared with its value at the last fit of the error estimate's factors.
 
     written : accuracy and cost of the answers at the last fit, by the keys of ASKED
     """
@@ -364,7 +367,7 @@ def read_stored_spreads_of_stated_errors(folder: Path) -> Written:
 def _rounded_spreads_of_stated_over_true_errors(
     rows: Sequence[StatedTrueErrors],
 ) -> dict[str, dict[str, float]]:
-    """Quantiles of stated over true errors, rounded to the digits of the kept file `FILE`.
+    """Quantiles of the ratio of stated to true error, rounded to the digits of FILE.
 
     The first key is the quantity, such as "pressure". The inner keys are the names in `Spread`.
     """
@@ -378,7 +381,7 @@ def main(folder: str) -> None:
     """Judge the stated errors of all brakes in a folder by true errors, and write FILE there."""
     rows = stated_and_true_errors_of_folder(Path(folder))
     worths = accuracy_and_cost_by_tolerance(rows)
-    quick = quickly_solved_brakes(worths)
+    quick = names_of_quickly_solved_brakes(worths)
     spreads = _rounded_spreads_of_stated_over_true_errors(rows)
     quick_spreads = _rounded_spreads_of_stated_over_true_errors(
         [one for one in rows if one.name in quick]

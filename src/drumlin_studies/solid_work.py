@@ -1,9 +1,9 @@
 """Error and run time of all models against solid shoes, beside their error against plane stress.
 
-A model of the shoe's section can be exact for plane stress and still miss the shoe, whose pressure
-varies over its width. So each row has two errors. The solid truth is the answer of functions across
-the width that are graded to the sides of all parts. The truth in plane stress is the answer on the
-level FINE_PLANE_LEVEL.
+A plane model can be exact for plane stress and still miss the real shoe, whose pressure varies over
+its width. So each row has two errors. The solid truth is a solution by functions across the width
+that are graded to the sides of all parts. The truth in plane stress is the solution on the level
+FINE_PLANE_LEVEL.
 """
 
 import math
@@ -30,18 +30,28 @@ from drumlin_studies.solid_error import GRADED_DEGREE, response_with_graded_widt
 from drumlin_studies.work_precision import LEAST_SAMPLE
 
 FINE_PLANE_LEVEL = 5
-"""Number of the section's level of the truth in plane stress; no compared level is as fine."""
+"""Number of the refinement level on which the truth in plane stress is solved. All compared levels
+are coarser.
+"""
 FAST = 1.0
-"""Processor time [s] up to which a solve is repeated, and its median is taken."""
+"""Processor time [s] up to which a solve is repeated; the median of its times is then taken."""
 REPEATS = 3
 """Number of repeats of a fast solve, after a first one that is not counted."""
 
 
 class SolidTruth(NamedTuple):
-    """The solid truth of a brake, and the level of the section that it is on.
+    """A fine solution with solid shoes that serves as the truth, and its uncertainty.
 
-    `lower` is the answer of functions of one degree less, and `coarser` that of the level before.
-    Their distances from `response` show how certain the truth is.
+    Attributes
+    ----------
+    level : int
+        Number of the refinement level in the plane of the drum on which `response` is solved.
+    response : Response
+        The response that serves as the truth.
+    lower : Response
+        The response on the same level with one degree less across the width.
+    coarser : Response
+        The response with one degree less across the width on the next coarser level.
     """
 
     level: int
@@ -58,7 +68,7 @@ class SolidWorkRow(NamedTuple):
     family : str
         The kind of model; rows of one family make one curve.
     name : str
-        The setting, for example the level of the section.
+        The setting, for example the refinement level.
     seconds : float
         Processor time of a cold solve [s]; for CalculiX the time that it reports.
     solid_torque, solid_pressure : float
@@ -85,20 +95,20 @@ class TimedModel(NamedTuple):
 
 
 class SolidSetting(NamedTuple):
-    """How many solves are made.
+    """The solves that are made and compared.
 
     Attributes
     ----------
     truth : int
-        Number of the section's level of the solid truth, from 1.
+        Number of the refinement level of the solid truth, from 2.
     levels : int
-        Number of levels of plane stress and of each degree across the width.
+        Number of refinement levels of plane stress and of each degree across the width.
     degrees : tuple of int
         Degrees across the width.
     tolerances : tuple of float
         Tolerances of solves that state their errors.
     elements : tuple of int
-        Elements along each lining of CalculiX.
+        Numbers of elements along each lining in solves by CalculiX.
     """
 
     truth: int
@@ -109,7 +119,7 @@ class SolidSetting(NamedTuple):
 
 
 def solve_solid_truth_of_brake(brake: Brake, level: int) -> SolidTruth:
-    """The solid truth of a brake on a level of the section, with answers that show its error.
+    """The solid truth of a brake on a refinement level, and responses that show its uncertainty.
 
     level : number of the level, from 2.
     """
@@ -125,7 +135,8 @@ def solve_solid_truth_of_brake(brake: Brake, level: int) -> SolidTruth:
 def uncertainty_of_solid_truth(brake: Brake, truth: SolidTruth) -> dict[str, float]:
     """The relative uncertainty of the torque and the mean pressure of a solid truth.
 
-    It is the distance of one degree less plus the distance of one level less, with that degree.
+    It is the distance between two degrees across the width on one level, plus the distance between
+    two levels with the lower degree.
     """
     by_degree = distance_of_plane_stress_from_widths(brake, truth.lower, truth.response).brake
     by_level = distance_of_plane_stress_from_widths(brake, truth.coarser, truth.lower).brake
@@ -161,7 +172,7 @@ def list_models_beside_solid(brake: Brake, setting: SolidSetting) -> list[TimedM
 
 
 def _solve_with_degree(brake: Brake, number: int, degree: int) -> Response:
-    """The response of a brake with a degree across the width, on one level of the section.
+    """The response of a brake with a degree across the width, on one refinement level.
 
     Degree 0 is plane stress, whose answer on the first level starts the solve of other degrees.
 
@@ -223,7 +234,10 @@ class TimedResponse(NamedTuple):
 
 
 def measure_cold_solve(solve_once: Callable[[], Response]) -> TimedResponse:
-    """The response of a solve with its processor time, the median of REPEATS where it is fast."""
+    """The response of a solve, with its processor time.
+
+    The time of a solve that takes at most FAST is the median of REPEATS repeats.
+    """
     start = time.process_time()
     response = solve_once()
     first = time.process_time() - start
@@ -242,7 +256,10 @@ def measure_cold_solve(solve_once: Callable[[], Response]) -> TimedResponse:
 def _row_of_timed_response(
     brake: Brake, model: TimedModel, timed: TimedResponse, truths: tuple[Response, Response]
 ) -> SolidWorkRow:
-    """The row of a model from its response; `truths` are the solid one and that in plane stress."""
+    """The row of a model from its response.
+
+    `truths` are the solid truth and the truth in plane stress.
+    """
     errors: list[float] = []
     for truth in truths:
         true = distance_of_plane_stress_from_widths(brake, timed.response, truth).brake

@@ -70,8 +70,9 @@ def draw_random_brake_with_clearances(seed: int, kind: str | None = None) -> Bra
 def _brake_data_with_clearances_and_less_force(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
     """The data of a brake, changed to clearances, other lining moduli and smaller forces.
 
-    The two shoes of a cam become mirror images of each other. A cam moves the tips of both shoes by
-    the same distance, so that of two shoes with different clearances only one would touch the drum.
+    The two shoes of a cam become mirror images of each other. A cam moves the loaded ends of both
+    shoes by the same distance, so that of two shoes with different clearances only one would touch
+    the drum.
     """
     # All forces of the brake are divided by the same number.
     divisor = draw_number_uniform_in_logarithm(rng, *FORCE_DIVISORS)

@@ -7,7 +7,7 @@ remaining distance from the limit of its sequence of meshes, plus the round-off 
 
 All errors are relative. The error of the pressure p is an L2 norm that leaves out EDGE_ZONE at the
 lining's ends. The errors of the pressure, of the peak pressure and of the hinge reaction are the
-largest of all shoes. The error of the torque is that of the whole brake.
+largest of all shoes. The error of the torque belongs to the torque of the whole brake.
 """
 
 import math
@@ -51,7 +51,7 @@ JUDGED_TOLERANCES = (1e-2, 1e-3, 1e-4)
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 """Gauss points in [-1, 1] and their weights, for integrals between two nodes of a pressure."""
 TRUTH_FINENESS = 0.1
-"""Change of the pressure from one level to the next, over the tolerance, that ends the truth.
+"""Fraction of the tolerance by which the pressure may still change on the last level of the truth.
 
 The truth is solved on finer and finer levels until the pressure changes by less.
 """
@@ -150,7 +150,7 @@ def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth
 
 
 def largest_round_off_errors_of_shoes(shoes: Sequence[ShoeResponse]) -> ShoeChange:
-    """The relative round-off errors by the elimination: for each quantity the largest of a shoe."""
+    """Relative round-off errors of the elimination: the largest of any shoe, by quantity."""
     by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
     return ShoeChange(*(max(parts) for parts in by_quantity))
 
@@ -186,10 +186,10 @@ def reference_from_last_three_meshes(
 def estimate_distance_from_limit(early: float, late: float) -> float:
     """The estimated distance of the last value of a sequence from the limit of the sequence.
 
-    If each change is r times smaller than the change before, the distance is the last change over
-    r - 1. The observed r is kept between 2 and 4.
+    If each change is r times smaller than the change before, the distance is the last change
+    divided by r - 1. The observed r is kept between 2 and 4.
 
-    early : size of the last change but one; late : size of the last change.
+    early : size of the change before the last; late : size of the last change.
     """
     if not late:
         return 0.0
@@ -236,7 +236,7 @@ def _relative_hinge_reaction_error(found: Any, true: TrueShoe) -> float:
 def relative_pressure_error_of_shoe(
     found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE
 ) -> float:
-    """L2 norm of the error of a shoe's pressure, relative to the L2 norm of the pressure.
+    """L2 norm of the error of a shoe's pressure, relative to the L2 norm of the true pressure.
 
     Zones at both ends of the lining are left out unless half of the force acts there. The result is
     nan where the shoe does not press.
@@ -293,8 +293,8 @@ def _relative_peak_pressure_error(
 ) -> float:
     """Relative error of the peak pressure of a shoe; nan where the shoe does not press.
 
-    A response has a peak pressure of its own. The peak of a plain solution is found by
-    `peak_pressure_outside_edge_zones`.
+    A response of drumlin states its peak pressure. The peak of another solution, for example by
+    triangles, is found by `peak_pressure_outside_edge_zones`.
     """
     true_peak = peak_pressure_outside_edge_zones(shoe, scale_factor, true)
     states_peak = hasattr(found, "peak_pressure")
@@ -315,7 +315,7 @@ def row_of_stated_and_true_errors(
 ) -> dict[str, Any]:
     """A row with the stated and the true errors of a brake that is solved to a tolerance.
 
-    The keys are JUDGED_QUANTITIES with "stated_", "true_" or "unsure_" before them, the latter for
+    The keys are JUDGED_QUANTITIES with "stated_", "true_" or "unsure_" before them; "unsure_" is
     the uncertainty of the true error. A value that is not known has no key. `outcome` is "reached",
     "not reached", "no truth" or "failed", and `reason` is a line of text on a failure.
 
@@ -364,7 +364,7 @@ def _outcome_and_reason_of_failed_solve(error: Exception) -> dict[str, str]:
 
 
 def stated_over_true_error_of_row(one: Mapping[str, Any], name: str) -> float:
-    """The stated error of a quantity in a row over the true error less its uncertainty.
+    """The ratio of a stated error in a row to the true error minus its uncertainty.
 
     The result is nan where the row lacks one of the errors, and inf where the true error is not
     larger than its uncertainty.
@@ -385,12 +385,12 @@ def summary_rows_of_stated_errors(rows: Sequence[Mapping[str, Any]]) -> list[dic
 
     Keys of a row, where shares are fractions of the brakes: `brakes`: number of brakes; `reached`:
     share that reached the tolerance; `judged`: number with a stated and a true error; `above`:
-    share whose true error less its uncertainty is above the stated error; `above_whole`: share
-    whose whole true error is above the stated error; `above_twice`: share whose true error less its
-    uncertainty is above twice the stated error; `smallest`: smallest ratio of stated to true error;
-    `median`: median of this ratio over the brakes whose true error is more than four times its
-    uncertainty; `median_relevant`: the same over those of these brakes whose true error is at least
-    RELEVANT; `missed`: share whose true error less its uncertainty is above the tolerance.
+    share whose true error minus its uncertainty is above the stated error; `above_whole`: share
+    whose whole true error is above the stated error; `above_twice`: share whose true error minus
+    its uncertainty is above twice the stated error; `smallest`: smallest ratio of stated to true
+    error; `median`: median of this ratio over the brakes whose true error is more than four times
+    its uncertainty; `median_relevant`: the same median over brakes whose true error is also at
+    least RELEVANT; `missed`: share whose true error minus its uncertainty is above the tolerance.
     """
     table = []
     for tolerance in sorted({one["tolerance"] for one in rows}, reverse=True):

@@ -1,4 +1,4 @@
-"""Figures of stated against true errors, and of true errors over the number of unknowns."""
+"""Figures of stated against true errors, and of true errors against the number of unknowns."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -34,7 +34,7 @@ PALE_POINTS_NOTE = (
 
 
 def draw_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
-    """Figure of the ratio of stated to true error over the true error.
+    """Figure of the ratio of stated to true error, plotted against the true error.
 
     The figure has a panel for each quantity, a point for each brake and tolerance, and a mark for
     each tolerance.
@@ -114,7 +114,7 @@ def draw_shares_of_stated_over_true_ratios(ratios: Mapping[str, Floats]) -> Figu
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         axes = figure.subplots()
         for (name, values), (_, color) in zip(ratios.items(), PANEL_MARKS, strict=True):
-            # The sorted ratios over their rank are the cumulative distribution.
+            # The percentage of ratios up to each sorted ratio is the cumulative distribution.
             percent = np.linspace(0, 100, len(values))
             axes.semilogx(np.sort(values), percent, color=color, label=PANEL_TITLES[name])
         axes.axvline(1.0, color=INK, lw=1)
@@ -125,7 +125,7 @@ def draw_shares_of_stated_over_true_ratios(ratios: Mapping[str, Floats]) -> Figu
 
 
 def draw_errors_over_unknowns_of_levels(rows: Sequence[Mapping[str, Any]]) -> Figure:
-    """Figure of the errors of pressure and torque over the cube root of the unknowns of a shoe.
+    """Figure of the errors of pressure and torque against the cube root of a shoe's unknowns.
 
     The polynomial degree of the hp elements stands beside each point.
 

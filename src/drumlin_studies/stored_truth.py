@@ -67,7 +67,8 @@ often towards the singular points. On four brakes this mesh lowered the uncertai
 from 1e-5 to 2e-6 and of the torque from 1e-10 to 1e-11. A further mesh lowered neither."""
 
 FINER = (
-    # The arguments are: degree, zone, edge, end, ratio, opening, largest, back, hinge, through.
+    # The arguments of Level are: degree, zone, edge, end, ratio, opening, largest, back, hinge,
+    # through.
     Level(6, 0.02, 0.01, 0.0008, 0.42, 0.25, 15 * DEG, 0.02, 0.012, 0.2),
     Level(7, 0.006, 0.004, 0.0003, 0.45, 0.27, 13 * DEG, 0.007, 0.004, 0.24),
     Level(8, 0.002, 0.0015, 0.0001, 0.48, 0.3, 11 * DEG, 0.0025, 0.0014, 0.28),
@@ -87,24 +88,28 @@ DEEPEST = (
     TriangleLevel(5, 21, 0.7, 0.8),
     TriangleLevel(6, 26, 0.7, 0.8),
 )
-"""Meshes of curved triangles for brakes that press with a lining's corner (DEEP) or under a tip of
-the gap (DEEPEST).
+"""Meshes of curved triangles for brakes that press only by a corner of the lining (DEEP), or by a
+tip, a kink of the lining that points to the drum (DEEPEST).
 
-The smallest triangles have 2e-7 and 1e-8 of the lining's thickness. In some brakes round-off turns
-triangles of DEEPEST inside out. DEEP is then used under a tip too, with an uncertainty of the
-pressure of 1e-4 to 6e-4 in place of 1e-5 to 2e-4."""
+The sizes of the smallest triangles are 2e-7 and 1e-8 of the lining's thickness. In some brakes
+round-off turns triangles of DEEPEST inside out. DEEP is then used for a tip too, with an
+uncertainty of the pressure of 1e-4 to 6e-4 in place of 1e-5 to 2e-4.
+"""
 
 GIVE_WAY = 2e-3
-"""Length of the region next to a pressed corner, over the length of the contact, in which the power
-law of the corner replaces the computed pressure.
+"""Length of the region next to a pressed corner in which the power law of the corner replaces the
+computed pressure, divided by the length of the contact.
 
 Some ten triangles lie in this region. With 14 triangles the pressure differed by 5e-6 and 4e-5 on
-two brakes."""
+two brakes.
+"""
 
 CERTAIN = 4.0
-"""Ratio of a true error to its uncertainty above which the true error judges the stated error.
+"""Ratio of a true error to its uncertainty above which the true error is used to judge the stated
+error.
 
-At smaller ratios the difference between answer and truth may be an error of the truth."""
+At smaller ratios the difference between answer and truth may be an error of the truth.
+"""
 
 STORED_DIGITS = 10
 """Significant digits with which pressures are stored. Their uncertainty is 1e-7 at best."""
@@ -162,10 +167,12 @@ The factors of the error estimate are fitted on brakes of other seeds, from `cal
 on. The stored truths therefore judge brakes on which nothing was fitted."""
 
 TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
-"""Clearance table with a tip, for the brake `draw_brake_of_support_kind(SEED + 1, "hinge")`.
+"""Clearance table with a tip, a kink that points to the drum, for the brake
+`draw_brake_of_support_kind(SEED + 1, "hinge")`.
 
 The rows are an angle theta [rad] and a clearance [m]. The tip in the middle row is about as high as
-the compression of the lining by the force, so that nearly the whole lining presses."""
+the compression of the lining by the force, so that nearly the whole lining presses.
+"""
 
 STORED_BRAKES: dict[str, DrawnBrake] = {
     "arc": DrawnBrake("elastic arc on a hinge, partial contact", "arc", SEED + 0),
@@ -268,11 +275,11 @@ STORED_BRAKES: dict[str, DrawnBrake] = {
 
 
 def solve_fine_solution_to_be_stored(name: str) -> StoredTruth:
-    """Solve a brake of STORED_BRAKES far finer than a solve does; the result is not yet written.
+    """Solve a brake of STORED_BRAKES on far finer meshes than `solve` uses.
 
-    A brake that presses with a corner or under a tip is solved on the meshes DEEP or DEEPEST. Other
-    brakes are solved by the triangles, or by finer hp elements where the triangles have no answer.
-    Raises NoAnswer where no solver has an answer.
+    A brake that presses only by a corner of the lining or by a kink that points to the drum is
+    solved on the meshes DEEP or DEEPEST. Other brakes are solved by the triangles, or by finer hp
+    elements where the triangles have no answer. Raises NoAnswer where no solver has an answer.
     """
     drawn = STORED_BRAKES[name]
     brake = drawn.brake()
@@ -302,12 +309,13 @@ def solve_brake_by_fine_triangles(brake: Brake) -> Truth:
 
 
 def solve_corner_or_tip_by_deep_triangles(brake: Brake) -> Truth:
-    """The far finer solution of a brake that presses with a corner or under a tip.
+    """The far finer solution of a brake that presses only by a corner or a tip of the lining.
 
-    The meshes are DEEPEST under a tip and DEEP at a corner. The pressure has no bound next to a
-    corner that is in contact, where no triangle is small enough. A power law replaces the computed
-    pressure there. The error of this power law is added to the uncertainty. Raises BadInput if
-    triangles cannot mesh the brake, and NoAnswer if the brake has no solution.
+    A tip is a kink of the lining that points to the drum. The meshes are DEEPEST for a tip and DEEP
+    for a corner. The pressure has no bound next to a corner that is in contact, where no triangle
+    is small enough. A power law replaces the computed pressure there. The error of this power law
+    is added to the uncertainty. Raises BadInput if triangles cannot mesh the brake, and NoAnswer if
+    the brake has no solution.
     """
     begin = time.process_time()
     # An AssertionError means that round-off has turned triangles of DEEPEST inside out.
@@ -420,7 +428,7 @@ def _shoe_solution_from_plain_data(data: Mapping[str, Any]) -> ShoeSolution:
 
 
 def main(folder: str, *names: str) -> None:
-    """Solve brakes of STORED_BRAKES far finer than a solve does, and write a file of each brake.
+    """Solve brakes of STORED_BRAKES on far finer meshes than `solve` uses, and write their files.
 
     folder : folder of the files; names : names of the brakes, by default all of STORED_BRAKES.
     """

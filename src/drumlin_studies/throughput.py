@@ -174,8 +174,8 @@ def _time_sweep_with_started_workers(
 def rows_of_cases_per_second(measured: Sequence[Throughput]) -> list[Row]:
     """A table row for each measured sweep, with the speed of its workers.
 
-    `solved_sweep_cases_per_second` is the number of cases per second, `gain` the rate over that of
-    the first measurement with the same kind of workers.
+    `rate` is the number of cases per second. `gain` is this rate divided by the rate of the first
+    measurement with the same kind of workers.
     """
     found = []
     for one in measured:
@@ -336,5 +336,5 @@ def _solve_sweep_with_journal(cases: Sequence[SweepCase], path: Path) -> None:
 
 
 def _count_finished_cases_in_journal(journal: Path) -> int:
-    """The number of finished cases in a journal. The first line of the journal is a stamp."""
+    """The number of finished cases in a journal: its lines but the first, the source's stamp."""
     return max(journal.read_bytes().count(b"\n") - 1, 0) if journal.exists() else 0

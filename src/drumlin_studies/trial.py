@@ -52,7 +52,7 @@ LARGEST_RESIDUAL = 1e-8
 TORQUE_DIGITS = 6
 """Number of digits of the torque that must agree with the refined solution."""
 OTHER_ORDER = "MMD_AT_PLUS_A"
-"""Order in which the library SuperLU eliminates the unknowns of the refined solution, by its name.
+"""Name of the order in which the library SuperLU eliminates the unknowns of the refined solution.
 
 It differs from the order that the model uses, so that both solutions have different round-off.
 """
@@ -164,7 +164,7 @@ def is_answer_accurate(row: dict[str, Any]) -> bool:
     """Whether the answer of a row is right.
 
     Its residuals must be small, and TORQUE_DIGITS of its torque must be correct, or as many as the
-    condition of the problem allows.
+    condition number of the problem allows.
     """
     if row["digits"] is None:
         return False
@@ -262,7 +262,7 @@ def correct_decimal_digits_at_relative_error(error: float) -> float:
 def compare_with_pointwise_penalty(
     case: KnobCase, brake: Brake, response: Response | None
 ) -> dict[str, Any]:
-    """Solve a case by the pointwise penalty as well, and compare the torque with that of drumlin.
+    """Solve a case by the pointwise penalty as well, and compare with drumlin's torque.
 
     The result is a part of a row: the outcome `pointwise`, the relative difference of the torques,
     the number of Newton steps and the time.

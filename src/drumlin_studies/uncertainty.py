@@ -30,8 +30,9 @@ class Index(NamedTuple):
         Grid convergence index, a relative uncertainty, of the finer and of the coarser pair of
         meshes. It is relative to the value on the finer mesh of the pair.
     asymptotic : float
-        Index of the coarser pair over r^p times that of the finer pair, with the ratio r of the
-        mesh sizes and the order p. Near 1 the error falls with the order p on these meshes.
+        Index of the coarser pair, divided by r^p times the index of the finer pair, with the ratio
+        r of the mesh sizes and the order p. Near 1 the error falls with the order p on these
+        meshes.
     """
 
     order: float

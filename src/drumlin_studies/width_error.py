@@ -5,14 +5,14 @@ The command
     python -m drumlin_studies.width_error FIRST LAST [DEGREE]
 
 prints a line for each random brake on a rigid drum with a seed from FIRST to LAST - 1, and two
-tables. The first has the ratios of estimated to true error, the second the ratios of the true error
-that remains after the correction for the widths to the correction. The first table treats brakes
-whose parts have one width and brakes with several widths apart. Both leave out brakes that plane
-stress misses by less than LEAST_JUDGED.
+tables. The first table has the ratios of estimated to true error. The second has the true error
+that remains after the correction for the widths, divided by the estimated error. The first table
+treats brakes whose parts have one width and brakes with several widths apart. Both leave out brakes
+that plane stress misses by less than LEAST_JUDGED.
 
 The true error is the difference from a model whose displacements vary across the width as
-polynomials of the degree DEGREE (by default 5). Both models use the first level of hp elements for
-the shoe's section, so that the error of this mesh cancels.
+polynomials of the degree DEGREE (by default 5). Both models use the first level of hp elements in
+the plane of the drum, so that the error of this mesh cancels.
 """
 
 import sys
@@ -63,18 +63,18 @@ class WidthErrorRow(NamedTuple):
     remaining: dict[str, float]
 
     def estimated_over_true_error(self, name: str) -> float:
-        """The estimated error `name` over the true error; name : one of JUDGED."""
+        """The estimated error `name` divided by the true error; name : one of JUDGED."""
         return self.estimated[name] / self.true[name]
 
     def error_share_remaining_after_width_correction(self, name: str) -> float:
-        """The error that remains after the correction over the estimated error."""
+        """The error that remains after the correction, divided by the estimated error."""
         return self.remaining[name] / self.estimated[name]
 
 
 def plane_stress_errors_or_reason(
     brake: Brake, degree: int = TRUE_WIDTH_DEGREE
 ) -> WidthErrorRow | str:
-    """The true and the estimated error of plane stress on a brake, or the reason why there is none.
+    """The true and the estimated error of plane stress on a brake, or why they are not known.
 
     degree : degree of the polynomials across the width in the model that serves as the truth.
     """
@@ -130,7 +130,7 @@ def plane_stress_error_rows_of_seeds(
 def table_lines_of_error_ratios(rows: list[WidthErrorRow]) -> list[str]:
     """The lines of the table on the ratios of estimated to true error.
 
-    A line has the number of ratios, their quantiles, and the share between 1/1.5 and 1.5.
+    A line has the number of ratios, their quantiles, and the share of ratios between 1/1.5 and 1.5.
     """
     lines = ["widths  error      brakes  least  5 %   half  95 %  most  within 1.5"]
     for name in JUDGED:
@@ -150,10 +150,11 @@ def table_lines_of_error_ratios(rows: list[WidthErrorRow]) -> list[str]:
 
 
 def table_lines_of_error_left_after_correction(rows: list[WidthErrorRow]) -> list[str]:
-    """Lines of the error that remains after the correction over the correction.
+    """Lines of the table on the error that remains after the correction for the widths.
 
-    The last two columns are the part of the brakes within `REMAINING_SHARE`, and the part of the
-    brakes whose error the correction more than halves.
+    Errors that remain are divided by the estimated errors. The last two columns are the part of the
+    brakes within `REMAINING_SHARE`, and the part of the brakes whose error the correction more than
+    halves.
     """
     lines = ["error      brakes  share  half  90 %  95 %  most  within share  halved"]
     for name in JUDGED:
@@ -170,7 +171,7 @@ def table_lines_of_error_left_after_correction(rows: list[WidthErrorRow]) -> lis
 
 
 def main() -> None:
-    """Print the lines and the table for the seeds and the degree on the command line."""
+    """Print the lines and the two tables for the seeds and the degree on the command line."""
     first, last, *degree = map(int, sys.argv[1:])
     rows = []
     for row in plane_stress_error_rows_of_seeds(first, last, *degree or [TRUE_WIDTH_DEGREE]):

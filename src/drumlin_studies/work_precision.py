@@ -3,7 +3,7 @@
 The methods are laws, the foundation model, finite elements, penalty contact as in textbooks, and
 peers, which are other finite element programs. A method is plain data: a family, a name and
 options. Therefore it can be the key of a journal and be sent to another process. The errors are
-those of the method's response against a reference. The time is processor time, the median of
+differences of the method's response from a reference. The time is processor time, the median of
 several repeats. A fixed piece of work, the unit, is timed just before each repeat. The ratio of
 both times holds even if the speed of the machine changes.
 """
@@ -61,7 +61,9 @@ LEAST_SAMPLE = 2e-3
 EQUAL_TIMES = 1.2
 """Ratio of two times up to which both methods count as equally fast."""
 FURTHER_FRICTION = 0.9
-"""Coefficient of friction of the further load case over that of the first load case."""
+"""Coefficient of friction of the further load case, divided by the coefficient of the first load
+case.
+"""
 GRADED_FROM = 36
 """Number of elements along a lining above which its mesh is graded more strongly to its ends.
 
@@ -71,8 +73,8 @@ that the error goes on falling where the pressure is singular.
 LAYERS_BEHIND = 4
 """Smallest number of element layers through backing and body of `mesh_graded_to_lining_ends`.
 
-With these layers the error of backing and body stays below that of the lining, whose refinement is
-studied.
+With these layers the error of backing and body stays below the error of the lining, whose
+refinement is studied.
 """
 ERROR_KEYS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
 """Keys of a row that hold relative errors: of torque, peak pressure, pressure, hinge reaction."""
@@ -140,7 +142,8 @@ def _solve_from_start_by_law_or_foundation(
 def mesh_with_equal_elements_on_lining(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
     """The mesh of a shoe with elements of equal length along the lining.
 
-    radius : radius of the drum [m]; elements : their number along the lining; kind : of elements.
+    radius : radius of the drum [m]; elements : number of elements along the lining; kind : kind of
+        the elements.
     """
     depths = np.linspace(0, shoe.lining.thickness, number_of_element_layers_in_lining(elements) + 1)
     step = (shoe.arc[1] - shoe.arc[0]) / elements
@@ -260,7 +263,7 @@ def _result_of_solve_from_start(
 
 
 def _count_unknowns_of_prepared_model(scene: PreparedModel) -> int:
-    """The number of unknowns of a prepared model: those of its bodies and of the drum ring.
+    """The number of unknowns of a prepared model: of its bodies and of the drum ring.
 
     Shoes of equal shape share one body, which is counted once.
     """
@@ -343,8 +346,9 @@ def relative_errors_against_reference(
 ) -> dict[str, float]:
     """Relative errors of a response against a far finer response, by ERROR_KEYS.
 
-    The error of the torque is that of the whole brake. The other errors are the largest of all
-    shoes. Peak and L2 norm of the pressure leave out the edge zones at the lining's ends.
+    The error of the torque belongs to the torque of the whole brake. The other errors are the
+    largest of all shoes. Peak and L2 norm of the pressure leave out the edge zones at the lining's
+    ends.
 
     brake : the brake; response : the response that is judged; truth : the far finer response.
     """
@@ -516,7 +520,7 @@ def _status_text_of_refused_or_failed_solve(error: DrumlinError) -> str:
 
 
 def peak_memory_of_solve_in_new_process(brake: Brake, method: Method) -> int:
-    """The peak memory of a whole solve by a method [bytes], less that of the loaded program.
+    """The peak memory [bytes] of a whole solve by a method, minus the loaded program's.
 
     The solve runs in a process of its own.
     """
@@ -584,8 +588,8 @@ def measure_peer_program_on_brake(
 ) -> dict[str, Any]:
     """The row of a peer, another finite element program, on a brake: errors, times and unknowns.
 
-    The times are those that the peer reports, as medians over the repeats. The ratios are times
-    over the time of the unit, which is timed before each repeat.
+    The times are reported by the peer; each is the median over the repeats. The ratios are these
+    times divided by the time of the unit of work, which is timed before each repeat.
 
     Parameters
     ----------
@@ -659,9 +663,10 @@ def fastest_rows_within_error(
 ) -> list[Any]:
     """The rows of the methods whose error is below a target, fastest first.
 
-    Among the rows that are as fast as the fastest one, the most exact row is first. The speed is
-    compared by the ratios to the unit. A mesh counts only if the errors of all finer meshes of its
-    series are below the target as well: an error may be small by chance where it changes its sign.
+    Among the rows that are as fast as the fastest one, the most exact row is first. Speeds are
+    compared by times relative to a fixed piece of work. A mesh counts only if the errors of all
+    finer meshes with otherwise equal options are below the target as well: an error may be small by
+    chance where it changes its sign.
 
     Parameters
     ----------
@@ -670,7 +675,7 @@ def fastest_rows_within_error(
     key : str
         Key of the error, one of ERROR_KEYS.
     target : float
-        Largest allowed error. Below the uncertainty of the reference the result is empty.
+        Largest allowed error. If it is below the uncertainty of the reference, the result is empty.
     floors : mapping
         Uncertainties of the reference by ERROR_KEYS, as from `uncertainty_of_reference_responses`.
     """
@@ -724,12 +729,12 @@ def mesh_series_name_of_row(row: Mapping[str, Any]) -> str:
 
 
 def median_seconds_of_unit_workload(rows: Iterable[Mapping[str, Any]]) -> float:
-    """The time of the unit of work [s], as the median over rows of their time over their ratio."""
+    """The time of the unit of work [s]: the median over all rows of time divided by ratio."""
     return median(row["seconds"] / row["ratio"] for row in rows if "ratio" in row)
 
 
 def median_relative_scatter_of_timings(rows: Iterable[Mapping[str, Any]]) -> float:
-    """The typical scatter of timings: interquartile range of the repeats over their median.
+    """The typical scatter of timings: interquartile range of the repeats, divided by the median.
 
     The result is the median over the rows with at least TIMED_REPEATS repeats.
     """

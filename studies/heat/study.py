@@ -16,7 +16,7 @@ from drumlin.report.page import write_html_page
 from drumlin.response.response import Response
 from drumlin_studies.heat_rows import (
     HEATED_PARTS,
-    distance_from_second_solver,
+    relative_distances_from_triangle_solution,
     responses_with_heat_in_each_part,
     rows_of_changes_by_heat,
 )
@@ -56,7 +56,9 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     judged = {}
     if not short:
         say("second solver")
-        judged = distance_from_second_solver(brake, drumlin.solve(brake, tolerance=1e-3))
+        judged = relative_distances_from_triangle_solution(
+            brake, drumlin.solve(brake, tolerance=1e-3)
+        )
     return Result(brake, responses, drumlin.solve(brake, "sine"), judged)
 
 

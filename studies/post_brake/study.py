@@ -85,11 +85,11 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     # Linings that fit, of another radius, displaced, and worn in.
     say("clearance")
     clearances = post.rows_of_post_brake_clearances(brake, scene)
-    offsets = post.torques_over_lining_radius_error(
+    offsets = post.torque_differences_by_lining_radius(
         brake, scene, np.linspace(-3e-3, 3e-3, 5 if short else 13)
     )
     say("friction")
-    merits = post.figures_of_merit_over_friction(
+    merits = post.figures_of_merit_at_frictions(
         brake, scene, np.linspace(0.05, 0.6, 4 if short else 12)
     )
     # Brakes that violate one assumption of the model each.

@@ -12,7 +12,7 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import PENALTY
 from drumlin_studies.self_locking import (
     row_of_self_locking_friction,
-    row_of_torque_over_friction,
+    row_of_torque_curves_by_friction,
     row_on_uniqueness_of_contact_solutions,
     rows_of_torque_slopes_and_differences,
 )
@@ -113,7 +113,7 @@ def study(
     torque = [
         journal.get_or_compute_result(
             {"of": "torque", "ring": name != "rigid drum", "n": elements},
-            partial(row_of_torque_over_friction, drum, name, elements),
+            partial(row_of_torque_curves_by_friction, drum, name, elements),
         )
         for name, drum in drums.items()
     ]

@@ -146,7 +146,7 @@ def _input_with_spoiled_shoe_mesh(rng: random.Random) -> BrokenInput:
 SpoiledMesh = tuple[Any, Any, dict[str, Any], dict[str, Any]]
 """A spoiled mesh: its points, its cells, the data of its cells and the data of its points.
 
-The functions below take these four of a valid mesh and return those of a spoiled one. Their
+The functions below take these four values of a valid mesh and return them for a spoiled mesh. Their
 argument `at` holds the data of cells by group, `on` the data of points by group.
 """
 

@@ -62,7 +62,8 @@ def kill_and_finish_one_sweep(case: dict[str, Any]) -> dict[str, Any]:
             )
             table = _run_sweep_to_its_end(folder, "t.csv", words)
         keys = _keys_of_cases_in_sweep_journal(folder / "t.csv.journal")
-    # The final table must be that of the undisturbed run, with each case once in the journal.
+    # The final table must equal the table of the undisturbed run, with each case once in the
+    # journal.
     wrong, different = [], len(set(keys))
     if table != whole:
         wrong.append("another table")

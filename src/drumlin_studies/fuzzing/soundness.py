@@ -20,7 +20,7 @@ SOUND_IMBALANCE = 1e-6
 The value is chosen by judgement: far above round-off, and far below an error that users notice.
 """
 TORQUE_SLACK = 0.03
-"""Relative difference between the torque and the moment of the friction above which one is wrong.
+"""Relative difference between torque and moment of the friction above which one of them is wrong.
 
 The lining of a mesh file may be off the drum by 1 % of the radius. Its length and its lever arm are
 then off by 1 % each.

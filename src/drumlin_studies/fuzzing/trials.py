@@ -92,7 +92,7 @@ class InputVerdict(NamedTuple):
     Attributes
     ----------
     number : int
-        Number of the input of its generator.
+        Number of the input. Together with the name of the generator it determines the input.
     status : int
         Exit status of the run.
     seconds : float
@@ -115,12 +115,12 @@ COUNTED_STATUSES = {"answers": 0, "refused": 2, "no answer": 3}
 
 
 def make_input_of_generator_with_number(generator: str, number: int) -> BrokenInput:
-    """Make the input of a generator with a number. The same number gives the same input."""
+    """Make input number `number` of a generator. The same number gives the same input."""
     return GENERATORS[generator][0](random.Random(f"{generator} {number}"))
 
 
 def run_and_judge_input(generator: str, number: int, apart: bool = False) -> InputVerdict:
-    """Make the input of a generator with a number, run it, and judge how the run ended.
+    """Make input number `number` of a generator, run it, and judge how the run ended.
 
     If `apart` is true, the input runs in a new process, else in this one.
     """
@@ -154,7 +154,7 @@ def can_be_process_argument(word: str) -> bool:
 
 
 def _verdicts_on_chunk_of_inputs(case: Case) -> dict[str, Any]:
-    """Run the inputs of a generator that a process is given together; returns their verdicts."""
+    """Run several inputs of a generator, the case of one journal entry; returns their verdicts."""
     numbers = range(case["first"], case["first"] + case["count"])
     generator, apart = case["generator"], case["apart"]
     return {
