@@ -578,12 +578,6 @@ class Brake(Part):
                 return f"shoe {shoe.name!r}: {reason}"
         return None
 
-    def check_shoes_have_one_lining(self, what: str) -> None:
-        """Raise BadInput if a shoe has slots between linings, which `what` does not take."""
-        reason = self.reason_against_several_linings(what)
-        if reason is not None:
-            raise BadInput(reason)
-
     def reason_why_not_all_shoes_hinged(self) -> str | None:
         """Why not every shoe turns about a hinge under a known force; None if every shoe does."""
         if self.shares:

@@ -5,6 +5,7 @@ All quantities are in SI units.
 
 import math
 from abc import abstractmethod
+from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
@@ -329,12 +330,17 @@ class Lining(Part):
         return (self,)
 
     @property
+    def linings_apart(self) -> "tuple[Lining, ...]":
+        """The linings with slots between them by growing coordinate; linings that touch are one."""
+        return self.linings
+
+    @property
     def arcs(self) -> tuple[tuple[float, float], ...]:
         """Begin and end of each part of the friction surface, by growing coordinate.
 
         Between two parts is a slot without lining. Linings that touch are one part.
         """
-        return ((self.start, self.end),)
+        return tuple((part.start, part.end) for part in self.linings_apart)
 
     @property
     def slots(self) -> tuple[tuple[float, float], ...]:
@@ -359,6 +365,11 @@ class Lining(Part):
     def copy_with(self, changes: Mapping[str, object]) -> Self:
         """A copy in which fields of every lining have other values, by the name of the field."""
         return self.model_copy(update=dict(changes))
+
+    def copy_with_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
+        """A copy with other clearances: one for each of `arcs`, in their order."""
+        (clearance,) = clearances
+        return self.model_copy(update={"clearance": clearance})
 
     def clearance_at_surface_coordinates(self, theta: Floats) -> Floats:
         """Clearance [m] without the misfit at the surface coordinates `theta`, same shape."""
@@ -482,13 +493,14 @@ class DrumLiningRow(Lining):
         return self.parts
 
     @property
-    def arcs(self) -> tuple[tuple[float, float], ...]:
-        """First and last angle of each part of the friction surface; touching linings are one."""
-        found = [(self.parts[0].start, self.parts[0].end)]
+    def linings_apart(self) -> tuple[Lining, ...]:
+        """The linings with slots between them by growing angle; linings that touch are one."""
+        found = [self.parts[0]]
         for part in self.parts[1:]:
-            touches = part.start - found[-1][1] <= TOUCHING
-            start = found.pop()[0] if touches else part.start
-            found.append((start, part.end))
+            if part.start - found[-1].end <= TOUCHING:
+                found[-1] = found[-1].model_copy(update={"end": part.end})
+            else:
+                found.append(part)
         return tuple(found)
 
     @property
@@ -540,6 +552,16 @@ class DrumLiningRow(Lining):
         """A copy in which fields of every lining have other values, by the name of the field."""
         parts = tuple(part.model_copy(update=dict(changes)) for part in self.parts)
         return self.model_copy(update={"parts": parts})
+
+    def copy_with_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
+        """A copy with other clearances: one for each of `arcs`, in their order."""
+        # Linings that touch are on one arc and have one clearance.
+        starts = [start for start, _ in self.arcs]
+        parts = []
+        for part in self.parts:
+            own = clearances[bisect_right(starts, part.start) - 1]
+            parts.append(part.model_copy(update={"clearance": own}))
+        return self.model_copy(update={"parts": tuple(parts)})
 
     def clearance_at_surface_coordinates(self, theta: Floats) -> Floats:
         """Clearance [m] without the misfit at the angles `theta`, same shape.

@@ -86,7 +86,8 @@ class Deformation(NamedTuple):
     x : (m,) [m], places along the beam from the hinge
     w : (m,) [m], displacement of the beam towards the drum at x
     relative : (m,) [m], displacement of the beam from the straight line through its displaced ends
-    z : (n,) [m], inward displacement of the ring at the angles `theta` of the shoe's response
+    z : (n,) [m], inward displacement of the ring at the angles `theta` of the shoe's response;
+        in a slot between two linings it is interpolated linearly
     """
 
     x: Floats
@@ -743,7 +744,7 @@ def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> 
         return None
     theta, pressure = response.curve()
     zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
-    inside = _is_angle_outside_end_zones(theta, zone, response.slots)
+    inside = is_angle_outside_end_zones(theta, theta[0], theta[-1], zone, response.slots)
     # A response does not tell whether its peak pressure was sought on the whole lining or outside
     # the end zones. The largest value of the curve is known for both. The value that is nearer to
     # the peak pressure decides.
@@ -762,16 +763,23 @@ def largest_nodal_pressure_outside_zones(
     If the pressure is zero at all these nodes, the largest of all nodal pressures is returned.
     `slots` are those between several linings, each of which has two ends.
     """
-    inside = _is_angle_outside_end_zones(theta, zone, slots)
+    inside = is_angle_outside_end_zones(theta, theta[0], theta[-1], zone, slots)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())
 
 
-def _is_angle_outside_end_zones(theta: Floats, zone: float, slots: Slots = ()) -> Bools:
-    """Whether angles (n,) are farther than a zone from the first and the last angle and the slots.
+def is_angle_outside_end_zones(
+    theta: Floats, first: float, last: float, zone: float, slots: Slots = ()
+) -> Bools:
+    """Whether angles are on a lining, and farther than a zone from its ends; a mask (n,).
 
-    In a slot they are not.
+    Parameters
+    ----------
+    theta : angles (n,) [rad]
+    first, last : angles of the ends of the lining, or of all linings together [rad]
+    zone : length of the zone [rad]
+    slots : first and last angle of each slot between two linings [rad]
     """
-    inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
+    inside = (theta > first + zone) & (theta < last - zone)
     for start, end in slots:
         inside &= (theta < start - zone) | (theta > end + zone)
     return np.asarray(inside)

@@ -287,8 +287,13 @@ def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Flo
     thus E s/sqrt(48) on a half-plane, and E s h/(sqrt(720) t) on a layer. The sum of both is an
     upper bound for a layer on a support.
     """
-    if len(lining.linings) > 1:
-        changes = [pressure_changes_by_kinks_of_gap(part, scale_factor) for part in lining.linings]
+    if len(lining.linings_apart) > 1:
+        # The rows are those of `coordinates_of_clearance_rows`: the rows on each lining.
+        changes = []
+        for part in lining.linings_apart:
+            rows = np.array(clearance.coordinates_of_clearance_rows(part))
+            on_part = (part.start < rows) & (rows < part.end)
+            changes.append(pressure_changes_by_kinks_of_gap(part, scale_factor)[on_part])
         return np.concatenate(changes)
     angle = np.array(clearance.coordinates_of_clearance_rows(lining))
     if len(angle) == 0:

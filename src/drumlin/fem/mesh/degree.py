@@ -170,7 +170,10 @@ class NodalBasis:
         elements : numbers (m,) of the elements, or a slice
         """
         dofs = self.element_dofs[:, elements]
-        local = np.array([self.elem.lbasis(at, i)[1] for i in range(len(dofs))])
+        # In long double the slopes of all shape functions at a point add up to zero, so that a soft
+        # shoe keeps its digits.
+        fine = at.astype(np.longdouble)
+        local = np.array([self.elem.lbasis(fine, i)[1] for i in range(len(dofs))]).astype(float)
         J = np.einsum("caj,adq->cdjq", self.doflocs[:, dofs], local, optimize=True)
         determinant = J[0, 0] * J[1, 1] - J[0, 1] * J[1, 0]
         inverse = np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]]) / determinant
