@@ -20,6 +20,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
+from drumlin.base.texts import number_as_text
 from drumlin.contact.active_set import Contact, solve_contact_problem
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.self_locking import FrictionDependentProblem
@@ -90,7 +91,7 @@ def solve_contact_with_friction_over_pressure(
         if part < SMALLEST_FRICTION_PART:
             raise NoAnswer(
                 "no equilibrium is found with friction that depends on the pressure; "
-                f"with {reached:.0%} of this dependence there is one"
+                f"with {number_as_text(reached, '.0%')} of this dependence there is one"
             )
     return found
 

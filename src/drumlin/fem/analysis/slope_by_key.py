@@ -34,7 +34,7 @@ def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> fl
     parts, name = parts_and_field_of_key(brake, key)
     if parts == [brake]:
         # Frictions of linings do not change with the key of the brake, but the slope includes them.
-        is_exact = name == "friction" and brake.key_of_first_own_friction() is None
+        is_exact = name == "friction_as_written" and brake.key_of_first_own_friction() is None
         return slopes.friction if is_exact else None
     found = [
         _torque_slope_by_field_of_shoe(shoe, own, part, name)
