@@ -478,8 +478,8 @@ class _ChunkDispatcher:
         self._waiting = _WaitingCases(cases, missing)
         self._size = 1
         self._max_size = 1 if alone else MAX_CASES_PER_CHUNK
-        # Each worker has one chunk that it solves and one chunk that waits. One chunk more is sent,
-        # so that a worker that finishes never waits.
+        # At most two chunks for each worker (one in work, one that waits) and one more are sent at
+        # a time.
         self._max_sent = 1 if alone else 2 * workers + 1
 
     @property
@@ -488,7 +488,7 @@ class _ChunkDispatcher:
         return self._waiting.has_waiting_cases or bool(self.sent)
 
     def send_chunks_to_workers(self) -> None:
-        """Send chunks of cases to the workers until each worker has at least two chunks."""
+        """Send chunks of cases to the workers until the largest allowed number is sent."""
         while self._waiting.has_waiting_cases and len(self.sent) < self._max_sent:
             positions = self._waiting.remove_and_return_case_positions(self._size)
             chunk = [self._cases[i] for i in positions]

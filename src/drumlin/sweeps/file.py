@@ -56,7 +56,7 @@ Checking them takes some 0.1 s.
 
 
 class Range(Part):
-    """A range: `count` values from `from` to `to`, with equal differences or equal ratios."""
+    """A number `count` of values from `from` to `to`, at equal distances or at equal factors."""
 
     start: Annotated[float | str, Field(alias="from")]
     to: float | str

@@ -63,10 +63,10 @@ def uniform_distribution(low: float, high: float) -> Any:
 def random_deviations_of_brakes_in_all_samples(
     tolerances: Sequence[ManufacturingTolerance], n: int, seed: int
 ) -> Floats:
-    """Draw the deviations of all brakes of the samples A, B, AB_1 ...
+    """Draw the deviations of all brakes of the samples A, B, AB_1 ... AB_d.
 
-    AB_d. The module's docstring defines the samples. The random numbers are scrambled Sobol'
-    points, which fill the space of 2 d coordinates evenly.
+    The module's docstring defines the samples. The random numbers are scrambled Sobol' points,
+    which fill the space of 2 d coordinates evenly.
 
     Parameters
     ----------
